@@ -1,0 +1,68 @@
+"""What is simulated: the can, its release, its effects, and the models that engines open."""
+
+from models.can import Can
+from models.catalogue import load, names
+from models.effects import IDEAL, NO_SLIP_FRICTION, Effects, Slip
+from models.errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
+from models.kinematics import (
+    angle_rates,
+    angles,
+    angular_velocity,
+    principal,
+    quaternion,
+    to_body,
+)
+from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
+from models.record import RESOLVED_STEP, Angles, angles_of_record
+from models.rim import (
+    contact_offset,
+    contact_point,
+    contact_velocity,
+    release_state,
+    rolling_velocity,
+)
+from models.scene import Horizon, Scene
+from models.scene_file import read_scene, write_scene
+from models.state import Pose, Release, Twist
+from models.urdf import GROUND_FRICTION, ground_urdf, urdf
+
+__all__ = [
+    "DEPTH_SENSOR",
+    "GROUND_FRICTION",
+    "IDEAL",
+    "NET_SENSOR",
+    "NO_SLIP_FRICTION",
+    "RESOLVED_STEP",
+    "Angles",
+    "Can",
+    "Effects",
+    "Horizon",
+    "InvalidValueError",
+    "ModelError",
+    "Pose",
+    "Release",
+    "Scene",
+    "SceneFileError",
+    "Slip",
+    "Twist",
+    "UnknownSceneError",
+    "angle_rates",
+    "angles",
+    "angles_of_record",
+    "angular_velocity",
+    "contact_offset",
+    "contact_point",
+    "contact_velocity",
+    "ground_urdf",
+    "load",
+    "mjcf",
+    "names",
+    "principal",
+    "quaternion",
+    "read_scene",
+    "release_state",
+    "rolling_velocity",
+    "to_body",
+    "urdf",
+    "write_scene",
+]

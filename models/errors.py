@@ -1,0 +1,89 @@
+"""What can be wrong with the description of a can, each said in one sentence.
+
+Every message names what was wrong (the file, the key), what was found and what is allowed.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+_LONGEST_SHOWN = 80
+
+
+def shown(value: object) -> str:
+    """Return the value as a message quotes it: its repr, shortened when it is long."""
+    text = repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+class ModelError(ValueError):
+    """The root of everything that `models` refuses."""
+
+
+class InvalidValueError(ModelError):
+    """A quantity has a value that no can, release or scene may have.
+
+    Parameters
+    ----------
+    key : str
+        The quantity, as its owner names it: ``mass``, ``phi``, ``mu``.
+    value : object
+        What was found.
+    allowed : str
+        What is allowed, to be read after "must be".
+    """
+
+    def __init__(self, key: str, value: object, allowed: str) -> None:
+        super().__init__(key, value, allowed)
+        self.key = key
+        self.value = value
+        self.allowed = allowed
+
+    def __str__(self) -> str:
+        """Say what was found and what is allowed."""
+        return f"`{self.key}` is {shown(self.value)}, but must be {self.allowed}"
+
+
+class SceneFileError(ModelError):
+    """A scene file cannot be read, or says something that no scene may say.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    problems : sequence of str
+        What is wrong with it, one sentence each.
+    """
+
+    def __init__(self, path: Path, problems: Sequence[str]) -> None:
+        super().__init__(path, tuple(problems))
+        self.path = path
+        self.problems = tuple(problems)
+
+    def __str__(self) -> str:
+        """Give one line for each problem, every one of them naming the file."""
+        return "\n".join(f"scene file '{self.path}': {problem}" for problem in self.problems)
+
+
+class UnknownSceneError(ModelError):
+    """No scene has this name, and no file this path.
+
+    Parameters
+    ----------
+    name : str
+        What was asked for.
+    available : sequence of str
+        The scenes there are.
+    """
+
+    def __init__(self, name: str, available: Sequence[str]) -> None:
+        super().__init__(name, tuple(available))
+        self.name = name
+        self.available = tuple(available)
+
+    def __str__(self) -> str:
+        """List what there is."""
+        return (
+            f"unknown scene {self.name!r}: it is neither in the catalogue "
+            f"({', '.join(self.available)}) nor the path of a scene file"
+        )

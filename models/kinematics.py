@@ -1,0 +1,197 @@
+r"""The paper's angles and frames: from angles and rates to quaternion and angular velocity, and back.
+
+Precession psi about the vertical, nutation phi, then rotation theta about the symmetry axis take the
+world to the body (eq01:rotation_matrices):
+
+    R_WB = Rz(psi) Ry(-phi) Rz(theta)
+
+so the symmetry axis points to (-sin phi cos psi, -sin phi sin psi, cos phi) in the world. The paper's
+frame B takes no part in the spin; in it the angular velocity of the body is
+
+    Omega = (psi' sin phi, -phi', psi' cos phi + theta')
+
+In half angles, with sigma = psi + theta and delta = psi - theta, the quaternion is
+
+    w + i z = cos(phi/2) exp(i sigma/2)        -y + i x = sin(phi/2) exp(i delta/2)
+
+Both complex numbers are known to full relative precision however small phi is, so phi and delta,
+hence psi and theta, come out right within round-off down to phi = 1e-300, where arccos(cos phi)
+gives up at 1e-8. In the flat can (phi = 0) only sigma has a meaning; delta is zero by convention.
+
+Arrays broadcast: angles have shape (...), vectors (..., 3), quaternions (..., 4), scalar first and
+from body to world.
+"""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+
+TURN = 2.0 * np.pi
+
+
+def quaternion(phi: ArrayLike, psi: ArrayLike, theta: ArrayLike) -> Floats:
+    """Return the rotation from body to world.
+
+    Parameters
+    ----------
+    phi, psi, theta : array_like, shape (...)
+        Nutation, precession and rotation, rad.
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        Unit quaternion, scalar first.
+    """
+    phi, psi, theta = np.broadcast_arrays(phi, psi, theta)
+    half_sum, half_difference = (psi + theta) / 2.0, (psi - theta) / 2.0
+    cos, sin = np.cos(phi / 2.0), np.sin(phi / 2.0)
+    return np.stack(
+        (
+            cos * np.cos(half_sum),
+            sin * np.sin(half_difference),
+            -sin * np.cos(half_difference),
+            cos * np.sin(half_sum),
+        ),
+        axis=-1,
+    )
+
+
+def half_angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Return nutation, and the sum and difference of precession and rotation.
+
+    Parameters
+    ----------
+    quaternion : array_like, shape (..., 4)
+        From body to world, scalar first; its length and sign do not matter for `phi`.
+
+    Returns
+    -------
+    phi, sigma, delta : ndarray, shape (...)
+        phi in [0, pi], sigma = psi + theta and delta = psi - theta in [-2 pi, 2 pi], rad. The
+        opposite quaternion, the same rotation, moves sigma and delta by 2 pi each.
+    """
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    phi = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+    sigma = 2.0 * np.arctan2(z, w)
+    delta = 2.0 * np.arctan2(x, 0.0 - y)  # not -y: arctan2(0, -0.0) is pi, and flat means zero
+    return phi, sigma, delta
+
+
+def angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Return the paper's angles of a rotation, psi and theta each in (-pi, pi].
+
+    Parameters
+    ----------
+    quaternion : array_like, shape (..., 4)
+        From body to world, scalar first.
+
+    Returns
+    -------
+    phi, psi, theta : ndarray, shape (...)
+        rad; phi in [0, pi]. For psi and theta without jumps see `models.record`.
+    """
+    phi, sigma, delta = half_angles(quaternion)
+    return phi, principal((sigma + delta) / 2.0), principal((sigma - delta) / 2.0)
+
+
+def whole_turns(angle: ArrayLike) -> Floats:
+    """Return the number of turns, an integer, that leads from the angle's equal in (-pi, pi].
+
+    Parameters
+    ----------
+    angle : array_like, shape (...)
+        rad.
+    """
+    return np.ceil(np.asarray(angle, dtype=np.float64) / TURN - 0.5)
+
+
+def principal(angle: ArrayLike) -> Floats:
+    """Return the angle's equal in (-pi, pi], shape (...), rad; itself where it is there already."""
+    return np.asarray(angle, dtype=np.float64) - TURN * whole_turns(angle)
+
+
+def angular_velocity(
+    phi: ArrayLike, psi: ArrayLike, phi_dot: ArrayLike, psi_dot: ArrayLike, theta_dot: ArrayLike
+) -> Floats:
+    """Return the angular velocity of the body in world coordinates.
+
+    Parameters
+    ----------
+    phi, psi : array_like, shape (...)
+        rad.
+    phi_dot, psi_dot, theta_dot : array_like, shape (...)
+        rad/s.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        rad/s: psi' about the vertical, -phi' about the horizontal axis of nutation, theta' about
+        the symmetry axis.
+    """
+    phi, psi, phi_dot, psi_dot, theta_dot = np.broadcast_arrays(
+        phi, psi, phi_dot, psi_dot, theta_dot
+    )
+    inwards = theta_dot * np.sin(phi)  # of theta' the horizontal part, where the axis leans to
+    return np.stack(
+        (
+            phi_dot * np.sin(psi) - inwards * np.cos(psi),
+            -phi_dot * np.cos(psi) - inwards * np.sin(psi),
+            psi_dot + theta_dot * np.cos(phi),
+        ),
+        axis=-1,
+    )
+
+
+def angle_rates(
+    phi: ArrayLike, psi: ArrayLike, angular_velocity: ArrayLike
+) -> tuple[Floats, Floats, Floats]:
+    """Return the rates of the angles, the inverse of `angular_velocity`.
+
+    Parameters
+    ----------
+    phi, psi : array_like, shape (...)
+        rad.
+    angular_velocity : array_like, shape (..., 3)
+        In world coordinates, rad/s.
+
+    Returns
+    -------
+    phi_dot, psi_dot, theta_dot : ndarray, shape (...)
+        rad/s. Where sin phi is zero, psi' and theta' have no meaning apart from their sum: there
+        psi' is zero and theta' is the whole spin.
+    """
+    phi, psi = np.asarray(phi, dtype=np.float64), np.asarray(psi, dtype=np.float64)
+    omega_x, omega_y, omega_z = np.moveaxis(np.asarray(angular_velocity, dtype=np.float64), -1, 0)
+    cos_psi, sin_psi = np.cos(psi), np.sin(psi)
+    outwards = omega_x * cos_psi + omega_y * sin_psi
+    sin, cos = np.sin(phi), np.cos(phi)
+    tilted = sin != 0.0
+    ratio = np.divide(outwards, sin, out=np.zeros(np.broadcast(outwards, sin).shape), where=tilted)
+    phi_dot = omega_x * sin_psi - omega_y * cos_psi
+    psi_dot = np.where(tilted, omega_z + ratio * cos, 0.0)
+    theta_dot = np.where(tilted, -ratio, omega_z * np.sign(cos))
+    return phi_dot, psi_dot, theta_dot
+
+
+def to_body(quaternion: ArrayLike, vector: ArrayLike) -> Floats:
+    """Return a vector of the world in the coordinates of the body.
+
+    Parameters
+    ----------
+    quaternion : array_like, shape (..., 4)
+        From body to world, scalar first, of unit length.
+    vector : array_like, shape (..., 3)
+        In world coordinates.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+    """
+    q, v = np.asarray(quaternion, dtype=np.float64), np.asarray(vector, dtype=np.float64)
+    axis = -q[..., 1:]
+    half_turned = 2.0 * np.cross(axis, v)
+    turned: Floats = v + q[..., :1] * half_turned + np.cross(axis, half_turned)
+    return turned

@@ -1,0 +1,131 @@
+"""The scene as a MuJoCo model: a pure function from a scene to MJCF text.
+
+The model says what the scene says and no more; how the engine is to solve it (integrator, cone,
+solref, ...) is handed in by whoever runs it. MuJoCo meets a cylinder and a plane analytically, so
+the ground is a plane. Its body frame is the can's: centre of mass at the origin, z the symmetry axis.
+"""
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from models.effects import NO_SLIP_FRICTION
+from models.kinematics import to_body
+from models.rim import release_state
+from models.scene import Scene
+
+_NOTHING: Mapping[str, str] = MappingProxyType({})
+
+NET_SENSOR = "net_contact"
+"""Name of the sensor of the resultant of all contacts, 16 numbers:
+
+====== ======= ==================================================================
+0      found   number of contacts; with none, everything is zero
+1:4    force   on the can, in the contact frame: normal first, N
+4:7    torque  about `pos`, in the contact frame, N m
+7:10   pos     where the resultant acts, weighted by force: the contact locus, m
+10:13  normal  first axis of the contact frame, in the world
+13:16  tangent second axis; the third is cross(normal, tangent)
+====== ======= ==================================================================
+"""
+
+DEPTH_SENSOR = "deepest_contact"
+"""Name of the sensor of the deepest contact, 1 number: the gap, m, negative in penetration; zero
+also when there is no contact at all, which `NET_SENSOR` tells."""
+
+
+def mjcf(
+    scene: Scene,
+    *,
+    option: Mapping[str, str] = _NOTHING,
+    flag: Mapping[str, str] = _NOTHING,
+    geom: Mapping[str, str] = _NOTHING,
+    contact_sensors: bool = False,
+) -> str:
+    """Return the scene as MJCF.
+
+    Parameters
+    ----------
+    scene : Scene
+    option, flag : mapping of str to str
+        Attributes of `option` and of `option/flag`, by MuJoCo's names.
+    geom : mapping of str to str
+        Attributes of both geoms, such as `solref`; MuJoCo combines the two of a contact, so both
+        get the same.
+    contact_sensors : bool
+        Add the sensors `NET_SENSOR` and `DEPTH_SENSOR`, in this order.
+
+    Returns
+    -------
+    str
+        A model with body, free joint and geom `can`, geom `ground`, and a keyframe `release` that
+        holds the release velocity as well.
+    """
+    can = scene.can
+    pose, twist = release_state(can, scene.release)
+    root = ET.Element("mujoco", model=scene.name)
+    options = ET.SubElement(
+        root, "option", {"gravity": numbers(0.0, 0.0, -scene.gravity)} | dict(option)
+    )
+    if flag:
+        ET.SubElement(options, "flag", dict(flag))
+
+    world = ET.SubElement(root, "worldbody")
+    slip = scene.effects.slip
+    mu = NO_SLIP_FRICTION if slip is None else slip.mu
+    surface = {"friction": numbers(mu, 0.005, 0.0001), "condim": "3" if mu > 0.0 else "1"}
+    surface |= dict(geom)
+    ET.SubElement(world, "geom", {"name": "ground", "type": "plane", "size": "0 0 1"} | surface)
+    body = ET.SubElement(
+        world,
+        "body",
+        name="can",
+        pos=numbers(*pose.position),
+        quat=numbers(*pose.quaternion),
+    )
+    ET.SubElement(body, "freejoint", name="can")
+    ET.SubElement(
+        body,
+        "inertial",
+        pos="0 0 0",
+        mass=numbers(can.mass),
+        diaginertia=numbers(can.transverse_inertia, can.transverse_inertia, can.axial_inertia),
+    )
+    size = numbers(can.radius, can.half_height)
+    ET.SubElement(body, "geom", {"name": "can", "type": "cylinder", "size": size} | surface)
+
+    if contact_sensors:
+        _add_sensors(root)
+    keyframe = ET.SubElement(root, "keyframe")
+    ET.SubElement(
+        keyframe,
+        "key",
+        name="release",
+        qpos=numbers(*pose.position, *pose.quaternion),
+        qvel=numbers(*twist.velocity, *to_body(pose.quaternion, twist.angular_velocity)),
+    )
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def numbers(*values: float) -> str:
+    """Return numbers as an attribute, each to its last digit."""
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _add_sensors(root: ET.Element) -> None:
+    sensors = ET.SubElement(root, "sensor")
+    for name, reduce, data in (
+        (NET_SENSOR, "netforce", "found force torque pos normal tangent"),
+        (DEPTH_SENSOR, "mindist", "dist"),
+    ):
+        ET.SubElement(
+            sensors,
+            "contact",
+            name=name,
+            geom1="ground",
+            geom2="can",
+            num="1",
+            reduce=reduce,
+            data=data,
+        )

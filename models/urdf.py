@@ -1,0 +1,72 @@
+"""The scene as URDF, for PyBullet: a pure function from a scene to the text of its can.
+
+URDF has no world: where the can is released, gravity and the solver are the caller's business; so is
+the ground, a true plane in a file of its own. The frame of the link is the can's: centre of mass at
+the origin, z the symmetry axis.
+"""
+
+import xml.etree.ElementTree as ET
+
+from models.effects import NO_SLIP_FRICTION
+from models.scene import Scene
+
+GROUND_FRICTION = 1.0
+"""Bullet multiplies the coefficients of a pair: with 1 on the ground the can's is the pair's."""
+
+
+def urdf(scene: Scene) -> str:
+    """Return the can of a scene as URDF.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    str
+        A robot named after the scene with the one link `can`, its declared moments, and friction
+        of the pair on its contact.
+    """
+    can, slip = scene.can, scene.effects.slip
+    root, link = _robot(scene.name, "can", NO_SLIP_FRICTION if slip is None else slip.mu)
+    inertial = ET.SubElement(link, "inertial")
+    ET.SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0")
+    ET.SubElement(inertial, "mass", value=repr(can.mass))
+    A, C = repr(can.transverse_inertia), repr(can.axial_inertia)
+    ET.SubElement(inertial, "inertia", ixx=A, ixy="0", ixz="0", iyy=A, iyz="0", izz=C)
+    for role in ("visual", "collision"):
+        shape = ET.SubElement(link, role, name="can")
+        ET.SubElement(shape, "origin", xyz="0 0 0", rpy="0 0 0")
+        geometry = ET.SubElement(shape, "geometry")
+        ET.SubElement(
+            geometry,
+            "cylinder",
+            radius=repr(can.radius),
+            length=repr(2.0 * can.half_height),
+        )
+    return _text(root)
+
+
+def ground_urdf() -> str:
+    """Return the ground as URDF: the plane z = 0, immovable, with friction `GROUND_FRICTION`."""
+    root, link = _robot("ground", "ground", GROUND_FRICTION)
+    inertial = ET.SubElement(link, "inertial")
+    ET.SubElement(inertial, "mass", value="0")  # Bullet's way to say that it never moves
+    ET.SubElement(inertial, "inertia", ixx="0", ixy="0", ixz="0", iyy="0", iyz="0", izz="0")
+    collision = ET.SubElement(link, "collision", name="ground")
+    ET.SubElement(ET.SubElement(collision, "geometry"), "plane", normal="0 0 1")
+    return _text(root)
+
+
+def _robot(name: str, link_name: str, friction: float) -> tuple[ET.Element, ET.Element]:
+    """Return a robot and its one link, which carries the friction."""
+    root = ET.Element("robot", name=name)
+    link = ET.SubElement(root, "link", name=link_name)
+    contact = ET.SubElement(link, "contact")
+    ET.SubElement(contact, "lateral_friction", value=repr(friction))
+    return root, link
+
+
+def _text(root: ET.Element) -> str:
+    ET.indent(root)
+    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
