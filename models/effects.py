@@ -12,8 +12,8 @@ from models.quantity import not_negative
 NO_SLIP_FRICTION = 1.0
 """Coefficient of friction of an engine model whose scene declares no slip.
 
-An engine has no no-slip constraint, so it gets more friction than rolling calls for: the paper's can
-needs 0.508 in its bounce, a uniform cylinder at most 0.96 (sec01:friction). More would change
+An engine has no no-slip constraint, so it gets more friction than rolling calls for: in its bounce
+the paper's can needs 0.508, a uniform cylinder at most 0.96 (sec01:friction). More would change
 nothing in exact arithmetic and makes the engines' friction cones worse conditioned.
 """
 

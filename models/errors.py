@@ -6,7 +6,6 @@ Every message names what was wrong (the file, the key), what was found and what 
 from collections.abc import Sequence
 from pathlib import Path
 
-
 _LONGEST_SHOWN = 80
 
 

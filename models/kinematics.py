@@ -1,12 +1,12 @@
-r"""The paper's angles and frames: from angles and rates to quaternion and angular velocity, and back.
+"""The paper's angles and frames: angles and rates to quaternion and angular velocity, and back.
 
-Precession psi about the vertical, nutation phi, then rotation theta about the symmetry axis take the
-world to the body (eq01:rotation_matrices):
+Precession psi about the vertical, nutation phi, then rotation theta about the symmetry axis take
+the world to the body (eq01:rotation_matrices):
 
     R_WB = Rz(psi) Ry(-phi) Rz(theta)
 
-so the symmetry axis points to (-sin phi cos psi, -sin phi sin psi, cos phi) in the world. The paper's
-frame B takes no part in the spin; in it the angular velocity of the body is
+so the symmetry axis points to (-sin phi cos psi, -sin phi sin psi, cos phi) in the world. The
+paper's frame B takes no part in the spin; in it the angular velocity of the body is
 
     Omega = (psi' sin phi, -phi', psi' cos phi + theta')
 

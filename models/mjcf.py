@@ -2,7 +2,8 @@
 
 The model says what the scene says and no more; how the engine is to solve it (integrator, cone,
 solref, ...) is handed in by whoever runs it. MuJoCo meets a cylinder and a plane analytically, so
-the ground is a plane. Its body frame is the can's: centre of mass at the origin, z the symmetry axis.
+the ground is a plane. The body frame has the centre of mass at its origin and z along the symmetry
+axis.
 """
 
 import xml.etree.ElementTree as ET

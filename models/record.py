@@ -1,15 +1,15 @@
 """The angles of a whole record: psi and theta without jumps, and where the record cannot tell.
 
-A quaternion fixes psi and theta to within whole turns only. Their sum sigma is always smooth, because
-the rate psi' + theta' stays moderate even where each of them runs away; so sigma is unwrapped first. With
-sigma known, psi is left with whole turns (sigma and delta = psi - theta change branch together), and
-in a bounce it may move through half a turn in a microsecond.
+A quaternion fixes psi and theta to within whole turns only. Their sum sigma is always smooth,
+because the rate psi' + theta' stays moderate even where each of them runs away; so sigma is
+unwrapped first. With sigma known, psi is left with whole turns (sigma and delta = psi - theta
+change branch together), and in a bounce it may move through half a turn in a microsecond.
 
 The branch is the one nearest to what the rates on both sides of an interval predict. In a bounce
 phi exp(i chi), with chi = psi sqrt(a_p/(a_p + 1)), moves on a straight line at constant speed; its
-argument from one sample to the next follows from phi'/phi + i chi' at each. Away from the bounce the
-same expression is the trapezoidal rule. Where psi moves by more than a right angle between samples,
-by the chosen branch or by the rates, the record is too coarse to know and says so.
+argument from one sample to the next follows from phi'/phi + i chi' at each. Away from the bounce
+the same expression is the trapezoidal rule. Where psi moves by more than a right angle between
+samples, by the chosen branch or by the rates, the record is too coarse to know and says so.
 """
 
 from dataclasses import dataclass
@@ -116,7 +116,11 @@ def angles_of_record(
 
 
 def _predicted_turn(can: Can, dt: Floats, phi: Floats, phi_dot: Floats, psi_dot: Floats) -> Floats:
-    """Return the change of psi over each interval that the rates at its ends predict, shape (n-1,)."""
+    """Return the change of psi that the rates at both ends of each interval predict, shape (n-1,).
+
+    Half an interval ahead from its first end and half an interval back from its last, each along
+    the straight line of a bounce.
+    """
     a_p = can.a + can.h**2
     slowness = np.sqrt(a_p / (a_p + 1.0))
     flat = phi == 0.0

@@ -73,9 +73,8 @@ def contact_velocity(
         m/s; zero in rolling (eq01:constraint), its horizontal part is the slip.
     """
     phi, psi, _ = angles(quaternion)
-    return np.asarray(velocity, dtype=np.float64) + np.cross(
-        angular_velocity, contact_offset(can, phi, psi)
-    )
+    spin = np.asarray(angular_velocity, dtype=np.float64)
+    return np.asarray(velocity, dtype=np.float64) + np.cross(spin, contact_offset(can, phi, psi))
 
 
 def rolling_velocity(
@@ -96,7 +95,9 @@ def rolling_velocity(
     ndarray, shape (..., 3)
         In world coordinates, m/s (eq01:com_velocity).
     """
-    return np.cross(contact_offset(can, phi, psi), angular_velocity)
+    spin = np.asarray(angular_velocity, dtype=np.float64)
+    velocity: Floats = np.cross(contact_offset(can, phi, psi), spin)
+    return velocity
 
 
 def release_state(can: Can, release: Release) -> tuple[Pose, Twist]:

@@ -90,19 +90,17 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be named, cited or dropped."""
-        if not isinstance(self.name, str) or re.fullmatch(NAME_PATTERN, self.name) is None:
+        name: object = self.name
+        if not isinstance(name, str) or re.fullmatch(NAME_PATTERN, name) is None:
             allowed = (
                 "1 to 64 lower-case letters, digits, dots, dashes and underscores, "
                 "the first a letter or digit"
             )
-            raise InvalidValueError("name", self.name, allowed)
-        if (
-            not isinstance(self.cite, str)
-            or len(self.cite) > LONGEST_CITE
-            or not self.cite.isprintable()
-        ):
+            raise InvalidValueError("name", name, allowed)
+        cite: object = self.cite
+        if not isinstance(cite, str) or len(cite) > LONGEST_CITE or not cite.isprintable():
             allowed = f"at most {LONGEST_CITE} printable characters on one line"
-            raise InvalidValueError("cite", self.cite, allowed)
+            raise InvalidValueError("cite", cite, allowed)
         object.__setattr__(self, "gravity", not_negative("gravity", self.gravity))
         for key, kind in (
             ("can", Can),

@@ -1,7 +1,7 @@
 """Scene files: TOML read into a `Scene` with exact messages, and written back.
 
-The shape of the file (keys and types) is checked by pydantic, the values by the classes of the scene
-themselves. All that is wrong is reported at once, one line each, naming the file and the key.
+The shape of the file (keys and types) is checked by pydantic, the values by the classes of the
+scene themselves. What is wrong is reported together, one line each, naming the file and the key.
 """
 
 import json

@@ -1,8 +1,8 @@
 """The scene as URDF, for PyBullet: a pure function from a scene to the text of its can.
 
-URDF has no world: where the can is released, gravity and the solver are the caller's business; so is
-the ground, a true plane in a file of its own. The frame of the link is the can's: centre of mass at
-the origin, z the symmetry axis.
+URDF has no world: where the can is released, gravity and the solver are the caller's business; the
+ground is a true plane in a file of its own. The frame of the link has the centre of mass at its
+origin and z along the symmetry axis.
 """
 
 import xml.etree.ElementTree as ET
