@@ -1,0 +1,119 @@
+"""What a solver hands back, whichever it is."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+
+from reference.problem import Problem
+from reference.sampling import grid_by_angle
+from reference.states import Floats, States
+
+
+class Outcome(Enum):
+    """How a solution ended; the value is a sentence for a person."""
+
+    FINISHED = "The solution reached the horizon it was asked for."
+    OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
+    FELL_FLAT = "The can fell flat: the whole rim met the plane at once and nothing turned."
+    STEADY = (
+        "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
+    )
+    NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
+    STALLED = "The integrator could not advance: the step fell below what a double resolves."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounce:
+    """One bounce, from a maximum of phi through the minimum to the next maximum.
+
+    Attributes
+    ----------
+    time : float
+        Time of the minimum of phi, in sqrt(R/g).
+    phi_min : float
+        Smallest nutation.
+    angle_of_turn, rotation_turn : float
+        Signed change of psi, and of theta, between the two maxima.
+    peak_psi_dot : float
+        Precession rate of largest magnitude, with its sign, in sqrt(g/R).
+    peak_friction_ratio : float
+        Largest |F|/N.
+    """
+
+    time: float
+    phi_min: float
+    angle_of_turn: float
+    rotation_turn: float
+    peak_psi_dot: float
+    peak_friction_ratio: float
+
+
+class Path(Protocol):
+    """A motion known at every instant up to its end."""
+
+    def at(self, times: Floats) -> States:
+        """States at the given times."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solution:
+    """A solved problem.
+
+    Attributes
+    ----------
+    problem : Problem
+    model, method : str
+        Which equations, and how they were solved.
+    outcome : Outcome
+    bounces : tuple of Bounce
+    t_end : float
+        Where the solution ends, in sqrt(R/g).
+    maxima, minima : ndarray
+        Times of the extrema of phi; a falling release is a maximum at 0.
+    steps, evaluations : int
+        Solver work; neither depends on the machine.
+    path : Path
+    marks : ndarray
+        Times between which the motion is smooth (the solver's own steps).
+    """
+
+    problem: Problem
+    model: str
+    method: str
+    outcome: Outcome
+    bounces: tuple[Bounce, ...]
+    t_end: float
+    maxima: Floats
+    minima: Floats
+    steps: int
+    evaluations: int
+    path: Path = field(repr=False)
+    marks: Floats = field(repr=False)
+
+    def at(self, times: Floats) -> States:
+        """States at the given times.
+
+        Parameters
+        ----------
+        times : array_like, shape (n,)
+            Inside [0, t_end], in sqrt(R/g).
+
+        Raises
+        ------
+        ValueError
+            If a time lies outside the solution.
+        """
+        times = np.atleast_1d(np.asarray(times, dtype=float))
+        # the end itself may be reached by a sum of time steps: allow its rounding
+        slack = 8 * np.finfo(float).eps * max(self.t_end, 1.0)
+        if times.size and not (times.min() >= -slack and times.max() <= self.t_end + slack):
+            raise ValueError(f"`times` must lie inside [0, {self.t_end!r}]")
+        return self.path.at(np.clip(times, 0.0, self.t_end))
+
+    def grid(self) -> Floats:
+        """Return sampling times, dense by angle: see `reference.sampling.grid_by_angle`."""
+        landmarks = np.concatenate([[0.0, self.t_end], self.maxima, self.minima])
+        return grid_by_angle(self.path, np.concatenate([landmarks, self.marks]))
