@@ -24,7 +24,7 @@ NET_SENSOR = "net_contact"
 0      found   number of contacts; with none, everything is zero
 1:4    force   on the can, in the contact frame: normal first, N
 4:7    torque  about `pos`, in the contact frame, N m
-7:10   pos     where the resultant acts, weighted by force: the contact locus, m
+7:10   pos     mean of the contacts, weighted by the size of their forces: the locus, m
 10:13  normal  first axis of the contact frame, in the world
 13:16  tangent second axis; the third is cross(normal, tangent)
 ====== ======= ==================================================================

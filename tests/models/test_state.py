@@ -1,0 +1,89 @@
+"""Releases, poses and twists, and the effects: what they keep and what they refuse."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+from models import IDEAL, Effects, InvalidValueError, Pose, Release, Slip, Twist
+
+
+def test_what_a_release_leaves_out_is_zero() -> None:
+    release = Release(phi=0.4)
+    assert (release.psi, release.theta) == (0.0, 0.0)
+    assert (release.phi_dot, release.psi_dot, release.theta_dot) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("phi", [0.0, -0.1, math.pi / 2, 2.0])
+def test_a_release_stands_on_one_point_of_its_rim(phi: float) -> None:
+    with pytest.raises(InvalidValueError) as caught:
+        Release(phi=phi)
+    assert str(caught.value) == (
+        f"`phi` is {phi!r}, but must be greater than 0 and less than pi/2 (radians)"
+    )
+
+
+@pytest.mark.parametrize("key", ["phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot"])
+@pytest.mark.parametrize("value", [math.nan, -math.inf, "fast", 1j, 10**400])
+def test_a_release_is_finite(key: str, value: object) -> None:
+    with pytest.raises(InvalidValueError, match=f"^`{key}` is .*, but must be a finite number$"):
+        Release(**({"phi": 0.4} | {key: value}))
+
+
+def test_equal_numbers_make_equal_releases_whatever_their_type() -> None:
+    left = Release(phi=np.float32(0.5), psi=-0.0, theta_dot=2)
+    right = Release(phi=0.5, psi=0.0, theta_dot=2.0)
+    assert left == right
+    assert hash(left) == hash(right)
+    assert repr(left) == repr(right)
+
+
+def test_poses_and_twists_keep_read_only_copies() -> None:
+    position = np.zeros(3)
+    pose = Pose(position=position, quaternion=(1, 0, 0, 0))
+    position[0] = 1.0
+    assert pose.position[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        pose.quaternion[0] = 2.0
+    twist = Twist(velocity=(1, 2, 3), angular_velocity=(4, 5, 6))
+    assert twist.velocity.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        twist.angular_velocity[0] = 0.0
+
+
+@pytest.mark.parametrize(
+    ("position", "quaternion", "message"),
+    [
+        ((0.0, 0.0), (1, 0, 0, 0), r"`position` is \[0.0, 0.0\], but must be 3 finite numbers"),
+        ((0, 0, math.nan), (1, 0, 0, 0), "`position` is .*nan.*, but must be 3 finite numbers"),
+        ((0, 0, 0), (1, 0, 0), "`quaternion` is .*, but must be 4 finite numbers"),
+        ((0, 0, 0), (2, 0, 0, 0), "`quaternion` is .*, but must be of unit length"),
+    ],
+)
+def test_a_pose_is_a_point_and_a_rotation(position: tuple, quaternion: tuple, message: str) -> None:
+    with pytest.raises(InvalidValueError, match=message):
+        Pose(position=position, quaternion=quaternion)
+
+
+def test_the_ideal_can_declares_no_effect() -> None:
+    assert Effects().declared() == ()
+    assert Effects() == IDEAL
+    assert Effects(slip=Slip(mu=0.0)).declared() == ("slip",)  # frictionless is an effect
+
+
+@pytest.mark.parametrize("mu", [-0.1, math.nan, math.inf, "smooth"])
+def test_friction_is_finite_and_never_drives(mu: object) -> None:
+    with pytest.raises(InvalidValueError) as caught:
+        Slip(mu=mu)
+    assert str(caught.value) == f"`mu` is {mu!r}, but must be a finite number, zero or greater"
+
+
+def test_an_effect_is_an_object_and_not_its_constant() -> None:
+    with pytest.raises(InvalidValueError, match=r"^`slip` is 0.3, but must be a Slip or None$"):
+        Effects(slip=0.3)
+
+
+def test_values_survive_pickling() -> None:
+    for value in (Release(phi=0.4, psi_dot=2.0), Effects(slip=Slip(mu=0.3))):
+        assert pickle.loads(pickle.dumps(value)) == value  # noqa: S301  # our own bytes
