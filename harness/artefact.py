@@ -1,0 +1,128 @@
+"""What a study hands to the report: tables, figures and prose. Nothing here knows of files.
+
+A figure is data and the wish how to look at it; which library draws it is the report's business.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Series:
+    """One curve or cloud of points.
+
+    Parameters
+    ----------
+    label : str
+        What the legend says; series of the same label in one figure share a legend entry.
+    kind : str
+        Whose curve it is: an engine's name, which decides its colour; "reference" is the truth.
+    x, y : ndarray, shape (n,)
+        In the units that the panel's labels state; NaN breaks the line.
+    mark : str
+        "line", "points", or "both".
+    dashed : bool
+    hover : tuple of str
+        A text for each point, or nothing.
+    """
+
+    label: str
+    kind: str
+    x: Floats
+    y: Floats
+    mark: Literal["line", "points", "both"] = "line"
+    dashed: bool = False
+    hover: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Panel:
+    """One pair of axes.
+
+    Parameters
+    ----------
+    title, x_label, y_label : str
+        With the unit in brackets.
+    series : tuple of Series
+    log_x, log_y : bool
+    equal : bool
+        Same scale on both axes: for a curve in the plane.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    series: tuple[Series, ...]
+    log_x: bool = False
+    log_y: bool = False
+    equal: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Figure:
+    """Panels side by side that belong together, and what one sees in them.
+
+    Parameters
+    ----------
+    name : str
+        Lower-case words joined by dashes; unique within a report; the name of its file.
+    title : str
+    seen : str
+        Two plain sentences made from the numbers.
+    panels : tuple of Panel
+    columns : int
+        Panels in a row on a wide screen.
+    scene : str
+        Scene whose section it belongs to; empty for a figure over all scenes.
+    """
+
+    name: str
+    title: str
+    seen: str
+    panels: tuple[Panel, ...]
+    columns: int = 2
+    scene: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Table:
+    """A tidy table: a row a case (or a bounce, or a property), units in the column names.
+
+    Parameters
+    ----------
+    name, title : str
+    frame : DataFrame
+    columns : mapping of str to str
+        What each column means, in one sentence; every column has one.
+    shown : tuple of str
+        Columns that the page shows, in this order; the files have all.
+    scene : str
+        As for `Figure`.
+    """
+
+    name: str
+    title: str
+    frame: pd.DataFrame
+    columns: Mapping[str, str]
+    shown: tuple[str, ...] = field(default=())
+    scene: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prose:
+    """A few sentences, made from the numbers."""
+
+    name: str
+    title: str
+    text: str
+    scene: str = ""
+
+
+Artefact = Figure | Table | Prose

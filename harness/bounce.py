@@ -1,0 +1,34 @@
+"""A bounce in numbers: what the paper is about, in SI units, whichever engine made it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounce:
+    """One bounce: from a maximum of phi through a minimum to the next maximum.
+
+    Parameters
+    ----------
+    start, time, end : float
+        Of the maximum before, of the minimum and of the maximum after, s.
+    phi_min : float
+        rad.
+    angle_of_turn, rotation_turn : float
+        Signed change of psi, and of theta, from the maximum before to the one after, rad.
+    peak_psi_dot : float
+        Precession rate of largest magnitude, with its sign, rad/s.
+    peak_friction_ratio : float
+        Largest |F|/N, dimensionless.
+    resolved : bool
+        False if the record is too coarse to tell how often psi went round in this bounce.
+    """
+
+    start: float
+    time: float
+    end: float
+    phi_min: float
+    angle_of_turn: float
+    rotation_turn: float
+    peak_psi_dot: float
+    peak_friction_ratio: float
+    resolved: bool = True

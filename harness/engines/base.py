@@ -1,0 +1,183 @@
+"""What an engine is to the harness: capabilities, settings, and one verb.
+
+`Engine` is the role that everything that moves a can plays. `World` is the smaller role of a compiled
+engine model that can be placed, stepped and read; the probes of parity and the search for the
+static penetration are written once, against it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.case import Case, Value
+from harness.errors import InvalidSettingError, UnknownSettingError
+from harness.simulation import Simulation
+from models.state import Pose, Twist
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Capabilities:
+    """What an engine makes of effects.
+
+    Parameters
+    ----------
+    honours : frozenset of str
+        Effects that it simulates where a scene declares them.
+    imposes : mapping of str to str
+        Effects that it adds to every scene, declared or not, each with a sentence that says how.
+    """
+
+    honours: frozenset[str]
+    imposes: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """One setting of an engine, under the engine's own name.
+
+    Parameters
+    ----------
+    name : str
+    default : Value
+        What the engine ships with.
+    matched : Value or callable
+        What profile `matched` takes instead; a function of the timestep (s) where it depends on it.
+    choices : tuple of str
+        The words allowed, where the setting is a word.
+    meaning : str
+        One sentence: what it does to a rolling can.
+    """
+
+    name: str
+    default: Value
+    matched: Value | Callable[[float], Value]
+    choices: tuple[str, ...] = ()
+    meaning: str
+
+
+class Engine(Protocol):
+    """Anything that moves a can."""
+
+    name: str
+    capabilities: Capabilities
+    settings: tuple[Setting, ...]
+
+    @property
+    def version(self) -> str:
+        """The version of the engine's package."""
+        ...
+
+    def timestep(self, case: Case) -> float | None:
+        """Return the timestep of a case, s; None for a solver that chooses its own."""
+        ...
+
+    def simulate(self, case: Case) -> Simulation:
+        """Run a case to its horizon; numerical failure is its outcome."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contact:
+    """The contact at one instant: force-weighted point (3,), force (3,) on the can, depth, count."""
+
+    point: Floats
+    force: Floats
+    penetration: float
+    count: int
+
+
+class World(Protocol):
+    """A compiled engine model: one can, one plane, one timestep."""
+
+    @property
+    def mass(self) -> float:
+        """Mass of the can, kg."""
+        ...
+
+    @property
+    def inertia(self) -> Floats:
+        """Principal moments in the order of the body's axes, shape (3,), kg m^2."""
+        ...
+
+    @property
+    def timestep(self) -> float:
+        """The timestep that was asked for, s."""
+        ...
+
+    def place(self, pose: Pose, twist: Twist) -> None:
+        """Put the can somewhere, moving; forget what was before."""
+        ...
+
+    def step(self) -> None:
+        """Advance by one timestep."""
+        ...
+
+    def pose(self) -> Pose:
+        """Return where the can is."""
+        ...
+
+    def twist(self) -> Twist:
+        """Return how the can moves."""
+        ...
+
+    def contact(self) -> Contact:
+        """Return the contact that the last step solved: that of the state before it."""
+        ...
+
+    def gap(self) -> float:
+        """Return the signed distance from the collider of the can to the plane, m."""
+        ...
+
+
+def resolve(case: Case, settings: tuple[Setting, ...], timestep: float) -> dict[str, Value]:
+    """Return every setting in force for a case: the profile's, replaced by the case's options.
+
+    Raises
+    ------
+    UnknownSettingError
+        If an option has a name that the engine does not know.
+    InvalidSettingError
+        If an option has a value of another kind than the setting.
+    """
+    known = {setting.name: setting for setting in settings}
+    chosen: dict[str, Value] = {}
+    for name, setting in known.items():
+        matched = setting.matched(timestep) if callable(setting.matched) else setting.matched
+        chosen[name] = matched if case.profile == "matched" else setting.default
+    for name, value in case.options:
+        if name not in known:
+            raise UnknownSettingError(case.engine, name, known)
+        chosen[name] = _checked(known[name], value, timestep)
+    return chosen
+
+
+def _checked(setting: Setting, value: Value, timestep: float) -> Value:
+    """Return an option's value in the kind that its setting has, or refuse it."""
+    matched = setting.matched(timestep) if callable(setting.matched) else setting.matched
+    model = setting.default if setting.default is not None else matched
+    if value is None and setting.default is None:
+        return None
+    if setting.choices:
+        if value not in setting.choices:
+            raise InvalidSettingError(setting.name, value, ", ".join(setting.choices))
+        return value
+    if isinstance(model, bool):
+        if isinstance(value, bool):
+            return value
+        raise InvalidSettingError(setting.name, value, "true or false")
+    if isinstance(model, tuple):
+        if isinstance(value, tuple) and len(value) == len(model):
+            return value
+        raise InvalidSettingError(setting.name, value, f"{len(model)} numbers, comma between them")
+    if isinstance(model, int):
+        if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+            return value
+        raise InvalidSettingError(setting.name, value, "an integer, zero or greater")
+    if isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value):
+        return float(value)
+    raise InvalidSettingError(setting.name, value, "a finite number")

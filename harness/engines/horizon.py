@@ -1,0 +1,95 @@
+"""When a run of an engine ends: at its horizon, or earlier because nothing more will come.
+
+A bounce is a minimum of phi between two maxima that both stand out from it by `PROMINENCE` of the
+largest phi: an engine's ripple is no bounce. The watch sees the recorded samples, which are dense in
+angle, and so misses none.
+"""
+
+import math
+
+import numpy as np
+
+from harness.simulation import Outcome
+from harness.trajectory import Trajectory
+from models.kinematics import half_angles
+from models.scene import Scene
+
+PROMINENCE = 0.01
+"""Share of the largest phi so far by which an extremum of phi must stand out to count."""
+
+BOUNCE_ALLOWANCE = 100.0
+"""Natural times sqrt(R/g) allowed for a bounce; one from 1e-5 rad off balance takes about 35."""
+
+FLAT_ALLOWANCE = 20.0
+"""Natural times below the prominence after which a can that does not rise is called flat."""
+
+_LARGEST_GAIN = 1e3
+"""Kinetic energy, over that of the release and m g (R + H), from which a run counts as diverged."""
+
+
+def natural_time(scene: Scene) -> float:
+    """Return sqrt(R/g), s; without gravity a tenth of the horizon."""
+    if scene.gravity > 0.0:
+        return math.sqrt(scene.can.radius / scene.gravity)
+    return scene.horizon.seconds / 10.0 if scene.horizon.seconds is not None else 1.0
+
+
+def longest_time(scene: Scene) -> float:
+    """Return the time after which a run is ended whatever happened, s."""
+    if scene.horizon.seconds is not None:
+        return scene.horizon.seconds
+    return BOUNCE_ALLOWANCE * natural_time(scene) * (scene.horizon.bounces or 1)
+
+
+class Watch:
+    """Follows a run and says when it is over."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._falling = True
+        self._peak = scene.release.phi
+        self._valley = math.inf
+        self._largest = 0.0
+        self._bounces = 0
+        self._last_up = 0.0
+        self.ended_at = math.inf
+        rates = scene.release
+        spin = rates.phi_dot**2 + rates.psi_dot**2 + rates.theta_dot**2
+        reach = scene.can.bounding_radius
+        self._scale = spin * reach**2 + scene.gravity * reach
+
+    def over(self, kept: Trajectory) -> Outcome | None:
+        """Return how the run ended if these samples end it (at `ended_at`, s), else None."""
+        speed = np.sum(kept.velocity**2, axis=1)
+        if not np.isfinite(speed).all() or speed.max() > _LARGEST_GAIN * self._scale:
+            return Outcome.DIVERGED
+        phi = half_angles(kept.quaternion)[0]
+        for time, tilt in zip(kept.time.tolist(), phi.tolist(), strict=True):
+            outcome = self._see(time, tilt)
+            if outcome is not None:
+                self.ended_at = time
+                return outcome
+        return None
+
+    def _see(self, time: float, phi: float) -> Outcome | None:
+        """Take one sample into account."""
+        if phi >= math.pi / 2.0:
+            return Outcome.OVERTURNED
+        self._largest = max(self._largest, phi)
+        margin = PROMINENCE * self._largest
+        if phi > margin:
+            self._last_up = time
+        elif time - self._last_up > FLAT_ALLOWANCE * natural_time(self._scene):
+            return Outcome.FLAT
+        if self._falling:
+            self._valley = min(self._valley, phi)
+            if phi > self._valley + margin:
+                self._bounces += self._peak > self._valley + margin
+                self._falling, self._peak = False, phi
+            return None
+        self._peak = max(self._peak, phi)
+        if phi < self._peak - margin:
+            self._falling, self._valley = True, phi
+            if self._bounces == self._scene.horizon.bounces:
+                return Outcome.FINISHED
+        return None

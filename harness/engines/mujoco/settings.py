@@ -1,0 +1,173 @@
+"""MuJoCo's settings that matter to a rolling can, what it ships with, and what `matched` takes.
+
+`matched` takes away what the scene does not declare. Contact in MuJoCo is always soft; with the time
+constant of `solref` tied to twice the timestep, the shortest that its own rule allows, the softness
+vanishes with the timestep, and the limit is the rigid can. Elliptic cones take the bias out of the
+direction of friction, and `impratio` makes friction a hundred times harder than the normal, so that
+the rim creeps a hundred times less.
+"""
+
+from collections.abc import Mapping
+
+from harness.case import Case, Value
+from harness.engines.base import Setting
+
+DEFAULT_TIMESTEP = 0.002
+MATCHED_TIMESTEP = 1e-4
+
+
+def _solref(timestep: float) -> tuple[float, ...]:
+    """Return the stiffest critically damped contact that refsafe lets pass."""
+    return (2.0 * timestep, 1.0)
+
+
+_SWITCH = ("enable", "disable")
+
+OPTIONS = (
+    Setting(
+        name="integrator",
+        default="Euler",
+        matched="Euler",
+        choices=("Euler", "RK4", "implicit", "implicitfast", "discrete"),
+        meaning="Time stepping; Euler and RK4 treat the gyroscopic term explicitly.",
+    ),
+    Setting(
+        name="cone",
+        default="pyramidal",
+        matched="elliptic",
+        choices=("pyramidal", "elliptic"),
+        meaning="Shape of the friction cone; a pyramid mixes normal force and friction.",
+    ),
+    Setting(
+        name="impratio",
+        default=1.0,
+        matched=100.0,
+        meaning="Hardness of friction over that of the normal; slip creep goes with its inverse.",
+    ),
+    Setting(
+        name="jacobian",
+        default="auto",
+        matched="dense",
+        choices=("dense", "sparse", "auto"),
+        meaning="Storage of the constraint Jacobian; changes round-off and time only.",
+    ),
+    Setting(
+        name="solver",
+        default="Newton",
+        matched="Newton",
+        choices=("PGS", "CG", "Newton"),
+        meaning="Algorithm that finds the contact forces.",
+    ),
+    Setting(
+        name="iterations",
+        default=100,
+        matched=100,
+        meaning="Most iterations of the solver in a step.",
+    ),
+    Setting(
+        name="tolerance",
+        default=1e-8,
+        matched=1e-12,
+        meaning="Scaled improvement below which the solver stops.",
+    ),
+    Setting(
+        name="ls_iterations",
+        default=50,
+        matched=50,
+        meaning="Most iterations of the line search.",
+    ),
+    Setting(
+        name="ls_tolerance",
+        default=0.01,
+        matched=0.01,
+        meaning="Slope at which the line search stops.",
+    ),
+    Setting(
+        name="noslip_iterations",
+        default=0,
+        matched=0,
+        meaning="Iterations of the solver that suppresses slip after the main one.",
+    ),
+    Setting(
+        name="noslip_tolerance",
+        default=1e-6,
+        matched=1e-6,
+        meaning="Improvement below which the noslip solver stops.",
+    ),
+)
+
+GEOM = (
+    Setting(
+        name="solref",
+        default=(0.02, 1.0),
+        matched=_solref,
+        meaning="Time constant (s) and damping ratio of the soft contact.",
+    ),
+    Setting(
+        name="solimp",
+        default=(0.9, 0.95, 0.001, 0.5, 2.0),
+        matched=(0.99, 0.99, 0.001, 0.5, 2.0),
+        meaning="Impedance of the contact against its depth: one is rigid.",
+    ),
+    Setting(
+        name="condim",
+        default=3,
+        matched=3,
+        meaning="Dimensions of the contact force: 1 normal, 3 friction, 4 torsion, 6 rolling.",
+    ),
+    Setting(
+        name="margin",
+        default=0.0,
+        matched=0.0,
+        meaning="Distance at which a contact becomes active, m.",
+    ),
+)
+
+FLAGS = (
+    Setting(
+        name="refsafe",
+        default="enable",
+        matched="enable",
+        choices=_SWITCH,
+        meaning="Keeps the time constant of solref at two timesteps or more.",
+    ),
+    Setting(
+        name="warmstart",
+        default="enable",
+        matched="enable",
+        choices=_SWITCH,
+        meaning="Starts the solver at the last step's forces.",
+    ),
+    Setting(
+        name="eulerdamp",
+        default="enable",
+        matched="enable",
+        choices=_SWITCH,
+        meaning="Implicit treatment of joint damping in Euler; the can has none.",
+    ),
+)
+
+SETTINGS = OPTIONS + GEOM + FLAGS
+
+
+def attributes(case: Case, chosen: Mapping[str, Value]) -> tuple[dict[str, str], ...]:
+    """Return the MJCF attributes of `option`, of the geoms and of `option/flag` for a case.
+
+    Profile `default` writes only what the case sets itself, so that the engine stays as it ships.
+    """
+    explicit = {name for name, _ in case.options}
+    return tuple(
+        {
+            setting.name: _text(chosen[setting.name])
+            for setting in group
+            if case.profile != "default" or setting.name in explicit
+        }
+        for group in (OPTIONS, GEOM, FLAGS)
+    )
+
+
+def _text(value: Value) -> str:
+    """Return a value as an XML attribute."""
+    if isinstance(value, tuple):
+        return " ".join(repr(number) for number in value)
+    return repr(value) if isinstance(value, float) else str(value)

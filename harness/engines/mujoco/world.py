@@ -1,0 +1,134 @@
+"""A compiled MuJoCo model of a scene that can be placed, stepped and read.
+
+After a step qpos and qvel are new, while contacts and sensors belong to the state before it. The
+angular velocity of a free joint is in the body's frame; everything here is handed over in the world's.
+"""
+
+import mujoco
+import numpy as np
+
+from harness.case import Case, Value
+from harness.engines.base import Contact, Floats
+from harness.engines.mujoco.settings import attributes
+from models.kinematics import to_body
+from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
+from models.state import Pose, Twist
+
+_FAR = 1.0
+"""m: beyond this MuJoCo does not look for the distance of two geoms."""
+
+
+class MujocoWorld:
+    """One can on one plane in MuJoCo.
+
+    Parameters
+    ----------
+    case : Case
+    chosen : mapping of str to Value
+        Every setting in force.
+    timestep : float
+        s.
+    """
+
+    def __init__(self, case: Case, chosen: dict[str, Value], timestep: float) -> None:
+        option, geom, flag = attributes(case, chosen)
+        text = mjcf(
+            case.scene,
+            option={"timestep": repr(timestep)} | option,
+            # a run that diverges is to be seen, not restarted
+            flag={"autoreset": "disable"} | flag,
+            geom=geom,
+            contact_sensors=True,
+        )
+        # a warning is an outcome, not a line in a log file in the working folder
+        mujoco.set_mju_user_warning(_ignore)
+        self.model = mujoco.MjModel.from_xml_string(text)
+        self.data = mujoco.MjData(self.model)
+        self._body = self.model.body("can").id
+        self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)
+        self._net = self.model.sensor(NET_SENSOR).adr[0]
+        self._depth = self.model.sensor(DEPTH_SENSOR).adr[0]
+
+    @property
+    def mass(self) -> float:
+        """Mass of the can, kg."""
+        return float(self.model.body_mass[self._body])
+
+    @property
+    def inertia(self) -> Floats:
+        """Moments about the body's axes, shape (3,), kg m^2."""
+        principal = self.model.body_inertia[self._body]
+        R_BP = np.empty(9)
+        mujoco.mju_quat2Mat(R_BP, self.model.body_iquat[self._body])
+        R = R_BP.reshape(3, 3)
+        moments: Floats = np.diagonal(R @ np.diag(principal) @ R.T).copy()
+        return moments
+
+    @property
+    def timestep(self) -> float:
+        """The timestep of the compiled model, s."""
+        return float(self.model.opt.timestep)
+
+    @property
+    def rows_per_contact(self) -> int:
+        """Constraint rows of one contact, which depend on its dimension and the cone."""
+        condim = int(self.model.geom_condim[self._geoms[0]])
+        pyramidal = self.model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+        return 2 * (condim - 1) if pyramidal and condim > 1 else condim
+
+    def place(self, pose: Pose, twist: Twist) -> None:
+        """Put the can somewhere, moving; forget what was before."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:3], self.data.qpos[3:] = pose.position, pose.quaternion
+        self.data.qvel[:3] = twist.velocity
+        self.data.qvel[3:] = to_body(pose.quaternion, twist.angular_velocity)
+
+    def step(self) -> None:
+        """Advance by one timestep."""
+        mujoco.mj_step(self.model, self.data)
+
+    def pose(self) -> Pose:
+        """Return where the can is."""
+        return Pose(position=self.data.qpos[:3], quaternion=self.data.qpos[3:])
+
+    def twist(self) -> Twist:
+        """Return how the can moves."""
+        return Twist(
+            velocity=self.data.qvel[:3],
+            angular_velocity=from_body(self.data.qpos[3:], self.data.qvel[3:]),
+        )
+
+    def contact(self) -> Contact:
+        """Return the contact that the last step solved: that of the state before it."""
+        point, force, penetration, count = self.read_contact(self.data.sensordata[None])
+        return Contact(
+            point=point[0], force=force[0], penetration=float(penetration[0]), count=int(count[0])
+        )
+
+    def gap(self) -> float:
+        """Return the signed distance from the collider of the can to the plane, m."""
+        mujoco.mj_kinematics(self.model, self.data)
+        return float(mujoco.mj_geomDistance(self.model, self.data, *self._geoms, _FAR, None))
+
+    def read_contact(self, sensors: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return point (n, 3), force (n, 3), penetration (n,) and count (n,) of sensor rows (n, 17).
+
+        MuJoCo's own resultant: the sum of all contact forces at their force-weighted centre.
+        """
+        net = sensors[:, self._net : self._net + 16]
+        count, normal, tangent = net[:, 0], net[:, 10:13], net[:, 13:16]
+        frame = np.stack((normal, tangent, np.cross(normal, tangent)), axis=1)
+        force = np.einsum("ni,nij->nj", net[:, 1:4], frame)
+        bears = (count > 0) & (force[:, 2] > 0.0)
+        point = np.where(bears[:, None], net[:, 7:10], np.nan)
+        penetration = np.where(count > 0, -sensors[:, self._depth], np.nan)
+        return point, force, penetration, np.where(bears, count, 0.0)
+
+
+def from_body(quaternion: Floats, vector: Floats) -> Floats:
+    """Return vectors (..., 3) given in the body's frame in world coordinates."""
+    return to_body(quaternion * np.array((1.0, -1.0, -1.0, -1.0)), vector)
+
+
+def _ignore(message: str) -> None:
+    """Let a warning of MuJoCo pass: `MjData.warning` counts it and the adapter reads that."""

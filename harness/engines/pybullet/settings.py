@@ -1,0 +1,156 @@
+"""PyBullet's settings that matter to a rolling can, what it ships with, and what `matched` takes.
+
+Shipped, a URDF cylinder is a polygon with 32 sides inside a margin of 1 mm, its moments are those of
+its bounding box, it is damped, and its velocities are clamped. `matched` undoes all of it: the
+implicit cylinder with no margin, the moments of the file, no damping, a clamp out of reach, no slop,
+and an ERP that takes penetration away within a step or two.
+
+The flags of `loadURDF` appear under the names of its constants; what belongs to
+`setPhysicsEngineParameter` or to `changeDynamics` under the names of their arguments. A setting of
+None is not handed to PyBullet at all.
+"""
+
+from harness.engines.base import Setting
+
+DEFAULT_TIMESTEP = 1.0 / 240.0
+MATCHED_TIMESTEP = 1e-4
+
+OUT_OF_REACH = 1e6
+"""rad/s and m/s: a velocity clamp that no scene meets."""
+
+URDF_FLAGS = (
+    Setting(
+        name="URDF_USE_IMPLICIT_CYLINDER",
+        default=False,
+        matched=True,
+        meaning="A true cylinder; else a prism with 32 sides that rolls on its corners.",
+    ),
+    Setting(
+        name="URDF_USE_INERTIA_FROM_FILE",
+        default=False,
+        matched=True,
+        meaning="The declared moments; else those of the shape, of its bounding box for a prism.",
+    ),
+    Setting(
+        name="useMaximalCoordinates",
+        default=False,
+        matched=False,
+        meaning="btRigidBody with an implicit gyroscopic term; else btMultiBody, explicit.",
+    ),
+)
+
+SOLVER = (
+    Setting(
+        name="numSolverIterations",
+        default=50,
+        matched=50,
+        meaning="Most sweeps of the sequential impulse solver in a step.",
+    ),
+    Setting(
+        name="solverResidualThreshold",
+        default=1e-7,
+        matched=1e-7,
+        meaning="Squared velocity residual at which the sweeps stop.",
+    ),
+    Setting(
+        name="contactERP",
+        default=None,
+        matched=0.8,
+        meaning="Share of the penetration taken away in a step.",
+    ),
+    Setting(
+        name="frictionERP",
+        default=None,
+        matched=None,
+        meaning="Share of the slip taken back in a step, with friction anchors.",
+    ),
+    Setting(
+        name="globalCFM",
+        default=None,
+        matched=None,
+        meaning="Softness mixed into every constraint.",
+    ),
+    Setting(
+        name="contactSlop",
+        default=None,
+        matched=0.0,
+        meaning="Penetration that is left alone, m.",
+    ),
+    Setting(
+        name="contactBreakingThreshold",
+        default=None,
+        matched=None,
+        meaning="Distance beyond which a cached contact is dropped, relative to the can's size.",
+    ),
+    Setting(
+        name="warmStartingFactor",
+        default=None,
+        matched=None,
+        meaning="Share of the last step's impulses that the solver starts from.",
+    ),
+    Setting(
+        name="enableConeFriction",
+        default=None,
+        matched=None,
+        meaning="Circular friction cone (1) or two independent directions (0).",
+    ),
+)
+
+DYNAMICS = (
+    Setting(
+        name="collisionMargin",
+        default=None,
+        matched=0.0,
+        meaning="Radius of the fillet that rounds the rim, m.",
+    ),
+    Setting(
+        name="linearDamping",
+        default=None,
+        matched=0.0,
+        meaning="Rate at which velocity is lost, 1/s, and again with its square.",
+    ),
+    Setting(
+        name="angularDamping",
+        default=None,
+        matched=0.0,
+        meaning="Rate at which angular velocity is lost, 1/s.",
+    ),
+    Setting(
+        name="maxJointVelocity",
+        default=None,
+        matched=OUT_OF_REACH,
+        meaning="Clamp on each component of velocity and angular velocity.",
+    ),
+)
+
+SETTINGS = URDF_FLAGS + SOLVER + DYNAMICS
+
+SHIPPED_VALUES = {
+    "contactERP": "0.08 (erp2)",
+    "frictionERP": "0.2",
+    "globalCFM": "0",
+    "contactSlop": "1e-5 m",
+    "contactBreakingThreshold": "0.02",
+    "warmStartingFactor": "0.1",
+    "enableConeFriction": "1",
+    "collisionMargin": "0.001 m",
+    "linearDamping": "0.04",
+    "angularDamping": "0.04",
+    "maxJointVelocity": "100",
+}
+"""What PyBullet does with a setting that it is not handed, from its sources."""
+
+IMPOSED_BY_DEFAULT = frozenset(
+    {
+        "transverse inertia A",
+        "axial inertia C",
+        "linear damping",
+        "angular damping",
+        "speed kept",
+        "spin kept",
+        "radius R",
+        "half height H",
+        "rim deviation",
+    }
+)
+"""Quantities of the parity table in which PyBullet as it ships is not the scene's can."""

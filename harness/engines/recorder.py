@@ -1,0 +1,65 @@
+"""Recording by angle, not by time: dense where the can races round its rim, sparse where it does not.
+
+A sample is kept whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by its own
+share, since the last one. The path is summed over every step of the engine, so the choice does not
+depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
+"""
+
+import numpy as np
+
+from harness.engines.horizon import natural_time
+from harness.trajectory import Floats, Trajectory, join, take
+from models.kinematics import TURN, half_angles
+from models.scene import Scene
+
+ANGLE_STEP = 0.02
+"""rad: a chord of the rim this long leaves the locus by R ANGLE_STEP^2/8, 5e-5 of the radius."""
+
+SAMPLES_IN_TIME = 200
+"""Samples in the natural time sqrt(R/g), at most a bounce long, where no angle moves."""
+
+
+class Recorder:
+    """Takes every step of a run in chunks and keeps what the angles call for."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._time_step = natural_time(scene) / SAMPLES_IN_TIME
+        self._parts: list[Trajectory] = []
+        self._path = 0.0
+        self._last: Trajectory | None = None
+
+    def add(self, chunk: Trajectory) -> Trajectory | None:
+        """Record a chunk that follows the one before; return the part of it that was kept."""
+        first = self._last is None
+        time, quaternion = chunk.time, chunk.quaternion
+        if self._last is not None:
+            time = np.concatenate((self._last.time, time))
+            quaternion = np.vstack((self._last.quaternion, quaternion))
+        phi, sigma, delta = half_angles(quaternion)
+        steps = np.abs(np.diff(phi)) + _between(sigma) + _between(delta)
+        growth = steps / ANGLE_STEP + np.diff(time) / self._time_step
+        path = self._path + np.concatenate((np.zeros(1), np.cumsum(growth)))
+        keep = np.diff(np.floor(path)) > 0.0
+        if first:
+            keep = np.concatenate((np.ones(1, dtype=np.bool_), keep))
+        self._path = float(path[-1])
+        self._last = take(chunk, np.array([len(chunk) - 1]))
+        if not keep.any():
+            return None
+        kept = take(chunk, keep)
+        self._parts.append(kept)
+        return kept
+
+    def trajectory(self, until: float) -> Trajectory:
+        """Return what was kept up to a time in s, and the last step whether or not it was."""
+        parts = self._parts
+        if self._last is not None and parts[-1].time[-1] < self._last.time[-1]:
+            parts = [*parts, self._last]
+        whole = join(parts)
+        return take(whole, whole.time <= until)
+
+
+def _between(angle: Floats) -> Floats:
+    """Return how far a wrapped angle moves from sample to sample, the shorter way, shape (n-1,)."""
+    step = np.abs(np.diff(angle)) % TURN
+    return np.minimum(step, TURN - step)

@@ -1,0 +1,63 @@
+"""Engines by name: whatever is installed under the entry point group `rockingcan.engines`."""
+
+from functools import lru_cache
+from importlib.metadata import EntryPoint, entry_points
+
+from harness.engines.base import Engine
+from harness.errors import MissingPackageError, UnknownEngineError, UnsupportedEffectError
+from models.scene import Scene
+
+GROUP = "rockingcan.engines"
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the engines that are registered, sorted, importable or not."""
+    return tuple(sorted(_entries()))
+
+
+@lru_cache(maxsize=None)
+def engine(name: str) -> Engine:
+    """Return an engine.
+
+    Raises
+    ------
+    UnknownEngineError
+        If no engine of that name is registered.
+    MissingPackageError
+        If the package behind it cannot be imported.
+    """
+    entries = _entries()
+    if name not in entries:
+        raise UnknownEngineError(name, entries)
+    try:
+        found: Engine = entries[name].load()()
+    except ImportError as error:
+        raise MissingPackageError(name, error.name or name, str(error)) from error
+    return found
+
+
+def check_effects(name: str, scene: Scene) -> None:
+    """Refuse a scene that declares an effect which an engine neither honours nor imposes.
+
+    Raises
+    ------
+    UnsupportedEffectError
+        Names the engines that can.
+    """
+    for effect in scene.effects.declared():
+        if effect not in engine(name).capabilities.honours:
+            able = [other for other in names() if _honours(other, effect)]
+            raise UnsupportedEffectError(name, effect, able)
+
+
+def _honours(name: str, effect: str) -> bool:
+    """Whether an engine is there and simulates an effect."""
+    try:
+        return effect in engine(name).capabilities.honours
+    except MissingPackageError:
+        return False
+
+
+def _entries() -> dict[str, EntryPoint]:
+    """Return the entry points of the group by name."""
+    return {entry.name: entry for entry in entry_points(group=GROUP)}

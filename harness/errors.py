@@ -1,0 +1,61 @@
+"""What wrong use of the harness raises: each error says the fix in one message.
+
+A numerical failure of an engine is not here: it is an `Outcome` of a simulation.
+"""
+
+from collections.abc import Iterable
+
+
+class HarnessError(Exception):
+    """Root of everything the harness raises for wrong use."""
+
+
+class UnknownEngineError(HarnessError, LookupError):
+    """No engine of that name is installed."""
+
+    def __init__(self, name: str, available: Iterable[str]) -> None:
+        super().__init__(f"unknown engine '{name}'; there is: {', '.join(sorted(available))}")
+
+
+class MissingPackageError(HarnessError, ImportError):
+    """The Python package behind an engine cannot be imported."""
+
+    def __init__(self, engine: str, package: str, reason: str) -> None:
+        super().__init__(
+            f"engine '{engine}' needs the package '{package}', which cannot be imported ({reason}); "
+            f"install it with: pip install {package}"
+        )
+
+
+class UnknownSettingError(HarnessError, LookupError):
+    """An engine has no setting of that name."""
+
+    def __init__(self, engine: str, name: str, available: Iterable[str]) -> None:
+        names = ", ".join(sorted(available)) or "none"
+        super().__init__(f"engine '{engine}' has no setting '{name}'; its settings are: {names}")
+
+
+class InvalidSettingError(HarnessError, ValueError):
+    """A setting, profile or timestep has a value that it cannot have."""
+
+    def __init__(self, name: str, value: object, allowed: str) -> None:
+        super().__init__(f"setting '{name}' cannot be {value!r}; allowed: {allowed}")
+
+
+class UnsupportedEffectError(HarnessError, ValueError):
+    """A scene declares an effect that the engine neither honours nor imposes."""
+
+    def __init__(self, engine: str, effect: str, able: Iterable[str]) -> None:
+        others = ", ".join(sorted(able)) or "none of the installed engines"
+        super().__init__(
+            f"engine '{engine}' cannot represent the effect '{effect}' that the scene declares; "
+            f"engines that can: {others}"
+        )
+
+
+class TrajectoryError(HarnessError, ValueError):
+    """An engine returned arrays that are not a trajectory."""
+
+
+class OutputError(HarnessError, OSError):
+    """A result cannot be written where it was asked for."""

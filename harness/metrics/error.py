@@ -1,0 +1,145 @@
+"""How far a motion is from the truth, in named quantities and norms.
+
+Both are compared at the same instants, those of the engine. A pointwise difference after a bounce
+mixes how late the bounce came with how far it turned; so the shift in time, the size of the turn and
+the errors before and after the bounce are told apart. Orientations are compared as rotations, psi and
+theta without jumps; raw Euler angles are never subtracted.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from harness.bounce import Bounce
+from harness.metrics.motion import Motion, shares
+from harness.trajectory import Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Errors:
+    """Differences engine minus truth; NaN where there is nothing to compare. SI and rad.
+
+    Parameters
+    ----------
+    phi_rms, phi_max : float
+        Of phi over the whole run.
+    phi_rms_before, phi_rms_after : float
+        Up to the time of the first true bounce, and after it.
+    rotation_rms : float
+        Angle of the rotation that takes the true orientation to the engine's.
+    psi_rms, theta_rms : float
+        Of the angles without jumps.
+    angle_of_turn, rotation_turn, time_of_bounce, phi_min, peak_friction_ratio : tuple of float
+        Signed, for each bounce that both have completed.
+    contact_locus_rms, contact_locus_max : float
+        Distance of the contact points at the same instant.
+    contact_locus_hausdorff : float
+        Largest distance from a point of one curve to the other curve, whenever it is reached.
+    """
+
+    phi_rms: float
+    phi_max: float
+    phi_rms_before: float
+    phi_rms_after: float
+    rotation_rms: float
+    psi_rms: float
+    theta_rms: float
+    angle_of_turn: tuple[float, ...]
+    rotation_turn: tuple[float, ...]
+    time_of_bounce: tuple[float, ...]
+    phi_min: tuple[float, ...]
+    peak_friction_ratio: tuple[float, ...]
+    contact_locus_rms: float
+    contact_locus_max: float
+    contact_locus_hausdorff: float
+
+
+def errors(
+    found: Motion,
+    true: Motion,
+    found_bounces: tuple[Bounce, ...],
+    true_bounces: tuple[Bounce, ...],
+    true_locus: Floats,
+) -> Errors:
+    """Return the errors of a motion.
+
+    Parameters
+    ----------
+    found, true : Motion
+        At the same instants, shape (n,).
+    found_bounces, true_bounces : tuple of Bounce
+    true_locus : ndarray, shape (m, 2)
+        The true contact locus on a grid dense by angle, m.
+    """
+    weight = shares(found.time)
+    phi = found.angles.phi - true.angles.phi
+    split = true_bounces[0].time if true_bounces else math.inf
+    before = found.time <= split
+    distance = np.linalg.norm(found.locus - true.locus, axis=1)
+    touching = np.isfinite(distance)
+    pairs = list(zip(found_bounces, true_bounces, strict=False))
+    return Errors(
+        phi_rms=_rms(phi, weight),
+        phi_max=float(np.abs(phi).max()),
+        phi_rms_before=_rms(phi[before], weight[before]),
+        phi_rms_after=_rms(phi[~before], weight[~before]),
+        rotation_rms=_rms(
+            _rotation_between(found.trajectory.quaternion, true.trajectory.quaternion), weight
+        ),
+        psi_rms=_rms(found.angles.psi - true.angles.psi, weight),
+        theta_rms=_rms(found.angles.theta - true.angles.theta, weight),
+        angle_of_turn=tuple(f.angle_of_turn - t.angle_of_turn for f, t in pairs),
+        rotation_turn=tuple(f.rotation_turn - t.rotation_turn for f, t in pairs),
+        time_of_bounce=tuple(f.time - t.time for f, t in pairs),
+        phi_min=tuple(f.phi_min - t.phi_min for f, t in pairs),
+        peak_friction_ratio=tuple(f.peak_friction_ratio - t.peak_friction_ratio for f, t in pairs),
+        contact_locus_rms=_rms(distance[touching], weight[touching]),
+        contact_locus_max=float(distance[touching].max()) if touching.any() else math.nan,
+        contact_locus_hausdorff=hausdorff(found.locus[touching], true_locus),
+    )
+
+
+def _rms(values: Floats, weight: Floats) -> float:
+    """Return the root of the weighted mean square, NaN of nothing."""
+    total = float(weight.sum())
+    return math.sqrt(float(np.sum(weight * values**2)) / total) if total > 0.0 else math.nan
+
+
+def _rotation_between(first: Floats, second: Floats) -> Floats:
+    """Return the angle between orientations, shape (n,), rad, in [0, pi]."""
+    w1, v1 = first[:, 0], first[:, 1:]
+    w2, v2 = second[:, 0], second[:, 1:]
+    scalar = w1 * w2 + np.sum(v1 * v2, axis=1)
+    vector = w1[:, None] * v2 - w2[:, None] * v1 - np.cross(v1, v2)
+    angle: Floats = 2.0 * np.arctan2(np.linalg.norm(vector, axis=1), np.abs(scalar))
+    return angle
+
+
+def hausdorff(first: Floats, second: Floats) -> float:
+    """Return the Hausdorff distance of two curves given by their points, shapes (n, 2), (m, 2).
+
+    Each point is measured against the nearest of the two chords that meet in the other curve's
+    nearest point, so that the spacing of the points does not count as a distance.
+    """
+    if len(first) < 2 or len(second) < 2:  # noqa: PLR2004 - a curve has two ends
+        return math.nan
+    return max(_farthest(first, second), _farthest(second, first))
+
+
+def _farthest(points: Floats, curve: Floats) -> float:
+    """Return the largest distance from points (n, 2) to a curve (m, 2)."""
+    _, nearest = KDTree(curve).query(points)
+    best = np.full(len(points), np.inf)
+    for offset in (-1, 0):
+        left = np.clip(nearest + offset, 0, len(curve) - 2)
+        chord = curve[left + 1] - curve[left]
+        arm = points - curve[left]
+        square = np.sum(chord**2, axis=1)
+        share = np.divide(
+            np.sum(arm * chord, axis=1), square, out=np.zeros(len(points)), where=square > 0.0
+        )
+        foot = np.clip(share, 0.0, 1.0)[:, None] * chord
+        best = np.minimum(best, np.linalg.norm(arm - foot, axis=1))
+    return float(best.max())
