@@ -22,7 +22,8 @@ from models.rim import (
     rolling_velocity,
 )
 from models.scene import Horizon, Scene
-from models.scene_file import read_scene, write_scene
+from models.scene_file import read_scene
+from models.scene_text import write_scene
 from models.state import Pose, Release, Twist
 from models.urdf import GROUND_FRICTION, ground_urdf, urdf
 

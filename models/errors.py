@@ -61,7 +61,7 @@ class SceneFileError(ModelError):
 
     def __str__(self) -> str:
         """Give one line for each problem, every one of them naming the file."""
-        return "\n".join(f"scene file '{self.path}': {problem}" for problem in self.problems)
+        return "\n".join(f"scene file {str(self.path)!r}: {problem}" for problem in self.problems)
 
 
 class UnknownSceneError(ModelError):
@@ -83,6 +83,6 @@ class UnknownSceneError(ModelError):
     def __str__(self) -> str:
         """List what there is."""
         return (
-            f"unknown scene {self.name!r}: it is neither in the catalogue "
+            f"unknown scene {shown(self.name)}: it is neither in the catalogue "
             f"({', '.join(self.available)}) nor the path of a scene file"
         )

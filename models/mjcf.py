@@ -18,16 +18,18 @@ from models.scene import Scene
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 
 NET_SENSOR = "net_contact"
-"""Name of the sensor of the resultant of all contacts, 16 numbers:
+"""Name of the sensor of the resultant of all contacts, 16 numbers, all zero without a contact:
 
-====== ======= ==================================================================
-0      found   number of contacts; with none, everything is zero
-1:4    force   on the can, in the contact frame: normal first, N
-4:7    torque  about `pos`, in the contact frame, N m
-7:10   pos     mean of the contacts, weighted by the size of their forces: the locus, m
-10:13  normal  first axis of the contact frame, in the world
-13:16  tangent second axis; the third is cross(normal, tangent)
-====== ======= ==================================================================
+====== ======= =================================================================================
+0      found   number of contacts
+1:4    force   of the plane on the can, N, in the frame below; N is its last component
+4:7    torque  about `pos`, N m, such that force and torque stand for all contacts together
+7:10   pos     mean of the contacts, weighted by the size of their forces: the contact locus, m
+10:13  normal  (1, 0, 0) and
+13:16  tangent (0, 1, 0): MuJoCo's frame for a resultant is the world, not that of a contact
+====== ======= =================================================================================
+
+The sensors belong to the state before the step, as everything in `mjData` but `qpos` and `qvel`.
 """
 
 DEPTH_SENSOR = "deepest_contact"

@@ -1,12 +1,11 @@
-"""Scene files: TOML read into a `Scene` with exact messages, and written back.
+"""Scene files: TOML read into a `Scene`, with exact messages.
 
 The shape of the file (keys and types) is checked by pydantic, the values by the classes of the
 scene themselves. What is wrong is reported together, one line each, naming the file and the key.
 """
 
-import json
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,13 +15,16 @@ from pydantic_core import ErrorDetails
 
 from models.can import Can
 from models.effects import Effects, Slip
-from models.errors import InvalidValueError, SceneFileError, shown
+from models.errors import InvalidValueError, ModelError, SceneFileError, shown
 from models.quantity import positive
 from models.scene import Horizon, Scene
 from models.state import Release
 
 LARGEST_FILE = 1_000_000
 """Bytes; a scene takes a few hundred."""
+
+MOST_PROBLEMS = 10
+"""Problems of shape that are listed; a file with more is no scene file at all."""
 
 T = TypeVar("T")
 
@@ -94,45 +96,21 @@ def read_scene(path: str | Path) -> Scene:
         types are reported, then of each table the first value out of its range.
     """
     path = Path(path)
+    text = _text(path)
     try:
-        tables = tomllib.loads(_text(path))
-    except (ValueError, RecursionError) as error:  # tomllib's own error is a ValueError
-        raise SceneFileError(path, [f"is not valid TOML: {error}"]) from None
-    try:
-        file = _File.model_validate(tables)
+        file = _File.model_validate(tomllib.loads(text))
     except ValidationError as error:
-        raise SceneFileError(path, [_sentence(detail) for detail in error.errors()]) from None
+        problems = [_sentence(detail) for detail in error.errors()]
+        if len(problems) > MOST_PROBLEMS:
+            problems[MOST_PROBLEMS:] = [f"has {len(problems) - MOST_PROBLEMS} more such problems"]
+        raise SceneFileError(path, problems) from None
+    except tomllib.TOMLDecodeError as error:  # its message says the line and the column
+        raise SceneFileError(path, [f"is not valid TOML: {error}"]) from None
+    except RecursionError:
+        raise SceneFileError(path, ["is not valid TOML: it is nested too deeply"]) from None
+    except ValueError:  # the one value that tomllib does not refuse in its own words
+        raise SceneFileError(path, ["holds an integer of more than 4300 digits"]) from None
     return _scene(path, file)
-
-
-def write_scene(scene: Scene) -> str:
-    """Return the text of a scene file that reads back as an equal scene.
-
-    Lengths and moments are written in SI units (`A`, `C`, `H`), all numbers to the last digit.
-    """
-    top: list[str] = []
-    tables: list[str] = []
-    for key, value in scene.to_dict().items():
-        if isinstance(value, Mapping):
-            tables.append(
-                "\n".join(("", f"[{key}]", *(_assignment(*item) for item in value.items())))
-            )
-        else:
-            top.append(_assignment(key, value))
-    return "\n".join((*top, *tables)) + "\n"
-
-
-def _assignment(key: str, value: object) -> str:
-    return f"{key} = {_toml(value)}"
-
-
-def _toml(value: object) -> str:
-    """Return a value as TOML writes it: inline."""
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(_assignment(*item) for item in value.items()) + " }"
-    if isinstance(value, str):  # printable, so every escape that JSON uses TOML knows too
-        return json.dumps(value, ensure_ascii=False)
-    return repr(value)
 
 
 def _text(path: Path) -> str:
@@ -154,7 +132,8 @@ def _text(path: Path) -> str:
         raise SceneFileError(path, [f"is not UTF-8 text (byte {error.start})"]) from None
 
 
-_KINDS = {
+_KINDS = {float: "a number", int: "an integer", str: "a string"}
+_REQUIRED = {
     "float_type": "a number",
     "int_type": "an integer",
     "string_type": "a string",
@@ -165,21 +144,36 @@ _KINDS = {
 def _sentence(detail: ErrorDetails) -> str:
     """Say in one sentence what pydantic found: the key, the value and what is allowed."""
     location = [str(part) for part in detail["loc"]]
-    key = ".".join(location)
+    key = shown(".".join(location))
     if detail["type"] == "missing":
-        return f"key '{key}' is missing"
+        annotation: Any = _table(location[:-1]).model_fields[location[-1]].annotation
+        return f"key {key} is missing; it must be {_KINDS.get(annotation, 'a table')}"
     if detail["type"] == "extra_forbidden":
         allowed = list(_table(location[:-1]).model_fields)
         close = get_close_matches(location[-1], allowed, n=1)
-        hint = f", did you mean '{close[0]}'" if close else ""
-        return f"key '{key}' is unknown{hint}; allowed are {', '.join(allowed)}"
-    kind = _KINDS.get(detail["type"], f"such that {detail['msg']}")
-    found = {dict: "a table", list: "an array", str: "the string ", bool: "the boolean "}
-    value = detail["input"]
-    described = found.get(type(value), "")
-    if not isinstance(value, dict | list):
-        described += shown(value)
-    return f"key '{key}' is {described}, but must be {kind}"
+        hint = f", did you mean '{close[0]}'?" if close else ";"
+        return f"key {key} is unknown{hint} allowed are {', '.join(allowed)}"
+    if detail["type"] == "float_type" and type(detail["input"]) is int:
+        return f"key {key} is an integer that is too large for a double"
+    required = _REQUIRED.get(detail["type"], f"valid: {detail['msg']}")
+    return f"key {key} is {_found(detail['input'])}, but must be {required}"
+
+
+def _found(value: object) -> str:
+    """Return the value as its author wrote it, in TOML's words."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case str():
+            return f"the string {shown(value)}"
+        case dict():
+            return "a table"
+        case list():
+            return "an array"
+        case int() | float():
+            return shown(value)
+        case _:  # what is left of TOML are dates and times
+            return f"the date or time {value}"
 
 
 def _table(location: list[str]) -> type[BaseModel]:
@@ -203,13 +197,15 @@ def _scene(path: Path, file: _File) -> Scene:
         try:
             return build()
         except InvalidValueError as error:
-            key = prefix + error.key
-            problems.append(f"key '{key}' is {shown(error.value)}, but must be {error.allowed}")
-            return None
+            key = f"'{prefix}{error.key}'"
+            problems.append(f"key {key} is {shown(error.value)}, but must be {error.allowed}")
+        except ModelError as error:
+            problems.append(str(error))
+        return None
 
     can = built("can.", lambda: _can(file.can))
     release = built("release.", lambda: Release(**file.release.model_dump()))
-    horizon = built("", lambda: Horizon(**file.horizon.model_dump()))
+    horizon = built("horizon.", lambda: _horizon(file.horizon))
     slip = file.effects.slip
     effects = built(
         "effects.slip.", lambda: Effects(slip=None if slip is None else Slip(mu=slip.mu))
@@ -243,13 +239,25 @@ def _can(table: _Can) -> Can:
         ("transverse_inertia", "a", "A", mass * radius**2),
         ("axial_inertia", "c", "C", mass * radius**2),
     ):
-        keys = [key for key in (group, si) if getattr(table, key) is not None]
-        if len(keys) != 1:
-            found = "given twice" if keys else "missing"
-            raise InvalidValueError(f"{group}` or `{si}", found, "given, exactly one of them")
-        given[field] = (keys[0], getattr(table, keys[0]))
-        in_si[field] = positive(*given[field]) * (unit if keys[0] == group else 1.0)
+        key = _given(table, "can", group, si)
+        given[field] = (key, getattr(table, key))
+        in_si[field] = positive(*given[field]) * (unit if key == group else 1.0)
     try:
         return Can(mass=mass, radius=radius, **in_si)
     except InvalidValueError as error:
         raise InvalidValueError(*given[error.key], error.allowed) from None
+
+
+def _horizon(table: _Horizon) -> Horizon:
+    _given(table, "horizon", "bounces", "seconds")
+    return Horizon(bounces=table.bounces, seconds=table.seconds)
+
+
+def _given(table: _Table, name: str, *alternatives: str) -> str:
+    """Return the one key of the alternatives that is given."""
+    keys = [key for key in alternatives if getattr(table, key) is not None]
+    if len(keys) == 1:
+        return keys[0]
+    found = "are both given" if keys else "are both missing"
+    quoted = " and ".join(f"'{name}.{key}'" for key in alternatives)
+    raise ModelError(f"keys {quoted} {found}, but exactly one of them must be there")
