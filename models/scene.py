@@ -1,7 +1,7 @@
 """The scene: a can, its release, the effects it is subject to, and how long to watch."""
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from models.can import Can
@@ -142,10 +142,6 @@ class Scene:
                 else {"bounces": horizon.bounces}
             ),
             "effects": {
-                name: {
-                    constant: getattr(getattr(self.effects, name), constant)
-                    for constant in type(getattr(self.effects, name)).__dataclass_fields__
-                }
-                for name in self.effects.declared()
+                name: asdict(getattr(self.effects, name)) for name in self.effects.declared()
             },
         }

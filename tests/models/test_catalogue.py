@@ -76,7 +76,8 @@ def balance(scene: Scene) -> np.ndarray:
     velocity = np.cross(contact, omega)
     momentum = can.axial_inertia * (omega @ axis) * axis
     momentum = momentum + can.transverse_inertia * (omega @ across) * across
-    force = can.mass * (np.cross(turning, velocity) + (0.0, 0.0, scene.gravity))
+    weight = np.array((0.0, 0.0, scene.gravity))
+    force = can.mass * (np.cross(turning, velocity) + weight)
     torque = np.cross(contact, force)
     return (np.cross(turning, momentum) - torque) / (can.mass * scene.gravity * R)
 

@@ -62,7 +62,7 @@ def test_a_citation_is_one_printable_line(cite: object) -> None:
 
 @pytest.mark.parametrize("gravity", [-9.81, float("nan"), float("inf"), "heavy"])
 def test_gravity_points_down(gravity: object) -> None:
-    with pytest.raises(InvalidValueError, match="`gravity` is .* zero or greater"):
+    with pytest.raises(InvalidValueError, match=r"`gravity` is .* zero or greater"):
         replace(SCENE, gravity=gravity)
 
 
@@ -93,5 +93,5 @@ def test_bounces_are_counted(bounces: object) -> None:
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), True])
 def test_seconds_pass(seconds: object) -> None:
-    with pytest.raises(InvalidValueError, match="`seconds` is .* greater than zero"):
+    with pytest.raises(InvalidValueError, match=r"`seconds` is .* greater than zero"):
         Horizon(seconds=seconds)

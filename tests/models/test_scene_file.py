@@ -82,7 +82,11 @@ def test_groups_and_si_units_mix_and_effects_are_read(path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("mass = 0.043", 'mass = "heavy"', "key 'can.mass' is the string 'heavy', but must be a number"),
+        (
+            "mass = 0.043",
+            'mass = "heavy"',
+            "key 'can.mass' is the string 'heavy', but must be a number",
+        ),
         ("mass = 0.043", "mass = true", "key 'can.mass' is true, but must be a number"),
         ("mass = 0.043", "mass = [1]", "key 'can.mass' is an array, but must be a number"),
         (
@@ -99,7 +103,11 @@ def test_groups_and_si_units_mix_and_effects_are_read(path: Path) -> None:
         ("mass = 0.043\n", "", "key 'can.mass' is missing; it must be a number"),
         ('name = "a-scene"\n', "", "key 'name' is missing; it must be a string"),
         ("[horizon]\nbounces = 1\n", "", "key 'horizon' is missing; it must be a table"),
-        ("gravity = 9.81", "gravity = 9.81\nhorizon.x = 1", "is not valid TOML: Cannot declare ('horizon',) twice (at line 14, column 9)"),
+        (
+            "gravity = 9.81",
+            "gravity = 9.81\nhorizon.x = 1",
+            "is not valid TOML: Cannot declare ('horizon',) twice (at line 14, column 9)",
+        ),
         ("mass = 0.043", "mass = nan", f"key 'can.mass' is nan, but must be {POSITIVE}"),
         ("mass = 0.043", "mass = -1", f"key 'can.mass' is -1.0, but must be {POSITIVE}"),
         ("mass = 0.043", "mass = 1e999", f"key 'can.mass' is inf, but must be {POSITIVE}"),
@@ -128,14 +136,18 @@ def test_groups_and_si_units_mix_and_effects_are_read(path: Path) -> None:
         (
             "c = 0.615",
             "c = 1.5",
-            "key 'can.c' is 1.5, but must be at most twice the moment about a transverse axis: "
-            "no rigid body has C greater than 2A",
+            (
+                "key 'can.c' is 1.5, but must be at most twice the moment about a transverse "
+                "axis: no rigid body has C greater than 2A"
+            ),
         ),
         (
             "c = 0.615",
             "C = 1e-3",
-            "key 'can.C' is 0.001, but must be at most twice the moment about a transverse axis: "
-            "no rigid body has C greater than 2A",
+            (
+                "key 'can.C' is 0.001, but must be at most twice the moment about a transverse "
+                "axis: no rigid body has C greater than 2A"
+            ),
         ),
         (
             "phi = 0.4",
@@ -153,12 +165,18 @@ def test_groups_and_si_units_mix_and_effects_are_read(path: Path) -> None:
             f"key 'release.psidot' is unknown, did you mean 'psi_dot'? allowed are {RELEASE_KEYS}",
         ),
         ("psi_dot = 2", "x = 2", f"key 'release.x' is unknown; allowed are {RELEASE_KEYS}"),
-        ("psi_dot = 2", '"a\\nb" = 2', f"key 'release.a\\nb' is unknown; allowed are {RELEASE_KEYS}"),
+        (
+            "psi_dot = 2",
+            '"a\\nb" = 2',
+            f"key 'release.a\\nb' is unknown; allowed are {RELEASE_KEYS}",
+        ),
         (
             "bounces = 1",
             "bounces = 1\nseconds = 1",
-            "keys 'horizon.bounces' and 'horizon.seconds' are both given, "
-            "but exactly one of them must be there",
+            (
+                "keys 'horizon.bounces' and 'horizon.seconds' are both given, "
+                "but exactly one of them must be there"
+            ),
         ),
         ("bounces = 1", "bounces = 1.0", "key 'horizon.bounces' is 1.0, but must be an integer"),
         (
@@ -189,14 +207,20 @@ def test_groups_and_si_units_mix_and_effects_are_read(path: Path) -> None:
         (
             'name = "a-scene"',
             'name = "A Scene"',
-            "key 'name' is 'A Scene', but must be 1 to 64 lower-case letters, digits, dots, "
-            "dashes and underscores, the first a letter or digit",
+            (
+                "key 'name' is 'A Scene', but must be 1 to 64 lower-case letters, digits, dots, "
+                "dashes and underscores, the first a letter or digit"
+            ),
         ),
         ("phi = 0.4", "phi = ", "is not valid TOML: Invalid value (at line 11, column 7)"),
-        ("phi = 0.4", "phi = 0.4\nphi = 0.5", "is not valid TOML: Cannot overwrite a value (at line 12, column 10)"),
+        (
+            "phi = 0.4",
+            "phi = 0.4\nphi = 0.5",
+            "is not valid TOML: Cannot overwrite a value (at line 12, column 10)",
+        ),
         (GOOD, "x = " + "[" * 100_000, "is not valid TOML: it is nested too deeply"),
     ],
-)  # fmt: skip
+)
 def test_each_mistake_has_its_sentence(path: Path, old: str, new: str, expected: str) -> None:
     assert old in GOOD
     path.write_text(GOOD.replace(old, new))
