@@ -109,6 +109,15 @@ def test_a_record_is_unresolved_from_a_right_angle_on() -> None:
         assert unwrapped(time, motion).unresolved[1:].all() == unresolved
 
 
+def test_rates_that_contradict_the_angles_leave_the_record_unresolved() -> None:
+    # psi is the same at both ends, but at 2.5 rad/s it moved by more than a right angle between
+    q = quaternion((0.3, 0.3), 0.0, 0.0)
+    omega = angular_velocity(0.3, 0.0, 0.0, (2.5, 2.5), -2.5)
+    found = angles_of_record(CAN, [0.0, 1.0], q, omega)
+    assert found.psi[1] == found.psi[0]
+    assert found.unresolved.tolist() == [False, True]
+
+
 def test_the_sum_is_followed_even_through_many_turns_a_sample() -> None:
     time = np.linspace(0.0, 1.0, 101)
     zero = np.zeros(101)
