@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+PROMINENCE = 0.01
+"""Share of the largest phi by which an extremum of phi must stand out: a ripple is no bounce."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounce:

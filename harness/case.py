@@ -47,9 +47,7 @@ class Case:
         """Refuse what no engine can run; put the options in one order."""
         if self.profile not in PROFILES:
             raise InvalidSettingError("profile", self.profile, ", ".join(PROFILES))
-        if self.timestep is not None and not (
-            math.isfinite(self.timestep) and self.timestep > 0.0
-        ):
+        if self.timestep is not None and not (math.isfinite(self.timestep) and self.timestep > 0.0):
             raise InvalidSettingError("timestep", self.timestep, "a positive number of seconds")
         object.__setattr__(self, "options", tuple(sorted(dict(self.options).items())))
 

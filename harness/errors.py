@@ -22,8 +22,8 @@ class MissingPackageError(HarnessError, ImportError):
 
     def __init__(self, engine: str, package: str, reason: str) -> None:
         super().__init__(
-            f"engine '{engine}' needs the package '{package}', which cannot be imported ({reason}); "
-            f"install it with: pip install {package}"
+            f"engine '{engine}' needs the package '{package}', which cannot be imported "
+            f"({reason}); install it with: pip install {package}"
         )
 
 

@@ -1,8 +1,8 @@
 """What an engine is to the harness: capabilities, settings, and one verb.
 
-`Engine` is the role that everything that moves a can plays. `World` is the smaller role of a compiled
-engine model that can be placed, stepped and read; the probes of parity and the search for the
-static penetration are written once, against it.
+`Engine` is the role that everything that moves a can plays. `World` is the smaller role of a
+compiled engine model that can be placed, stepped and read; the probes of parity and the search for
+the static penetration are written once, against it.
 """
 
 from collections.abc import Callable, Mapping
@@ -83,7 +83,7 @@ class Engine(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contact:
-    """The contact at one instant: force-weighted point (3,), force (3,) on the can, depth, count."""
+    """The contact at one instant: weighted point (3,), force (3,) on the can, depth, count."""
 
     point: Floats
     force: Floats
@@ -163,21 +163,21 @@ def _checked(setting: Setting, value: Value, timestep: float) -> Value:
     if value is None and setting.default is None:
         return None
     if setting.choices:
-        if value not in setting.choices:
-            raise InvalidSettingError(setting.name, value, ", ".join(setting.choices))
-        return value
-    if isinstance(model, bool):
-        if isinstance(value, bool):
-            return value
-        raise InvalidSettingError(setting.name, value, "true or false")
-    if isinstance(model, tuple):
-        if isinstance(value, tuple) and len(value) == len(model):
-            return value
-        raise InvalidSettingError(setting.name, value, f"{len(model)} numbers, comma between them")
-    if isinstance(model, int):
-        if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
-            return value
-        raise InvalidSettingError(setting.name, value, "an integer, zero or greater")
-    if isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value):
-        return float(value)
-    raise InvalidSettingError(setting.name, value, "a finite number")
+        fits, allowed = value in setting.choices, ", ".join(setting.choices)
+    elif isinstance(model, bool):
+        fits, allowed = isinstance(value, bool), "true or false"
+    elif isinstance(model, str):
+        fits, allowed = isinstance(value, str), "a word"
+    elif isinstance(model, tuple):
+        fits = isinstance(value, tuple) and len(value) == len(model)
+        allowed = f"{len(model)} numbers with commas between them"
+    elif isinstance(model, int):
+        fits = isinstance(value, int) and not isinstance(value, bool) and value >= 0
+        allowed = "an integer, zero or greater"
+    else:
+        fits = isinstance(value, int | float) and not isinstance(value, bool)
+        fits, allowed = fits and bool(np.isfinite(value)), "a finite number"  # type: ignore[arg-type]
+        value = float(value) if fits else value  # type: ignore[arg-type]
+    if not fits:
+        raise InvalidSettingError(setting.name, value, allowed)
+    return value

@@ -1,21 +1,18 @@
 """When a run of an engine ends: at its horizon, or earlier because nothing more will come.
 
-A bounce is a minimum of phi between two maxima that both stand out from it by `PROMINENCE` of the
-largest phi: an engine's ripple is no bounce. The watch sees the recorded samples, which are dense in
-angle, and so misses none.
+A bounce is a minimum of phi between two maxima that both stand out from it. The watch sees the
+recorded samples, which are dense in angle, and so misses none.
 """
 
 import math
 
 import numpy as np
 
+from harness.bounce import PROMINENCE
 from harness.simulation import Outcome
 from harness.trajectory import Trajectory
 from models.kinematics import half_angles
 from models.scene import Scene
-
-PROMINENCE = 0.01
-"""Share of the largest phi so far by which an extremum of phi must stand out to count."""
 
 BOUNCE_ALLOWANCE = 100.0
 """Natural times sqrt(R/g) allowed for a bounce; one from 1e-5 rad off balance takes about 35."""

@@ -2,8 +2,8 @@
 
 Every property is read back from the compiled engine or probed in it: mass and moments are read;
 gravity, timestep, damping and velocity clamps are probed in free flight; radius, height and the
-roundness of the rim by distance queries at several tilts, as the collider sees them; the friction of
-the pair by a can that slides. The probes know a `World` and no engine.
+roundness of the rim by distance queries at several tilts, as the collider sees them; the friction
+of the pair by a can that slides. The probes know a `World` and no engine.
 """
 
 import math
@@ -155,7 +155,7 @@ def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[_Findi
 
 
 def _collider(world: World, scene: Scene) -> Iterator[_Finding]:
-    """Probe the rim: how low does the collider reach below the centre at each tilt?"""
+    """Probe the rim: how low the collider reaches below the centre at each tilt."""
     can = scene.can
     still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
     lift = 1e-3 * can.radius  # within every engine's reach and out of contact

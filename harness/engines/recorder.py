@@ -1,8 +1,8 @@
-"""Recording by angle, not by time: dense where the can races round its rim, sparse where it does not.
+"""Recording by angle, not by time: dense where the can races round its rim, sparse elsewhere.
 
-A sample is kept whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by its own
-share, since the last one. The path is summed over every step of the engine, so the choice does not
-depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
+A sample is kept whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by its
+own share, since the last one. The path is summed over every step of the engine, so the choice does
+not depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """The reference as an engine: the exact equations, in the harness's units and frames.
 
 The one file of the harness that imports `reference`. A reference model moves a can like any engine
-does, so it can be run, timed and compared like one; and as the truth it can be asked for its state at
-any instant, so that an engine is compared on its own time grid.
+does, so it can be run, timed and compared like one; and as the truth it can be asked for its state
+at any instant, so that an engine is compared on its own time grid.
 """
 
 import time
@@ -22,8 +22,8 @@ from harness.trajectory import Trajectory
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset, rolling_velocity
 from models.scene import Scene
-from reference import Parameters, Problem, Solution, SolverError, solve
 from reference import Outcome as Ending
+from reference import Parameters, Problem, Solution, SolverError, solve
 from reference.contact import contact_force_in_world
 
 SETTINGS = (
@@ -100,8 +100,7 @@ class Truth:
             velocity=rolling_velocity(can, states.phi, states.psi, omega),
             angular_velocity=omega,
             contact_point=point,
-            contact_force=weight
-            * contact_force_in_world(states, self.solution.problem.parameters),
+            contact_force=weight * contact_force_in_world(states, self.solution.problem.parameters),
             penetration=np.zeros(len(times)),
             contact_count=np.ones(len(times), dtype=np.int64),
         )

@@ -1,6 +1,6 @@
 """Engines by name: whatever is installed under the entry point group `rockingcan.engines`."""
 
-from functools import lru_cache
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
 from harness.engines.base import Engine
@@ -15,7 +15,7 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(_entries()))
 
 
-@lru_cache(maxsize=None)
+@cache
 def engine(name: str) -> Engine:
     """Return an engine.
 

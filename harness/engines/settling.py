@@ -2,8 +2,8 @@
 
 A soft contact bears a load only when it is compressed; released with the rim just touching, the can
 falls into its own contact and the run starts with a bounce that is not in the scene. The depth
-sought is the one at which the touching point of the rim has no vertical velocity after one step: the
-contact then bears just the load that rolling puts on it.
+sought is the one at which the touching point of the rim has no vertical velocity after one step:
+the contact then bears just the load that rolling puts on it.
 """
 
 import numpy as np
@@ -72,6 +72,4 @@ def _rise_after_a_step(world: World, pose: Pose, twist: Twist, offset: Floats) -
 
 def _lowered(pose: Pose, depth: float) -> Pose:
     """Return the pose, lower by a depth in m."""
-    return Pose(
-        position=pose.position - np.array((0.0, 0.0, depth)), quaternion=pose.quaternion
-    )
+    return Pose(position=pose.position - np.array((0.0, 0.0, depth)), quaternion=pose.quaternion)

@@ -1,13 +1,13 @@
 """What all stepping engines do alike: refuse, compare, settle, step, record.
 
-A physics engine says how to open a world and how to step it in chunks; the order of things, and what
-is written down of them, is here, once.
+A physics engine says how to open a world and how to step it in chunks; the order of things, and
+what is written down of them, is here, once.
 """
 
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -117,18 +117,25 @@ class PhysicsEngine(ABC, Generic[W]):
         world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
         world.place(pose, twist)
         setup = time.perf_counter() - started
-        return self._run(case, world, chosen, rows, depth, setup)
+        return self._run(
+            world,
+            Simulation(
+                case=case,
+                outcome=Outcome.FINISHED,
+                trajectory=None,
+                engine_version=self.version,
+                model=self.name,
+                timestep=self.timestep(case),
+                settings=chosen,
+                parity=rows,
+                setup_s=setup,
+                static_penetration=depth,
+            ),
+        )
 
-    def _run(
-        self,
-        case: Case,
-        world: W,
-        chosen: dict[str, Value],
-        rows: tuple[ParityRow, ...],
-        depth: float,
-        setup: float,
-    ) -> Simulation:
-        """Step until the watch or the horizon ends it."""
+    def _run(self, world: W, prepared: Simulation) -> Simulation:
+        """Step until the watch or the horizon ends it; return what was prepared, completed."""
+        case = prepared.case
         recorder, watch = Recorder(case.scene), Watch(case.scene)
         timestep, limit = self.timestep(case), longest_time(case.scene)
         at_limit = Outcome.FINISHED if case.scene.horizon.seconds else Outcome.TIMED_OUT
@@ -150,19 +157,12 @@ class PhysicsEngine(ABC, Generic[W]):
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         trajectory = recorder.trajectory(watch.ended_at)
         steps = round(float(trajectory.time[-1]) / timestep) + 1
-        return Simulation(
-            case=case,
+        return replace(
+            prepared,
             outcome=outcome or at_limit,
             trajectory=trajectory,
-            engine_version=self.version,
-            model=self.name,
-            timestep=timestep,
-            settings=chosen,
-            parity=rows,
             steps=steps,
             constraint_rows=int(np.concatenate(rows_of_steps)[:steps].sum()),
-            setup_s=setup,
             wall_s=wall,
             cpu_s=cpu,
-            static_penetration=depth,
         )

@@ -19,7 +19,7 @@ def energy(trajectory: Trajectory, scene: Scene) -> Floats:
 
 
 def energy_drift(trajectory: Trajectory, scene: Scene) -> float:
-    """Return the largest departure of the energy from its first value, with its sign, over m g R."""
+    """Return the largest departure of the energy from its first value, signed, over m g R."""
     change = energy(trajectory, scene)
     change = change - change[0]
     largest = float(change[np.argmax(np.abs(change))])

@@ -1,9 +1,9 @@
 """How far a motion is from the truth, in named quantities and norms.
 
 Both are compared at the same instants, those of the engine. A pointwise difference after a bounce
-mixes how late the bounce came with how far it turned; so the shift in time, the size of the turn and
-the errors before and after the bounce are told apart. Orientations are compared as rotations, psi and
-theta without jumps; raw Euler angles are never subtracted.
+mixes how late the bounce came with how far it turned; so the shift in time, the size of the turn
+and the errors before and after the bounce are told apart. Orientations are compared as rotations,
+psi and theta without jumps; raw Euler angles are never subtracted.
 """
 
 import math

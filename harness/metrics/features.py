@@ -1,16 +1,20 @@
 """The bounces of a record: extrema of phi, and what psi and theta do between them."""
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.signal import find_peaks
 
-from harness.bounce import Bounce
-from harness.engines.horizon import PROMINENCE
+from harness.bounce import PROMINENCE, Bounce
 from harness.metrics.motion import Motion
 from harness.trajectory import Floats
 from models.can import Can
 
 _AT_REST = 1e-6
 """Share of the largest |phi'| below which the first or last sample counts as an extremum itself."""
+
+_COARSE = 0.1
+"""rad of the rim between two samples from which a cubic in time no longer follows phi."""
 
 
 def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
@@ -27,10 +31,7 @@ def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
     if len(minima) == 0:
         return ()
     edges = [0, *minima.tolist(), len(phi) - 1]
-    peaks = [
-        left + int(np.argmax(phi[left : right + 1]))
-        for left, right in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    peaks = [left + int(np.argmax(phi[left : right + 1])) for left, right in pairwise(edges)]
     found = []
     for number, minimum in enumerate(minima.tolist()):
         before, after = peaks[number], peaks[number + 1]
@@ -71,25 +72,26 @@ def _bounce(motion: Motion, can: Can, before: int, minimum: int, after: int) -> 
 
 
 def _at_maximum(motion: Motion, index: int) -> tuple[float, float, float]:
-    """Return time, psi and theta where phi' passes through zero next to a sample.
-
-    phi' is taken to be linear over the interval in which it changes sign, psi and theta as the cubic
-    that has their rates.
-    """
+    """Return time, psi and theta where phi' passes through zero next to a sample."""
     angles, time = motion.angles, motion.time
-    rate = angles.phi_dot
     for left in (index - 1, index):
-        right = left + 1
-        if left < 0 or right >= len(time) or not rate[left] > 0.0 >= rate[right]:
-            continue
-        share = float(rate[left] / (rate[left] - rate[right]))
-        gap = float(time[right] - time[left])
-        psi, theta = (
-            _cubic(values, rates, left, share, gap)
-            for values, rates in ((angles.psi, angles.psi_dot), (angles.theta, angles.theta_dot))
-        )
-        return float(time[left]) + share * gap, psi, theta
+        turn = _turning(motion, left)
+        if turn is not None:
+            gap = float(time[left + 1] - time[left])
+            return (
+                float(time[left]) + turn * gap,
+                _cubic(angles.psi, angles.psi_dot, left, turn, gap),
+                _cubic(angles.theta, angles.theta_dot, left, turn, gap),
+            )
     return float(time[index]), float(angles.psi[index]), float(angles.theta[index])
+
+
+def _turning(motion: Motion, left: int) -> float | None:
+    """Return the share of an interval at which phi', taken as linear, changes sign, if ever."""
+    rate = motion.angles.phi_dot
+    if left < 0 or left + 1 >= len(rate) or not rate[left] * rate[left + 1] < 0.0:
+        return None
+    return float(rate[left] / (rate[left] - rate[left + 1]))
 
 
 def _cubic(values: Floats, rates: Floats, left: int, share: float, gap: float) -> float:
@@ -105,28 +107,24 @@ def _cubic(values: Floats, rates: Floats, left: int, share: float, gap: float) -
 def _closest_to_flat(motion: Motion, can: Can, index: int) -> tuple[float, float]:
     """Return time and phi of a minimum of phi near a sample.
 
-    In a bounce phi exp(i chi), chi = psi sqrt(a_p/(a_p + 1)), moves on a straight line at constant
-    speed: the minimum is the point of the chord nearest to the origin.
+    Where a few samples carry the whole bounce: phi exp(i chi), chi = psi sqrt(a_p/(a_p + 1)), moves
+    on a straight line at constant speed, and the minimum is the point of the chord nearest to the
+    origin. Where the samples lie densely: the zero of phi'.
     """
-    a_p = can.a + can.h**2
+    slowness = np.sqrt((can.a + can.h**2) / (can.a + can.h**2 + 1.0))
     angles, time = motion.angles, motion.time
-    chi = angles.psi * np.sqrt(a_p / (a_p + 1.0))
     best = (float(angles.phi[index]), float(time[index]))
     for left in (index - 1, index):
-        right = left + 1
-        if left < 0 or right >= len(time):
+        share = _turning(motion, left)
+        if share is None:
             continue
-        turn = chi[right] - chi[left]
-        if abs(turn) >= np.pi:
-            continue
-        here, there = complex(angles.phi[left]), angles.phi[right] * np.exp(1j * turn)
-        step = there - here
-        if step == 0.0:
-            continue
-        share = float(np.clip(-(here * step.conjugate()).real / abs(step) ** 2, 0.0, 1.0))
-        closest = abs(here + share * step)
-        moment = float(time[left] + share * (time[right] - time[left]))
-        best = min(best, (closest, moment))
+        gap = float(time[left + 1] - time[left])
+        phi = _cubic(angles.phi, angles.phi_dot, left, share, gap)
+        turn = slowness * (angles.psi[left + 1] - angles.psi[left])
+        if _COARSE < abs(turn) < np.pi:
+            here, there = complex(angles.phi[left]), angles.phi[left + 1] * np.exp(1j * turn)
+            step = there - here
+            share = float(np.clip(-(here * step.conjugate()).real / abs(step) ** 2, 0.0, 1.0))
+            phi = float(abs(here + share * step))
+        best = (phi, float(time[left]) + share * gap)
     return best[1], best[0]
-
-

@@ -76,4 +76,5 @@ def shares(time: Floats) -> Floats:
     weights = np.zeros(len(time))
     weights[:-1] += gaps / 2.0
     weights[1:] += gaps / 2.0
-    return weights / weights.sum()
+    weights /= weights.sum()
+    return weights

@@ -1,7 +1,8 @@
 """MuJoCo as an engine: compile, compare, settle, then step in C and record by angle.
 
-`mujoco.rollout` steps in C and returns the state after each step and the sensors of the state before
-it; both are put at the same instant here. Forces and the locus come from MuJoCo's contact sensors.
+`mujoco.rollout` steps in C and returns the state after each step and the sensors of the state
+before it; both are put at the same instant here. Forces and the locus come from MuJoCo's contact
+sensors.
 """
 
 from collections.abc import Iterator
@@ -96,7 +97,7 @@ def _read(world: MujocoWorld, states: Floats, sensors: Floats, done: int) -> Tra
     quaternion = states[:, 4:8]
     return Trajectory(
         # counted, not summed: the engine's own clock drifts by round-off
-        time=(done + np.arange(len(states))) * world.timestep,
+        time=np.arange(done, done + len(states)) * np.float64(world.timestep),
         position=states[:, 1:4],
         quaternion=quaternion,
         velocity=states[:, 8:11],
@@ -104,5 +105,5 @@ def _read(world: MujocoWorld, states: Floats, sensors: Floats, done: int) -> Tra
         contact_point=point,
         contact_force=force,
         penetration=penetration,
-        contact_count=count,
+        contact_count=count.astype(np.int64),
     )

@@ -1,10 +1,10 @@
 """MuJoCo's settings that matter to a rolling can, what it ships with, and what `matched` takes.
 
-`matched` takes away what the scene does not declare. Contact in MuJoCo is always soft; with the time
-constant of `solref` tied to twice the timestep, the shortest that its own rule allows, the softness
-vanishes with the timestep, and the limit is the rigid can. Elliptic cones take the bias out of the
-direction of friction, and `impratio` makes friction a hundred times harder than the normal, so that
-the rim creeps a hundred times less.
+`matched` takes away what the scene does not declare. Contact in MuJoCo is always soft; with the
+time constant of `solref` tied to twice the timestep, the shortest that its own rule allows, the
+softness vanishes with the timestep, and the limit is the rigid can. Elliptic cones take the bias
+out of the direction of friction, and `impratio` makes friction a hundred times harder than the
+normal, so that the rim creeps a hundred times less.
 """
 
 from collections.abc import Mapping
@@ -106,8 +106,8 @@ GEOM = (
     Setting(
         name="solimp",
         default=(0.9, 0.95, 0.001, 0.5, 2.0),
-        matched=(0.99, 0.99, 0.001, 0.5, 2.0),
-        meaning="Impedance of the contact against its depth: one is rigid.",
+        matched=(0.9, 0.9, 0.001, 0.5, 2.0),
+        meaning="Impedance against depth; constant, and 0.9: at 0.99 the contact chatters.",
     ),
     Setting(
         name="condim",

@@ -1,7 +1,8 @@
 """A compiled MuJoCo model of a scene that can be placed, stepped and read.
 
 After a step qpos and qvel are new, while contacts and sensors belong to the state before it. The
-angular velocity of a free joint is in the body's frame; everything here is handed over in the world's.
+angular velocity of a free joint is in the body's frame; everything here is handed over in the
+world's.
 """
 
 import mujoco
@@ -111,7 +112,7 @@ class MujocoWorld:
         return float(mujoco.mj_geomDistance(self.model, self.data, *self._geoms, _FAR, None))
 
     def read_contact(self, sensors: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return point (n, 3), force (n, 3), penetration (n,) and count (n,) of sensor rows (n, 17).
+        """Return point (n, 3), force (n, 3), depth (n,) and count (n,) of sensor rows (n, 17).
 
         MuJoCo's own resultant: the sum of all contact forces at their force-weighted centre.
         """

@@ -1,7 +1,7 @@
 """PyBullet as an engine: open a world of its own, compare, settle, then step and read.
 
-There is no batched stepping: each step is a call, and so is each of the three readings. The contacts
-that a step leaves are paired with the state before it.
+There is no batched stepping: each step is a call, and so is each of the three readings. The
+contacts that a step leaves are paired with the state before it.
 """
 
 from collections.abc import Iterator
@@ -83,7 +83,7 @@ def _step(world: PybulletWorld, count: int) -> Floats:
 def _read(world: PybulletWorld, rows: Floats, done: int) -> Trajectory:
     """Return the rows of consecutive steps as a trajectory."""
     return Trajectory(
-        time=(done + np.arange(len(rows))) * world.timestep,
+        time=np.arange(done, done + len(rows)) * np.float64(world.timestep),
         position=rows[:, :3],
         quaternion=rows[:, [6, 3, 4, 5]],
         velocity=rows[:, 7:10],
@@ -91,5 +91,5 @@ def _read(world: PybulletWorld, rows: Floats, done: int) -> Trajectory:
         contact_point=rows[:, 13:16],
         contact_force=rows[:, 16:19],
         penetration=rows[:, 19],
-        contact_count=rows[:, 20],
+        contact_count=rows[:, 20].astype(np.int64),
     )

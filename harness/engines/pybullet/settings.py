@@ -1,9 +1,9 @@
 """PyBullet's settings that matter to a rolling can, what it ships with, and what `matched` takes.
 
-Shipped, a URDF cylinder is a polygon with 32 sides inside a margin of 1 mm, its moments are those of
-its bounding box, it is damped, and its velocities are clamped. `matched` undoes all of it: the
-implicit cylinder with no margin, the moments of the file, no damping, a clamp out of reach, no slop,
-and an ERP that takes penetration away within a step or two.
+Shipped, a URDF cylinder is a polygon with 32 sides inside a margin of 1 mm, its moments are those
+of its bounding box, it is damped, and its velocities are clamped. `matched` undoes all of it: the
+implicit cylinder with no margin, the moments of the file, no damping, a clamp out of reach, no
+slop, and an ERP that takes penetration away within a step or two.
 
 The flags of `loadURDF` appear under the names of its constants; what belongs to
 `setPhysicsEngineParameter` or to `changeDynamics` under the names of their arguments. A setting of
@@ -49,7 +49,7 @@ SOLVER = (
     Setting(
         name="solverResidualThreshold",
         default=1e-7,
-        matched=1e-7,
+        matched=1e-14,
         meaning="Squared velocity residual at which the sweeps stop.",
     ),
     Setting(

@@ -1,14 +1,16 @@
 """A PyBullet world of a scene that can be placed, stepped and read.
 
 The contact points that a step leaves behind belong to the state before it. Quaternions are scalar
-last in PyBullet and scalar first here; `getBaseVelocity` is in world coordinates already. Every call
-names its client, so that worlds do not meet.
+last in PyBullet and scalar first here; `getBaseVelocity` is in world coordinates already. Every
+call names its client, so that worlds do not meet.
 """
 
+import math
 import tempfile
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 import pybullet
@@ -18,6 +20,9 @@ from harness.engines.base import Contact, Floats
 from harness.engines.pybullet.settings import DYNAMICS, SOLVER, URDF_FLAGS
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
+
+ContactPoint: TypeAlias = tuple[Any, ...]
+Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 
 _REACH = 1.0  # m: distance up to which closest points are sought
 
@@ -47,13 +52,27 @@ class PybulletWorld:
         for setting in URDF_FLAGS:
             if setting.name.startswith("URDF_") and chosen[setting.name]:
                 flags |= getattr(pybullet, setting.name)
-        maximal = bool(chosen["useMaximalCoordinates"])
         with tempfile.TemporaryDirectory() as folder:
-            self.ground = _load(Path(folder) / "ground.urdf", ground_urdf(), self.client, 0, False)
-            self.can = _load(Path(folder) / "can.urdf", urdf(case.scene), self.client, flags, maximal)
+            path = Path(folder)
+            self.ground = self._load(path / "ground.urdf", ground_urdf())
+            self.can = self._load(
+                path / "can.urdf",
+                urdf(case.scene),
+                flags=flags,
+                useMaximalCoordinates=bool(chosen["useMaximalCoordinates"]),
+            )
         dynamics = {s.name: chosen[s.name] for s in DYNAMICS if chosen[s.name] is not None}
         if dynamics:
             pybullet.changeDynamics(self.can, -1, **dynamics, **here)
+
+    def _load(self, path: Path, text: str, **how: bool | int) -> int:
+        """Return the body that PyBullet makes of a URDF text.
+
+        PyBullet remembers files by their path, so the path must be new for each text.
+        """
+        path.write_text(text, encoding="utf-8")
+        body: int = pybullet.loadURDF(str(path), physicsClientId=self.client, **how)
+        return body
 
     @property
     def mass(self) -> float:
@@ -70,10 +89,8 @@ class PybulletWorld:
         """The timestep that was asked for, s."""
         return self._timestep
 
-    def _dynamics(self) -> tuple[object, ...]:
-        info: tuple[object, ...] = pybullet.getDynamicsInfo(
-            self.can, -1, physicsClientId=self.client
-        )
+    def _dynamics(self) -> tuple[Any, ...]:
+        info: tuple[Any, ...] = pybullet.getDynamicsInfo(self.can, -1, physicsClientId=self.client)
         return info
 
     def place(self, pose: Pose, twist: Twist) -> None:
@@ -98,13 +115,11 @@ class PybulletWorld:
         position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(
             self.can, physicsClientId=self.client
         )
-        return Pose(position=position, quaternion=(w, x, y, z))
+        return Pose(position=position, quaternion=np.array((w, x, y, z)))
 
     def twist(self) -> Twist:
         """Return how the can moves."""
-        velocity, angular_velocity = pybullet.getBaseVelocity(
-            self.can, physicsClientId=self.client
-        )
+        velocity, angular_velocity = pybullet.getBaseVelocity(self.can, physicsClientId=self.client)
         return Twist(velocity=velocity, angular_velocity=angular_velocity)
 
     def contact(self) -> Contact:
@@ -127,14 +142,15 @@ class PybulletWorld:
         return float(min(point[8] for point in points)) if points else np.inf
 
 
-def resultant(points: tuple[tuple[object, ...], ...]) -> tuple[float, ...]:
+def resultant(points: Sequence[ContactPoint]) -> Resultant:
     """Return the resultant of PyBullet's contact points between can and ground.
 
     Parameters
     ----------
-    points : tuple
-        As `getContactPoints` returns them: 5 and 6 positions on can and ground, 7 normal towards the
-        can, 8 distance, 9 normal force, 10 to 13 two friction forces, each followed by its direction.
+    points : sequence of tuple
+        As `getContactPoints` returns them: 5 and 6 positions on can and ground, 7 normal towards
+        the can, 8 distance, 9 normal force, 10 to 13 two friction forces, each followed by its
+        direction.
 
     Returns
     -------
@@ -143,35 +159,27 @@ def resultant(points: tuple[tuple[object, ...], ...]) -> tuple[float, ...]:
         that bear a force, number of points in the solver. Cached points without force stay out of
         the locus: they may be half a can away.
     """
-    nan = float("nan")
-    if not points:
-        return (nan, nan, nan, 0.0, 0.0, 0.0, nan, 0.0, 0.0)
     px = py = pz = fx = fy = fz = total = bearing = 0.0
-    depth = -float("inf")
+    depth = -math.inf
     for point in points:
-        depth = max(depth, -point[8])  # type: ignore[operator]
+        depth = max(depth, -point[8])
         n = point[9]
-        if n <= 0.0:  # type: ignore[operator]
+        if n <= 0.0:
             continue
-        (ax, ay, az), (bx, by, bz), (nx, ny, nz) = point[5], point[6], point[7]  # type: ignore[misc]
-        f1, (ux, uy, uz), f2, (vx, vy, vz) = point[10:14]  # type: ignore[misc]
+        ax, ay, az = point[5]
+        bx, by, bz = point[6]
+        nx, ny, nz = point[7]
+        f1, (ux, uy, uz), f2, (vx, vy, vz) = point[10:14]
         fx += n * nx + f1 * ux + f2 * vx
         fy += n * ny + f1 * uy + f2 * vy
         fz += n * nz + f1 * uz + f2 * vz
         px += n * (ax + bx) / 2.0
         py += n * (ay + by) / 2.0
         pz += n * (az + bz) / 2.0
-        total += n  # type: ignore[operator]
+        total += n
         bearing += 1.0
+    if not points:
+        depth = math.nan
     if total == 0.0:
-        return (nan, nan, nan, 0.0, 0.0, 0.0, depth, 0.0, float(len(points)))
+        return (math.nan, math.nan, math.nan, 0.0, 0.0, 0.0, depth, 0.0, float(len(points)))
     return (px / total, py / total, pz / total, fx, fy, fz, depth, bearing, float(len(points)))
-
-
-def _load(path: Path, text: str, client: int, flags: int, maximal: bool) -> int:
-    """Return the body that PyBullet makes of a URDF text."""
-    path.write_text(text, encoding="utf-8")
-    body: int = pybullet.loadURDF(
-        str(path), flags=flags, useMaximalCoordinates=maximal, physicsClientId=client
-    )
-    return body

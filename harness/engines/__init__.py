@@ -1,0 +1,1 @@
+"""Everything that moves a can, each behind one role."""

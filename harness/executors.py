@@ -1,0 +1,31 @@
+"""Where cases run: anything with the interface of `concurrent.futures.Executor`."""
+
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class Serial(Executor):
+    """Runs each task where and when it is submitted."""
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
+        """Run a task now; its exception, if any, is in the future."""
+        future: Future[T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+            future.set_exception(error)
+        return future
+
+
+def local(jobs: int) -> Executor:
+    """Return an executor of so many processes on this machine; of none beside this one for 1."""
+    if jobs == 1:
+        return Serial()
+    # engines hold threads and global state, which a forked child would share
+    context: Any = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(max_workers=jobs, mp_context=context)

@@ -1,0 +1,124 @@
+"""The library's face: simulate a scene, compare engines on it, run the suite; tables as DataFrames."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import pandas as pd
+
+from harness.artefact import Artefact
+from harness.case import Case, Value
+from harness.engines.registry import names
+from harness.executors import local
+from harness.runner import Evaluation, evaluate, run
+from harness.studies.comparison import SUITES, design, read, results
+from models.catalogue import load
+from models.scene import Scene
+
+
+def simulate(
+    scene: Scene | str,
+    engine: str = "reference",
+    *,
+    profile: str = "matched",
+    timestep: float | None = None,
+    settings: Mapping[str, Value] | None = None,
+) -> Evaluation:
+    """Run one scene in one engine and hold it against the exact motion.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A scene, the name of one in the catalogue, or the path of a scene file.
+    engine : str
+    profile : str
+        "matched": only what the scene declares; "default": the engine as it ships.
+    timestep : float, optional
+        s; the profile's own if left out.
+    settings : mapping, optional
+        Settings that replace the profile's, under the engine's own names.
+
+    Returns
+    -------
+    Evaluation
+
+    Raises
+    ------
+    HarnessError, ModelError
+        For wrong use. A numerical failure is the `outcome` of the simulation.
+    """
+    return evaluate(
+        Case(
+            scene=_scene(scene),
+            engine=engine,
+            profile=profile,
+            timestep=timestep,
+            options=tuple((settings or {}).items()),
+        )
+    )
+
+
+def compare(
+    scene: Scene | str,
+    engines: Sequence[str] | None = None,
+    *,
+    profiles: Sequence[str] = ("default", "matched"),
+    timesteps: Sequence[float | None] = (None,),
+    jobs: int = 1,
+) -> pd.DataFrame:
+    """Run one scene in several engines and return a row for each run.
+
+    Parameters
+    ----------
+    scene : Scene or str
+    engines : sequence of str, optional
+        All but the reference if left out.
+    profiles : sequence of str
+    timesteps : sequence of float or None
+        s; None is the profile's own. Profile "default" runs at its own timestep only.
+    jobs : int
+        Processes.
+
+    Returns
+    -------
+    DataFrame
+        The columns of the table `results`, units in their names.
+    """
+    chosen = _scene(scene)
+    cases = [
+        Case(scene=chosen, engine=engine, profile=profile, timestep=timestep)
+        for engine in stepping_engines(engines)
+        for profile in profiles
+        for timestep in ((None,) if profile == "default" else timesteps)
+    ]
+    with local(jobs) as executor:
+        return results(run(cases, executor)).frame
+
+
+def suite(name: str, engines: Sequence[str] | None = None) -> tuple[Case, ...]:
+    """Return the cases of a suite, "quick" or "full", for some or all engines."""
+    scenes = {scene: load(scene) for scene in SUITES[name]}
+    return design(name, stepping_engines(engines), scenes)
+
+
+def validate(
+    name: str = "quick",
+    engines: Sequence[str] | None = None,
+    *,
+    jobs: int = 1,
+    on_done: Callable[[Evaluation], None] | None = None,
+) -> tuple[tuple[Evaluation, ...], tuple[Artefact, ...]]:
+    """Run a suite; return its evaluations and the artefacts that a report is made of."""
+    with local(jobs) as executor:
+        evaluations = run(suite(name, engines), executor, on_done)
+    return evaluations, read(evaluations)
+
+
+def stepping_engines(engines: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the engines to compare: those named, or all but the reference."""
+    if engines:
+        return tuple(dict.fromkeys(engines))
+    return tuple(name for name in names() if name != "reference")
+
+
+def _scene(scene: Scene | str) -> Scene:
+    """Return a scene itself, or the one of that name or path."""
+    return load(scene) if isinstance(scene, str) else scene

@@ -1,0 +1,1 @@
+"""Studies design cases and read what came of them; they run nothing."""

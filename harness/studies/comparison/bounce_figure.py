@@ -1,0 +1,101 @@
+"""The figure that the project is about: phi and psi through the first bounce."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from harness.artefact import Figure, Panel, Series
+from harness.bounce import Bounce
+from harness.metrics.motion import Motion
+from harness.runner import Evaluation
+from harness.studies.comparison.curves import MS, label, longest
+from harness.trajectory import Floats
+
+_WINDOW = 12.0
+"""Half-width of the zoom in 1/(peak precession rate): the turn is complete to 5 %."""
+
+_FEW = 40
+"""Samples in the zoom up to which each is marked by a point."""
+
+_QUANTITIES: tuple[tuple[str, str, Callable[[Motion], Floats]], ...] = (
+    ("Nutation phi", "phi [deg]", lambda motion: np.degrees(motion.angles.phi)),
+    ("Precession psi", "psi [deg]", lambda motion: np.degrees(motion.angles.psi)),
+)
+
+
+def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
+    """Return phi and psi in the first bounce, each run against its own time of bounce."""
+    true = next((e.true_bounces[0] for e in drawn if e.true_bounces), None)
+    if true is None or true.peak_psi_dot == 0.0:
+        return None
+    half = _WINDOW / abs(true.peak_psi_dot)
+
+    def near(motion: Motion, bounce: Bounce, values: Floats) -> tuple[Floats, Floats]:
+        inside = np.abs(motion.time - bounce.time) <= half
+        inside |= np.roll(inside, 1) | np.roll(inside, -1)  # the curve leaves the window
+        return (motion.time[inside] - bounce.time) * MS, values[inside]
+
+    panels: list[Panel] = []
+    for title, y_label, values in _QUANTITIES:
+        series: list[Series] = []
+        exact = longest(drawn).truth
+        if exact is not None:
+            x, y = near(exact, true, values(exact))
+            series.append(Series(label="exact", kind="reference", x=x, y=y))
+        for e in drawn:
+            if e.motion is None or not e.bounces:
+                continue
+            shipped = e.simulation.case.profile == "default"
+            x, y = near(e.motion, e.bounces[0], values(e.motion))
+            series.append(
+                Series(
+                    label=label(e),
+                    kind=e.simulation.case.engine,
+                    x=x,
+                    y=y,
+                    dashed=shipped,
+                    mark="both" if len(x) < _FEW else "line",
+                )
+            )
+        panels.append(
+            Panel(
+                title=title,
+                x_label="time from the bounce [ms]",
+                y_label=y_label,
+                series=tuple(series),
+            )
+        )
+    turn, width = math.degrees(true.angle_of_turn), 2.0 / abs(true.peak_psi_dot)
+    return Figure(
+        name=f"{scene}-bounce",
+        title="The first bounce",
+        seen=(
+            f"Within about {_duration(width)} the contact point races round the rim and the can "
+            f"turns by {turn:.2f} degrees, while phi turns back at {true.phi_min:.2g} rad. "
+            f"{_turns(drawn, turn)}"
+        ),
+        panels=tuple(panels),
+        scene=scene,
+    )
+
+
+def _duration(seconds: float) -> str:
+    """Return a short time in the unit that suits it."""
+    for unit, size in (("ms", 1e-3), ("microseconds", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds * 1e9:.2g} nanoseconds"
+
+
+def _turns(drawn: Sequence[Evaluation], turn: float) -> str:
+    """Return a sentence on how far each run turned."""
+    parts = []
+    for e in drawn:
+        if e.bounces:
+            error = math.degrees(e.bounces[0].angle_of_turn) - turn
+            doubt = "" if e.bounces[0].resolved else ", too coarse to count turns"
+            parts.append(f"{label(e)}: {error:+.2g}{doubt}")
+        else:
+            parts.append(f"{label(e)}: no complete bounce")
+    return "Errors of the turn in degrees: " + "; ".join(parts) + "."

@@ -1,0 +1,66 @@
+"""Which cases the comparison is made of.
+
+Each engine runs each scene as it ships, at its own timestep, and matched, on a ladder of timesteps:
+the first says what a user gets, the second what the engine can do and how fast it gets there.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+
+from harness.case import Case
+from models.scene import Scene
+
+Ladder = tuple[float, ...]
+
+_QUICK: Mapping[str, Ladder] = MappingProxyType(
+    {
+        "gentle-rock": (3e-4, 1e-4, 3e-5, 1e-5),
+        "paper-release": (1e-5, 3e-6, 1e-6),
+        "steady-rolling": (1e-3, 1e-4),
+        "straight-rolling": (1e-3, 1e-4),
+        "petals": (1e-4,),
+        "wobble": (1e-4,),
+        "cusps": (1e-4,),
+    }
+)
+
+_FULL: Mapping[str, Ladder] = MappingProxyType(
+    {
+        "gentle-rock": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6),
+        "paper-release": (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7),
+        "steady-rolling": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
+        "straight-rolling": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
+        "petals": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
+        "wobble": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
+        "cusps": (1e-4, 3e-5, 1e-5),
+    }
+)
+
+SUITES: Mapping[str, Mapping[str, Ladder]] = MappingProxyType({"quick": _QUICK, "full": _FULL})
+"""Timesteps of profile `matched` by suite and scene, s."""
+
+
+def design(suite: str, engines: Sequence[str], scenes: Mapping[str, Scene]) -> tuple[Case, ...]:
+    """Return the cases of a suite.
+
+    Parameters
+    ----------
+    suite : str
+        A key of `SUITES`.
+    engines : sequence of str
+        Names of engines that take a timestep.
+    scenes : mapping of str to Scene
+        At least the scenes of the suite, by name.
+    """
+    return tuple(_cases(SUITES[suite], engines, scenes))
+
+
+def _cases(
+    ladders: Mapping[str, Ladder], engines: Sequence[str], scenes: Mapping[str, Scene]
+) -> Iterator[Case]:
+    """Yield the cases scene by scene."""
+    for name, ladder in ladders.items():
+        for engine in engines:
+            yield Case(scene=scenes[name], engine=engine, profile="default")
+            for timestep in ladder:
+                yield Case(scene=scenes[name], engine=engine, profile="matched", timestep=timestep)

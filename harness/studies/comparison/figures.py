@@ -1,0 +1,170 @@
+"""The comparison in figures: the angles, the locus, the friction and the errors of a scene."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from harness.artefact import Figure, Panel, Series
+from harness.metrics.motion import Motion
+from harness.runner import Evaluation
+from harness.studies.comparison.bounce_figure import bounce_figure
+from harness.studies.comparison.convergence_figure import convergence_figure
+from harness.studies.comparison.curves import MM, MS, drawn_runs, label, longest, overlaid
+from harness.trajectory import Floats
+
+_ANGLES: tuple[tuple[str, str, Callable[[Motion], tuple[Floats, Floats]]], ...] = (
+    ("phi", "Nutation phi", lambda m: (m.time * MS, np.degrees(m.angles.phi))),
+    ("psi", "Precession psi", lambda m: (m.time * MS, np.degrees(m.angles.psi))),
+    ("theta", "Rotation theta", lambda m: (m.time * MS, np.degrees(m.angles.theta))),
+)
+
+
+def scene_figures(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Figure, ...]:
+    """Return the figures of one scene.
+
+    Parameters
+    ----------
+    scene : str
+    evaluations : sequence of Evaluation
+        All of this scene, of every engine; those without a motion are left out.
+    """
+    drawn = tuple(drawn_runs(evaluations))
+    if not drawn:
+        return ()
+    return tuple(
+        figure
+        for figure in (
+            bounce_figure(scene, drawn),
+            _angles(scene, drawn),
+            _locus(scene, drawn),
+            _friction(scene, drawn),
+            _residuals(scene, drawn),
+            convergence_figure(scene, evaluations),
+        )
+        if figure is not None
+    )
+
+
+def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
+    """Return the three angles over the whole run."""
+    panels = tuple(
+        Panel(
+            title=title,
+            x_label="time [ms]",
+            y_label=f"{name} [deg]",
+            series=overlaid(drawn, curve),
+        )
+        for name, title, curve in _ANGLES
+    )
+    worst = max(drawn, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
+    best = min(drawn, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
+    return Figure(
+        name=f"{scene}-angles",
+        title="The angles over the whole run",
+        seen=(
+            f"Closest to the exact motion is {label(best)}, with {_phi(best)} rad rms in phi. "
+            f"Farthest is {label(worst)}, with {_phi(worst)} rad."
+        ),
+        panels=panels,
+        columns=3,
+        scene=scene,
+    )
+
+
+def _phi(e: Evaluation) -> str:
+    return f"{e.errors.phi_rms:.2g}" if e.errors else "no"
+
+
+def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
+    """Return the contact locus from above."""
+    series = overlaid(drawn, lambda m: (m.locus[:, 0] * MM, m.locus[:, 1] * MM))
+    distances = "; ".join(
+        f"{label(e)}: {e.errors.contact_locus_hausdorff * MM:.2g}" for e in drawn if e.errors
+    )
+    return Figure(
+        name=f"{scene}-locus",
+        title="The contact locus from above",
+        seen=(
+            "Each engine's locus is the centre of its contact points, weighted with their forces. "
+            f"Largest distance from the exact curve in mm: {distances}."
+        ),
+        panels=(
+            Panel(
+                title="Contact locus", x_label="x [mm]", y_label="y [mm]", series=series, equal=True
+            ),
+        ),
+        columns=1,
+        scene=scene,
+    )
+
+
+def _friction(scene: str, drawn: Sequence[Evaluation]) -> Figure:
+    """Return the friction ratio over time."""
+    series = overlaid(drawn, lambda m: (m.time * MS, m.friction_ratio))
+    exact = longest(drawn).truth
+    peak = np.nanmax(exact.friction_ratio) if exact is not None else math.nan
+    second = (
+        "In places the exact motion asks the plane to pull; a can that is only pushed lifts off."
+        if drawn[0].truth_pulls
+        else f"Rolling without slipping asks for a friction coefficient of {peak:.3f} here."
+    )
+    return Figure(
+        name=f"{scene}-friction",
+        title="The friction ratio",
+        seen=f"|F|/N from each engine's own contact forces against the exact ratio. {second}",
+        panels=(
+            Panel(title="Friction ratio", x_label="time [ms]", y_label="|F|/N [1]", series=series),
+        ),
+        columns=1,
+        scene=scene,
+    )
+
+
+def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
+    """Return the error of phi and the distance of the contact points over time."""
+    tilt: list[Series] = []
+    locus: list[Series] = []
+    for e in drawn:
+        if e.motion is None or e.truth is None:
+            continue
+        n = len(e.truth.time)
+        x, shipped = e.truth.time * MS, e.simulation.case.profile == "default"
+        phi = np.abs(e.motion.angles.phi[:n] - e.truth.angles.phi)
+        distance = np.linalg.norm(e.motion.locus[:n] - e.truth.locus, axis=1) * MM
+        for series, y in ((tilt, phi), (locus, distance)):
+            series.append(
+                Series(
+                    label=label(e),
+                    kind=e.simulation.case.engine,
+                    x=x,
+                    y=np.where(y > 0.0, y, np.nan),
+                    dashed=shipped,
+                )
+            )
+    return Figure(
+        name=f"{scene}-residuals",
+        title="Errors over time",
+        seen=(
+            "The distance of each run from the exact motion at the same instant, on a logarithmic "
+            "scale. Where a curve steps up, at a bounce or at the start, the error is made; "
+            "elsewhere it is carried along."
+        ),
+        panels=(
+            Panel(
+                title="Nutation",
+                x_label="time [ms]",
+                y_label="error of phi [rad]",
+                series=tuple(tilt),
+                log_y=True,
+            ),
+            Panel(
+                title="Contact point",
+                x_label="time [ms]",
+                y_label="distance [mm]",
+                series=tuple(locus),
+                log_y=True,
+            ),
+        ),
+        scene=scene,
+    )

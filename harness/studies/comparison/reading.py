@@ -1,0 +1,70 @@
+"""From evaluations to artefacts: figures first, then tables, then words."""
+
+import math
+from collections.abc import Sequence
+
+from harness.artefact import Artefact, Prose
+from harness.runner import Evaluation
+from harness.simulation import Outcome
+from harness.studies.comparison.figures import scene_figures
+from harness.studies.comparison.results import results
+from harness.studies.comparison.tables import bounces, orders, parity
+
+
+def read(evaluations: Sequence[Evaluation]) -> tuple[Artefact, ...]:
+    """Return the artefacts of the comparison."""
+    scenes = list(dict.fromkeys(e.simulation.case.scene.name for e in evaluations))
+    artefacts: list[Artefact] = [_summary(evaluations)]
+    for scene in scenes:
+        own = [e for e in evaluations if e.simulation.case.scene.name == scene]
+        artefacts += scene_figures(scene, own)
+        artefacts.append(Prose(name=f"{scene}-cite", title="Source", text=_cite(own), scene=scene))
+    artefacts += [
+        results(evaluations),
+        orders(evaluations),
+        bounces(evaluations),
+        parity(evaluations),
+    ]
+    return tuple(artefacts)
+
+
+def _cite(own: Sequence[Evaluation]) -> str:
+    return own[0].simulation.case.scene.cite
+
+
+def _summary(evaluations: Sequence[Evaluation]) -> Prose:
+    """Return what was found, a sentence an engine, worst first."""
+    engines = list(dict.fromkeys(e.simulation.case.engine for e in evaluations))
+    sentences = [
+        f"{len(evaluations)} runs of {len(engines)} engines were held against the exact motion."
+    ]
+    for engine in engines:
+        for profile, words in (("default", "as it ships"), ("matched", "matched to the scene")):
+            turned = [
+                (abs(math.degrees(e.errors.angle_of_turn[0])), e)
+                for e in evaluations
+                if e.simulation.case.engine == engine
+                and e.simulation.case.profile == profile
+                and e.errors is not None
+                and e.errors.angle_of_turn
+                and not e.truth_pulls
+            ]
+            if not turned:
+                continue
+            choose = max if profile == "default" else min
+            error, e = choose(turned, key=lambda pair: pair[0])
+            extreme = "at worst" if profile == "default" else "at best"
+            sentences.append(
+                f"{engine} {words} misses the angle of turn by {extreme} {error:.2g} degrees "
+                f"({e.simulation.case.scene.name}, timestep {e.simulation.timestep:.2g} s)."
+            )
+    unfinished = [e for e in evaluations if e.simulation.outcome is not Outcome.FINISHED]
+    if unfinished:
+        sentences.append(
+            f"{len(unfinished)} runs did not reach their horizon: "
+            + "; ".join(
+                f"{e.simulation.case.label()}: {e.simulation.outcome.value}" for e in unfinished
+            )
+            + "."
+        )
+    return Prose(name="summary", title="Summary", text=" ".join(sentences))

@@ -1,0 +1,130 @@
+"""The other tables of the comparison: bounces, model parity, observed orders."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from harness.artefact import Table
+from harness.metrics.order import observed_order
+from harness.runner import Evaluation
+from harness.studies.comparison.rows import CASE, frame, key
+
+_BOUNCES: Mapping[str, str] = {
+    **CASE,
+    "bounce": "Number of the bounce, from 1.",
+    "time_s": "Time of the minimum of phi.",
+    "phi_min_rad": "Smallest phi.",
+    "angle_of_turn_deg": "Change of psi between the maxima of phi on either side.",
+    "angle_of_turn_true_deg": "The same of the exact motion.",
+    "rotation_turn_deg": "Change of theta between the maxima of phi on either side.",
+    "peak_psi_dot_rad_s": "Precession rate of largest magnitude.",
+    "peak_friction_ratio": "Largest |F|/N.",
+    "resolved": "Whether the record is dense enough to count the turns of psi.",
+}
+
+
+def bounces(evaluations: Sequence[Evaluation]) -> Table:
+    """Return the table of all bounces."""
+    rows = []
+    for e in evaluations:
+        for number, bounce in enumerate(e.bounces):
+            true = e.true_bounces[number] if number < len(e.true_bounces) else None
+            rows.append(
+                {
+                    **key(e),
+                    "bounce": number + 1,
+                    "time_s": bounce.time,
+                    "phi_min_rad": bounce.phi_min,
+                    "angle_of_turn_deg": math.degrees(bounce.angle_of_turn),
+                    "angle_of_turn_true_deg": None
+                    if true is None
+                    else math.degrees(true.angle_of_turn),
+                    "rotation_turn_deg": math.degrees(bounce.rotation_turn),
+                    "peak_psi_dot_rad_s": bounce.peak_psi_dot,
+                    "peak_friction_ratio": bounce.peak_friction_ratio,
+                    "resolved": bounce.resolved,
+                }
+            )
+    return Table(name="bounces", title="All bounces", frame=frame(rows, _BOUNCES), columns=_BOUNCES)
+
+
+_PARITY: Mapping[str, str] = {
+    **CASE,
+    "quantity": "Property of the model.",
+    "unit": "Its unit.",
+    "declared": "What the scene declares.",
+    "found": "What the compiled engine has.",
+    "verdict": "equal; imposed: the profile is known to differ here; mismatch: the run stopped.",
+    "how": "How it was read or probed.",
+}
+
+
+def parity(evaluations: Sequence[Evaluation]) -> Table:
+    """Return what each engine compiled against what the scene declares, at one timestep each."""
+    seen: set[tuple[str, str, str]] = set()
+    rows = []
+    for e in evaluations:
+        case = e.simulation.case
+        model = (case.scene.name, case.engine, case.profile)
+        differs = any(row.verdict == "mismatch" for row in e.simulation.parity)
+        if model in seen and not differs:
+            continue
+        seen.add(model)
+        rows += [
+            {**key(e), **{name: getattr(row, name) for name in row.__slots__}}
+            for row in e.simulation.parity
+        ]
+    return Table(
+        name="parity",
+        title="Model parity: the can that each engine compiled",
+        frame=frame(rows, _PARITY),
+        columns=_PARITY,
+    )
+
+
+_ORDER: Mapping[str, str] = {
+    "scene": CASE["scene"],
+    "engine": CASE["engine"],
+    "quantity": "Which error.",
+    "observed_order": "Slope of log error against log timestep, profile matched.",
+    "spread": "Half the range of the slopes between neighbouring timesteps.",
+    "timesteps": "How many timesteps it rests on.",
+    "smallest_error": "Error at the smallest timestep, in the quantity's unit.",
+}
+
+
+def orders(evaluations: Sequence[Evaluation]) -> Table:
+    """Return the observed orders of all ladders."""
+    ladders: dict[tuple[str, str], list[Evaluation]] = {}
+    for e in evaluations:
+        case = e.simulation.case
+        if case.profile == "matched" and e.errors is not None and e.simulation.timestep:
+            ladders.setdefault((case.scene.name, case.engine), []).append(e)
+    rows = []
+    for (scene, engine), ladder in ladders.items():
+        steps = [e.simulation.timestep or math.nan for e in ladder]
+        for quantity, errors in (
+            ("phi_rms_rad", [e.errors.phi_rms if e.errors else math.nan for e in ladder]),
+            ("angle_of_turn_deg", [_turn_error(e) for e in ladder]),
+        ):
+            order = observed_order(steps, errors)
+            if order.points > 1:
+                smallest = errors[steps.index(min(steps))]
+                rows.append(
+                    {
+                        "scene": scene,
+                        "engine": engine,
+                        "quantity": quantity,
+                        "observed_order": order.order,
+                        "spread": order.spread,
+                        "timesteps": order.points,
+                        "smallest_error": smallest,
+                    }
+                )
+    return Table(name="orders", title="Observed order", frame=frame(rows, _ORDER), columns=_ORDER)
+
+
+def _turn_error(e: Evaluation) -> float:
+    """Return the error of the first angle of turn, deg, where there is one to be trusted."""
+    if e.errors is None or not e.errors.angle_of_turn or not e.bounces[0].resolved:
+        return math.nan
+    return math.degrees(e.errors.angle_of_turn[0])
