@@ -49,6 +49,8 @@ class Case:
             raise InvalidSettingError("profile", self.profile, ", ".join(PROFILES))
         if self.timestep is not None and not (math.isfinite(self.timestep) and self.timestep > 0.0):
             raise InvalidSettingError("timestep", self.timestep, "a positive number of seconds")
+        if self.timestep is not None:
+            object.__setattr__(self, "timestep", float(self.timestep))
         object.__setattr__(self, "options", tuple(sorted(dict(self.options).items())))
 
     def digest(self, engine_version: str) -> str:
@@ -75,7 +77,7 @@ class Case:
         words = ["rockingcan run", self.scene.name, f"--engine {self.engine}"]
         words.append(f"--profile {self.profile}")
         if self.timestep is not None:
-            words.append(f"--timestep {self.timestep:g}")
+            words.append(f"--timestep {self.timestep!r}")
         words += [f"--set {name}={_spell(value)}" for name, value in self.options]
         return " ".join(words)
 
@@ -83,5 +85,5 @@ class Case:
 def _spell(value: Value) -> str:
     """Return a value as `--set` reads it."""
     if isinstance(value, tuple):
-        return ",".join(f"{number:g}" for number in value)
+        return ",".join(repr(number) for number in value)
     return "none" if value is None else str(value)

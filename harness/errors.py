@@ -53,6 +53,25 @@ class UnsupportedEffectError(HarnessError, ValueError):
         )
 
 
+class RefusedModelError(HarnessError, ValueError):
+    """An engine does not compile a case: the scene or a setting is out of its range."""
+
+    def __init__(self, engine: str, case: str, reason: str) -> None:
+        super().__init__(
+            f"engine '{engine}' does not compile the case '{case}': {' '.join(reason.split())}"
+        )
+
+
+class ParityError(HarnessError, ValueError):
+    """An engine compiled another can than the scene's, and the run did not start."""
+
+    def __init__(self, case: str, quantities: str) -> None:
+        super().__init__(
+            f"{case}: the engine's model is not the scene's in: {quantities} (see the parity "
+            "table); leave the settings that cause it at the profile's, or use --profile default"
+        )
+
+
 class TrajectoryError(HarnessError, ValueError):
     """An engine returned arrays that are not a trajectory."""
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from harness.bounce import Bounce
 from harness.case import Case
+from harness.engines.base import resolve
 from harness.engines.reference import Truth, truth
 from harness.engines.registry import check_effects, engine
 from harness.executors import Serial
@@ -64,10 +65,11 @@ def check(case: Case) -> None:
     ------
     HarnessError
         An unknown engine, a missing package, an effect that the engine cannot represent, a timestep
-        that the engine does not take.
+        that the engine does not take, a setting that it does not have or a value of another kind.
     """
     check_effects(case.engine, case.scene)
-    engine(case.engine).timestep(case)
+    chosen = engine(case.engine)
+    resolve(case, chosen.settings, chosen.timestep(case) or 0.0)
 
 
 def evaluate(case: Case) -> Evaluation:

@@ -15,7 +15,7 @@ import numpy as np
 from harness.engines.base import World
 from harness.simulation import ParityRow
 from models.effects import NO_SLIP_FRICTION
-from models.kinematics import angular_velocity, quaternion
+from models.kinematics import quaternion
 from models.rim import contact_offset
 from models.scene import Scene
 from models.state import Pose, Twist
@@ -109,7 +109,8 @@ def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[_Findi
     speed, spin = float(twist.velocity[0]), float(twist.angular_velocity[2])
     # a velocity of 1 is known to an ulp, 2e-16, and a position of 0 likewise once it has moved
     ulp = 4.0 * 2.0**-52 / timestep
-    advance = float(after.position[0]) / speed  # engines advance with the new velocity
+    # engines advance with the new velocity
+    advance = float(after.position[0]) / speed if speed else math.nan
     how = "one step of free flight"
     yield _Finding(
         quantity="timestep",
@@ -192,14 +193,11 @@ def _friction(world: World, scene: Scene) -> _Finding:
     declared = NO_SLIP_FRICTION if slip is None else slip.mu
     can, phi = scene.can, scene.can.balancing_angle
     low = -float(contact_offset(can, phi, 0.0)[2])
-    depth = 1e-6 * can.radius
-    world.place(
-        Pose(position=np.array((0.0, 0.0, low - depth)), quaternion=quaternion(phi, 0.0, 0.0)),
-        Twist(
-            velocity=np.array((0.0, _SLIDING, 0.0)),
-            angular_velocity=angular_velocity(phi, 0.0, 0.0, 0.0, 0.0),
-        ),
-    )
+    tilted = quaternion(phi, 0.0, 0.0)
+    sliding = Twist(velocity=np.array((0.0, _SLIDING, 0.0)), angular_velocity=np.zeros(3))
+    world.place(Pose(position=np.array((0.0, 0.0, low)), quaternion=tilted), sliding)
+    depth = world.gap() + 1e-6 * can.radius  # below where this collider touches
+    world.place(Pose(position=np.array((0.0, 0.0, low - depth)), quaternion=tilted), sliding)
     world.step()
     force = world.contact().force
     found = math.hypot(force[0], force[1]) / force[2] if force[2] > 0.0 else math.nan

@@ -38,7 +38,8 @@ class Recorder:
         phi, sigma, delta = half_angles(quaternion)
         steps = np.abs(np.diff(phi)) + _between(sigma) + _between(delta)
         growth = steps / ANGLE_STEP + np.diff(time) / self._time_step
-        path = self._path + np.concatenate((np.zeros(1), np.cumsum(growth)))
+        # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
+        path = np.cumsum(np.concatenate((np.array([self._path]), growth)))
         keep = np.diff(np.floor(path)) > 0.0
         if first:
             keep = np.concatenate((np.ones(1, dtype=np.bool_), keep))

@@ -45,7 +45,8 @@ def check_effects(name: str, scene: Scene) -> None:
         Names the engines that can.
     """
     for effect in scene.effects.declared():
-        if effect not in engine(name).capabilities.honours:
+        capabilities = engine(name).capabilities
+        if effect not in capabilities.honours and effect not in capabilities.imposes:
             able = [other for other in names() if _honours(other, effect)]
             raise UnsupportedEffectError(name, effect, able)
 

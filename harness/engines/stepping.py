@@ -20,6 +20,7 @@ from harness.engines.recorder import Recorder
 from harness.engines.settling import settle
 from harness.simulation import Outcome, ParityRow, Simulation
 from harness.trajectory import Integers, Trajectory
+from models.errors import InvalidValueError
 from models.rim import release_state
 
 W = TypeVar("W", bound=World)
@@ -97,40 +98,32 @@ class PhysicsEngine(ABC, Generic[W]):
             If the case asks for what the engine does not have.
         """
         started = time.perf_counter()
-        chosen = self.resolve(case)
-        rows = self.parity(case)
-        if any(row.verdict == "mismatch" for row in rows):
-            return Simulation(
-                case=case,
-                outcome=Outcome.MISMATCH,
-                note=", ".join(row.quantity for row in rows if row.verdict == "mismatch"),
-                trajectory=None,
-                engine_version=self.version,
-                model=self.name,
-                timestep=self.timestep(case),
-                settings=chosen,
-                parity=rows,
-                setup_s=time.perf_counter() - started,
-            )
+        empty = Simulation(
+            case=case,
+            outcome=Outcome.MISMATCH,
+            trajectory=None,
+            engine_version=self.version,
+            model=self.name,
+            timestep=self.timestep(case),
+            settings=self.resolve(case),
+        )
         pose, twist = release_state(case.scene.can, case.scene.release)
-        depth, pose = settle(self.open(case), case.scene, pose, twist)
+        rows: tuple[ParityRow, ...] = ()
+        try:
+            rows = self.parity(case)
+            differing = ", ".join(row.quantity for row in rows if row.verdict == "mismatch")
+            if differing:
+                setup = time.perf_counter() - started
+                return replace(empty, note=differing, parity=rows, setup_s=setup)
+            depth, pose = settle(self.open(case), case.scene, pose, twist)
+        except InvalidValueError as error:  # a pose or twist read back holds no numbers
+            note = f"within the probes before the run: {error}"
+            return replace(empty, outcome=Outcome.DIVERGED, note=note, parity=rows)
         world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
         world.place(pose, twist)
         setup = time.perf_counter() - started
         return self._run(
-            world,
-            Simulation(
-                case=case,
-                outcome=Outcome.FINISHED,
-                trajectory=None,
-                engine_version=self.version,
-                model=self.name,
-                timestep=self.timestep(case),
-                settings=chosen,
-                parity=rows,
-                setup_s=setup,
-                static_penetration=depth,
-            ),
+            world, replace(empty, parity=rows, setup_s=setup, static_penetration=depth)
         )
 
     def _run(self, world: W, prepared: Simulation) -> Simulation:

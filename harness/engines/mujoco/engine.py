@@ -12,7 +12,7 @@ import numpy as np
 from mujoco import rollout
 from numpy.typing import NDArray
 
-from harness.case import Case
+from harness.case import Case, Value
 from harness.engines.base import Capabilities, Floats
 from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
 from harness.engines.mujoco.world import MujocoWorld, from_body
@@ -41,6 +41,17 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     def version(self) -> str:
         """The version of MuJoCo."""
         return str(mujoco.mj_versionString())
+
+    def resolve(self, case: Case) -> dict[str, Value]:
+        """Return every setting in force for a case.
+
+        MuJoCo raises a coefficient of friction of zero to 1e-5, so that a frictionless plane needs
+        a contact without friction, unless the case says otherwise.
+        """
+        chosen, slip = super().resolve(case), case.scene.effects.slip
+        if slip is not None and slip.mu == 0.0 and "condim" not in dict(case.options):
+            chosen["condim"] = 1
+        return chosen
 
     def open(self, case: Case) -> MujocoWorld:
         """Compile the scene of a case."""

@@ -11,6 +11,7 @@ import numpy as np
 from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
 from harness.engines.mujoco.settings import attributes
+from harness.errors import RefusedModelError
 from models.kinematics import to_body
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
 from models.state import Pose, Twist
@@ -43,7 +44,10 @@ class MujocoWorld:
         )
         # a warning is an outcome, not a line in a log file in the working folder
         mujoco.set_mju_user_warning(_ignore)
-        self.model = mujoco.MjModel.from_xml_string(text)
+        try:
+            self.model = mujoco.MjModel.from_xml_string(text)
+        except ValueError as error:
+            raise RefusedModelError(case.engine, case.label(), str(error)) from error
         self.data = mujoco.MjData(self.model)
         self._body = self.model.body("can").id
         self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)

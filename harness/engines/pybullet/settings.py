@@ -10,6 +10,9 @@ The flags of `loadURDF` appear under the names of its constants; what belongs to
 None is not handed to PyBullet at all.
 """
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from harness.engines.base import Setting
 
 DEFAULT_TIMESTEP = 1.0 / 240.0
@@ -91,7 +94,7 @@ SOLVER = (
     Setting(
         name="enableConeFriction",
         default=None,
-        matched=None,
+        matched=1,
         meaning="Circular friction cone (1) or two independent directions (0).",
     ),
 )
@@ -139,6 +142,10 @@ SHIPPED_VALUES = {
     "maxJointVelocity": "100",
 }
 """What PyBullet does with a setting that it is not handed, from its sources."""
+
+PROCESS_WIDE: Mapping[str, float] = MappingProxyType({"contactBreakingThreshold": 0.02})
+"""Settings that PyBullet keeps in a global variable, with the value it ships: one world's choice
+reaches every world after it in the process, so that each world must say its own."""
 
 IMPOSED_BY_DEFAULT = frozenset(
     {

@@ -17,7 +17,7 @@ import pybullet
 
 from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
-from harness.engines.pybullet.settings import DYNAMICS, SOLVER, URDF_FLAGS
+from harness.engines.pybullet.settings import DYNAMICS, PROCESS_WIDE, SOLVER, URDF_FLAGS
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
 
@@ -47,7 +47,7 @@ class PybulletWorld:
         pybullet.setGravity(0.0, 0.0, -case.scene.gravity, **here)
         pybullet.setTimeStep(timestep, **here)
         solver = {s.name: chosen[s.name] for s in SOLVER if chosen[s.name] is not None}
-        pybullet.setPhysicsEngineParameter(**solver, **here)
+        pybullet.setPhysicsEngineParameter(**(dict(PROCESS_WIDE) | solver), **here)
         flags = 0
         for setting in URDF_FLAGS:
             if setting.name.startswith("URDF_") and chosen[setting.name]:
