@@ -1,4 +1,4 @@
-"""The library's face: simulate a scene, compare engines on it, run the suite; tables as DataFrames."""
+"""The library face: simulate a scene, compare engines on it, run the suite; DataFrames out."""
 
 from collections.abc import Callable, Mapping, Sequence
 

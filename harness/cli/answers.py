@@ -1,0 +1,73 @@
+"""The answers of `--json`: one object, exactly the documented keys; what is unknown is null."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.bounce import Bounce
+from harness.runner import Evaluation
+
+Answer = dict[str, Any]
+
+
+def reference_answer(e: Evaluation, bounces: Sequence[Bounce]) -> Answer:
+    """Return the answer of `reference`: the exact motion in numbers."""
+    simulation = e.simulation
+    return {
+        "scene": simulation.case.scene.name,
+        "engine": simulation.model,
+        "outcome": simulation.outcome.value + (f" ({simulation.note})" if simulation.note else ""),
+        "wall_s": simulation.wall_s,
+        "steps": simulation.steps,
+        "period_s": bounces[0].end - bounces[0].start if bounces else None,
+        "energy_drift": e.energy_drift,
+        "bounces": [
+            {
+                "time_s": bounce.time,
+                "phi_min_rad": bounce.phi_min,
+                "angle_of_turn_deg": math.degrees(bounce.angle_of_turn),
+                "rotation_turn_deg": math.degrees(bounce.rotation_turn),
+                "peak_psi_dot_rad_s": bounce.peak_psi_dot,
+                "peak_friction_ratio": bounce.peak_friction_ratio,
+            }
+            for bounce in bounces
+        ],
+    }
+
+
+def run_answer(e: Evaluation) -> Answer:
+    """Return the answer of `run`: the motion in numbers, its errors and its contact."""
+    errors, contact = e.errors, e.contact
+    return reference_answer(e, e.bounces) | {
+        "errors": {
+            "phi_rms_rad": errors and errors.phi_rms,
+            "angle_of_turn_deg": [math.degrees(turn) for turn in errors.angle_of_turn]
+            if errors
+            else [],
+            "contact_locus_rms_m": errors and errors.contact_locus_rms,
+            "peak_friction_ratio": list(errors.peak_friction_ratio) if errors else [],
+        },
+        "contact": {
+            "max_penetration_m": contact and contact.max_penetration,
+            "max_slip_m_s": contact and contact.max_slip,
+            "lift_off_fraction": contact and contact.lift_off_fraction,
+            "multi_contact_fraction": contact and contact.multi_contact_fraction,
+        },
+    }
+
+
+def spell(answer: Mapping[str, Any]) -> str:
+    """Return an answer as JSON text in which every number is one."""
+    return json.dumps(_finite(answer), indent=2, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:  # noqa: ANN401 - JSON is of any type
+    """Return a value with null for what is no number."""
+    if isinstance(value, Mapping):
+        return {key: _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value

@@ -1,0 +1,190 @@
+"""The commands: each reads its words, asks the library, and prints the answer."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.case import Case
+from harness.cli import printing
+from harness.cli.answers import reference_answer, run_answer, spell
+from harness.cli.files import check_motion_file, write_motion, write_text
+from harness.cli.listings import engines_answer, print_engine, print_engines
+from harness.cli.validation import validate
+from harness.cli.words import settings
+from harness.engines.reference import solved
+from harness.errors import InvalidSettingError, ParityError
+from harness.runner import evaluate
+from harness.simulation import Outcome
+from models.catalogue import load, names
+from models.mjcf import mjcf
+from models.urdf import urdf
+
+app = typer.Typer(
+    name="rockingcan",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    help=(
+        "How faithful is an engine's rolling contact? A drinks can, tipped on its rim, rocks down, "
+        "turns by some 209 degrees within microseconds and rises again. The mathematics is exact; "
+        "this runs it in MuJoCo and PyBullet and says how far they are from it.\n\n"
+        "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
+    ),
+)
+app.command()(validate)
+
+SceneName = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE",
+        help="A scene of the catalogue (see: rockingcan scenes) or the path of a scene file.",
+    ),
+]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
+]
+
+
+@app.command()
+def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the command line
+    """List the scenes of the catalogue: what each is, and where it comes from."""
+    catalogue = [load(name) for name in names()]
+    if json:
+        _say(spell({"scenes": [scene.to_dict() for scene in catalogue]}))
+        return
+    rows = []
+    for scene in catalogue:
+        horizon = scene.horizon
+        ends = f"{horizon.seconds:g} s" if horizon.seconds else f"bounce {horizon.bounces}"
+        release = scene.release
+        rows.append(
+            (
+                scene.name,
+                release.phi,
+                release.psi_dot,
+                release.theta_dot,
+                ends,
+                ", ".join(scene.effects.declared()) or "none",
+                scene.cite,
+            )
+        )
+    columns = ("scene", "phi_rad", "psi_dot_rad_s", "theta_dot_rad_s", "ends", "effects", "source")
+    printing.out().print(printing.table("Scenes", columns, rows))
+
+
+@app.command()
+def engines(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[ENGINE]", help="Show the settings of this engine.")
+    ] = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """List the engines, or the settings of one: what it ships with and what `matched` takes."""
+    if json:
+        _say(spell(engines_answer(name)))
+    elif name is None:
+        print_engines()
+    else:
+        print_engine(name)
+
+
+@app.command()
+def reference(
+    scene: SceneName,
+    model: Annotated[
+        str, typer.Option(help="Which equations; auto takes the smallest that carries the scene.")
+    ] = "auto",
+    method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
+    rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
+    options = (("model", model), ("method", method), ("rtol", rtol))
+    case = Case(scene=load(scene), engine="reference", options=options)
+    evaluation = evaluate(case)
+    bounces = solved(case).bounces if evaluation.simulation.trajectory is not None else ()
+    answer = reference_answer(evaluation, bounces)
+    if json:
+        _say(spell(answer))
+    else:
+        printing.out().print(*printing.motion(answer))
+
+
+@app.command()
+def run(  # noqa: PLR0917 - a parameter an option
+    scene: SceneName,
+    engine: Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")],
+    profile: Annotated[
+        str,
+        typer.Option(
+            help="default: the engine as it ships; matched: only what the scene declares."
+        ),
+    ] = "matched",
+    timestep: Annotated[
+        float | None, typer.Option(help="In seconds; the profile's own if left out.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="A setting by the engine's own name (see: rockingcan engines ENGINE); repeat it.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the motion here, as .csv or .parquet.")
+    ] = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Run a scene in an engine and hold it against the exact motion.
+
+    For example: rockingcan run gentle-rock --engine mujoco --timestep 1e-4 --set impratio=10
+    """
+    case = Case(
+        scene=load(scene),
+        engine=engine,
+        profile=profile,
+        timestep=timestep,
+        options=settings(set_ or []),
+    )
+    if out is not None:
+        check_motion_file(out)
+    evaluation = evaluate(case)
+    simulation = evaluation.simulation
+    if out is not None and evaluation.motion is not None:
+        write_motion(evaluation.motion, out)
+    if json:
+        _say(spell(run_answer(evaluation)))
+    else:
+        console = printing.out()
+        if simulation.parity:
+            console.print(printing.parity(simulation.parity))
+        if simulation.trajectory is not None:
+            console.print(*printing.motion(run_answer(evaluation)))
+    if simulation.outcome is Outcome.MISMATCH:
+        raise ParityError(case.label(), simulation.note)
+
+
+@app.command()
+def export(
+    scene: SceneName,
+    format_: Annotated[str, typer.Option("--format", help="mjcf or urdf.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Write it here; to standard output if left out.")
+    ] = None,
+) -> None:
+    """Write a scene as a model that an engine opens."""
+    writers = {"mjcf": mjcf, "urdf": urdf}
+    if format_ not in writers:
+        raise InvalidSettingError("--format", format_, " or ".join(writers))
+    text = writers[format_](load(scene))
+    if out is None:
+        _say(text.rstrip("\n"))
+    else:
+        write_text(text, out)
+
+
+def _say(text: str) -> None:
+    """Print an answer as it is."""
+    typer.echo(text)

@@ -1,0 +1,106 @@
+"""What people read in the terminal."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+
+from harness.artefact import Table as Data
+from harness.cli.answers import Answer
+from harness.simulation import ParityRow
+
+_VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
+
+
+def out() -> Console:
+    """Return the console of answers; wide enough for tables when it is not a terminal."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=200)
+
+
+def progress() -> Progress:
+    """Return a progress bar on standard error that leaves when it is done."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    )
+
+
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Table:
+    """Return a table for the terminal; numbers are set flush right."""
+    lines = [list(row) for row in rows]
+    made = Table(title=title, title_justify="left", title_style="bold")
+    for index, column in enumerate(columns):
+        numeric = all(isinstance(line[index], int | float | None) for line in lines)
+        made.add_column(column, justify="right" if numeric else "left", overflow="fold")
+    for line in lines:
+        made.add_row(*(_cell(value) for value in line))
+    return made
+
+
+def data(artefact: Data, columns: Sequence[str]) -> Table:
+    """Return some columns of an artefact's table for the terminal."""
+    frame = artefact.frame.astype(object).where(artefact.frame.notna(), None)
+    rows = frame[list(columns)].itertuples(index=False)
+    return table(artefact.title, columns, rows)
+
+
+def motion(answer: Answer) -> Iterable[Table]:
+    """Yield the tables of a motion in numbers."""
+    single = ("scene", "engine", "outcome", "period_s", "energy_drift", "steps", "wall_s")
+    yield table("Motion", single, [[answer[key] for key in single]])
+    if answer["bounces"]:
+        keys = list(answer["bounces"][0])
+        rows = [[bounce[key] for key in keys] for bounce in answer["bounces"]]
+        yield table("Bounces", keys, rows)
+    for part, title in (("errors", "Errors, engine minus truth"), ("contact", "Contact")):
+        if part in answer:
+            yield table(title, list(answer[part]), [list(answer[part].values())])
+
+
+def parity(rows: Sequence[ParityRow]) -> Table:
+    """Return the parity table for the terminal, differences in colour."""
+    return table(
+        "Model parity: the can of the scene and the can in the engine",
+        ("quantity", "unit", "declared", "found", "verdict", "how"),
+        [
+            (
+                row.quantity,
+                row.unit,
+                row.declared,
+                row.found,
+                f"[{_VERDICT_STYLES[row.verdict]}]{row.verdict}[/]",
+                row.how,
+            )
+            for row in rows
+        ],
+    )
+
+
+def _cell(value: object) -> str:
+    """Return a value as the terminal shows it."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        if not value:
+            return "-"
+        return ", ".join(_cell(inner) for inner in value)
+    return str(value)
