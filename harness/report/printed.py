@@ -1,0 +1,168 @@
+"""Figures for paper and for readers without scripts. Nothing else here knows matplotlib.
+
+The same figure gives the same bytes: no date, no version, fixed names inside the SVG, and the only
+fonts used are those that come with matplotlib.
+"""
+
+import io
+import math
+import re
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure as Sheet
+from matplotlib.lines import Line2D
+
+from harness.artefact import Figure, Panel, Series
+from harness.report.legend import Entry, entries
+from harness.report.palette import Ink
+from harness.report.thinning import plottable
+
+PIXELS = 1200  # of the PNG's width
+_INCHES = 8.0
+_ROW, _SQUARE_ROW = 0.62, 0.92  # height of a row in panel widths
+_MARKS = ("o", "D", "s", "^", "P", "X", "*")
+_DRAWN = re.compile(r'(?<=\sd=")[^"]*(?=")')
+_LONG = re.compile(r"-?\d+\.\d{3,}")
+_STYLE: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    # the first comes with matplotlib and measures every text; the others stand in for it in an SVG
+    # opened where it is not installed
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Helvetica", "Arial", "sans-serif"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#6b7078",
+    "axes.labelcolor": "#30343a",
+    "axes.grid": True,
+    "grid.color": "#e6e4de",
+    "grid.linewidth": 0.7,
+    "xtick.color": "#50555c",
+    "ytick.color": "#50555c",
+    "svg.fonttype": "none",
+    "svg.hashsalt": "rockingcan",
+    "path.simplify": True,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Printed:
+    """A figure as files."""
+
+    png: bytes
+    svg: str
+
+
+def printed(figure: Figure, inks: Mapping[str, Ink]) -> Printed:
+    """Return a figure drawn on white.
+
+    Parameters
+    ----------
+    figure : Figure
+    inks : mapping of str to Ink
+        For each kind of series in it.
+    """
+    with mpl.rc_context(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph")  # a script DejaVu lacks becomes boxes
+        mpl.rcdefaults()  # not what a matplotlibrc on this machine says
+        mpl.rcParams.update(_STYLE)
+        sheet = _sheet(figure, inks)
+        svg = _DRAWN.sub(_rounded, _saved(sheet, "svg").decode("utf-8"))
+        return Printed(png=_saved(sheet, "png"), svg=svg)
+
+
+def _saved(sheet: Sheet, form: Literal["png", "svg"]) -> bytes:
+    file = io.BytesIO()
+    silent = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}[form]
+    sheet.savefig(file, format=form, metadata=silent)
+    return file.getvalue()
+
+
+def _sheet(figure: Figure, inks: Mapping[str, Ink]) -> Sheet:
+    columns = max(1, min(figure.columns, len(figure.panels)))
+    lines = max(1, math.ceil(len(figure.panels) / columns))
+    shape = _SQUARE_ROW if any(panel.equal for panel in figure.panels) else _ROW
+    height = lines * min(shape * _INCHES / columns, 4.4) + 0.45
+    sheet = Sheet(figsize=(_INCHES, height), dpi=PIXELS / _INCHES, layout="constrained")
+    legend = {entry.label: entry for entry in entries(figure)}
+    for number, panel in enumerate(figure.panels):
+        axes = sheet.add_subplot(lines, columns, number + 1)
+        for series in panel.series:
+            _draw(axes, series, panel, legend[series.label], inks[series.kind])
+        _label(axes, panel)
+    keys = [_key(entry, inks[entry.kind]) for entry in legend.values()]
+    if keys:
+        box = sheet.legend(
+            handles=keys, loc="outside upper left", ncols=min(4, len(keys)), frameon=False
+        )
+        for text in box.get_texts():
+            text.set_parse_math(False)
+    # laid out once, not again for each form
+    FigureCanvasAgg(sheet)
+    sheet.draw_without_rendering()
+    sheet.set_layout_engine("none")
+    return sheet
+
+
+def _rounded(match: re.Match[str]) -> str:
+    """Return what is drawn with two decimals: a hundredth of a point, a quarter of the size."""
+    return _LONG.sub(lambda number: f"{float(number[0]):.2f}", match[0])
+
+
+def _look(entry: Entry, ink: Ink) -> dict[str, object]:
+    points = 0.75 * ink.width  # CSS pixels to points; dashes count in line widths
+    return {
+        "color": ink.light,
+        "linewidth": points,
+        "linestyle": (0, tuple(n / ink.width for n in entry.dashes)) if entry.dashes else "-",
+        "marker": _MARKS[entry.rank % len(_MARKS)],
+        "markersize": 4.5,
+        "alpha": entry.opacity,
+    }
+
+
+def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: Ink) -> None:
+    x, y = plottable(series, panel)
+    look = _look(entry, ink)
+    if series.mark == "line":
+        look["marker"] = ""
+    if series.mark == "points":
+        look["linestyle"] = ""
+    below = 2.0 if series.kind == "reference" else 2.1  # the truth lies below
+    axes.add_line(Line2D(x, y, zorder=below, **look))  # type: ignore[arg-type]
+
+
+def _label(axes: Axes, panel: Panel) -> None:
+    """Write the words, scale the axes to what is drawn."""
+    if panel.log_x:
+        axes.set_xscale("log")
+    if panel.log_y:
+        axes.set_yscale("log")
+    axes.set_title(panel.title, parse_math=False)
+    axes.set_xlabel(panel.x_label, parse_math=False)
+    axes.set_ylabel(panel.y_label, parse_math=False)
+    if panel.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.relim()
+    axes.autoscale_view()
+    if not any(np.isfinite(plottable(series, panel)[1]).any() for series in panel.series):
+        axes.text(0.5, 0.5, "nothing to draw", ha="center", va="center", transform=axes.transAxes)
+
+
+def _key(entry: Entry, ink: Ink) -> Line2D:
+    look = _look(entry, ink)
+    if not entry.points:
+        look["marker"] = ""
+    if not entry.line:
+        look["linestyle"] = ""
+    # matplotlib leaves out a label that starts with an underscore
+    label = f"\N{ZERO WIDTH SPACE}{entry.label}" if entry.label.startswith("_") else entry.label
+    return Line2D([], [], label=label, **look)  # type: ignore[arg-type]

@@ -1,0 +1,133 @@
+"""Tables as files: CSV, Parquet and Markdown, and the dictionary of their columns.
+
+CSV follows RFC 4180. A text that a spreadsheet would run as a formula gets an apostrophe in front
+(OWASP, CSV injection); numbers keep every digit. The same table gives the same bytes.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from harness.artefact import Table
+from harness.report.digits import is_missing, is_number, readable
+from harness.report.naming import heading
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_MARKDOWN = re.compile(r"([\\`*_\[\]<>|~#$])")
+
+
+def csv_text(table: Table) -> str:
+    """Return the whole table as CSV with a header line."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\r\n")
+    writer.writerow([_harmless(str(name)) for name in table.frame.columns])
+    writer.writerows([_csv_cell(value) for value in row] for row in rows(table.frame))
+    return text.getvalue()
+
+
+def parquet_bytes(table: Table) -> bytes:
+    """Return the whole table as Parquet; each field carries what its column means."""
+    fields, arrays = [], []
+    for name in table.frame.columns:
+        array = pa.array(_one_type(table.frame[name]), from_pandas=True)
+        told = {"description": table.columns.get(str(name), "")}
+        fields.append(pa.field(str(name), array.type, metadata=told))
+        arrays.append(array)
+    schema = pa.schema(fields, metadata={"title": table.title})
+    sink = pa.BufferOutputStream()
+    pq.write_table(pa.Table.from_arrays(arrays, schema=schema), sink, compression="zstd")
+    return bytes(sink.getvalue().to_pybytes())
+
+
+def markdown(table: Table) -> str:
+    """Return the shown columns as a Markdown table, rounded to be read."""
+    columns = shown(table)
+    numeric = [is_numeric(table, name) for name in columns]
+    titles = [_title(name) for name in columns]
+    lines = [
+        _line(plain_text(title) for title in titles),
+        _line("---:" if right else "---" for right in numeric),
+    ]
+    frame = table.frame[list(columns)]
+    lines += [_line(plain_text(readable(value)) for value in row) for row in rows(frame)]
+    return "\n".join(lines) + "\n"
+
+
+def dictionary(tables: Iterable[Table]) -> str:
+    """Return what each column of each table means, in Markdown."""
+    parts = ["# Columns of the tables in this report\n"]
+    for table in tables:
+        parts.append(f"## {plain_text(table.title)}\n")
+        parts.append(f"{plain_text(table.name)}: {len(table.frame)} rows\n")
+        lines = [_line(("column", "meaning")), _line(("---", "---"))]
+        lines += [
+            _line((plain_text(str(name)), plain_text(table.columns.get(str(name), ""))))
+            for name in table.frame.columns
+        ]
+        parts.append("\n".join(lines) + "\n")
+    return "\n".join(parts)
+
+
+def shown(table: Table) -> tuple[str, ...]:
+    """Return the columns that the page shows: the table's choice, or all."""
+    return table.shown or tuple(str(name) for name in table.frame.columns)
+
+
+def is_numeric(table: Table, column: str) -> bool:
+    """Return whether a column holds numbers only, so that it is set to the right."""
+    present = [value for value in table.frame[column].tolist() if not is_missing(value)]
+    return bool(present) and all(is_number(value) for value in present)
+
+
+def rows(frame: pd.DataFrame) -> list[tuple[object, ...]]:
+    """Return the rows as Python's own values; each column keeps its own type."""
+    return list(zip(*(frame[name].tolist() for name in frame.columns), strict=True))
+
+
+def plain_text(text: str) -> str:
+    """Return a text so that Markdown shows it as it is, on one line."""
+    return _MARKDOWN.sub(r"\\\1", " ".join(text.split())).replace("&", "&amp;")
+
+
+def _title(column: str) -> str:
+    words, unit = heading(column)
+    return f"{words} ({unit})" if unit else words
+
+
+def _line(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _csv_cell(value: object) -> str:
+    if is_missing(value):
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if is_number(value):
+        return repr(value)
+    return _harmless(str(value))
+
+
+def _harmless(text: str) -> str:
+    return f"'{text}" if text.startswith(_FORMULA) else text
+
+
+def _one_type(column: "pd.Series[Any]") -> "pd.Series[Any] | Sequence[object]":
+    """Return a column that Parquet can hold: one type, mixed ones as text."""
+    if column.dtype != np.dtype(object):
+        return column
+    values = [None if is_missing(value) else value for value in column.tolist()]
+    if len({type(value) for value in values if value is not None}) <= 1 and all(
+        value is None or isinstance(value, (bool, int, float, str)) for value in values
+    ):
+        return values
+    if all(value is None or is_number(value) for value in values):
+        return [None if value is None else float(str(value)) for value in values]
+    return [None if value is None else str(value) for value in values]

@@ -1,0 +1,202 @@
+// Draws the figures one after the other, nearest first, and makes legends, tables and contents answer.
+(() => {
+  "use strict";
+  const kinds = JSON.parse(document.getElementById("kinds").textContent);
+  const value = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const touch = matchMedia("(hover: none) and (pointer: coarse)").matches; // there a drag scrolls the page
+  const config = {
+    responsive: true,
+    displaylogo: false,
+    showSendToCloud: false, // nothing leaves this page
+    displayModeBar: touch,
+    modeBarButtons: [["zoom2d", "pan2d", "resetScale2d"]],
+    doubleClick: "reset",
+  };
+
+  // ---- figures -------------------------------------------------------------------------------
+
+  const figures = [...document.querySelectorAll(".figure")].map((element) => ({
+    element,
+    graphs: [...element.querySelectorAll(".graph")],
+    panels: JSON.parse(element.querySelector(".described").textContent),
+    hidden: new Set(),
+    state: "waiting",
+  }));
+
+  function coloured(panel, hidden) {
+    const ink = value("--ink"), soft = value("--soft"), rule = value("--rule"), card = value("--card");
+    const axis = (given) => ({
+      ...given,
+      gridcolor: rule,
+      linecolor: soft,
+      tickcolor: soft,
+      showline: true,
+      ticks: "outside",
+      ticklen: 4,
+      tickfont: { color: soft, size: 12 },
+      title: { ...given.title, font: { color: ink, size: 13 } },
+      minor: given.minor && { ...given.minor, tickcolor: soft, showgrid: false },
+    });
+    return {
+      data: panel.data.map((trace) => {
+        const color = value(kinds[trace.meta.kind]);
+        return {
+          ...trace,
+          visible: !hidden.has(trace.meta.entry),
+          line: { ...trace.line, color },
+          marker: { ...trace.marker, color, line: { color: card, width: 1 } },
+        };
+      }),
+      layout: {
+        ...panel.layout,
+        xaxis: axis(panel.layout.xaxis),
+        yaxis: axis(panel.layout.yaxis),
+        dragmode: touch ? false : "zoom",
+        font: { family: getComputedStyle(document.body).fontFamily, color: ink, size: 13 },
+        hoverlabel: { bgcolor: card, bordercolor: soft, font: { color: ink, size: 13 } },
+        modebar: { bgcolor: "rgba(0,0,0,0)", color: soft, activecolor: ink },
+        paper_bgcolor: "rgba(0,0,0,0)",
+        plot_bgcolor: "rgba(0,0,0,0)",
+        uirevision: "kept", // a change of face or of what is shown keeps the zoom
+      },
+    };
+  }
+
+  // The library is in the page, packed; a browser that cannot unpack it shows the pictures.
+  let library;
+  async function unpack() {
+    const packed = Uint8Array.from(atob(document.getElementById("plotly").textContent), (c) => c.charCodeAt(0));
+    const plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const script = document.createElement("script");
+    script.textContent = await new Response(plain).text();
+    document.head.append(script);
+  }
+
+  async function draw(figure) {
+    if (figure.state !== "waiting") return;
+    figure.state = "drawing";
+    try {
+      await (library ??= unpack());
+      for (const [index, graph] of figure.graphs.entries()) {
+        const { data, layout } = coloured(figure.panels[index], figure.hidden);
+        await Plotly.newPlot(graph, data, layout, config);
+        graph.on("plotly_relayout", (change) => follow(figure, index, change));
+        graph.addEventListener("keydown", (event) => steer(graph, event));
+      }
+      figure.state = "drawn";
+      figure.element.classList.add("drawn");
+    } catch (error) {
+      figure.state = "failed";
+      figure.element.classList.add("failed"); // shows the picture instead
+      console.error(error);
+    }
+  }
+
+  async function redraw(figure) {
+    if (figure.state !== "drawn") return;
+    for (const [index, graph] of figure.graphs.entries()) {
+      const { data, layout } = coloured(figure.panels[index], figure.hidden);
+      await Plotly.react(graph, data, layout, config);
+    }
+  }
+
+  // Panels that show one quantity over the same range are zoomed together.
+  let following = false;
+  async function follow(figure, index, change) {
+    const moved = Object.keys(change).filter((key) => key.startsWith("xaxis."));
+    if (following || moved.length === 0) return;
+    following = true;
+    const same = Object.fromEntries(moved.map((key) => [key, change[key]]));
+    for (const [other, graph] of figure.graphs.entries()) {
+      if (other === index || figure.panels[other].linked !== figure.panels[index].linked) continue;
+      await Plotly.relayout(graph, same);
+    }
+    following = false;
+  }
+
+  // The same by keyboard: arrows move, plus and minus zoom, 0 goes back.
+  function steer(graph, event) {
+    const step = { ArrowLeft: [-0.15, 0], ArrowRight: [0.15, 0], ArrowDown: [0, -0.15], ArrowUp: [0, 0.15] }[event.key];
+    const half = { "+": 0.35, "=": 0.35, "-": 0.7 }[event.key];
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!step && !half && event.key !== "0") return;
+    event.preventDefault();
+    if (event.key === "0") {
+      Plotly.relayout(graph, { "xaxis.autorange": true, "yaxis.autorange": true });
+      return;
+    }
+    const change = {};
+    for (const [number, name] of ["xaxis", "yaxis"].entries()) {
+      const [low, high] = graph._fullLayout[name].range;
+      const centre = (low + high) / 2 + (step ? step[number] * (high - low) : 0);
+      const reach = (high - low) * (half ?? 0.5);
+      change[`${name}.range[0]`] = centre - reach;
+      change[`${name}.range[1]`] = centre + reach;
+    }
+    Plotly.relayout(graph, change);
+  }
+
+  for (const figure of figures) {
+    for (const button of figure.element.querySelectorAll(".entry")) {
+      button.addEventListener("click", () => {
+        const shown = button.getAttribute("aria-pressed") !== "true";
+        button.setAttribute("aria-pressed", String(shown));
+        figure.hidden[shown ? "delete" : "add"](Number(button.dataset.entry));
+        redraw(figure);
+      });
+    }
+    figure.element.querySelector(".reset").addEventListener("click", async () => {
+      following = true;
+      for (const graph of figure.graphs) {
+        if (graph.data) await Plotly.relayout(graph, { "xaxis.autorange": true, "yaxis.autorange": true });
+      }
+      following = false;
+    });
+  }
+
+  const watcher = new IntersectionObserver(
+    (seen) => seen.filter((one) => one.isIntersecting).forEach((one) => {
+      draw(figures.find((figure) => figure.element === one.target));
+    }),
+    { rootMargin: "400px" },
+  );
+  figures.forEach((figure) => watcher.observe(figure.element));
+  async function drawRest() {
+    for (const figure of figures) {
+      await draw(figure);
+      await new Promise((go) => setTimeout(go)); // let the page answer in between
+    }
+    document.documentElement.dataset.drawn = "all";
+  }
+  addEventListener("load", () => setTimeout(drawRest, 50));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => figures.forEach(redraw));
+
+  // ---- tables --------------------------------------------------------------------------------
+
+  function sort(head, ascending) {
+    const column = head.cellIndex, body = head.closest("table").tBodies[0];
+    const numeric = head.classList.contains("number");
+    const key = (row) => row.cells[column].dataset.sort;
+    const order = (a, b) => (numeric ? Number(a) - Number(b) : a.localeCompare(b, "en", { numeric: true }));
+    const rows = [...body.rows].sort((one, other) => {
+      const a = key(one), b = key(other);
+      if (a === undefined || b === undefined) return (a === undefined) - (b === undefined); // last
+      return ascending ? order(a, b) : order(b, a);
+    });
+    body.append(...rows);
+    for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
+    head.setAttribute("aria-sort", ascending ? "ascending" : "descending");
+  }
+  for (const button of document.querySelectorAll("thead button")) {
+    const head = button.parentElement;
+    button.addEventListener("click", () => sort(head, head.getAttribute("aria-sort") !== "ascending"));
+  }
+
+  // ---- contents ----------------------------------------------------
+
+  const contents = document.querySelector("nav details");
+  const wide = matchMedia("(min-width: 72rem)");
+  const fold = () => { contents.open = wide.matches; };
+  wide.addEventListener("change", fold);
+  fold();
+})();
