@@ -25,6 +25,7 @@ _ALOFT = 10.0  # m: no contact within any engine's reach
 _FAST = 1e4  # rad/s and m/s: beyond what a scene of a metre reaches short of 1 mm cans
 _SLIDING = 10.0  # m/s
 _TILTS = (0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5)  # rad
+_DEPTHS = (1e-6, 1e-5, 1e-4, 1e-3)  # of the radius: past an engine's slop, but no deeper
 _SPINS = (0.0, 0.05, 0.1, 1.0)  # rad: corners of a polygon with 32 sides lie 0.2 rad apart
 
 
@@ -196,11 +197,16 @@ def _friction(world: World, scene: Scene) -> _Finding:
     tilted = quaternion(phi, 0.0, 0.0)
     sliding = Twist(velocity=np.array((0.0, _SLIDING, 0.0)), angular_velocity=np.zeros(3))
     world.place(Pose(position=np.array((0.0, 0.0, low)), quaternion=tilted), sliding)
-    depth = world.gap() + 1e-6 * can.radius  # below where this collider touches
-    world.place(Pose(position=np.array((0.0, 0.0, low - depth)), quaternion=tilted), sliding)
-    world.step()
-    force = world.contact().force
-    found = math.hypot(force[0], force[1]) / force[2] if force[2] > 0.0 else math.nan
+    touching = low - world.gap()  # where this collider touches
+    found = math.nan
+    for share in _DEPTHS:
+        position = np.array((0.0, 0.0, touching - share * can.radius))
+        world.place(Pose(position=position, quaternion=tilted), sliding)
+        world.step()
+        force = world.contact().force
+        if force[2] > 0.0:
+            found = math.hypot(force[0], force[1]) / float(force[2])
+            break
     return _Finding(
         quantity="friction of the pair",
         unit="1",
