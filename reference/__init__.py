@@ -3,7 +3,8 @@
 from reference.integrate import SolverError, solve
 from reference.parameters import PAPER_CAN, ParameterError, Parameters
 from reference.problem import Problem, ProblemError
-from reference.solution import Bounce, Outcome, Solution
+from reference.outcome import Outcome
+from reference.solution import Bounce, Solution
 from reference.states import States
 
 __all__ = [

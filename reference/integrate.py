@@ -2,21 +2,15 @@
 
 from collections.abc import Set as AbstractSet
 
+from reference.marching import march
 from reference.measure import measure_bounces
 from reference.problem import Problem
-from reference.solution import Outcome, Solution
-from reference.time_stepping import METHODS, step_in_time
-from reference.track import Ending
+from reference.solution import Solution
+from reference.time_stepping import SCIPY_METHODS, step_in_time
 
 OUTPUTS = frozenset({"contact_locus"})
+METHODS = ("regular", *SCIPY_METHODS)
 MODELS = ("auto", "rolling")
-_OUTCOMES = {
-    Ending.HORIZON: Outcome.FINISHED,
-    Ending.OVERTURNED: Outcome.OVERTURNED,
-    Ending.FELL_FLAT: Outcome.FELL_FLAT,
-    Ending.STEADY: Outcome.STEADY,
-    Ending.STALLED: Outcome.STALLED,
-}
 
 
 class SolverError(ValueError):
@@ -27,7 +21,7 @@ def solve(
     problem: Problem,
     *,
     model: str = "auto",
-    method: str = "DOP853",
+    method: str = "regular",
     rtol: float = 1e-12,
     outputs: AbstractSet[str] = frozenset(),
 ) -> Solution:
@@ -39,9 +33,10 @@ def solve(
     model : str
         One of `MODELS`; "auto" takes the full equations.
     method : str
-        How to integrate; one of scipy's method names.
+        How to integrate: "regular", the default (`reference.marching`), or one of scipy's methods in
+        the raw variables.
     rtol : float
-        Relative tolerance of the integrator.
+        Relative tolerance of scipy's methods; "regular" always works to round-off.
     outputs : set of str
         What to integrate beside the angles: "contact_locus" or nothing.
 
@@ -63,18 +58,21 @@ def solve(
         raise SolverError(f"`rtol` must lie inside (0, 1), got {rtol!r}")
     if unknown := set(outputs) - OUTPUTS:
         raise SolverError(f"unknown `outputs` {sorted(unknown)}; there are {sorted(OUTPUTS)}")
-    path, track = step_in_time(problem, method=method, rtol=rtol, locus="contact_locus" in outputs)
+    locus = "contact_locus" in outputs
+    if method == "regular":
+        run = march(problem, locus=locus)
+    else:
+        run = step_in_time(problem, method=method, rtol=rtol, locus=locus)
     return Solution(
         problem=problem,
         model="rolling",
         method=method,
-        outcome=_OUTCOMES[track.ending],
-        bounces=measure_bounces(path, track.maxima, track.minima, track.marks, problem.parameters),
-        t_end=track.t_end,
-        maxima=track.maxima,
-        minima=track.minima,
-        steps=track.steps,
-        evaluations=track.evaluations,
-        path=path,
-        marks=track.marks,
+        outcome=run.track.outcome,
+        bounces=measure_bounces(run.path, run.track, problem.parameters),
+        t_end=run.track.t_end,
+        maxima=run.track.maxima,
+        minima=run.track.minima,
+        steps=run.steps,
+        evaluations=run.evaluations,
+        path=run.path,
     )

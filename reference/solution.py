@@ -1,27 +1,14 @@
 """What a solver hands back, whichever it is."""
 
 from dataclasses import dataclass, field
-from enum import Enum
-from typing import Protocol
 
 import numpy as np
 
+from reference.outcome import Outcome
 from reference.problem import Problem
+from reference.run import Path
 from reference.sampling import grid_by_angle
 from reference.states import Floats, States
-
-
-class Outcome(Enum):
-    """How a solution ended; the value is a sentence for a person."""
-
-    FINISHED = "The solution reached the horizon it was asked for."
-    OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
-    FELL_FLAT = "The can fell flat: the whole rim met the plane at once and nothing turned."
-    STEADY = (
-        "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
-    )
-    NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
-    STALLED = "The integrator could not advance: the step fell below what a double resolves."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,14 +37,6 @@ class Bounce:
     peak_friction_ratio: float
 
 
-class Path(Protocol):
-    """A motion known at every instant up to its end."""
-
-    def at(self, times: Floats) -> States:
-        """States at the given times."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
     """A solved problem.
@@ -76,8 +55,6 @@ class Solution:
     steps, evaluations : int
         Solver work; neither depends on the machine.
     path : Path
-    marks : ndarray
-        Times between which the motion is smooth (the solver's own steps).
     """
 
     problem: Problem
@@ -91,7 +68,6 @@ class Solution:
     steps: int
     evaluations: int
     path: Path = field(repr=False)
-    marks: Floats = field(repr=False)
 
     def at(self, times: Floats) -> States:
         """States at the given times.
@@ -116,4 +92,6 @@ class Solution:
     def grid(self) -> Floats:
         """Return sampling times, dense by angle: see `reference.sampling.grid_by_angle`."""
         landmarks = np.concatenate([[0.0, self.t_end], self.maxima, self.minima])
-        return grid_by_angle(self.path, np.concatenate([landmarks, self.marks]))
+        # every fourth node: where to look, not yet how densely
+        times, _ = self.path.nodes()
+        return grid_by_angle(self.path, np.concatenate([landmarks, times[::4]]))

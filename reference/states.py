@@ -1,5 +1,6 @@
 """The states of a can at many instants."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -46,4 +47,54 @@ def initial_states(problem: Problem) -> States:
         theta=one(problem.theta),
         theta_dot=one(problem.theta_dot),
         spin=one(problem.psi_dot + problem.theta_dot),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snapshot:
+    """The state at one instant; the fields of `States` as numbers."""
+
+    phi: float
+    phi_dot: float
+    psi: float
+    psi_dot: float
+    theta: float
+    theta_dot: float
+    spin: float
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Snapshot":
+        """Return the release."""
+        return cls(
+            phi=problem.phi,
+            phi_dot=problem.phi_dot,
+            psi=problem.psi,
+            psi_dot=problem.psi_dot,
+            theta=problem.theta,
+            theta_dot=problem.theta_dot,
+            spin=problem.psi_dot + problem.theta_dot,
+        )
+
+
+def states_of(snapshots: Sequence[Snapshot]) -> States:
+    """Stack snapshots, shape (n,)."""
+
+    def column(name: str) -> Floats:
+        return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=float)
+
+    return States(**{name: column(name) for name in Snapshot.__slots__})
+
+
+def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.bool_]) -> States:
+    """Return some of the states."""
+    return States(
+        phi=states.phi[index],
+        phi_dot=states.phi_dot[index],
+        psi=states.psi[index],
+        psi_dot=states.psi_dot[index],
+        theta=states.theta[index],
+        theta_dot=states.theta_dot[index],
+        spin=states.spin[index],
+        x=None if states.x is None else states.x[index],
+        y=None if states.y is None else states.y[index],
     )

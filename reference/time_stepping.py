@@ -5,10 +5,11 @@ singularity at phi = 0 but to follow it, so each bounce costs hundreds of steps.
 yardstick, and because scipy's methods are the ones everybody knows.
 """
 
-from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+
+from math import cos, sin
 
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, DenseOutput, OdeSolver, Radau
@@ -17,10 +18,12 @@ from scipy.optimize import brentq
 from reference.contact import contact_from_centre
 from reference.parameters import Parameters
 from reference.problem import Problem
-from reference.states import Floats, States, initial_states
-from reference.track import Ending, Track, Watch
+from reference.run import Run
+from reference.outcome import Outcome
+from reference.states import Floats, Snapshot, States, initial_states
+from reference.track import Watch
 
-METHODS: dict[str, type[OdeSolver]] = {
+SCIPY_METHODS: dict[str, type[OdeSolver]] = {
     "DOP853": DOP853,
     "RK45": RK45,
     "RK23": RK23,
@@ -30,6 +33,8 @@ METHODS: dict[str, type[OdeSolver]] = {
 }
 # The absolute tolerance beside the relative one: angles and rates of interest go down to 1e-5.
 ABSOLUTE_OVER_RELATIVE = 1e-3
+# Samples of a step among which peaks are looked for.
+SAMPLES = 4
 RightHandSide = Callable[[float, Floats], Floats]
 
 
@@ -39,6 +44,14 @@ class StepsPath:
 
     times: tuple[float, ...]
     pieces: tuple[DenseOutput, ...]
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Times and states at `SAMPLES` instants of each step."""
+        edges = np.array(self.times)
+        parts = np.arange(SAMPLES) / SAMPLES
+        inside = edges[:-1, None] + np.diff(edges)[:, None] * parts
+        times = np.append(inside.ravel(), edges[-1])
+        return times, self.at(times)
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
@@ -82,7 +95,7 @@ def right_hand_side(parameters: Parameters, *, locus: bool) -> RightHandSide:
 
     def rate(_t: float, y: Floats) -> Floats:
         phi, Phi, Psi, Theta, psi, *_ = y.tolist()
-        S, C = np.sin(phi), np.cos(phi)
+        S, C = sin(phi), cos(phi)
         gain = Phi / S
         cos2, sin2 = C * C - S * S, 2 * S * C
         dy = [
@@ -101,21 +114,19 @@ def right_hand_side(parameters: Parameters, *, locus: bool) -> RightHandSide:
             Theta,
         ]
         if locus:
-            dy += [-Theta * np.sin(psi), Theta * np.cos(psi)]
+            dy += [-Theta * sin(psi), Theta * cos(psi)]
         return np.array(dy)
 
     return rate
 
 
-def step_in_time(
-    problem: Problem, *, method: str, rtol: float, locus: bool
-) -> tuple[StepsPath, Track]:
+def step_in_time(problem: Problem, *, method: str, rtol: float, locus: bool) -> Run:
     """Integrate in time with one of scipy's methods until the horizon or an ending.
 
     Raises
     ------
     KeyError
-        If `method` is not one of `METHODS`.
+        If `method` is not one of `SCIPY_METHODS`.
     """
     release = initial_states(problem)
     start = [problem.phi, problem.phi_dot, problem.psi_dot, problem.theta_dot]
@@ -123,29 +134,28 @@ def step_in_time(
     if locus:
         start += contact_from_centre(release, problem.parameters)[0, :2].tolist()
     watch = Watch(problem)
-    solver = METHODS[method](
+    solver = SCIPY_METHODS[method](
         right_hand_side(problem.parameters, locus=locus),
         0.0,
         np.array(start),
-        np.inf if problem.duration is None else problem.duration,
+        watch.t_end,
         rtol=rtol,
         atol=rtol * ABSOLUTE_OVER_RELATIVE,
     )
-    times, pieces = [0.0], []
+    times: list[float] = [0.0]
+    pieces: list[DenseOutput] = []
     while not watch.ended():
         solver.step()
         if solver.status == "failed":
-            watch.end(times[-1], Ending.STALLED)
+            watch.end(times[-1], Outcome.STALLED)
             break
-        piece = solver.dense_output()
-        pieces.append(piece)
-        _watch_step(watch, piece, times[-1], solver.t)
-        times.append(solver.t if not watch.ended() else watch.t_end)
+        pieces.append(solver.dense_output())
+        _watch_step(watch, pieces[-1], times[-1], solver.t)
+        times.append(min(solver.t, watch.t_end))
         if solver.status == "finished":
-            watch.end(solver.t, Ending.HORIZON)
-    last = max(1, bisect_left(times, watch.t_end))
-    path = StepsPath(times=tuple(times[: last + 1]), pieces=tuple(pieces[:last]))
-    return path, watch.track(marks=path.times, steps=len(pieces), evaluations=solver.nfev)
+            watch.end(solver.t, Outcome.FINISHED)
+    path = StepsPath(times=tuple(times), pieces=tuple(pieces))
+    return Run(path=path, track=watch.track(), steps=len(pieces), evaluations=solver.nfev)
 
 
 def _watch_step(watch: Watch, piece: DenseOutput, left: float, right: float) -> None:
@@ -153,12 +163,22 @@ def _watch_step(watch: Watch, piece: DenseOutput, left: float, right: float) -> 
     before, after = piece(left), piece(right)
     if before[1] * after[1] < 0:
         crossing = _root(lambda t: float(piece(t)[1]), left, right)
-        watch.extremum(crossing, float(piece(crossing)[0]), rises_after=after[1] > 0)
+        phi, Phi, Psi, Theta, psi, theta = piece(crossing)[:6].tolist()
+        snapshot = Snapshot(
+            phi=phi,
+            phi_dot=Phi,
+            psi=psi,
+            psi_dot=Psi,
+            theta=theta,
+            theta_dot=Theta,
+            spin=Psi + Theta,
+        )
+        watch.extremum(crossing, snapshot, maximum=bool(after[1] < 0))
     if watch.ended():
         return
-    for level, ending in ((np.pi / 2, Ending.OVERTURNED), (0.0, Ending.FELL_FLAT)):
+    for level, outcome in ((np.pi / 2, Outcome.OVERTURNED), (0.0, Outcome.FELL_FLAT)):
         if (before[0] - level) * (after[0] - level) < 0:
-            watch.end(_root(partial(_above, piece, level), left, right), ending)
+            watch.end(_root(partial(_above, piece, level), left, right), outcome)
             return
     watch.advance(right)
 

@@ -4,47 +4,56 @@ Every integrator reports what happens to phi; here it is decided what counts as 
 bounce, an ending.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
 
 import numpy as np
 
+from reference.outcome import Outcome
 from reference.problem import Problem
 from reference.rolling import nutation_acceleration
-from reference.states import Floats, initial_states
+from reference.states import Floats, Snapshot, States, initial_states, states_of
 
 # A bounce must stand out from round-off: phi must fall by at least this fraction of its maximum.
 PROMINENCE = 1e-9
 # Ripples in a row before a motion is called steady.
 RIPPLES = 4
 # A motion without an extremum for this many pendulum times stands balanced: a fall from one double
-# off
-# the balancing angle takes ln(1e16) = 37 of them, and rolling at any rate slows it by less than 10.
+# off the balancing angle takes ln(1e16) = 37 of them, and rolling at any rate slows it by less
+# than 10.
 LONGEST_WAIT = 400.0
-
-
-class Ending(Enum):
-    """Why an integration stopped."""
-
-    HORIZON = auto()
-    OVERTURNED = auto()
-    FELL_FLAT = auto()
-    STEADY = auto()
-    STALLED = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
-    """What was seen on the way."""
+    """What was seen on the way.
 
-    ending: Ending
+    Attributes
+    ----------
+    outcome : Outcome
+    t_end : float
+    times : ndarray, shape (n,)
+        Of the extrema of phi.
+    extrema : States
+        There, shape (n,).
+    maximum : ndarray of bool, shape (n,)
+        Which of them are maxima.
+    """
+
+    outcome: Outcome
     t_end: float
-    maxima: Floats
-    minima: Floats
-    marks: Floats
-    steps: int
-    evaluations: int
+    times: Floats
+    extrema: States
+    maximum: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+    @property
+    def maxima(self) -> Floats:
+        """Times of the maxima."""
+        return self.times[self.maximum]
+
+    @property
+    def minima(self) -> Floats:
+        """Times of the minima."""
+        return self.times[~self.maximum]
 
 
 class Watch:
@@ -55,11 +64,12 @@ class Watch:
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self.ending: Ending | None = None
-        self.t_end = 0.0
+        self._outcome: Outcome | None = None
+        self.t_end = np.inf if problem.duration is None else problem.duration
         self._ripples = 0
         self._last = 0.0
-        self._extrema: list[tuple[float, float, bool]] = []
+        self._closed = 0
+        self._extrema: list[tuple[float, Snapshot, bool]] = []
         release = initial_states(problem)
         fall = problem.phi_dot
         if fall == 0:
@@ -68,67 +78,71 @@ class Watch:
                     release.phi, release.psi_dot, release.spin, problem.parameters
                 )[0]
             )
-        if fall < 0:
-            self._extrema.append((0.0, problem.phi, True))
-        elif problem.phi_dot == 0:
-            self._extrema.append((0.0, problem.phi, False))
+        if fall < 0 or problem.phi_dot == 0:
+            self._extrema.append((0.0, Snapshot.of(problem), fall < 0))
 
-    def extremum(self, time: float, phi: float, *, rises_after: bool) -> None:
+    @property
+    def last_is_prominent_maximum(self) -> bool:
+        """Whether the extremum seen last is a maximum that stands out."""
+        return bool(self._extrema) and self._extrema[-1][2] and self._ripples == 0
+
+    def extremum(self, time: float, snapshot: Snapshot, *, maximum: bool) -> None:
         """Report that phi' changed sign."""
         self._last = time
-        maximum = not rises_after
         if self._extrema:
             _, previous, previous_maximum = self._extrema[-1]
             if maximum == previous_maximum:
                 # phi' touched zero and was seen twice: keep the first
                 return
-            if abs(phi - previous) < PROMINENCE * max(phi, previous):
+            if abs(snapshot.phi - previous.phi) < PROMINENCE * max(snapshot.phi, previous.phi):
                 self._ripples += 1
                 if self._ripples >= RIPPLES:
                     self._extrema.clear()
                     if self._problem.bounces is not None:
-                        self.end(time, Ending.STEADY)
+                        self.end(time, Outcome.STEADY)
                     return
             else:
                 self._ripples = 0
-        self._extrema.append((time, phi, maximum))
-        if maximum and self._problem.bounces is not None:
-            maxima = sum(1 for *_, is_maximum in self._extrema if is_maximum)
-            if maxima - 1 >= self._problem.bounces and self._ripples == 0:
-                self.end(time, Ending.HORIZON)
+        self._extrema.append((time, snapshot, maximum))
+        if maximum and self._ripples == 0 and len(self._extrema) > 1:
+            self._closed += len(self._extrema) > 2  # noqa: PLR2004 - max, min, max
+            if self._problem.bounces is not None and self._closed >= self._problem.bounces:
+                self.end(time, Outcome.FINISHED)
 
     def advance(self, time: float) -> None:
         """Report that the motion was followed up to `time`."""
         wait = LONGEST_WAIT * np.sqrt(self._problem.parameters.pendulum_inertia)
         if self._problem.bounces is not None and time - self._last > wait:
-            self.end(time, Ending.STEADY)
+            self.end(time, Outcome.STEADY)
 
     def ended(self) -> bool:
         """Whether the motion has come to its end."""
-        return self.ending is not None
+        return self._outcome is not None
 
-    def end(self, time: float, ending: Ending) -> None:
+    def end(self, time: float, outcome: Outcome) -> None:
         """Stop at `time`; what ended first stays."""
-        if self.ending is not None:
-            return
-        self.t_end = time
-        self.ending = ending
+        if self._outcome is None:
+            self.t_end = time
+            self._outcome = outcome
 
-    def track(self, *, marks: Sequence[float], steps: int, evaluations: int) -> Track:
-        """Sum up."""
-        if self.ending is None:
+    def track(self) -> Track:
+        """Sum up.
+
+        Raises
+        ------
+        RuntimeError
+            If the motion has not ended.
+        """
+        if self._outcome is None:
             raise RuntimeError("the motion has not ended")
-        inside = [e for e in self._extrema if e[0] <= self.t_end and self._prominent()]
+        seen = [e for e in self._extrema if e[0] <= self.t_end]
+        heights = [snapshot.phi for _, snapshot, _ in seen]
+        if len(seen) > 1 and max(heights) - min(heights) < PROMINENCE * max(heights):
+            seen = []
         return Track(
-            ending=self.ending,
+            outcome=self._outcome,
             t_end=self.t_end,
-            maxima=np.array([t for t, _, maximum in inside if maximum]),
-            minima=np.array([t for t, _, maximum in inside if not maximum]),
-            marks=np.array([t for t in marks if t <= self.t_end]),
-            steps=steps,
-            evaluations=evaluations,
+            times=np.array([time for time, _, _ in seen], dtype=float),
+            extrema=states_of([snapshot for _, snapshot, _ in seen]),
+            maximum=np.array([maximum for _, _, maximum in seen], dtype=bool),
         )
-
-    def _prominent(self) -> bool:
-        heights = [phi for _, phi, _ in self._extrema]
-        return max(heights) - min(heights) > PROMINENCE * max(heights) or len(heights) == 1

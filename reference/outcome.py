@@ -1,0 +1,16 @@
+"""How a motion can end."""
+
+from enum import Enum
+
+
+class Outcome(Enum):
+    """How a solution ended; the value is a sentence for a person."""
+
+    FINISHED = "The solution reached the horizon it was asked for."
+    OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
+    FELL_FLAT = "The can fell flat: the whole rim met the plane at once."
+    STEADY = (
+        "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
+    )
+    NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
+    STALLED = "The integrator could not advance: the step fell below what a double resolves."

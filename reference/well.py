@@ -1,0 +1,189 @@
+"""The potential well in which nutation moves, free of cancellation.
+
+With the first integrals fixed, energy leaves (a_p + 1) phi'^2/2 = g(phi) with
+
+    g(phi) = E - V(phi),    V = (a q^2 + c w^2 + (w - h q)^2)/2 + S + h C,
+    q = b/S,    w = s - b/(1 + C)        (b, s of `reference.frobenius`).
+
+Near a turning point and near the balancing angle g is a small difference of large terms. So every
+quantity is carried as its difference from its value at a reference nutation r, which for a release
+at rest is the release itself: polynomials through their exact divided differences, the logarithm as
+log1p, gravity as
+
+    (S_r - S) + h (C_r - C) = 2 sqrt(1 + h^2) sin((r - phi)/2) sin(phi* - (r + phi)/2).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.frobenius import Can, Series, horner
+from reference.states import Floats
+
+
+NEARLY_ALL = 0.75
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Well:
+    """The wells of n releases; every field has shape (n,) or (terms, n).
+
+    Attributes
+    ----------
+    can : Can
+    series : Series
+        Of the one can, shape (terms, 1), or of n cans, shape (terms, n).
+    reference : ndarray
+        Nutation r.
+    b, spin, excess : ndarray
+        b, s and g there.
+    B : ndarray
+        First integral.
+    part_b : ndarray, shape (terms, n)
+        The part of b that has no log(phi/r).
+    quotient_b, quotient_s : ndarray, shape (terms - 1, n)
+        Divided differences at r of that part, and of the same part of s.
+    """
+
+    can: Can
+    series: Series
+    reference: Floats
+    b: Floats
+    spin: Floats
+    excess: Floats
+    B: Floats
+    part_b: Floats
+    quotient_b: Floats
+    quotient_s: Floats
+
+
+def well_at(can: Can, series: Series, phi: Floats, b: Floats, spin: Floats, excess: Floats) -> Well:
+    """Return the well that passes through (b, s, g) at nutation phi, all of shape (n,)."""
+    B = b * horner(series.s1, phi) - spin * horner(series.b1, phi)
+    # the constant that multiplies (b1, s1) when the logarithm is that of phi/r
+    K = spin * horner(series.b2, phi) - b * horner(series.s2, phi)
+    part_b = K * series.b1 + B * series.b2
+    return Well(
+        can=can,
+        series=series,
+        reference=phi,
+        b=b,
+        spin=spin,
+        excess=excess,
+        B=B,
+        part_b=part_b,
+        quotient_b=_quotient(part_b, phi),
+        quotient_s=_quotient(K * series.s1 + B * series.s2, phi),
+    )
+
+
+def select_well(well: Well, index: NDArray[np.intp]) -> Well:
+    """Return some of the wells."""
+    can, series = well.can, well.series
+    if can.a.size > 1:
+        can = Can(a=can.a[index], c=can.c[index], h=can.h[index])
+        series = Series(
+            b1=series.b1[:, index],
+            s1=series.s1[:, index],
+            b2=series.b2[:, index],
+            s2=series.s2[:, index],
+        )
+    return Well(
+        can=can,
+        series=series,
+        reference=well.reference[index],
+        b=well.b[index],
+        spin=well.spin[index],
+        excess=well.excess[index],
+        B=well.B[index],
+        part_b=well.part_b[:, index],
+        quotient_b=well.quotient_b[:, index],
+        quotient_s=well.quotient_s[:, index],
+    )
+
+
+def _quotient(coefficients: Floats, at: Floats) -> Floats:
+    """Coefficients of (p(x) - p(at))/(x - at), by synthetic division."""
+    out = np.empty((coefficients.shape[0] - 1, at.size))
+    carry = np.broadcast_to(coefficients[-1], at.shape)
+    for n in range(out.shape[0] - 1, -1, -1):
+        out[n] = carry
+        carry = coefficients[n] + at * carry
+    return out
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Level:
+    """Quantities at nutations of shape (m, n): b, the spin, sin phi, and g/(r - phi)."""
+
+    b: Floats
+    spin: Floats
+    sine: Floats
+    slope: Floats
+
+
+def level(well: Well, phi: Floats, below: Floats) -> Level:
+    """Return the state on the way at nutation `phi`, a distance `below` = r - phi under the reference.
+
+    Parameters
+    ----------
+    well : Well
+        With `excess` zero, for the slope to be finite at the reference.
+    phi, below : ndarray, shape (m, n)
+        Each to its own relative round-off; `slope is given as 0 where `below` is.
+
+    Returns
+    -------
+    Level
+    """
+    can, r, b_r, s_r = well.can, well.reference, well.b, well.spin
+    # log1p near the reference, the logarithm itself where little of the nutation is left
+    share = below / r
+    deep = share > NEARLY_ALL
+    log = np.where(deep, np.log(phi / r), np.log1p(-np.minimum(share, NEARLY_ALL)))
+    log *= well.B * can.residue
+    log_b = log * horner(well.series.b1, phi)
+    db = log_b - below * horner(well.quotient_b, phi)
+    # deep down b is the first integral and little else: there its own series, not a difference
+    b = np.where(deep, log_b + horner(well.part_b, phi), b_r + db)
+    db = np.where(deep, b - b_r, db)
+    ds = log * horner(well.series.s1, phi) - below * horner(well.quotient_s, phi)
+    S_r, C_r, S = np.sin(r), np.cos(r), np.sin(phi)
+    middle, half = (phi + r) / 2, np.sin(below / 2)
+    # chords of the circle, turned by half the way: no difference of near numbers
+    other = np.sqrt(1 - half**2)
+    dS = -2 * half * (C_r * other + S_r * half)
+    dC = 2 * half * (S_r * other - C_r * half)
+    C = C_r + dC
+    q_r, tilt_r = b_r / S_r, b_r / (1 + C_r)
+    dq = np.where(deep, b / S - q_r, (db * S_r - b_r * dS) / (S * S_r))
+    dw = ds - (db * (1 + C_r) - b_r * dC) / ((1 + C) * (1 + C_r))
+    w_r = s_r - tilt_r
+    v_r = w_r - can.h * q_r
+    dv = dw - can.h * dq
+    kinetic = (
+        can.a * dq * (2 * q_r + dq) + can.c * dw * (2 * w_r + dw) + dv * (2 * v_r + dv)
+    ) / 2
+    lean = 2 * half * np.sqrt(1 + can.h**2) * np.sin(_short_of_balance(can, middle))
+    drop = well.excess + lean - kinetic
+    slope = np.divide(drop, below, out=np.zeros_like(drop), where=below != 0)
+    return Level(b=b, spin=s_r + ds, sine=S, slope=slope)
+
+
+def _short_of_balance(can: Can, phi: Floats) -> Floats:
+    """phi* - phi, with phi* = arctan(1/h) carried to more than a double's precision."""
+    rounded = np.arctan2(1.0, can.h)
+    # one Newton step on tan: the residual in extended precision where the platform has it
+    h, at = np.asarray(can.h, dtype=np.longdouble), np.asarray(rounded, dtype=np.longdouble)
+    rest = np.asarray((np.cos(at) - h * np.sin(at)) / np.sqrt(1 + h * h), dtype=float)
+    return np.asarray((rounded - phi) + rest)
+
+
+def nutation_force(can: Can, b: Floats, spin: Floats, phi: Floats) -> Floats:
+    """Return dg/dphi = (a_p + 1) phi'', from eq01:Phi, shape of `phi`."""
+    S, C = np.sin(phi), np.cos(phi)
+    T = S / (1 + C)
+    q = b / S
+    square = can.a_p * C + can.c_p * T * S + can.h * T * (1 + 2 * C)
+    return np.asarray(q * (q * square - (can.c_p * S + can.h * C) * spin) / S + can.h * S - C)
