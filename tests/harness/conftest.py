@@ -1,0 +1,113 @@
+"""What the tests of the harness share: scenes, and evaluations that several tests look at."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from harness.case import Case, Value
+from harness.engines.registry import engine
+from harness.engines.settling import settle
+from harness.runner import Evaluation, evaluate
+from harness.trajectory import Trajectory
+from models import Horizon, Scene, load, release_state
+
+# the same examples in every run, and a busy machine does not fail them
+settings.register_profile("harness", derandomize=True, deadline=None)
+settings.load_profile("harness")
+
+Evaluator = Callable[..., Evaluation]
+Stepper = Callable[[Case, int], Trajectory]
+Trajectories = Callable[..., Trajectory]
+
+
+@pytest.fixture(scope="session")
+def gentle() -> Scene:
+    """Return the gentle release, one bounce."""
+    return load("gentle-rock")
+
+
+@pytest.fixture(scope="session")
+def brief(gentle: Scene) -> Scene:
+    """Return the gentle release for 20 ms: long enough for contact, too short for a bounce."""
+    return replace(gentle, horizon=Horizon(seconds=0.02))
+
+
+@pytest.fixture(scope="session")
+def evaluated() -> Evaluator:
+    """Return a function that evaluates a case once in the whole session."""
+    known: dict[Case, Evaluation] = {}
+
+    def evaluate_once(
+        scene: Scene | str,
+        name: str,
+        timestep: float | None = None,
+        profile: str = "matched",
+        **options: Value,
+    ) -> Evaluation:
+        case = Case(
+            scene=load(scene) if isinstance(scene, str) else scene,
+            engine=name,
+            profile=profile,
+            timestep=timestep,
+            options=tuple(options.items()),
+        )
+        if case not in known:
+            known[case] = evaluate(case)
+        return known[case]
+
+    return evaluate_once
+
+
+@pytest.fixture(scope="session")
+def stepped() -> Stepper:
+    """Return a function that settles a case and hands over every single step of it."""
+
+    def step(case: Case, steps: int) -> Trajectory:
+        chosen = engine(case.engine)
+        pose, twist = release_state(case.scene.can, case.scene.release)
+        _, pose = settle(chosen.open(case), case.scene, pose, twist)
+        world = chosen.open(case)
+        world.place(pose, twist)
+        rows = []
+        for _ in range(steps):
+            pose, twist = world.pose(), world.twist()
+            world.step()
+            rows.append((pose, twist, world.contact()))
+        return Trajectory(
+            time=np.arange(steps) * world.timestep,
+            position=np.array([pose.position for pose, _, _ in rows]),
+            quaternion=np.array([pose.quaternion for pose, _, _ in rows]),
+            velocity=np.array([twist.velocity for _, twist, _ in rows]),
+            angular_velocity=np.array([twist.angular_velocity for _, twist, _ in rows]),
+            contact_point=np.array([contact.point for _, _, contact in rows]),
+            contact_force=np.array([contact.force for _, _, contact in rows]),
+            penetration=np.array([contact.penetration for _, _, contact in rows]),
+            contact_count=np.array([contact.count for _, _, contact in rows]),
+        )
+
+    return step
+
+
+@pytest.fixture(scope="session")
+def made() -> Trajectories:
+    """Return a function that makes a trajectory of n samples, with the fields that are given."""
+
+    def make(samples: int, **given: np.ndarray) -> Trajectory:
+        ones = np.ones(samples)
+        fields = {
+            "time": np.arange(samples, dtype=float),
+            "position": np.zeros((samples, 3)),
+            "quaternion": np.outer(ones, (1.0, 0.0, 0.0, 0.0)),
+            "velocity": np.zeros((samples, 3)),
+            "angular_velocity": np.zeros((samples, 3)),
+            "contact_point": np.zeros((samples, 3)),
+            "contact_force": np.outer(ones, (0.0, 0.0, 1.0)),
+            "penetration": np.zeros(samples),
+            "contact_count": np.ones(samples, dtype=np.int64),
+        }
+        return Trajectory(**(fields | given))
+
+    return make

@@ -1,0 +1,59 @@
+"""Simulations: locked, picklable, and outcomes that a person can read."""
+
+import pickle
+from collections.abc import Callable
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.simulation import Outcome, ParityRow, Simulation
+from harness.trajectory import Trajectory
+from models import Scene
+
+
+@pytest.fixture
+def simulation(gentle: Scene, made: Callable[..., Trajectory]) -> Simulation:
+    """Return a simulation with every field set."""
+    row = ParityRow(quantity="mass", unit="kg", declared=1.0, found=1.0, how="", verdict="equal")
+    return Simulation(
+        case=Case(scene=gentle, engine="mujoco"),
+        outcome=Outcome.FINISHED,
+        note="well",
+        trajectory=made(3),
+        engine_version="1",
+        model="mujoco",
+        timestep=1e-4,
+        settings={"cone": "elliptic"},
+        parity=(row,),
+        steps=3,
+    )
+
+
+def test_settings_are_a_locked_copy(simulation: Simulation) -> None:
+    given = {"cone": "elliptic"}
+    kept = replace(simulation, settings=given)
+    given["cone"] = "pyramidal"
+    assert kept.settings == {"cone": "elliptic"}
+    with pytest.raises(TypeError):
+        kept.settings["cone"] = "pyramidal"  # type: ignore[index]
+
+
+def test_pickling_keeps_every_field_and_the_lock(simulation: Simulation) -> None:
+    back = pickle.loads(pickle.dumps(simulation))  # noqa: S301 - our own bytes
+    for field in fields(Simulation):
+        if field.name != "trajectory":
+            assert getattr(back, field.name) == getattr(simulation, field.name), field.name
+    assert back.trajectory is not None
+    np.testing.assert_array_equal(back.trajectory.time, simulation.trajectory.time)
+    with pytest.raises(TypeError):
+        back.settings["cone"] = "pyramidal"
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+def test_an_outcome_is_a_sentence_that_begins_with_its_word(outcome: Outcome) -> None:
+    word, colon, sentence = outcome.value.partition(": ")
+    assert colon
+    assert word.replace(" ", "_").upper() == outcome.name
+    assert len(sentence.split()) > 3
