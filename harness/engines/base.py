@@ -5,6 +5,7 @@ compiled engine model that can be placed, stepped and read; the probes of parity
 the static penetration are written once, against it.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
@@ -47,6 +48,8 @@ class Setting:
         What the engine ships with.
     matched : Value or callable
         What profile `matched` takes instead; a function of the timestep (s) where it depends on it.
+    adaptive : Value
+        What profile `adaptive` takes where it differs from `matched`.
     choices : tuple of str
         The words allowed, where the setting is a word.
     meaning : str
@@ -56,6 +59,7 @@ class Setting:
     name: str
     default: Value
     matched: Value | Callable[[float], Value]
+    adaptive: Value = None
     choices: tuple[str, ...] = ()
     meaning: str
 
@@ -148,7 +152,9 @@ def resolve(case: Case, settings: tuple[Setting, ...], timestep: float) -> dict[
     chosen: dict[str, Value] = {}
     for name, setting in known.items():
         matched = setting.matched(timestep) if callable(setting.matched) else setting.matched
-        chosen[name] = matched if case.profile == "matched" else setting.default
+        if case.profile == "adaptive" and setting.adaptive is not None:
+            matched = setting.adaptive
+        chosen[name] = setting.default if case.profile == "default" else matched
     for name, value in case.options:
         if name not in known:
             raise UnknownSettingError(case.engine, name, known)
@@ -160,6 +166,7 @@ def _checked(setting: Setting, value: Value, timestep: float) -> Value:
     """Return an option's value in the kind that its setting has, or refuse it."""
     matched = setting.matched(timestep) if callable(setting.matched) else setting.matched
     model = setting.default if setting.default is not None else matched
+    model = setting.adaptive if model is None else model
     if value is None and setting.default is None:
         return None
     if setting.choices:
@@ -169,15 +176,19 @@ def _checked(setting: Setting, value: Value, timestep: float) -> Value:
     elif isinstance(model, str):
         fits, allowed = isinstance(value, str), "a word"
     elif isinstance(model, tuple):
-        fits = isinstance(value, tuple) and len(value) == len(model)
+        fits = isinstance(value, tuple) and len(value) == len(model) and all(map(_is_number, value))
         allowed = f"{len(model)} numbers with commas between them"
     elif isinstance(model, int):
         fits = isinstance(value, int) and not isinstance(value, bool) and value >= 0
         allowed = "an integer, zero or greater"
     else:
-        fits = isinstance(value, int | float) and not isinstance(value, bool)
-        fits, allowed = fits and bool(np.isfinite(value)), "a finite number"  # type: ignore[arg-type]
+        fits, allowed = _is_number(value), "a finite number"
         value = float(value) if fits else value  # type: ignore[arg-type]
     if not fits:
         raise InvalidSettingError(setting.name, value, allowed)
     return value
+
+
+def _is_number(value: object) -> bool:
+    """Whether a value is a finite number, and not a truth value that passes for one."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

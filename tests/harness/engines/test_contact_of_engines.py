@@ -1,4 +1,4 @@
-"""The contact that engines report: theirs, of the same instant as the pose, and at rest at first."""
+"""The contact that engines report: theirs, of the instant of the pose, and at rest at first."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,0 +1,104 @@
+"""The same case gives the same bits: again, after another case, and in another process."""
+
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.engines.registry import engine
+from harness.runner import run
+from harness.trajectory import Trajectory
+from models import Can, Effects, Scene, Slip
+
+ENGINES = ("mujoco", "pybullet")
+
+
+def same_bits(first: Trajectory | None, second: Trajectory | None) -> bool:
+    """Whether two trajectories hold the same bits; NaN is NaN."""
+    assert first is not None
+    assert second is not None
+    return all(
+        np.array_equal(getattr(first, f.name), getattr(second, f.name), equal_nan=True)
+        for f in fields(Trajectory)
+        if f.name != "contact_count"
+    ) and np.array_equal(first.contact_count, second.contact_count)
+
+
+@pytest.mark.parametrize("profile", ["default", "matched"])
+@pytest.mark.parametrize("name", ENGINES)
+def test_again_and_after_other_cases(gentle: Scene, name: str, profile: str) -> None:
+    case = Case(scene=gentle, engine=name, profile=profile, timestep=1e-3)
+    first = engine(name).simulate(case)
+    disturbing = {
+        "pybullet": {"contactBreakingThreshold": 1.0, "contactERP": 0.1, "contactSlop": 1e-4},
+        "mujoco": {"refsafe": "disable", "cone": "pyramidal", "warmstart": "disable"},
+    }[name]
+    disk = Can.from_groups(mass=2.0, radius=0.2, a=0.27, c=0.5, h=0.1)
+    other = replace(gentle, can=disk, gravity=3.0, effects=Effects(slip=Slip(mu=0.1)))
+    engine(name).simulate(replace(case, scene=other, options=tuple(disturbing.items())))
+    again = engine(name).simulate(case)
+    assert same_bits(first.trajectory, again.trajectory)
+    assert (first.steps, first.constraint_rows) == (again.steps, again.constraint_rows)
+    assert first.static_penetration == again.static_penetration
+    assert first.parity == again.parity
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_while_another_world_is_open(gentle: Scene, name: str) -> None:
+    case = Case(scene=gentle, engine=name, timestep=1e-3)
+    alone = engine(name).simulate(case)
+    other = engine(name).open(replace(case, timestep=1e-2))
+    beside = engine(name).simulate(case)
+    other.step()
+    assert same_bits(alone.trajectory, beside.trajectory)
+
+
+def test_a_process_pool_gives_the_same_bits_in_the_same_order(gentle: Scene) -> None:
+    cases = [
+        Case(scene=gentle, engine=name, profile=profile, timestep=timestep)
+        for name in ENGINES
+        for profile, timestep in (("matched", 1e-3), ("default", None))
+    ]
+    context = multiprocessing.get_context("spawn")
+    told: list[str] = []
+
+    with ProcessPoolExecutor(max_workers=2, mp_context=context) as pool:
+        pooled = run(cases, pool, lambda e: told.append(e.simulation.case.label()))
+    serial = run(cases)
+    assert sorted(told) == sorted(case.label() for case in cases)
+    for case, here, there in zip(cases, serial, pooled, strict=True):
+        assert here.simulation.case == there.simulation.case == case
+        assert same_bits(here.simulation.trajectory, there.simulation.trajectory)
+        assert here.bounces == there.bounces
+        assert here.true_bounces == there.true_bounces
+        assert repr(here.errors) == repr(there.errors)  # by repr, so that NaN is NaN
+        assert here.energy_drift == there.energy_drift
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_the_result_does_not_depend_on_how_the_run_is_cut(
+    gentle: Scene, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = Case(scene=gentle, engine=name, timestep=1e-3)
+    runs = []
+    for most in (16, 37, 4096):
+        monkeypatch.setattr("harness.engines.stepping._FEWEST", min(most, 16))
+        monkeypatch.setattr("harness.engines.stepping._MOST", most)
+        monkeypatch.setattr("harness.engines.stepping._LOOK_SHARE", 1e3)
+        runs.append(engine(name).simulate(case))
+    assert same_bits(runs[0].trajectory, runs[1].trajectory)
+    assert same_bits(runs[0].trajectory, runs[2].trajectory)
+    assert len({one.constraint_rows for one in runs}) == 1
+
+
+Made = Callable[..., Trajectory]
+
+
+def test_the_comparison_of_bits_is_able_to_fail(made: Made) -> None:
+    nan = np.full(3, np.nan)
+    assert same_bits(made(3, penetration=nan), made(3, penetration=nan))
+    assert not same_bits(made(3), made(3, penetration=np.array((0.0, 5e-324, 0.0))))
