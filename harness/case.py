@@ -11,8 +11,9 @@ from models.scene import Scene
 Value = float | int | str | bool | tuple[float, ...] | None
 """What an engine's setting can be; None leaves the engine as it ships."""
 
-PROFILES = ("default", "matched")
-"""`default`: the engine as it ships. `matched`: only what the scene declares."""
+PROFILES = ("default", "matched", "adaptive")
+"""`default`: the engine as it ships. `matched`: only what the scene declares, at a fixed timestep.
+`adaptive`: matched, with timesteps that follow the motion; a timestep given is then the largest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,6 +17,7 @@ class Outcome(Enum):
     TIMED_OUT = "timed out: the can did not complete its bounces in the time allowed for them"
     FLAT = "flat: the can came to lie flat and did not rise again"
     OVERTURNED = "overturned: the can tipped over onto its side"
+    TOO_SLOW = "too slow: the run took more steps than are allowed for it"
     DIVERGED = "diverged: the engine's numbers grew without bound or were no numbers"
     MISMATCH = "mismatch: the engine's model is not the scene's; see the parity table"
     NO_SOLUTION = "no solution: the exact equations end before the horizon"

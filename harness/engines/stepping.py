@@ -10,16 +10,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Setting, World, resolve
 from harness.engines.horizon import Watch, longest_time, natural_time
 from harness.engines.parity import parity
 from harness.engines.recorder import Recorder
+from harness.engines.schedule import LARGEST_SHARE, SMALLEST_SHARE, Adaptive, Fixed, Schedule
 from harness.engines.settling import settle
 from harness.simulation import Outcome, ParityRow, Simulation
-from harness.trajectory import Integers, Trajectory
+from harness.trajectory import Floats, Integers, Trajectory
 from models.errors import InvalidValueError
 from models.rim import release_state
 
@@ -31,6 +30,12 @@ _LOOK_SHARE = 0.1
 _FEWEST, _MOST = 16, 4096
 """Steps in a chunk: enough to pay for the look, few enough to stay in the cache."""
 
+_ADAPTIVE_LOOK = 256
+"""Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
+
+_MOST_STEPS = 100_000_000
+"""Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Chunk:
@@ -40,6 +45,8 @@ class Chunk:
     ----------
     trajectory : Trajectory or None
         Every step; None if not one of the states is a state.
+    times : ndarray, shape (n,)
+        Of the states before each step, s.
     constraint_rows : ndarray of int, shape (n,)
         Rows that each step solved for.
     sound : bool
@@ -47,6 +54,7 @@ class Chunk:
     """
 
     trajectory: Trajectory | None
+    times: Floats
     constraint_rows: Integers
     sound: bool
 
@@ -71,13 +79,15 @@ class PhysicsEngine(ABC, Generic[W]):
         """Compile the scene of a case."""
 
     @abstractmethod
-    def chunks(self, world: W, steps: int, size: int) -> Iterator[Chunk]:
-        """Step so many times from where the world is, at most `size` steps a chunk."""
+    def chunks(self, world: W, schedule: Schedule, size: int) -> Iterator[Chunk]:
+        """Step by a schedule from where the world is, yielding after `size` steps or more."""
 
     def timestep(self, case: Case) -> float:
-        """Return the timestep of a case, s."""
+        """Return the timestep of a case, s; the largest of an adaptive one."""
         if case.timestep is not None:
             return case.timestep
+        if case.profile == "adaptive":
+            return LARGEST_SHARE * natural_time(case.scene)
         return self.default_timestep if case.profile == "default" else self.matched_timestep
 
     def resolve(self, case: Case) -> dict[str, Value]:
@@ -130,32 +140,47 @@ class PhysicsEngine(ABC, Generic[W]):
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
         case = prepared.case
         recorder, watch = Recorder(case.scene), Watch(case.scene)
-        timestep, limit = self.timestep(case), longest_time(case.scene)
         at_limit = Outcome.FINISHED if case.scene.horizon.seconds else Outcome.TIMED_OUT
-        size = round(natural_time(case.scene) / timestep * _LOOK_SHARE)
-        # both ends of the horizon are recorded; the share absorbs the round-off of the division
-        total = int(limit / timestep * (1.0 + 1e-12)) + 1
-        rows_of_steps: list[Integers] = []
+        schedule, size = self._schedule(prepared)
+        steps = rows = 0
         outcome: Outcome | None = None
         wall, cpu = time.perf_counter(), time.process_time()
-        for chunk in self.chunks(world, total, min(max(size, _FEWEST), _MOST)):
-            rows_of_steps.append(chunk.constraint_rows)
+        for chunk in self.chunks(world, schedule, size):
             if chunk.trajectory is not None:
                 kept = recorder.add(chunk.trajectory)
                 outcome = watch.over(kept) if kept is not None else None
             if outcome is None and not chunk.sound:
                 outcome = Outcome.DIVERGED
+            taken = chunk.times <= watch.ended_at
+            steps += int(taken.sum())
+            rows += int(chunk.constraint_rows[taken].sum())
+            if outcome is None and steps >= _MOST_STEPS:
+                outcome = Outcome.TOO_SLOW
             if outcome is not None:
                 break
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        trajectory = recorder.trajectory(watch.ended_at)
-        steps = round(float(trajectory.time[-1]) / timestep) + 1
         return replace(
             prepared,
             outcome=outcome or at_limit,
-            trajectory=trajectory,
+            trajectory=recorder.trajectory(watch.ended_at),
             steps=steps,
-            constraint_rows=int(np.concatenate(rows_of_steps)[:steps].sum()),
+            constraint_rows=rows,
             wall_s=wall,
             cpu_s=cpu,
         )
+
+    def _schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
+        """Return the schedule of a case, and how many steps to take between two looks."""
+        case, timestep = prepared.case, self.timestep(prepared.case)
+        scene, limit = case.scene, longest_time(case.scene)
+        size = min(max(round(natural_time(scene) / timestep * _LOOK_SHARE), _FEWEST), _MOST)
+        if case.profile != "adaptive":
+            return Fixed(timestep, limit, size), size
+        adaptive = Adaptive(
+            scene.can,
+            largest=timestep,
+            smallest=SMALLEST_SHARE * natural_time(scene),
+            limit=limit,
+            eta=float(prepared.settings["eta"]),  # type: ignore[arg-type]
+        )
+        return adaptive, max(size, _ADAPTIVE_LOOK)

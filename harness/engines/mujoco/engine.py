@@ -16,6 +16,7 @@ from harness.case import Case, Value
 from harness.engines.base import Capabilities, Floats
 from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
 from harness.engines.mujoco.world import MujocoWorld, from_body
+from harness.engines.schedule import Schedule, Stage
 from harness.engines.stepping import Chunk, PhysicsEngine
 from harness.trajectory import Trajectory
 
@@ -57,30 +58,54 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         """Compile the scene of a case."""
         return MujocoWorld(case, self.resolve(case), self.timestep(case))
 
-    def chunks(self, world: MujocoWorld, steps: int, size: int) -> Iterator[Chunk]:
-        """Step so many times from where the world is, at most `size` steps a chunk."""
-        model, data = world.model, world.data
-        state = np.empty(mujoco.mj_stateSize(model, _STATE))
-        mujoco.mj_getState(model, data, state, _STATE)
-        for done in range(0, steps, size):
-            after, sensors = rollout.rollout(
-                model,
-                data,
-                state[None],
-                nstep=min(size, steps - done),
-                initial_warmstart=data.qacc_warmstart.copy()[None],
+    def chunks(self, world: MujocoWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
+        """Step by a schedule from where the world is, yielding after `size` steps or more."""
+        data = world.data
+        state = np.empty(mujoco.mj_stateSize(world.model, _STATE))
+        mujoco.mj_getState(world.model, data, state, _STATE)
+        stage = _next(schedule, state)
+        while stage is not None:
+            befores, sensors, times = [], [], []
+            count = 0
+            while stage is not None and count < size:
+                world.set_timestep(stage.timestep)
+                after, seen = rollout.rollout(
+                    world.model,
+                    data,
+                    state[None],
+                    nstep=len(stage.times),
+                    initial_warmstart=data.qacc_warmstart.copy()[None],
+                )
+                befores += [state[None], after[0, :-1]]
+                sensors.append(seen[0])
+                times.append(stage.times)
+                count += len(stage.times)
+                state = after[0, -1]
+                stage = _next(schedule, state)
+            yield _chunk(
+                world, np.concatenate(times), np.concatenate(befores), np.concatenate(sensors)
             )
-            before = np.vstack((state, after[0, :-1]))
-            sound = _sound(before)
-            count = np.where(sound, sensors[0, :, 0], 0.0)
-            yield Chunk(
-                trajectory=_read(world, before[sound], sensors[0, sound], done)
-                if sound.any()
-                else None,
-                constraint_rows=count.astype(np.int64) * world.rows_per_contact,
-                sound=bool(sound.all()) and not _unstable(data),
-            )
-            state = after[0, -1]
+
+
+def _next(schedule: Schedule, state: Floats) -> Stage | None:
+    """Return the stage that a state calls for."""
+    spin = np.empty(3)
+    mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
+    return schedule.next(state[4:8].tolist(), spin.tolist())
+
+
+def _chunk(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Chunk:
+    """Return the steps from states (n, 14) with the sensors of the same instants (n, 17)."""
+    sound = _sound(states)
+    count = np.where(sound, sensors[:, 0], 0.0)
+    return Chunk(
+        trajectory=_read(world, times[sound], states[sound], sensors[sound])
+        if sound.any()
+        else None,
+        times=times,
+        constraint_rows=count.astype(np.int64) * world.rows_per_contact,
+        sound=bool(sound.all()) and not _unstable(world.data),
+    )
 
 
 _BROKEN = (
@@ -102,13 +127,12 @@ def _sound(states: Floats) -> NDArray[np.bool_]:
     return np.logical_and.accumulate(good)
 
 
-def _read(world: MujocoWorld, states: Floats, sensors: Floats, done: int) -> Trajectory:
-    """Return states (n, 14) and the sensors of the same instants (n, 17) as a trajectory."""
+def _read(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Trajectory:
+    """Return states and the sensors of the same instants as a trajectory."""
     point, force, penetration, count = world.read_contact(sensors)
     quaternion = states[:, 4:8]
     return Trajectory(
-        # counted, not summed: the engine's own clock drifts by round-off
-        time=np.arange(done, done + len(states)) * np.float64(world.timestep),
+        time=times,
         position=states[:, 1:4],
         quaternion=quaternion,
         velocity=states[:, 8:11],

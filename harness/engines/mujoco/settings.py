@@ -11,12 +11,13 @@ from collections.abc import Mapping
 
 from harness.case import Case, Value
 from harness.engines.base import Setting
+from harness.engines.schedule import ETA_SETTING
 
 DEFAULT_TIMESTEP = 0.002
 MATCHED_TIMESTEP = 1e-4
 
 
-def _solref(timestep: float) -> tuple[float, ...]:
+def matched_solref(timestep: float) -> tuple[float, ...]:
     """Return the stiffest critically damped contact that refsafe lets pass."""
     return (2.0 * timestep, 1.0)
 
@@ -100,7 +101,7 @@ GEOM = (
     Setting(
         name="solref",
         default=(0.02, 1.0),
-        matched=_solref,
+        matched=matched_solref,
         meaning="Time constant (s) and damping ratio of the soft contact.",
     ),
     Setting(
@@ -147,7 +148,7 @@ FLAGS = (
     ),
 )
 
-SETTINGS = OPTIONS + GEOM + FLAGS
+SETTINGS = (*OPTIONS, *GEOM, *FLAGS, ETA_SETTING)
 
 
 def attributes(case: Case, chosen: Mapping[str, Value]) -> tuple[dict[str, str], ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
-from harness.engines.mujoco.settings import attributes
+from harness.engines.mujoco.settings import attributes, matched_solref
 from harness.errors import RefusedModelError
 from models.kinematics import to_body
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
@@ -49,6 +49,7 @@ class MujocoWorld:
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
         self.data = mujoco.MjData(self.model)
+        self._tied = case.profile != "default" and "solref" not in dict(case.options)
         self._body = self.model.body("can").id
         self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)
         self._net = self.model.sensor(NET_SENSOR).adr[0]
@@ -73,6 +74,13 @@ class MujocoWorld:
     def timestep(self) -> float:
         """The timestep of the compiled model, s."""
         return float(self.model.opt.timestep)
+
+    def set_timestep(self, timestep: float) -> None:
+        """Step by another length from now on; a contact tied to the timestep goes with it."""
+        if timestep != self.model.opt.timestep:
+            self.model.opt.timestep = timestep
+            if self._tied:
+                self.model.geom_solref[:, :] = matched_solref(timestep)
 
     @property
     def rows_per_contact(self) -> int:

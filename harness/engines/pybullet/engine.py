@@ -6,6 +6,7 @@ contacts that a step leaves are paired with the state before it.
 
 from collections.abc import Iterator
 from importlib.metadata import version
+from typing import TypeAlias
 
 import numpy as np
 import pybullet
@@ -19,8 +20,11 @@ from harness.engines.pybullet.settings import (
     SETTINGS,
 )
 from harness.engines.pybullet.world import PybulletWorld, resultant
+from harness.engines.schedule import Schedule, Stage
 from harness.engines.stepping import Chunk, PhysicsEngine
 from harness.trajectory import Trajectory
+
+Row: TypeAlias = tuple[float, ...]
 
 _STATE = 13  # numbers of pose and twist
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
@@ -51,39 +55,55 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         """Open a world with the scene of a case."""
         return PybulletWorld(case, self.resolve(case), self.timestep(case))
 
-    def chunks(self, world: PybulletWorld, steps: int, size: int) -> Iterator[Chunk]:
-        """Step so many times from where the world is, at most `size` steps a chunk."""
-        for done in range(0, steps, size):
-            count = min(size, steps - done)
-            rows = _step(world, count)
-            sound = np.logical_and.accumulate(np.isfinite(rows[:, :_STATE]).all(axis=1))
-            yield Chunk(
-                trajectory=_read(world, rows[sound], done) if sound.any() else None,
-                constraint_rows=np.where(sound, rows[:, -1], 0.0).astype(np.int64)
-                * _ROWS_PER_CONTACT,
-                sound=bool(sound.all()),
-            )
+    def chunks(self, world: PybulletWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
+        """Step by a schedule from where the world is, yielding after `size` steps or more."""
+        stage = _next(schedule, world)
+        while stage is not None:
+            times: list[Floats] = []
+            rows: list[Row] = []
+            while stage is not None and len(rows) < size:
+                world.set_timestep(stage.timestep)
+                _step(world, len(stage.times), rows)
+                times.append(stage.times)
+                stage = _next(schedule, world)
+            yield _chunk(np.concatenate(times), np.array(rows, dtype=np.float64))
 
 
-def _step(world: PybulletWorld, count: int) -> Floats:
-    """Step so many times; return the state before each step and its contacts, shape (count, 22)."""
+def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:
+    """Return the stage that the world's state calls for."""
+    _, (x, y, z, w) = pybullet.getBasePositionAndOrientation(world.can, world.client)
+    _, spin = pybullet.getBaseVelocity(world.can, world.client)
+    return schedule.next((w, x, y, z), spin)
+
+
+def _chunk(times: Floats, rows: Floats) -> Chunk:
+    """Return the rows of consecutive steps, shape (n, 22)."""
+    sound = np.logical_and.accumulate(np.isfinite(rows[:, :_STATE]).all(axis=1))
+    return Chunk(
+        trajectory=_read(times[sound], rows[sound]) if sound.any() else None,
+        times=times,
+        constraint_rows=np.where(sound, rows[:, -1], 0.0).astype(np.int64) * _ROWS_PER_CONTACT,
+        sound=bool(sound.all()),
+    )
+
+
+def _step(world: PybulletWorld, count: int, rows: list[Row]) -> None:
+    """Step so many times; append the state before each step and its contacts, 22 numbers each."""
     client, can, ground = world.client, world.can, world.ground
     step, pose_of = pybullet.stepSimulation, pybullet.getBasePositionAndOrientation
     velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-    rows = []
     for _ in range(count):
         position, quaternion = pose_of(can, client)
         velocity, spin = velocity_of(can, client)
         step(client)
         contact = resultant(contacts_of(can, ground, physicsClientId=client))
         rows.append((*position, *quaternion, *velocity, *spin, *contact))
-    return np.array(rows, dtype=np.float64)
 
 
-def _read(world: PybulletWorld, rows: Floats, done: int) -> Trajectory:
+def _read(times: Floats, rows: Floats) -> Trajectory:
     """Return the rows of consecutive steps as a trajectory."""
     return Trajectory(
-        time=np.arange(done, done + len(rows)) * np.float64(world.timestep),
+        time=times,
         position=rows[:, :3],
         quaternion=rows[:, [6, 3, 4, 5]],
         velocity=rows[:, 7:10],

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from harness.engines.base import Setting
+from harness.engines.schedule import ETA_SETTING
 
 DEFAULT_TIMESTEP = 1.0 / 240.0
 MATCHED_TIMESTEP = 1e-4
@@ -126,7 +127,7 @@ DYNAMICS = (
     ),
 )
 
-SETTINGS = URDF_FLAGS + SOLVER + DYNAMICS
+SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)
 
 SHIPPED_VALUES = {
     "contactERP": "0.08 (erp2)",

@@ -89,6 +89,12 @@ class PybulletWorld:
         """The timestep that was asked for, s."""
         return self._timestep
 
+    def set_timestep(self, timestep: float) -> None:
+        """Step by another length from now on."""
+        if timestep != self._timestep:
+            self._timestep = timestep
+            pybullet.setTimeStep(timestep, physicsClientId=self.client)
+
     def _dynamics(self) -> tuple[Any, ...]:
         info: tuple[Any, ...] = pybullet.getDynamicsInfo(self.can, -1, physicsClientId=self.client)
         return info

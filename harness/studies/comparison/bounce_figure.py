@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from harness.artefact import Figure, Panel, Series
-from harness.bounce import Bounce
 from harness.metrics.motion import Motion
 from harness.runner import Evaluation
 from harness.studies.comparison.curves import MS, label, longest
@@ -31,23 +30,18 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
         return None
     half = _WINDOW / abs(true.peak_psi_dot)
 
-    def near(motion: Motion, bounce: Bounce, values: Floats) -> tuple[Floats, Floats]:
-        inside = np.abs(motion.time - bounce.time) <= half
-        inside |= np.roll(inside, 1) | np.roll(inside, -1)  # the curve leaves the window
-        return (motion.time[inside] - bounce.time) * MS, values[inside]
-
     panels: list[Panel] = []
     for title, y_label, values in _QUANTITIES:
         series: list[Series] = []
         exact = longest(drawn).truth
         if exact is not None:
-            x, y = near(exact, true, values(exact))
+            x, y = _near(exact.time - true.time, values(exact), half)
             series.append(Series(label="exact", kind="reference", x=x, y=y))
         for e in drawn:
             if e.motion is None or not e.bounces:
                 continue
             shipped = e.simulation.case.profile == "default"
-            x, y = near(e.motion, e.bounces[0], values(e.motion))
+            x, y = _near(e.motion.time - e.bounces[0].time, values(e.motion), half)
             series.append(
                 Series(
                     label=label(e),
@@ -78,6 +72,17 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
         panels=tuple(panels),
         scene=scene,
     )
+
+
+def _near(time: Floats, values: Floats, half: float) -> tuple[Floats, Floats]:
+    """Return a curve within a window about time zero, ms, cut where it enters and leaves.
+
+    A run that steps over the window altogether is seen to do so.
+    """
+    inside = np.abs(time) < half
+    edges = np.clip((-half, half), time[0], time[-1])
+    x = np.concatenate((edges[:1], time[inside], edges[1:]))
+    return x * MS, np.interp(x, time, values)
 
 
 def _duration(seconds: float) -> str:

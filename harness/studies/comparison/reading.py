@@ -58,13 +58,25 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
                 f"{engine} {words} misses the angle of turn by {extreme} {error:.2g} degrees "
                 f"({e.simulation.case.scene.name}, timestep {e.simulation.timestep:.2g} s)."
             )
-    unfinished = [e for e in evaluations if e.simulation.outcome is not Outcome.FINISHED]
-    if unfinished:
-        sentences.append(
-            f"{len(unfinished)} runs did not reach their horizon: "
-            + "; ".join(
-                f"{e.simulation.case.label()}: {e.simulation.outcome.value}" for e in unfinished
-            )
-            + "."
-        )
+    sentences.append(_endings(evaluations))
     return Prose(name="summary", title="Summary", text=" ".join(sentences))
+
+
+def _endings(evaluations: Sequence[Evaluation]) -> str:
+    """Return a sentence on the runs that ended before their horizon."""
+    ends: dict[Outcome, list[str]] = {}
+    for e in evaluations:
+        case, outcome = e.simulation.case, e.simulation.outcome
+        if outcome is not Outcome.FINISHED:
+            words = f"{case.scene.name} in {case.engine} ({case.profile})"
+            ends.setdefault(outcome, []).append(words)
+    if not ends:
+        return "Every run reached its horizon."
+    return (
+        "Before the horizon ended: "
+        + "; ".join(
+            f"{', '.join(dict.fromkeys(names))}, {outcome.name.lower().replace('_', ' ')}"
+            for outcome, names in ends.items()
+        )
+        + "."
+    )

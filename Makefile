@@ -1,0 +1,46 @@
+# `make validate` and `make test` need Python 3.11 or later with pip, and nothing else.
+PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3,$(if $(shell command -v $(name) 2>/dev/null),$(name))))
+VENV ?= .venv
+BIN := $(VENV)/bin
+SUITE ?= quick
+
+.PHONY: validate test lint types contracts models clean
+
+validate: $(VENV)/ready
+	$(BIN)/rockingcan validate --suite $(SUITE)
+
+test: $(VENV)/ready-to-test
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/ready-to-develop
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/ready-to-develop
+	$(BIN)/mypy
+
+contracts: $(VENV)/ready-to-develop
+	$(BIN)/lint-imports
+
+# the openable model files, from the scenes
+models: $(VENV)/ready
+	$(BIN)/python -m models.export
+
+clean:
+	rm -rf $(VENV) build dist
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet "pip>=25.1" -c constraints.txt
+
+$(VENV)/ready: pyproject.toml constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --editable . -c constraints.txt
+	touch $@
+
+$(VENV)/ready-to-test: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --group test -c constraints.txt
+	touch $@
+
+$(VENV)/ready-to-develop: $(VENV)/ready-to-test
+	$(BIN)/python -m pip install --quiet --group dev -c constraints.txt
+	touch $@
