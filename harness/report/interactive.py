@@ -53,7 +53,11 @@ def description(figure: Figure, inks: Mapping[str, Ink]) -> list[dict[str, Any]]
     linked = _linked(figure.panels)
     return [
         {
-            "data": [_trace(s, panel, *legend[s.label], inks[s.kind]) for s in panel.series],
+            "data": [
+                _trace(series, panel, *legend[series.label], inks[series.kind])
+                # the truth lies below
+                for series in sorted(panel.series, key=lambda series: series.kind != "reference")
+            ],
             "layout": _layout(panel),
             "linked": group,
         }
@@ -73,7 +77,6 @@ def _trace(series: Series, panel: Panel, number: int, entry: Entry, ink: Ink) ->
         "showlegend": False,  # the legend is the page's: buttons that a keyboard reaches
         "meta": {"kind": series.kind, "entry": number},
         "opacity": entry.opacity,
-        "zorder": 0 if series.kind == "reference" else 1,  # the truth lies below
         "line": {
             "width": ink.width,
             "dash": ",".join(f"{length}px" for length in entry.dashes) or "solid",

@@ -1,7 +1,7 @@
 """Which colour and mark a curve has: by whose curve it is, the same in every figure of a report.
 
 Each kind has two colours of one hue, one for a light and one for a dark page. Each stands out from
-its page by at least 3:1 (WCAG 2.2, 1.4.11), and the kinds that meet often stay apart for the three
+its page by at least 3:1 (WCAG 2.2, 1.4.11), and any two inks stay apart for the three
 kinds of colour blindness; both are tested. Line, dash and mark repeat what the colour says.
 """
 
@@ -40,12 +40,12 @@ _KNOWN: Mapping[str, Ink] = MappingProxyType(
     }
 )
 _FURTHER = (
-    Ink(light="#007f5f", dark="#35d0a5"),
-    Ink(light="#a0408f", dark="#e79ad8"),
-    Ink(light="#8a6a00", dark="#ecd25a"),
-    Ink(light="#5b52b8", dark="#b3abff"),
-    Ink(light="#7d3b22", dark="#d9a38c"),
-    Ink(light="#4d6b1f", dark="#a9d268"),
+    Ink(light="#1e2791", dark="#7f7cf0"),
+    Ink(light="#3c561c", dark="#aff3a0"),
+    Ink(light="#b8727d", dark="#d9525a"),
+    Ink(light="#829151", dark="#e5cc1c"),
+    Ink(light="#683964", dark="#ab7097"),
+    Ink(light="#956391", dark="#e19dbc"),
 )
 
 

@@ -37,7 +37,7 @@ PAPER = Detail(tolerance=1.0 / 4_000.0, columns=600)
 
 
 def thinned(figure: Figure, detail: Detail) -> Figure:
-    """Return the figure with each line thinned; points that are marks of their own all stay."""
+    """Return the figure with each line thinned; a point that has a mark of its own stays."""
     return replace(figure, panels=tuple(_panel(panel, detail) for panel in figure.panels))
 
 
@@ -130,7 +130,7 @@ def _panel(panel: Panel, detail: Detail) -> Panel:
     return replace(
         panel,
         series=tuple(
-            series if series.mark == "points" else _chosen(series, (points - low) / span, detail)
+            series if series.mark != "line" else _chosen(series, (points - low) / span, detail)
             for series, points in zip(panel.series, scaled, strict=True)
         ),
     )
@@ -138,7 +138,7 @@ def _panel(panel: Panel, detail: Detail) -> Panel:
 
 def _chosen(series: Series, points: Floats, detail: Detail) -> Series:
     """Return the series with the points that stay, and its gaps."""
-    finite = np.isfinite(points).all(axis=1)
+    finite = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
     stays = np.zeros(len(points), dtype=bool)
     edges = np.flatnonzero(np.diff(finite.astype(np.int8))) + 1
     for run in np.split(np.arange(len(points)), edges):

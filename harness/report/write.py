@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+import math
+import numbers
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -62,10 +64,10 @@ def write_report(
             "version": VERSION,
             "title": title,
             "provenance": provenance.to_dict(),
-            "cases": [dict(case) for case in cases],
+            "cases": [_json(case) for case in cases],
             "files": _listed(draft),
         }
-        text = json.dumps(manifest, indent=1, ensure_ascii=False, default=str)
+        text = json.dumps(manifest, indent=1, ensure_ascii=False, allow_nan=False)
         (draft / MANIFEST).write_text(text + "\n", encoding="utf-8")
     return out / "index.html"
 
@@ -96,6 +98,21 @@ def _report(
         cases=tuple(cases),
         provenance=provenance,
     )
+
+
+def _json(value: object) -> object:
+    """Return a value in JSON's own types: what JSON cannot say, infinity included, as text."""
+    if isinstance(value, Mapping):
+        return {str(key): _json(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_json(inner) for inner in value]
+    if value is None or isinstance(value, (str, bool)):
+        return value
+    if isinstance(value, numbers.Integral):
+        return int(value)
+    if isinstance(value, numbers.Real) and math.isfinite(value):
+        return float(value)
+    return str(value)
 
 
 def _write_files(report: Report, folder: Path) -> None:

@@ -1,0 +1,107 @@
+"""The folder of a report: what is in it, and that it says what is in it."""
+
+import hashlib
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.artefact import Artefact
+from harness.errors import OutputError
+from harness.provenance import Provenance
+from harness.report import write_report
+
+TOP = {"index.html", "summary.md", "columns.md", "manifest.json", "figures", "tables"}
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_every_file_is_there(report: Path) -> None:
+    assert set(names(report)) == TOP
+    assert names(report / "figures") == [
+        f"{name}.{form}" for name in ("angles", "locus", "order") for form in ("png", "svg")
+    ]
+    assert names(report / "tables") == [
+        f"{name}.{form}" for name in ("parity", "scorecard") for form in ("csv", "parquet")
+    ]
+
+
+def test_the_manifest_tells_every_other_file(report: Path, made: Provenance) -> None:
+    manifest = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["format"] == "rockingcan-report"
+    assert manifest["provenance"] == made.to_dict()
+    assert [case["digest"] for case in manifest["cases"]] == [
+        "0123456789abcdef",
+        "fedcba9876543210",
+    ]
+    found = {
+        path.relative_to(report).as_posix(): path.read_bytes()
+        for path in report.rglob("*")
+        if path.is_file() and path.name != "manifest.json"
+    }
+    assert {file["path"]: (file["bytes"], file["sha256"]) for file in manifest["files"]} == {
+        name: (len(content), hashlib.sha256(content).hexdigest()) for name, content in found.items()
+    }
+
+
+def test_the_same_report_gives_the_same_bytes(
+    report: Path, artefacts: tuple[Artefact, ...], made: Provenance, tmp_path: Path
+) -> None:
+    told = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
+    page = write_report(
+        artefacts, tmp_path / "again", title=told["title"], cases=told["cases"], provenance=made
+    )
+    again = json.loads((page.parent / "manifest.json").read_text(encoding="utf-8"))
+    assert again == told
+
+
+def test_the_summary_can_be_pasted(report: Path) -> None:
+    text = (report / "summary.md").read_text(encoding="utf-8")
+    assert text.startswith("# Two engines\n\nBoth engines agree.\n\nThe gap is of first order.\n")
+    assert "| engine | angle of turn error (°) | steps | verdict | case |" in text
+    assert "mujoco 4.0.0" in text
+    assert "commit 000000000000 + changes" in text
+
+
+def test_hostile_names_stay_in_the_folder(hostile_report: Path) -> None:
+    assert set(names(hostile_report)) == TOP
+    assert names(hostile_report.parent) == [hostile_report.name]
+    for path in hostile_report.rglob("*"):
+        assert set(path.stem) <= set("abcdefghijklmnopqrstuvwxyz0123456789-")
+
+
+def test_hostile_texts_stay_texts_in_the_summary(hostile_report: Path) -> None:
+    for name in ("summary.md", "columns.md"):
+        text = (hostile_report / name).read_text(encoding="utf-8")
+        assert "owned" in text
+        assert "<" not in text.replace("\\<", "")
+
+
+def test_a_case_says_what_json_cannot(made: Provenance, tmp_path: Path) -> None:
+    case = {
+        "digest": "a",
+        "solref": (0.02, np.float64(1.0)),
+        "clamp": math.inf,
+        "rows": np.int64(3),
+    }
+    write_report((), tmp_path / "report", title="", cases=[case], provenance=made)
+    text = (tmp_path / "report" / "manifest.json").read_text(encoding="utf-8")
+    assert json.loads(text, parse_constant=pytest.fail)["cases"] == [
+        {"digest": "a", "solref": [0.02, 1.0], "clamp": "inf", "rows": 3}
+    ]
+
+
+def test_a_report_of_nothing_is_a_report(made: Provenance, tmp_path: Path) -> None:
+    page = write_report((), tmp_path / "report", title="Nothing", cases=[], provenance=made)
+    assert "Nothing" in page.read_text(encoding="utf-8")
+
+
+def test_a_folder_of_something_else_is_refused(made: Provenance, tmp_path: Path) -> None:
+    (tmp_path / "precious").touch()
+    with pytest.raises(OutputError, match="not empty"):
+        write_report((), tmp_path, title="", cases=[], provenance=made)
+    assert names(tmp_path) == ["precious"]
