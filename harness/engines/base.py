@@ -64,8 +64,50 @@ class Setting:
     meaning: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gap:
+    """One way in which an engine as it ships is not the matched one: settings that change together.
+
+    Parameters
+    ----------
+    name : str
+        One or two words.
+    settings : tuple of str
+        Names of the settings that close it; `TIMESTEP` stands for the timestep.
+    sentence : str
+        What the open gap does to the can.
+    """
+
+    name: str
+    settings: tuple[str, ...]
+    sentence: str
+
+
+TIMESTEP = "timestep"
+"""What a gap calls the timestep, which is no setting of an engine but of a case."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effort:
+    """How hard an engine's solver tries in a step.
+
+    Parameters
+    ----------
+    name : str
+        In a few words, such as "2 iterations".
+    settings : tuple of (str, Value)
+    """
+
+    name: str
+    settings: tuple[tuple[str, Value], ...]
+
+
 class Engine(Protocol):
-    """Anything that moves a can."""
+    """Anything that moves a can.
+
+    An engine may also declare `gaps`, a tuple of `Gap` in the order in which to close them, and
+    `efforts`, a tuple of `Effort` of which the last is the converged solve.
+    """
 
     name: str
     capabilities: Capabilities

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from harness.case import Case, Value
-from harness.engines.base import Capabilities, Setting, World, resolve
+from harness.engines.base import Capabilities, Effort, Gap, Setting, World, resolve
 from harness.engines.horizon import Watch, longest_time, natural_time
 from harness.engines.parity import parity
 from harness.engines.recorder import Recorder
@@ -30,7 +30,7 @@ _LOOK_SHARE = 0.1
 _FEWEST, _MOST = 16, 4096
 """Steps in a chunk: enough to pay for the look, few enough to stay in the cache."""
 
-_ADAPTIVE_LOOK = 256
+_ADAPTIVE_LOOK = 1024
 """Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
 
 _MOST_STEPS = 100_000_000
@@ -68,6 +68,8 @@ class PhysicsEngine(ABC, Generic[W]):
     default_timestep: float
     matched_timestep: float
     imposed_by_default: frozenset[str]
+    gaps: tuple[Gap, ...] = ()
+    efforts: tuple[Effort, ...] = ()
 
     @property
     @abstractmethod

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Floats
+from harness.engines.mujoco.gaps import EFFORTS, GAPS
 from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
 from harness.engines.mujoco.world import MujocoWorld, from_body
 from harness.engines.schedule import Schedule, Stage
@@ -30,6 +31,8 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     settings = SETTINGS
     default_timestep = DEFAULT_TIMESTEP
     matched_timestep = MATCHED_TIMESTEP
+    gaps = GAPS
+    efforts = EFFORTS
     capabilities = Capabilities(
         honours=frozenset({"slip"}),
         imposes={

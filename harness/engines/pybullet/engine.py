@@ -13,6 +13,7 @@ import pybullet
 
 from harness.case import Case
 from harness.engines.base import Capabilities, Floats
+from harness.engines.pybullet.gaps import EFFORTS, GAPS
 from harness.engines.pybullet.settings import (
     DEFAULT_TIMESTEP,
     IMPOSED_BY_DEFAULT,
@@ -37,6 +38,8 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     settings = SETTINGS
     default_timestep = DEFAULT_TIMESTEP
     matched_timestep = MATCHED_TIMESTEP
+    gaps = GAPS
+    efforts = EFFORTS
     capabilities = Capabilities(
         honours=frozenset({"slip"}),
         imposes={
