@@ -13,13 +13,15 @@ from harness.case import Case
 from harness.engines.base import resolve
 from harness.engines.reference import Truth, truth
 from harness.engines.registry import check_effects, engine
+from harness.engines.soundness import fault
+from harness.errors import HarnessError, TrajectoryError
 from harness.executors import Serial
 from harness.metrics.conservation import energy_drift
 from harness.metrics.contact import ContactQuality, contact_quality
 from harness.metrics.error import Errors, errors
 from harness.metrics.features import bounces
 from harness.metrics.motion import Motion, motion
-from harness.simulation import Simulation
+from harness.simulation import Outcome, Simulation
 from harness.trajectory import take
 from models.scene import Scene
 
@@ -78,10 +80,37 @@ def evaluate(case: Case) -> Evaluation:
     Raises
     ------
     HarnessError
-        For wrong use; a numerical failure is the simulation's outcome.
+        For wrong use. A numerical failure is the simulation's outcome, and so is an adapter that
+        raises anything else or returns what is no simulation.
     """
     check(case)
-    return measure(engine(case.engine).simulate(case))
+    return measure(_simulated(case))
+
+
+def _simulated(case: Case) -> Simulation:
+    """Return an engine's answer to a case, or in what its adapter broke its contract."""
+    chosen, version = engine(case.engine), "unknown"
+    try:
+        version = chosen.version
+        answer = chosen.simulate(case)
+        reason = fault(answer, case)
+    except TrajectoryError as error:
+        reason = str(error)
+    except HarnessError:
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
+        reason = f"`simulate` raised {type(error).__name__}: {error}"
+    if not reason:
+        return answer
+    return Simulation(
+        case=case,
+        outcome=Outcome.BROKEN,
+        note=reason,
+        trajectory=None,
+        engine_version=version,
+        model=case.engine,
+        timestep=chosen.timestep(case),
+    )
 
 
 def measure(simulation: Simulation) -> Evaluation:

@@ -21,6 +21,7 @@ class Outcome(Enum):
     DIVERGED = "diverged: the engine's numbers grew without bound or were no numbers"
     MISMATCH = "mismatch: the engine's model is not the scene's; see the parity table"
     NO_SOLUTION = "no solution: the exact equations end before the horizon"
+    BROKEN = "broken: the engine's adapter did not keep its contract; see the note"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
