@@ -41,7 +41,7 @@ ETA_SETTING = Setting(
 )
 """The one setting of adaptive stepping, the same in all engines."""
 
-LARGEST_SHARE, SMALLEST_SHARE = 1e-3, 1e-9
+LARGEST_SHARE, SMALLEST_SHARE = 5e-4, 1e-9
 """Bounds of the timestep in natural times: outside the bounce first-order error goes with the
 largest; below the smallest a position of a metre no longer feels a step of a metre a second."""
 

@@ -1,7 +1,7 @@
 """PyBullet without its greeting.
 
-It prints a line on standard error, from C, when it is imported; a command whose standard error holds
-one clear message cannot have that. So the descriptor points elsewhere while it is loaded.
+It prints a line on standard error, from C, when it is imported; a command whose standard error
+holds one clear message cannot have that. So the descriptor points elsewhere while it is loaded.
 """
 
 import os

@@ -1,7 +1,8 @@
 """Which cases the comparison is made of.
 
-Each engine runs each scene as it ships, at its own timestep, and matched, on a ladder of timesteps:
-the first says what a user gets, the second what the engine can do and how fast it gets there.
+Each engine runs each scene as it ships, at its own timestep; matched, on a ladder of timesteps; and
+adaptive. The first says what a user gets, the second how fast the engine gets nearer, the third what
+it can do.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -62,5 +63,6 @@ def _cases(
     for name, ladder in ladders.items():
         for engine in engines:
             yield Case(scene=scenes[name], engine=engine, profile="default")
+            yield Case(scene=scenes[name], engine=engine, profile="adaptive")
             for timestep in ladder:
                 yield Case(scene=scenes[name], engine=engine, profile="matched", timestep=timestep)

@@ -39,7 +39,11 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
         f"{len(evaluations)} runs of {len(engines)} engines were held against the exact motion."
     ]
     for engine in engines:
-        for profile, words in (("default", "as it ships"), ("matched", "matched to the scene")):
+        for profile, words in (
+            ("default", "as it ships"),
+            ("matched", "matched to the scene"),
+            ("adaptive", "with steps that follow the motion"),
+        ):
             turned = [
                 (abs(math.degrees(e.errors.angle_of_turn[0])), e)
                 for e in evaluations

@@ -12,8 +12,8 @@ Row = dict[str, Any]
 CASE: Mapping[str, str] = {
     "scene": "Name of the scene.",
     "engine": "Name of the engine.",
-    "profile": "default: the engine as it ships; matched: only what the scene declares.",
-    "timestep_s": "Timestep of the engine, s.",
+    "profile": "default: as it ships; matched: only what the scene declares; adaptive: matched, own steps.",
+    "timestep_s": "Timestep of the engine, s; the largest of an adaptive run.",
 }
 
 
