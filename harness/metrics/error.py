@@ -94,7 +94,13 @@ def errors(
         rotation_turn=tuple(f.rotation_turn - t.rotation_turn for f, t in pairs),
         time_of_bounce=tuple(f.time - t.time for f, t in pairs),
         phi_min=tuple(f.phi_min - t.phi_min for f, t in pairs),
-        peak_friction_ratio=tuple(f.peak_friction_ratio - t.peak_friction_ratio for f, t in pairs),
+        # where the truth asks the plane to pull, its ratio is infinite
+        peak_friction_ratio=tuple(
+            f.peak_friction_ratio - t.peak_friction_ratio
+            if math.isfinite(t.peak_friction_ratio)
+            else math.nan
+            for f, t in pairs
+        ),
         contact_locus_rms=_rms(distance[touching], weight[touching]),
         contact_locus_max=float(distance[touching].max()) if touching.any() else math.nan,
         contact_locus_hausdorff=hausdorff(found.locus[touching], true_locus),

@@ -1,0 +1,136 @@
+"""The watch: it counts bounces, not ripples, and knows flat from over from broken."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.bounce import PROMINENCE
+from harness.engines.horizon import FLAT_ALLOWANCE, Watch, longest_time, natural_time
+from harness.simulation import Outcome
+from harness.trajectory import Trajectory
+from models import Horizon, Scene, quaternion
+
+Made = Callable[..., Trajectory]
+TIME = np.linspace(0.0, 1.0, 4001)
+
+
+def told(
+    made: Made, scene: Scene, time: np.ndarray, phi: np.ndarray, part: int = 100
+) -> tuple[Outcome | None, float]:
+    """Return what a watch says of nutation over time, told in parts, and when."""
+    watch = Watch(scene)
+    for left in range(0, len(time), part):
+        inside = slice(left, left + part)
+        n = len(time[inside])
+        zero = np.zeros(n)
+        outcome = watch.over(
+            made(n, time=time[inside], quaternion=quaternion(phi[inside], zero, zero))
+        )
+        if outcome is not None:
+            return outcome, watch.ended_at
+    return None, watch.ended_at
+
+
+def bouncing(periods: float, lowest: float = 0.01) -> np.ndarray:
+    """Return nutation that starts at its maximum, 0.4, and has so many minima in one second."""
+    return np.hypot(lowest, 0.4 * np.cos(np.pi * periods * TIME))
+
+
+@pytest.mark.parametrize("wanted", [1, 2, 5])
+@pytest.mark.parametrize("part", [1, 100, 4001])
+def test_it_ends_after_the_maximum_that_closes_the_last_bounce(
+    made: Made, gentle: Scene, wanted: int, part: int
+) -> None:
+    scene = replace(gentle, horizon=Horizon(bounces=wanted))
+    outcome, when = told(made, scene, TIME, bouncing(6.5), part)
+    assert outcome is Outcome.FINISHED
+    closing = wanted / 6.5  # the time of the maximum
+    # from it, phi falls by the prominence: 0.4 (1 - cos x) = 0.004 at x = 0.1415
+    assert closing < when < closing + 0.1415 / (np.pi * 6.5) + 2e-3
+
+
+def test_too_few_bounces_do_not_end_it(made: Made, gentle: Scene) -> None:
+    scene = replace(gentle, horizon=Horizon(bounces=7))
+    assert told(made, scene, TIME, bouncing(6.5)) == (None, math.inf)
+
+
+def test_a_horizon_in_seconds_is_not_ended_by_bounces(made: Made, gentle: Scene) -> None:
+    scene = replace(gentle, horizon=Horizon(seconds=1.0))
+    assert told(made, scene, TIME, bouncing(6.5)) == (None, math.inf)
+
+
+def test_a_ripple_is_no_bounce(made: Made, gentle: Scene) -> None:
+    # half the prominence from top to bottom, four times through the fall and the rise
+    ripple = 0.25 * PROMINENCE * 0.4 * np.sin(2.0 * np.pi * 40.0 * TIME)
+    phi = bouncing(1.0) + ripple
+    scene = replace(gentle, horizon=Horizon(bounces=2))
+    assert told(made, scene, TIME, phi)[0] is None  # one bounce, whatever the ripples
+    scene = replace(gentle, horizon=Horizon(bounces=1))
+    twice = np.hypot(0.01, 0.4 * np.cos(np.pi * 2.0 * TIME)) + ripple
+    outcome, when = told(made, scene, TIME, twice)
+    assert outcome is Outcome.FINISHED
+    assert 0.45 < when < 0.65  # at the maximum at 0.5, not at the first ripple
+
+
+def test_a_release_that_first_rises_has_no_bounce_before_its_first_minimum(
+    made: Made, gentle: Scene
+) -> None:
+    scene = replace(gentle, release=replace(gentle.release, phi=0.2, phi_dot=1.0))
+    phi = np.abs(0.4 * np.sin(np.pi / 6.0 + np.pi * 4.0 * TIME))
+    phi = np.hypot(0.01, phi)
+    outcome, when = told(made, scene, TIME, phi)
+    assert outcome is Outcome.FINISHED
+    first_maximum, period = (1.0 / 3.0) / 4.0, 0.25
+    assert first_maximum + period < when < first_maximum + 1.3 * period
+
+
+def test_flat_is_a_can_that_does_not_rise_again(made: Made, gentle: Scene) -> None:
+    T = natural_time(gentle)
+    allowed = FLAT_ALLOWANCE * T
+    time = np.linspace(0.0, 3.0 * allowed, 3000)
+    phi = 0.4 * np.exp(-time / (0.1 * allowed))
+    outcome, when = told(made, gentle, time, phi)
+    assert outcome is Outcome.FLAT
+    sinks = 0.1 * allowed * math.log(1.0 / PROMINENCE)  # when it passes below the prominence
+    assert when == pytest.approx(sinks + allowed, rel=2e-3)  # to the spacing of the samples
+
+
+def test_a_can_that_rises_just_in_time_is_not_flat(made: Made, gentle: Scene) -> None:
+    allowed = FLAT_ALLOWANCE * natural_time(gentle)
+    time = np.linspace(0.0, 0.98 * allowed, 1000)
+    phi = np.where((time < 0.01 * allowed) | (time > 0.96 * allowed), 0.39, 1e-4)
+    assert told(made, gentle, time, phi)[0] is None
+
+
+def test_over_is_a_can_on_its_side(made: Made, gentle: Scene) -> None:
+    phi = 0.4 + 2.0 * TIME
+    outcome, when = told(made, gentle, TIME, phi)
+    assert outcome is Outcome.OVERTURNED
+    assert when == TIME[np.flatnonzero(phi >= np.pi / 2.0)[0]]
+
+
+@pytest.mark.parametrize("speed", [np.nan, np.inf, 1e3])
+def test_speeds_that_are_none_or_huge_have_diverged(
+    made: Made, gentle: Scene, speed: float
+) -> None:
+    velocity = np.zeros((3, 3))
+    velocity[1, 2] = speed
+    assert Watch(gentle).over(made(3, velocity=velocity)) is Outcome.DIVERGED
+
+
+def test_a_fast_release_has_not_diverged(made: Made, gentle: Scene) -> None:
+    fast = replace(gentle, release=replace(gentle.release, theta_dot=3000.0))
+    velocity = np.zeros((3, 3))
+    velocity[:, 0] = 3000.0 * gentle.can.radius  # rolling at that rate
+    flat = quaternion(np.full(3, 0.4), np.zeros(3), np.zeros(3))
+    assert Watch(fast).over(made(3, velocity=velocity, quaternion=flat)) is None
+
+
+def test_the_longest_time_goes_with_the_horizon(gentle: Scene) -> None:
+    assert longest_time(replace(gentle, horizon=Horizon(seconds=0.7))) == 0.7
+    one, two = (longest_time(replace(gentle, horizon=Horizon(bounces=n))) for n in (1, 2))
+    assert two == 2.0 * one
+    assert math.isfinite(longest_time(replace(gentle, gravity=0.0)))

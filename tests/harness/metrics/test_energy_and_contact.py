@@ -1,0 +1,105 @@
+"""Energy and the quality of contact, on motions where both are known."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.metrics.conservation import energy, energy_drift
+from harness.metrics.contact import contact_quality
+from harness.metrics.motion import motion
+from harness.trajectory import Trajectory
+from models import Scene, quaternion
+
+EPS = np.finfo(np.float64).eps
+Made = Callable[..., Trajectory]
+
+
+def test_energy_is_the_sum_of_its_parts(made: Made, gentle: Scene) -> None:
+    can, g = gentle.can, gentle.gravity
+    lying = quaternion(np.pi / 2.0, 0.7, 0.2)[None]  # the axis points to (-cos psi, -sin psi, 0)
+    axis = -np.array((np.cos(0.7), np.sin(0.7), 0.0))
+    across = np.array((0.0, 0.0, 1.0))
+    one = made(
+        1,
+        quaternion=lying,
+        position=np.array(((0.0, 0.0, 2.0),)),
+        velocity=np.array(((3.0, 0.0, 4.0),)),
+        angular_velocity=(5.0 * axis + 7.0 * across)[None],
+    )
+    expected = (
+        can.mass * g * 2.0
+        + can.mass * 25.0 / 2.0
+        + can.axial_inertia * 25.0 / 2.0
+        + can.transverse_inertia * 49.0 / 2.0
+    )
+    assert energy(one, gentle)[0] == pytest.approx(expected, rel=8 * EPS)
+
+
+def test_drift_is_the_largest_departure_with_its_sign(made: Made, gentle: Scene) -> None:
+    heights = np.array((1.0, 1.2, 0.5, 1.0))
+    rising = made(4, position=np.column_stack((np.zeros((4, 2)), heights)))
+    assert energy_drift(rising, gentle) == pytest.approx(-0.5 / gentle.can.radius, rel=8 * EPS)
+
+
+def test_quality_counts_time_and_not_samples(made: Made, gentle: Scene) -> None:
+    time = np.array((0.0, 1.0, 2.0, 2.1, 2.2, 10.0))
+    force = np.outer(np.array((1.0, 1.0, 0.0, 0.0, 1.0, 1.0)), (0.0, 0.0, 1.0))
+    point = np.zeros((6, 3))
+    point[2:4] = np.nan
+    velocity = np.outer(np.array((0.1, 0.2, 9.0, 9.0, 0.3, 0.0)), (0.6, 0.8, 5.0))
+    found = contact_quality(
+        motion(
+            made(
+                6,
+                time=time,
+                contact_force=force,
+                contact_point=point,
+                velocity=velocity,
+                penetration=np.array((1e-6, 3e-6, -1e-3, np.nan, 0.0, 0.0)),
+                contact_count=np.array((1, 2, 0, 0, 1, 1)),
+            ),
+            gentle,
+        )
+    )
+    assert found.max_penetration == 3e-6
+    assert found.max_slip == pytest.approx(0.3, rel=4 * EPS)  # in flight nothing slips
+    # trapezia: half of each neighbouring gap
+    assert found.lift_off_fraction == pytest.approx((0.55 + 0.1) / 10.0, rel=64 * EPS)
+    assert found.multi_contact_fraction == pytest.approx(1.0 / 10.0, rel=64 * EPS)
+
+
+def test_a_can_that_never_touches_has_neither_depth_nor_slip(made: Made, gentle: Scene) -> None:
+    aloft = made(
+        3,
+        contact_force=np.zeros((3, 3)),
+        contact_point=np.full((3, 3), np.nan),
+        penetration=np.full(3, np.nan),
+        contact_count=np.zeros(3, dtype=np.int64),
+    )
+    found = contact_quality(motion(aloft, gentle))
+    assert (found.max_penetration, found.max_slip) == (0.0, 0.0)
+    assert found.lift_off_fraction == pytest.approx(1.0, abs=4 * EPS)
+
+
+def test_slip_is_that_of_the_material_at_the_contact(made: Made, gentle: Scene) -> None:
+    # a wheel of radius 2 that rolls to +x at 6 m/s turns at 3 rad/s about +y
+    n = 3
+    rolling = made(
+        n,
+        position=np.tile((0.0, 0.0, 2.0), (n, 1)),
+        velocity=np.tile((6.0, 0.0, 0.0), (n, 1)),
+        angular_velocity=np.tile((0.0, 3.0, 0.0), (n, 1)),
+    )
+    np.testing.assert_array_equal(motion(rolling, gentle).slip, 0.0)
+    sliding = replace(rolling, velocity=np.tile((6.0, 1.5, 0.0), (n, 1)))
+    np.testing.assert_array_equal(motion(sliding, gentle).slip, 1.5)
+
+
+def test_the_friction_ratio_is_that_of_the_forces(made: Made, gentle: Scene) -> None:
+    force = np.array(((3.0, 4.0, 10.0), (0.0, 0.0, 0.0), (1.0, 0.0, -2.0)))
+    found = motion(made(3, contact_force=force), gentle)
+    assert found.friction_ratio[0] == 0.5
+    assert np.isnan(found.friction_ratio[1:]).all()  # no contact, and a plane that pulls
+    np.testing.assert_array_equal(found.touching, (True, False, False))

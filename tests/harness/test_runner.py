@@ -1,0 +1,107 @@
+"""The runner: in order, each told once, and wrong use refused before anything runs."""
+
+# ruff: noqa: D102 - the methods of a toy are described where its role is
+
+from collections.abc import Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
+
+import pytest
+
+from harness.case import Case
+from harness.errors import (
+    HarnessError,
+    InvalidSettingError,
+    UnknownEngineError,
+    UnknownSettingError,
+    UnsupportedEffectError,
+)
+from harness.executors import Serial, local
+from harness.runner import Evaluation, run
+from models import Effects, Horizon, Scene, Slip
+
+
+@pytest.fixture
+def cases(brief: Scene) -> list[Case]:
+    """Return short cases that differ in their timestep."""
+    return [
+        Case(scene=replace(brief, horizon=Horizon(seconds=2e-3)), engine="mujoco", timestep=dt)
+        for dt in (1e-3, 5e-4, 2e-4, 1e-4)
+    ]
+
+
+def test_results_come_in_the_order_of_the_cases(cases: list[Case]) -> None:
+    told: list[Evaluation] = []
+    done = run(cases, None, told.append)
+    assert [e.simulation.case for e in done] == cases
+    assert all(first is second for first, second in zip(told, done, strict=True))
+
+
+class Backwards(Executor):
+    """Runs what it was given when the last of four has come, the last first."""
+
+    def __init__(self) -> None:
+        self._waiting: list[tuple[Future, object, tuple]] = []
+
+    def submit(self, fn, /, *args, **kwargs) -> Future:  # noqa: ANN001, ANN002, ANN003, ARG002
+        future: Future = Future()
+        self._waiting.append((future, fn, args))
+        if len(self._waiting) == 4:
+            for one, call, given in reversed(self._waiting):
+                one.set_result(call(*given))
+        return future
+
+
+@pytest.mark.parametrize("executor", [Backwards(), ThreadPoolExecutor(1), Serial()], ids=repr)
+def test_any_executor_keeps_the_order_and_tells_of_each_once(
+    cases: list[Case], executor: Executor
+) -> None:
+    told: list[str] = []
+    with executor:
+        done = run(cases, executor, lambda e: told.append(e.simulation.case.label()))
+    assert [e.simulation.case for e in done] == cases
+    assert sorted(told) == sorted(case.label() for case in cases)
+
+
+def test_no_case_is_no_result() -> None:
+    assert run([]) == ()
+
+
+def wrong(brief: Scene) -> Sequence[tuple[Case, type[HarnessError]]]:
+    """Return cases that are wrong use, with what they raise."""
+    slippery = replace(brief, effects=Effects(slip=Slip(mu=0.3)))
+    return (
+        (Case(scene=brief, engine="ode"), UnknownEngineError),
+        (Case(scene=slippery, engine="reference"), UnsupportedEffectError),
+        (Case(scene=brief, engine="reference", timestep=1e-3), InvalidSettingError),
+        (Case(scene=brief, engine="mujoco", options=(("glue", 1),)), UnknownSettingError),
+        (Case(scene=brief, engine="mujoco", options=(("cone", "flat"),)), InvalidSettingError),
+        (Case(scene=brief, engine="pybullet", options=(("cone", "x"),)), UnknownSettingError),
+    )
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_wrong_use_is_refused_before_anything_runs(
+    cases: list[Case], brief: Scene, number: int
+) -> None:
+    bad, kind = wrong(brief)[number]
+    told: list[Evaluation] = []
+    with pytest.raises(kind):
+        run([*cases, bad], None, told.append)
+    assert told == []
+
+
+def test_an_executor_hands_on_what_a_task_raises() -> None:
+    def fail() -> None:
+        raise ZeroDivisionError("on purpose")
+
+    future = Serial().submit(fail)
+    with pytest.raises(ZeroDivisionError, match="on purpose"):
+        future.result()
+    assert Serial().submit(divmod, 7, 2).result() == (3, 1)
+
+
+def test_one_job_is_this_process_and_two_are_a_pool() -> None:
+    assert isinstance(local(1), Serial)
+    with local(2) as pool:
+        assert not isinstance(pool, Serial)
