@@ -1,9 +1,9 @@
 """What is true: the mathematics of the rocking can, dimensionless."""
 
 from reference.integrate import SolverError, solve
+from reference.outcome import Outcome
 from reference.parameters import PAPER_CAN, ParameterError, Parameters
 from reference.problem import Problem, ProblemError
-from reference.outcome import Outcome
 from reference.solution import Bounce, Solution
 from reference.states import States
 

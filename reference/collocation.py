@@ -1,9 +1,9 @@
 """One long step of the regular equations, by Chebyshev collocation.
 
-y(sigma) = y0 + integral of the field: the integral equation is satisfied at Chebyshev points by fixed-point
-iteration, all of it matrix products. The nutation is updated first, through T = T0 exp(integral of phi'),
-which takes the exponential growth out of the iteration. A step of order 47 is as good as exact, or it is
-refused.
+y(sigma) = y0 + integral of the field: the integral equation is satisfied at Chebyshev points by
+fixed-point iteration, all of it matrix products. The nutation is updated first, through T = T0
+exp(integral of phi'), which takes the exponential growth out of the iteration. A step of order 47
+is as good as exact, or it is refused.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,8 @@ HOPELESS = 1e3
 STANDS = 3e-15
 # A standstill above this is a step too long.
 TOLERATED = 2e-14
-# Chebyshev coefficients fall geometrically: the last two below this leave nothing visible behind them.
+# Chebyshev coefficients fall geometrically: the last two below this leave nothing visible behind
+# them.
 RESOLVED = 4e-15
 
 
@@ -82,7 +83,9 @@ def scales(values: Floats) -> Floats:
     tiny = np.finfo(float).tiny
     speed = max(size[NUTATION_RATE], precession / 2) + tiny
     # the spin is driven by the sweep through a logarithm: of the order of b
-    return np.array([[size[TANGENT]], [speed], [size[SWEEP] + tiny], [size[SPIN] + size[SWEEP] + tiny]])
+    return np.array(
+        [[size[TANGENT]], [speed], [size[SWEEP] + tiny], [size[SPIN] + size[SWEEP] + tiny]]
+    )
 
 
 def advance(
@@ -131,7 +134,7 @@ def advance(
 
 
 def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> Floats:
-    """The motion without gravity near the flat state: T on a cosh, phi' on a tanh, b and s at rest.
+    """Return the motion without gravity near the flat state: T on a cosh, phi' on a tanh.
 
     A first guess: it keeps the iteration from falling through the plane.
     """
@@ -150,8 +153,8 @@ def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> F
 
 def harmonics_present(values: Floats, scale: Floats) -> int:
     """Index of the last Chebyshev coefficient that stands out of round-off."""
-    present = (np.abs(values @ to_coefficients(NODES).T) > RESOLVED * scale).any(axis=0)
-    return int(present.nonzero()[0][-1])
+    present = np.asarray((np.abs(values @ to_coefficients(NODES).T) > RESOLVED * scale).any(axis=0))
+    return int(np.flatnonzero(present)[-1])
 
 
 def integral(length: float, integrand: Floats) -> Floats:

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from reference.chebyshev import clenshaw, points, to_coefficients
 from reference.regular import sine_of
-from reference.states import Floats, States
+from reference.states import Floats, States, select_states
 
 TIME = 4
 # Newton on a monotone, nearly linear function: a handful of rounds, bisection where they overshoot.
@@ -77,17 +77,18 @@ class ElementsPath:
         return cls(values=np.stack([piece.values for piece in pieces], axis=1), release=release)
 
     def nodes(self) -> tuple[Floats, States]:
-        """Times and states at the Chebyshev points, each shared end once."""
+        """Return times and states at the Chebyshev points, each shared end once."""
         if not self.values.shape[1]:
             return np.zeros(1), self.release
-        flat = np.concatenate([self.values[:, :, :-1].reshape(len(self.values), -1), self.values[:, -1, -1:]], axis=1)
+        inner = self.values[:, :, :-1].reshape(len(self.values), -1)
+        flat = np.concatenate([inner, self.values[:, -1, -1:]], axis=1)
         return flat[TIME], _states(flat)
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
         values = self.values
         if not values.shape[1]:
-            return States(**{name: np.repeat(getattr(self.release, name), times.size) for name in ("phi", "phi_dot", "psi", "psi_dot", "theta", "theta_dot", "spin")})
+            return select_states(self.release, np.zeros(times.size, dtype=np.intp))
         n = values.shape[2]
         step = np.clip(np.searchsorted(values[TIME, :, 0], times, side="right") - 1, 0, None)
         coefficients = (values[:, step, :] @ to_coefficients(n).T).transpose(2, 0, 1)
@@ -118,7 +119,7 @@ def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
         x = x + moved
         if (np.abs(moved) <= 2 * np.finfo(float).eps).all():
             break
-    return x
+    return np.asarray(x)
 
 
 def _derivative(coefficients: Floats) -> Floats:

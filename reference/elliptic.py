@@ -5,9 +5,10 @@ Between its extrema c = phi_min and b = phi_max the nutation is written phi(u), 
     dphi/du = g sqrt((phi - c)(phi + c)(b - phi)(a - phi)),      g = 2/sqrt((a - c)(b + c)),
 
 so that phi(u) runs from c at u = 0 to b at u = K and is even about both. Near the bounce
-phi = c cosh 2u, whatever c; near the top it waits as long as the neighbouring root a (the balanced can)
-makes it wait. Everything else in the motion is then an analytic periodic function of u, for which the
-midpoint rule converges exponentially, with a number of nodes that grows like log(b/c) only.
+phi = c cosh 2u, whatever c; near the top it waits as long as the neighbouring root a (the balanced
+can) makes it wait. Everything else in the motion is then an analytic periodic function of u, for
+which the midpoint rule converges exponentially, with a number of nodes that grows like log(b/c)
+only.
 
 phi = c (1 + r)/(1 - r), r = (b - c)/(b + c) sn^2(u), with the complementary parameter
 k'^2 = 2 c (a - b)/((a - c)(b + c)). The elliptic functions are summed from theta series in the
@@ -51,7 +52,8 @@ class Clock:
     def strip(self) -> Floats:
         """Height above the real axis of u at which phi = 0, shape (n,)."""
         conjugate = ellipk(self.complementary)
-        # sc^2(height) = (b + c)/(b - c) for the complementary parameter, about pi/4 in a hard bounce
+        # sc^2(height) = (b + c)/(b - c) for the complementary parameter, about pi/4 in a hard
+        # bounce
         ratio = np.sqrt((self.high + self.low) / (self.high - self.low))
         return np.asarray(np.minimum(np.arctan(ratio), conjugate), dtype=float)
 

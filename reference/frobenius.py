@@ -7,20 +7,21 @@ With S = sin phi, T = tan(phi/2), spin s = Psi + Theta and b = S^2 Psi, the clos
     ds/dphi = (k c_p T + h k) s + M b,
     M = T' [(1 + T^2)/T - k c_p T - 2 h k - k a_p/T],   T' = (1 + T^2)/2.
 
-Its only singular point short of phi = pi is phi = 0, a pole of M with residue L = 1 - k a_p. So there is
-one regular solution (b1, s1) = (0, 1) + ..., and one with a logarithm,
+Its only singular point short of phi = pi is phi = 0, a pole of M with residue L = 1 - k a_p. So
+there is one regular solution (b1, s1) = (0, 1) + ..., and one with a logarithm,
 
     (b2, s2) = (1, 0) + ... + L log(phi) (b1, s1),
 
-all four series converging for |phi| < pi. The matrix is traceless, so b2 s1 - b1 s2 = 1 for every phi, and
+all four series converging for |phi| < pi. The matrix is traceless, so b2 s1 - b1 s2 = 1 for every
+phi, and
 
     B = b s1 - s b1,      K = s b2 - b s2
 
 are first integrals, without approximation. In the paper's terms (eq01:Psi0, eq0:Psi2, with q_2 = 0)
 B is B_{-2}, and B_0 = k c_p K/2 + (the phi^2 coefficient of b2 plus 1/3) B.
 
-The series of the paper are these, divided by S^2; its eq01:psi_orig and eq01:theta_orig carry misprints
-(see `reference.expansions`).
+The series of the paper are these, divided by S^2; its eq01:psi_orig and eq01:theta_orig carry
+misprints (see `reference.expansions`).
 """
 
 from dataclasses import dataclass
@@ -66,9 +67,7 @@ class Can:
 
 def can_of(parameters: Parameters) -> Can:
     """Return one can as arrays of shape ()."""
-    return Can(
-        a=np.asarray(parameters.a), c=np.asarray(parameters.c), h=np.asarray(parameters.h)
-    )
+    return Can(a=np.asarray(parameters.a), c=np.asarray(parameters.c), h=np.asarray(parameters.h))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,6 +156,19 @@ def frobenius_series(can: Can, terms: int = MOST_TERMS) -> Series:
     return Series(b1=b1, s1=s1, b2=b2, s2=s2)
 
 
+@lru_cache(maxsize=64)
+def series_of(parameters: Parameters) -> Series:
+    """Return all terms for one can, shape (terms, 1); kept, for a can is solved more than once."""
+    return lift(frobenius_series(can_of(parameters)))
+
+
+def lift(series: Series) -> Series:
+    """Give the series of one can a last axis of length 1."""
+    return Series(
+        b1=series.b1[:, None], s1=series.s1[:, None], b2=series.b2[:, None], s2=series.s2[:, None]
+    )
+
+
 def terms_needed(phi: float) -> int:
     """Terms that leave a remainder below round-off at nutation `phi`.
 
@@ -167,7 +179,7 @@ def terms_needed(phi: float) -> int:
 
 def horner(coefficients: Floats, x: Floats) -> Floats:
     """Value of polynomials, coefficients of shape (terms, ...) broadcast against x."""
-    value = coefficients[-1] * x
+    value = np.asarray(coefficients[-1] * x)
     value += coefficients[-2]
     for row in coefficients[-3::-1]:
         value *= x

@@ -2,15 +2,17 @@
 
 from collections.abc import Set as AbstractSet
 
+from reference.exact_path import solve_exactly
 from reference.marching import march
 from reference.measure import measure_bounces
 from reference.problem import Problem
+from reference.run import Run
 from reference.solution import Solution
 from reference.time_stepping import SCIPY_METHODS, step_in_time
 
 OUTPUTS = frozenset({"contact_locus"})
 METHODS = ("regular", *SCIPY_METHODS)
-MODELS = ("auto", "rolling")
+MODELS = ("auto", "exact", "rolling")
 
 
 class SolverError(ValueError):
@@ -31,10 +33,12 @@ def solve(
     ----------
     problem : Problem
     model : str
-        One of `MODELS`; "auto" takes the full equations.
+        One of `MODELS`. "exact" takes the closed solution of the full equations where the can
+        bounces, and integrates them where it does not; "auto" does the same; "rolling" always
+        integrates.
     method : str
-        How to integrate: "regular", the default (`reference.marching`), or one of scipy's methods in
-        the raw variables.
+        How to integrate: "regular", the default (`reference.marching`), or one of scipy's methods
+        in the raw variables.
     rtol : float
         Relative tolerance of scipy's methods; "regular" always works to round-off.
     outputs : set of str
@@ -59,14 +63,16 @@ def solve(
     if unknown := set(outputs) - OUTPUTS:
         raise SolverError(f"unknown `outputs` {sorted(unknown)}; there are {sorted(OUTPUTS)}")
     locus = "contact_locus" in outputs
-    if method == "regular":
-        run = march(problem, locus=locus)
-    else:
-        run = step_in_time(problem, method=method, rtol=rtol, locus=locus)
+    run = None
+    if model in {"auto", "exact"} and method == "regular":
+        run = solve_exactly(problem, locus=locus)
+    solved_by = "exact" if run is not None else "rolling"
+    if run is None:
+        run = _integrate(problem, method=method, rtol=rtol, locus=locus)
     return Solution(
         problem=problem,
-        model="rolling",
-        method=method,
+        model=solved_by,
+        method="quadrature" if solved_by == "exact" else method,
         outcome=run.track.outcome,
         bounces=measure_bounces(run.path, run.track, problem.parameters),
         t_end=run.track.t_end,
@@ -76,3 +82,9 @@ def solve(
         evaluations=run.evaluations,
         path=run.path,
     )
+
+
+def _integrate(problem: Problem, *, method: str, rtol: float, locus: bool) -> Run:
+    if method == "regular":
+        return march(problem, locus=locus)
+    return step_in_time(problem, method=method, rtol=rtol, locus=locus)

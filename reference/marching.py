@@ -1,17 +1,16 @@
 """The default integrator of the rolling equations: long steps through smooth bounces.
 
-The regular equations (`reference.regular`) are marched by collocation (`reference.collocation`). A bounce
-costs some eight steps however hard it is. Since steps may be given a guess, and a rocking can comes back
-to where it was, the steps of each bounce guess those of the next; what is found is judged by its own
-residual and owes nothing to the guess.
+The regular equations (`reference.regular`) are marched by collocation (`reference.collocation`). A
+bounce costs some eight steps however hard it is. Since steps may be given a guess, and a rocking
+can comes back to where it was, the steps of each bounce guess those of the next; what is found is
+judged by its own residual and owes nothing to the guess.
 """
 
 from dataclasses import dataclass, field
-from math import atan, cos, inf, pi, sin, sqrt, tan
+from math import atan, inf, sin, sqrt, tan
 
 import numpy as np
 
-from reference.chebyshev import to_coefficients
 from reference.collocation import (
     NODES,
     Element,
@@ -21,13 +20,11 @@ from reference.collocation import (
     shortened,
 )
 from reference.contact import contact_from_centre
-from reference.elements_path import ElementsPath, Piece
+from reference.elements_path import TIME, ElementsPath, Piece
 from reference.outcome import Outcome
 from reference.problem import Problem
 from reference.regular import (
     NUTATION_RATE,
-    SPIN,
-    SWEEP,
     TANGENT,
     RegularEquations,
     regular_equations,
@@ -39,7 +36,7 @@ from reference.states import Floats, Snapshot, initial_states
 from reference.track import Watch
 
 # A step spans at most this many of the fastest time scale at its start: e-folds of the nutation.
-LONGEST = 3.5
+LONGEST = 2.7
 # Where nothing moves at all a step is this long, over `LONGEST`, in 1/sigma.
 SLOWEST = 1e-3
 # A step is sized so that this share of its harmonics is used.
@@ -49,7 +46,8 @@ LARGEST_GROWTH = 3.0
 MANY_ROUNDS = 26
 # States as near as this are taken for the same point of the cycle.
 SAME = 1e-6
-# Nutation at which the can counts as flat: with first integrals that are zero it never stops falling.
+# Nutation at which the can counts as flat: with first integrals that are zero it never stops
+# falling.
 FLAT = 1e-80
 # phi' is zero when round-off is all there is of it.
 STILL = 1e-14
@@ -153,7 +151,7 @@ def _fastest(equations: RegularEquations, y: Floats) -> float:
 
 
 def _guess(state: _March) -> Element | None:
-    """The step of the bounce before that started here, if it did."""
+    """Return the step of the bounce before that started here, if it did."""
     place = len(state.cycle)
     if place >= len(state.guesses):
         return None
@@ -169,9 +167,7 @@ def _following(element: Element) -> float:
     return element.length * min(max(growth, 0.5), LARGEST_GROWTH)
 
 
-def _onto_extremum(
-    equations: RegularEquations, state: _March, element: Element
-) -> Element:
+def _onto_extremum(equations: RegularEquations, state: _March, element: Element) -> Element:
     """Stretch a step that ends a hair before or behind an extremum of phi so that it ends on it.
 
     So the steps of one bounce, which ended on a maximum, end on the maximum of the next.
@@ -213,21 +209,22 @@ def _cut_at_events(
     if still:
         Phi[-1] = -np.copysign(np.finfo(float).tiny, Phi[-2])
     changes = np.flatnonzero(np.sign(Phi[:-1]) * np.sign(Phi[1:]) < 0).tolist()
-    cut = _ending(watch, piece)
+    ending = _ending(watch, piece)
+    cut = np.inf if ending is None else ending[0]
+    outcome = None if ending is None else ending[1]
     for j in changes:
         at = 1.0 if still and j == NODES - 2 else piece.root(NUTATION_RATE, 0.0, j)
-        if cut is not None and at >= cut[0]:
+        if at >= cut:
             break
         column = piece.at(at)
         watch.extremum(column[TIME], snapshot(column), maximum=bool(Phi[j + 1] < 0))
         if watch.ended() or watch.last_is_prominent_maximum:
-            cut = (at, None)
+            cut, outcome = at, None
             break
-    if cut is None or cut == (1.0, None):
+    if cut >= 1 and outcome is None:
         watch.advance(piece.values[TIME, -1])
         return piece, element
-    fraction, outcome = (cut[0] + 1) / 2, cut[1]
-    guess = shortened(element, fraction)
+    guess = shortened(element, (cut + 1) / 2)
     short = advance(equations, state.y, guess.length, guess)
     state.evaluations += short.evaluations
     if isinstance(short, Refused):
@@ -239,9 +236,6 @@ def _cut_at_events(
     if outcome is not None:
         watch.end(piece.values[TIME, -1], outcome)
     return piece, short
-
-
-TIME = 4
 
 
 def _ending(watch: Watch, piece: Piece) -> tuple[float, Outcome] | None:

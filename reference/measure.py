@@ -15,7 +15,8 @@ from reference.states import Floats, States
 from reference.track import Track
 
 Quantity: TypeAlias = Callable[[States], Floats]
-# A peak is narrowed down by sampling between the neighbours of the best sample, again and again: the
+# A peak is narrowed down by sampling between the neighbours of the best sample, again and again:
+# the
 # peak is flat, so four rounds of 1/8 leave 8^-8 = 6e-8 of the error of the first samples.
 ROUNDS = 4
 SAMPLES = 17

@@ -1,7 +1,7 @@
 """The rolling equations without their singularity.
 
-With T = tan(phi/2), Phi = phi', b = S^2 Psi, the spin s = Psi + Theta, and the time sigma defined by
-dt = sin(phi) dsigma, the full equations (eq01:non_dimensionalised_eom) are, with S = sin phi,
+With T = tan(phi/2), Phi = phi', b = S^2 Psi, the spin s = Psi + Theta, and the time sigma defined
+by dt = sin(phi) dsigma, the full equations (eq01:non_dimensionalised_eom) are, with S = sin phi,
 m = 1 - cos phi = T S and the precession per unit of sigma q = b/S,
 
     T'   = T Phi
@@ -14,8 +14,9 @@ m = 1 - cos phi = T S and the precession per unit of sigma q = b/S,
     W = 2 (1 - c_p k) T + k (c_p - a_p) S - 2 h k m                          M = k c_p m + h k S
 
 Nothing is left that grows as phi goes to 0: a bounce is the passage T = T_min cosh, Phi = v tanh,
-q = (v/kappa) sech with b and s at rest, which takes the same few units of sigma however hard it is, and the approach to it
-takes log(1/T_min). The equivalence is checked in tests/reference/test_regular.py.
+q = (v/kappa) sech with b and s at rest, which takes the same few units of sigma however hard it
+is, and the approach to it takes log(1/T_min). The equivalence is checked in
+tests/reference/test_regular.py.
 """
 
 from dataclasses import dataclass
@@ -39,7 +40,8 @@ class RegularEquations:
     axial : float
         k c_p.
     swing : float
-        a_p/(a_p + 1), the square of the paper's kappa: in the bounce phi'^2 + swing q^2 is constant.
+        a_p/(a_p + 1), the square of the paper's kappa: in the bounce phi'^2 + swing q^2 is
+        constant.
     """
 
     forms: Floats

@@ -13,8 +13,8 @@ MOST_ITERATIONS = 100
 def bracketed_roots(f: Callable[[Floats], Floats], left: Floats, right: Floats) -> Floats:
     """Roots of n functions, each between `left` and `right`, to round-off.
 
-    Inverse quadratic interpolation guarded by bisection (Chandrupatla 1997). Where f has one sign on
-    both ends, the end with the smaller magnitude is returned.
+    Inverse quadratic interpolation guarded by bisection (Chandrupatla 1997). Where f has one sign
+    on both ends, the end with the smaller magnitude is returned.
 
     Parameters
     ----------

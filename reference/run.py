@@ -15,7 +15,7 @@ class Path(Protocol):
         ...
 
     def nodes(self) -> tuple[Floats, States]:
-        """Times and states the solver itself has, increasing, from the start to the end."""
+        """Return times and states the solver itself has, from the start to the end."""
         ...
 
 

@@ -8,7 +8,6 @@ yardstick, and because scipy's methods are the ones everybody knows.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-
 from math import cos, sin
 
 import numpy as np
@@ -16,10 +15,10 @@ from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, DenseOutput, OdeSolv
 from scipy.optimize import brentq
 
 from reference.contact import contact_from_centre
+from reference.outcome import Outcome
 from reference.parameters import Parameters
 from reference.problem import Problem
 from reference.run import Run
-from reference.outcome import Outcome
 from reference.states import Floats, Snapshot, States, initial_states
 from reference.track import Watch
 
@@ -46,7 +45,7 @@ class StepsPath:
     pieces: tuple[DenseOutput, ...]
 
     def nodes(self) -> tuple[Floats, States]:
-        """Times and states at `SAMPLES` instants of each step."""
+        """Return times and states at `SAMPLES` instants of each step."""
         edges = np.array(self.times)
         parts = np.arange(SAMPLES) / SAMPLES
         inside = edges[:-1, None] + np.diff(edges)[:, None] * parts

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.outcome import Outcome
 from reference.roots import bracketed_roots
@@ -36,7 +37,7 @@ class TurningPoints:
     well: Well
     low: Floats
     high: Floats
-    code: np.ndarray[tuple[int, ...], np.dtype[np.int8]]
+    code: NDArray[np.int8]
 
 
 def turning_points(well: Well) -> TurningPoints:
@@ -55,7 +56,8 @@ def turning_points(well: Well) -> TurningPoints:
     force = nutation_force(well.can, well.b, well.spin, release)
     q = well.b / np.sin(release)
     # round-off of the force: of its terms as they are added
-    noise = 16 * np.finfo(float).eps * (1 + (q**2 * (1 + well.can.a_p) + np.abs(q * well.spin)) / release)
+    terms = 1 + (q**2 * (1 + well.can.a_p) + np.abs(q * well.spin)) / release
+    noise = 16 * np.finfo(float).eps * terms
     at_rest = well.excess == 0
     still = at_rest & (np.abs(force) <= noise)
     falling = at_rest & (force < 0)
@@ -67,7 +69,7 @@ def turning_points(well: Well) -> TurningPoints:
     # at the release itself its own values are exact
     b = np.where(high == release, well.b, top.b[0])
     spin = np.where(high == release, well.spin, top.spin[0])
-    based = well_at(well.can, well.series, high, b, spin, np.zeros_like(high))
+    based = well_at(well.can, well.series, phi=high, b=b, spin=spin, excess=np.zeros_like(high))
     low, bottom = _lower(based)
     code = np.full(release.shape, OUTCOMES.index(Outcome.FINISHED), dtype=np.int8)
     code[~bottom] = OUTCOMES.index(Outcome.FELL_FLAT)
@@ -78,7 +80,7 @@ def turning_points(well: Well) -> TurningPoints:
     return TurningPoints(well=based, low=low, high=high, code=code)
 
 
-def _upper(well: Well) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
+def _upper(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
     """First root of g above the release, and whether there is one below pi/2."""
     release = well.reference
     steps = (np.arange(1, GRID + 1)[:, None] / GRID) ** 2
@@ -88,8 +90,7 @@ def _upper(well: Well) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.
     force = nutation_force(well.can, state.b, state.spin, phi)
     dips = np.zeros_like(negative)
     dips[1:] = (force[:-1] < 0) & (force[1:] > 0) & ~negative[:-1] & ~negative[1:]
-    right = np.empty_like(release)
-    found = negative.any(axis=0)
+    found = np.asarray(negative.any(axis=0))
     first = np.where(found, negative.argmax(axis=0), GRID - 1)
     columns = np.arange(release.size)
     left = np.where(first > 0, phi[first - 1, columns], release)
@@ -105,10 +106,10 @@ def _upper(well: Well) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.
         left = np.where(deep, phi[np.maximum(at - 1, 0), columns], left)
         found |= deep
     root = bracketed_roots(lambda x: _g_like(well, x), left, right)
-    return np.where(found, root, UPRIGHT), found
+    return np.asarray(np.where(found, root, UPRIGHT)), found
 
 
-def _lower(well: Well) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
+def _lower(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
     """First root of g below the reference, and whether there is one."""
     high, B = well.reference, np.abs(well.B)
     turns = B > SMALLEST
@@ -138,15 +139,15 @@ def _lower(well: Well) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.
 
 
 def _slope(well: Well, phi: Floats) -> Floats:
-    return level(well, phi[None], (well.reference - phi)[None]).slope[0]
+    return np.asarray(level(well, phi[None], (well.reference - phi)[None]).slope[0])
 
 
 def _g_like(well: Well, phi: Floats) -> Floats:
-    """g where the release moves, g over the distance where it rests."""
+    """G where the release moves, g over the distance where it rests."""
     below = well.reference - phi
     below = np.where(below == 0, -np.spacing(well.reference), below)
     slope = level(well, phi[None], below[None]).slope[0]
-    return np.where(well.excess == 0, -slope, slope * below)
+    return np.asarray(np.where(well.excess == 0, -slope, slope * below))
 
 
 def _force_at(well: Well, phi: Floats) -> Floats:

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from reference.frobenius import Can, Series, horner
 from reference.states import Floats
 
-
 NEARLY_ALL = 0.75
 
 
@@ -58,7 +57,9 @@ class Well:
     quotient_s: Floats
 
 
-def well_at(can: Can, series: Series, phi: Floats, b: Floats, spin: Floats, excess: Floats) -> Well:
+def well_at(
+    can: Can, series: Series, *, phi: Floats, b: Floats, spin: Floats, excess: Floats
+) -> Well:
     """Return the well that passes through (b, s, g) at nutation phi, all of shape (n,)."""
     B = b * horner(series.s1, phi) - spin * horner(series.b1, phi)
     # the constant that multiplies (b1, s1) when the logarithm is that of phi/r
@@ -124,7 +125,7 @@ class Level:
 
 
 def level(well: Well, phi: Floats, below: Floats) -> Level:
-    """Return the state on the way at nutation `phi`, a distance `below` = r - phi under the reference.
+    """Return the state at nutation `phi`, a distance `below` = r - phi under the reference.
 
     Parameters
     ----------
@@ -162,9 +163,7 @@ def level(well: Well, phi: Floats, below: Floats) -> Level:
     w_r = s_r - tilt_r
     v_r = w_r - can.h * q_r
     dv = dw - can.h * dq
-    kinetic = (
-        can.a * dq * (2 * q_r + dq) + can.c * dw * (2 * w_r + dw) + dv * (2 * v_r + dv)
-    ) / 2
+    kinetic = (can.a * dq * (2 * q_r + dq) + can.c * dw * (2 * w_r + dw) + dv * (2 * v_r + dv)) / 2
     lean = 2 * half * np.sqrt(1 + can.h**2) * np.sin(_short_of_balance(can, middle))
     drop = well.excess + lean - kinetic
     slope = np.divide(drop, below, out=np.zeros_like(drop), where=below != 0)

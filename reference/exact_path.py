@@ -1,0 +1,293 @@
+"""The exact motion as a function of time.
+
+In the clock's time u (`reference.elliptic`) the rates of t, psi and psi + theta are even periodic
+functions; their Fourier series integrate term by term,
+
+    t(u) = c_0 u + sum c_k sin(k pi u/K) K/(k pi),
+
+with u = 0 at a minimum of phi, K at the next maximum and so on for ever. The contact point moves
+with Theta (-sin psi, cos psi): in the plane of complex numbers i Theta exp(i psi) is a periodic
+function times exp(i omega u), omega the mean precession, and integrates term by term as well. So
+states are known at every time, after any number of bounces, without integrating through them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.contact import contact_from_centre
+from reference.elliptic import Clock
+from reference.exact import release_well
+from reference.frobenius import can_of, series_of
+from reference.outcome import Outcome
+from reference.problem import Problem
+from reference.quadrature import clock_of, nodes_needed, rates
+from reference.run import Run
+from reference.states import Floats, States, initial_states, select_states
+from reference.track import Track
+from reference.turning_points import OUTCOMES, TurningPoints, turning_points
+from reference.well import level
+
+# The quadrature is exact with the harmonics a function needs for half its digits; histories need
+# all.
+MORE_NODES = 3
+# Newton on a monotone function between brackets.
+MOST_ROUNDS = 80
+# Samples of a half period among which peaks are looked for and grids begin.
+SAMPLES = 48
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Harmonics:
+    """An integral over u: slope u + sum of waves sin(k pi u/K)."""
+
+    slope: float
+    waves: Floats
+
+    def at(self, phase: Floats) -> Floats:
+        """Value at u = phase K, shape of `phase`."""
+        k = np.arange(1, self.waves.size + 1)
+        return np.asarray(self.slope * phase + np.sin(np.pi * phase[:, None] * k) @ self.waves)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExactPath:
+    """The motion of one release, known at every time.
+
+    Attributes
+    ----------
+    points : TurningPoints
+    clock : Clock
+    start : float
+        u/K at release, in [-1, 1).
+    time, precession, total : Harmonics
+        Of t, psi and psi + theta, zero at u = 0.
+    locus : ndarray of complex or None
+        Fourier coefficients of the contact velocity, for k = -n .. n - 1.
+    """
+
+    problem: Problem
+    points: TurningPoints
+    clock: Clock
+    start: float
+    time: Harmonics
+    precession: Harmonics
+    total: Harmonics
+    locus: NDArray[np.complex128] | None
+    t_end: float
+
+    def at(self, times: Floats) -> States:
+        """States at the given times, shape (n,)."""
+        return self._states(self.phase(times))
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Return times and states on an even grid of the clock."""
+        end = float(self.phase(np.array([self.t_end]))[0])
+        count = int(np.ceil((end - self.start) * SAMPLES)) + 1
+        phase = np.linspace(self.start, end, max(count, 2))
+        times = np.clip(self.time.at(phase) - self._at_start(self.time), 0.0, self.t_end)
+        times[-1] = self.t_end
+        return times, self._states(phase)
+
+    def time_at(self, phase: float) -> float:
+        """Time at u = phase K."""
+        return float(self.time.at(np.array([phase]))[0] - self._at_start(self.time))
+
+    def phase(self, times: Floats) -> Floats:
+        """u/K at the given times."""
+        wanted = times + self._at_start(self.time)
+        half = self.time.slope
+        cycle = np.round(wanted / (2 * half))
+        wanted = wanted - 2 * half * cycle
+        low, high = np.full(times.shape, -1.0), np.full(times.shape, 1.0)
+        phase = np.clip(wanted / half, -1, 1)
+        k = np.arange(1, self.time.waves.size + 1)
+        for _ in range(MOST_ROUNDS):
+            angle = np.pi * phase[:, None] * k
+            excess = half * phase + np.sin(angle) @ self.time.waves - wanted
+            gradient = half + np.cos(angle) @ (np.pi * k * self.time.waves)
+            low, high = np.where(excess < 0, phase, low), np.where(excess > 0, phase, high)
+            new = phase - excess / np.where(gradient > 0, gradient, np.inf)
+            new = np.where((new <= low) | (new >= high), (low + high) / 2, new)
+            # a residual below the resolution of the time itself means nothing
+            done = np.abs(excess) <= np.spacing(np.abs(wanted))
+            moved = np.where(done, 0.0, new - phase)
+            phase = phase + moved
+            if (np.abs(moved) <= np.spacing(np.abs(phase))).all():
+                break
+        return np.asarray(phase + 2 * cycle)
+
+    def extrema(self, phases: Floats) -> States:
+        """States at whole numbers of u/K, where phi' is exactly zero; the release keeps its own."""
+        states = self._states(phases)
+        released = phases == self.start
+        return States(
+            phi=np.where(released, self.problem.phi, states.phi),
+            phi_dot=np.where(released, self.problem.phi_dot, 0.0),
+            psi=np.where(released, self.problem.psi, states.psi),
+            psi_dot=np.where(released, self.problem.psi_dot, states.psi_dot),
+            theta=np.where(released, self.problem.theta, states.theta),
+            theta_dot=np.where(released, self.problem.theta_dot, states.theta_dot),
+            spin=states.spin,
+        )
+
+    def _at_start(self, harmonics: Harmonics) -> float:
+        return float(harmonics.at(np.array([self.start]))[0])
+
+    def _states(self, phase: Floats) -> States:
+        local = phase - 2 * np.round(phase / 2)
+        phi, _, gap = self.clock.nutation(np.abs(local)[:, None])
+        state = level(self.points.well, phi, gap)
+        p = self.problem.parameters
+        speed = np.sqrt(np.maximum(2 * state.slope * gap / p.pendulum_inertia, 0.0))[:, 0]
+        turned = self.precession.at(phase) - self._at_start(self.precession)
+        psi = self.problem.psi + turned
+        released = self.problem.psi + self.problem.theta
+        total = released + self.total.at(phase) - self._at_start(self.total)
+        psi_dot = (state.b / state.sine**2)[:, 0]
+        spin = state.spin[:, 0]
+        x = y = None
+        if self.locus is not None:
+            place = self._contact(phase)
+            x, y = place.real, place.imag
+        return States(
+            phi=phi[:, 0],
+            phi_dot=np.sign(local) * speed * (np.abs(local) < 1),
+            psi=psi,
+            psi_dot=psi_dot,
+            theta=total - psi,
+            theta_dot=spin - psi_dot,
+            spin=spin,
+            x=x,
+            y=y,
+        )
+
+    def _contact(self, phase: Floats) -> NDArray[np.complex128]:
+        if self.locus is None:
+            raise ValueError("the contact locus was not asked for")
+        n = self.locus.size // 2
+        rate = self.precession.slope + np.pi * np.arange(-n, n)
+
+        def moved(at: Floats) -> NDArray[np.complex128]:
+            # (exp(i w u) - 1)/w, finite where a rate vanishes
+            angle = at[:, None] * rate
+            half = angle / 2
+            return np.asarray(
+                (1j * at[:, None] * np.exp(1j * half) * np.sinc(half / np.pi)) @ self.locus
+            )
+
+        turn = np.exp(1j * (self.problem.psi - self._at_start(self.precession)))
+        start = contact_from_centre(initial_states(self.problem), self.problem.parameters)[0]
+        shift = moved(phase) - moved(np.array([self.start]))
+        return np.asarray(complex(start[0], start[1]) + turn * shift)
+
+
+def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
+    """Return the exact motion, or None if the can does not bounce for ever.
+
+    Parameters
+    ----------
+    problem : Problem
+    locus : bool
+        Whether the contact point is wanted.
+    """
+    can = can_of(problem.parameters)
+    release = {
+        name: np.array([getattr(problem, name)])
+        for name in ("phi", "phi_dot", "psi_dot", "theta_dot")
+    }
+    series = series_of(problem.parameters)
+    points = turning_points(release_well(can, series, **release))
+    if OUTCOMES[int(points.code[0])] is not Outcome.FINISHED:
+        return None
+    clock = clock_of(points)
+    nodes = MORE_NODES * int(nodes_needed(clock)[0])
+    fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
+    found = rates(points, clock, fraction)
+    K = float(clock.quarter[0])
+    time, precession, total = (
+        _harmonics(K * part[:, 0]) for part in (found.time, found.precession, found.total)
+    )
+    start = _phase_at_release(problem, points, clock)
+    path = ExactPath(
+        problem=problem,
+        points=points,
+        clock=clock,
+        start=start,
+        time=time,
+        precession=precession,
+        total=total,
+        locus=_locus_harmonics(K * (found.total - found.precession)[:, 0], precession)
+        if locus
+        else None,
+        t_end=0.0,
+    )
+    return _until_horizon(problem, path, nodes)
+
+
+def _harmonics(rate: Floats) -> Harmonics:
+    """Integrate an even periodic function given at the midpoints of [0, 1] in u/K."""
+    n = rate.size
+    k = np.arange(1, n)
+    waves = np.cos(np.pi * np.outer(k, np.arange(n) + 0.5) / n) @ rate * (2 / n)
+    return Harmonics(slope=float(rate.mean()), waves=waves / (np.pi * k))
+
+
+def _locus_harmonics(rotation: Floats, precession: Harmonics) -> NDArray[np.complex128]:
+    """Fourier coefficients of theta' exp(i (psi - mean)), from midpoints of a half period."""
+    n = rotation.size
+    phase = (np.arange(-n, n) + 0.5) / n
+    wobble = precession.at(phase) - precession.slope * phase
+    signal = np.concatenate([rotation[::-1], rotation]) * np.exp(1j * wobble)
+    k = np.arange(-n, n)
+    return np.asarray(np.exp(-1j * np.pi * np.outer(k, phase)) @ signal / (2 * n))
+
+
+def _phase_at_release(problem: Problem, points: TurningPoints, clock: Clock) -> float:
+    """u/K of the release: -1 at rest on a maximum, 0 at rest on a minimum."""
+    if problem.phi_dot == 0:
+        return -1.0 if points.high[0] == problem.phi else 0.0
+    low, high = 0.0, 1.0
+    # bisection: nutation is monotone in u, and this is done once
+    for _ in range(64):
+        middle = (low + high) / 2
+        if float(clock.nutation(np.array([[middle]]))[0][0, 0]) < problem.phi:
+            low = middle
+        else:
+            high = middle
+    return float(np.copysign((low + high) / 2, problem.phi_dot))
+
+
+def _until_horizon(problem: Problem, path: ExactPath, nodes: int) -> Run:
+    """List the extrema up to the horizon."""
+    # a falling release counts as the maximum that opens the first bounce
+    falling = path.start < 0
+    if problem.bounces is not None:
+        last = 2 * problem.bounces - 1 if falling else 2 * problem.bounces + 1
+        t_end = path.time_at(last)
+    else:
+        t_end = float(problem.duration or 0.0)
+        last = int(np.floor(path.phase(np.array([t_end]))[0]))
+    first = int(np.floor(path.start)) + 1
+    phases = np.arange(first, last + 1, dtype=float)
+    if falling or path.start == 0:
+        phases = np.append(path.start, phases)
+    maximum = np.mod(phases, 2) != 0
+    times = path.time.at(phases) - path.time.at(np.array([path.start]))
+    times = np.where(phases == path.start, 0.0, times)
+    if problem.bounces is not None:
+        times[-1] = t_end
+    inside = times <= t_end
+    track = Track(
+        outcome=Outcome.FINISHED,
+        t_end=t_end,
+        times=times[inside],
+        extrema=select_states(path.extrema(phases), inside),
+        maximum=maximum[inside],
+    )
+    final = ExactPath(
+        **{name: getattr(path, name) for name in ExactPath.__slots__ if name != "t_end"},
+        t_end=t_end,
+    )
+    return Run(path=final, track=track, steps=0, evaluations=nodes)
