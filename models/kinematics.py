@@ -192,6 +192,13 @@ def to_body(quaternion: ArrayLike, vector: ArrayLike) -> Floats:
     """
     q, v = np.asarray(quaternion, dtype=np.float64), np.asarray(vector, dtype=np.float64)
     axis = -q[..., 1:]
-    half_turned = 2.0 * np.cross(axis, v)
-    turned: Floats = v + q[..., :1] * half_turned + np.cross(axis, half_turned)
+    half_turned = 2.0 * cross(axis, v)
+    turned: Floats = v + q[..., :1] * half_turned + cross(axis, half_turned)
     return turned
+
+
+def cross(first: Floats, second: Floats) -> Floats:
+    """Return the cross product of vectors, shapes (..., 3); a fraction of the cost of numpy's."""
+    a, b, c = first[..., 0], first[..., 1], first[..., 2]
+    x, y, z = second[..., 0], second[..., 1], second[..., 2]
+    return np.stack((b * z - c * y, c * x - a * z, a * y - b * x), axis=-1)

@@ -6,7 +6,9 @@ not depend on how the run is cut into chunks, and of a bounce that lasts one ste
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
+from harness.engines.chunk import Chunk
 from harness.engines.horizon import natural_time
 from harness.trajectory import Floats, Trajectory, join, take
 from models.kinematics import TURN, half_angles
@@ -26,36 +28,45 @@ class Recorder:
         self._time_step = natural_time(scene) / SAMPLES_IN_TIME
         self._parts: list[Trajectory] = []
         self._path = 0.0
-        self._last: Trajectory | None = None
+        self._last: tuple[float, Floats] | None = None
+        self._chunk: Chunk | None = None
 
-    def add(self, chunk: Trajectory) -> Trajectory | None:
+    def add(self, chunk: Chunk) -> Trajectory | None:
         """Record a chunk that follows the one before; return the part of it that was kept."""
+        count = len(chunk.quaternions)
+        if count == 0:
+            return None
+        keep = np.flatnonzero(self._keep(chunk.times[:count], chunk.quaternions))
+        self._last = (float(chunk.times[count - 1]), chunk.quaternions[-1])
+        self._chunk = chunk
+        if len(keep) == 0:
+            return None
+        kept = chunk.read(keep)
+        self._parts.append(kept)
+        return kept
+
+    def _keep(self, time: Floats, quaternion: Floats) -> NDArray[np.bool_]:
+        """Return which of the samples the path calls for, shape (n,)."""
         first = self._last is None
-        time, quaternion = chunk.time, chunk.quaternion
         if self._last is not None:
-            time = np.concatenate((self._last.time, time))
-            quaternion = np.vstack((self._last.quaternion, quaternion))
+            time = np.concatenate(([self._last[0]], time))
+            quaternion = np.vstack((self._last[1], quaternion))
         phi, sigma, delta = half_angles(quaternion)
         steps = np.abs(np.diff(phi)) + _between(sigma) + _between(delta)
         growth = steps / ANGLE_STEP + np.diff(time) / self._time_step
         # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
         path = np.cumsum(np.concatenate((np.array([self._path]), growth)))
-        keep = np.diff(np.floor(path)) > 0.0
-        if first:
-            keep = np.concatenate((np.ones(1, dtype=np.bool_), keep))
         self._path = float(path[-1])
-        self._last = take(chunk, np.array([len(chunk) - 1]))
-        if not keep.any():
-            return None
-        kept = take(chunk, keep)
-        self._parts.append(kept)
-        return kept
+        keep = np.diff(np.floor(path)) > 0.0
+        return np.concatenate((np.ones(1, dtype=np.bool_), keep)) if first else keep
 
-    def trajectory(self, until: float) -> Trajectory:
+    def trajectory(self, until: float) -> Trajectory | None:
         """Return what was kept up to a time in s, and the last step whether or not it was."""
         parts = self._parts
-        if self._last is not None and parts[-1].time[-1] < self._last.time[-1]:
-            parts = [*parts, self._last]
+        if self._chunk is None or self._last is None:
+            return None
+        if parts[-1].time[-1] < self._last[0]:
+            parts = [*parts, self._chunk.read(np.array([len(self._chunk.quaternions) - 1]))]
         whole = join(parts)
         return take(whole, whole.time <= until)
 

@@ -124,8 +124,8 @@ class Adaptive(Schedule):
     def __init__(
         self, can: Can, *, largest: float, smallest: float, limit: float, eta: float
     ) -> None:
-        self.largest = _power_of_two(largest)
-        self._smallest = min(_power_of_two(smallest), self.largest)
+        self.largest = power_of_two(largest)
+        self._smallest = min(power_of_two(smallest), self.largest)
         self._limit = limit
         self._eta = eta
         a_p = can.a + can.h**2
@@ -143,14 +143,14 @@ class Adaptive(Schedule):
         elif rate * self._smallest >= self._eta:
             timestep = self._smallest
         else:
-            timestep = _power_of_two(self._eta / rate)
+            timestep = power_of_two(self._eta / rate)
         count = _LONGEST_STAGE
         if rate * timestep * count > 0.5:  # noqa: PLR2004 - half the way to the flat state
             count = max(1, int(0.5 / (rate * timestep)))
         left = int((self._limit - self._time) / timestep) + 1
         if count >= left:
             count, self._ended = left, True
-        times = self._time + timestep * np.arange(count)
+        times = self._time + np.float64(timestep) * np.arange(count)
         self._time += timestep * count
         return Stage(timestep=timestep, times=times)
 
@@ -173,6 +173,6 @@ class Adaptive(Schedule):
         return max(math.hypot(along, self._slowness * across), spin)
 
 
-def _power_of_two(value: float) -> float:
+def power_of_two(value: float) -> float:
     """Return the largest power of two that is not larger."""
     return 2.0 ** math.floor(math.log2(value))

@@ -7,24 +7,31 @@ what is written down of them, is here, once.
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Generic, TypeVar
 
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Effort, Gap, Setting, World, resolve
+from harness.engines.chunk import Chunk
 from harness.engines.horizon import Watch, longest_time, natural_time
 from harness.engines.parity import parity
 from harness.engines.recorder import Recorder
-from harness.engines.schedule import LARGEST_SHARE, SMALLEST_SHARE, Adaptive, Fixed, Schedule
+from harness.engines.schedule import (
+    LARGEST_SHARE,
+    SMALLEST_SHARE,
+    Adaptive,
+    Fixed,
+    Schedule,
+    power_of_two,
+)
 from harness.engines.settling import settle
 from harness.simulation import Outcome, ParityRow, Simulation
-from harness.trajectory import Floats, Integers, Trajectory
 from models.errors import InvalidValueError
 from models.rim import release_state
 
 W = TypeVar("W", bound=World)
 
-_LOOK_SHARE = 0.1
+_LOOK_SHARE = 0.25
 """Natural times sqrt(R/g) between two looks at the horizon, so that little is stepped in vain."""
 
 _FEWEST, _MOST = 16, 4096
@@ -35,28 +42,6 @@ _ADAPTIVE_LOOK = 1024
 
 _MOST_STEPS = 100_000_000
 """Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Chunk:
-    """Consecutive steps: the states before each of them with the contacts that they solved.
-
-    Parameters
-    ----------
-    trajectory : Trajectory or None
-        Every step; None if not one of the states is a state.
-    times : ndarray, shape (n,)
-        Of the states before each step, s.
-    constraint_rows : ndarray of int, shape (n,)
-        Rows that each step solved for.
-    sound : bool
-        False if the engine's numbers broke within or right after these steps.
-    """
-
-    trajectory: Trajectory | None
-    times: Floats
-    constraint_rows: Integers
-    sound: bool
 
 
 class PhysicsEngine(ABC, Generic[W]):
@@ -86,10 +71,10 @@ class PhysicsEngine(ABC, Generic[W]):
 
     def timestep(self, case: Case) -> float:
         """Return the timestep of a case, s; the largest of an adaptive one."""
+        if case.profile == "adaptive":
+            return power_of_two(case.timestep or LARGEST_SHARE * natural_time(case.scene))
         if case.timestep is not None:
             return case.timestep
-        if case.profile == "adaptive":
-            return LARGEST_SHARE * natural_time(case.scene)
         return self.default_timestep if case.profile == "default" else self.matched_timestep
 
     def resolve(self, case: Case) -> dict[str, Value]:
@@ -148,9 +133,8 @@ class PhysicsEngine(ABC, Generic[W]):
         outcome: Outcome | None = None
         wall, cpu = time.perf_counter(), time.process_time()
         for chunk in self.chunks(world, schedule, size):
-            if chunk.trajectory is not None:
-                kept = recorder.add(chunk.trajectory)
-                outcome = watch.over(kept) if kept is not None else None
+            kept = recorder.add(chunk)
+            outcome = None if kept is None else watch.over(kept)
             if outcome is None and not chunk.sound:
                 outcome = Outcome.DIVERGED
             taken = chunk.times <= watch.ended_at

@@ -10,16 +10,16 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 from mujoco import rollout
-from numpy.typing import NDArray
 
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Floats
+from harness.engines.chunk import Chunk
 from harness.engines.mujoco.gaps import EFFORTS, GAPS
 from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
 from harness.engines.mujoco.world import MujocoWorld, from_body
 from harness.engines.schedule import Schedule, Stage
-from harness.engines.stepping import Chunk, PhysicsEngine
-from harness.trajectory import Trajectory
+from harness.engines.stepping import PhysicsEngine
+from harness.trajectory import Integers, Trajectory
 
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
@@ -99,15 +99,19 @@ def _next(schedule: Schedule, state: Floats) -> Stage | None:
 
 def _chunk(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Chunk:
     """Return the steps from states (n, 14) with the sensors of the same instants (n, 17)."""
-    sound = _sound(states)
-    count = np.where(sound, sensors[:, 0], 0.0)
+    count = _sound(states)
+    contacts = sensors[:, 0].copy()
+    contacts[count:] = 0.0
+
+    def read(keep: Integers) -> Trajectory:
+        return _read(world, times[keep], states[keep], sensors[keep])
+
     return Chunk(
-        trajectory=_read(world, times[sound], states[sound], sensors[sound])
-        if sound.any()
-        else None,
         times=times,
-        constraint_rows=count.astype(np.int64) * world.rows_per_contact,
-        sound=bool(sound.all()) and not _unstable(world.data),
+        quaternions=states[:count, 4:8],
+        constraint_rows=contacts.astype(np.int64) * world.rows_per_contact,
+        sound=count == len(states) and not _unstable(world.data),
+        read=read,
     )
 
 
@@ -123,11 +127,14 @@ def _unstable(data: mujoco.MjData) -> bool:
     return any(data.warning[kind].number for kind in _BROKEN)
 
 
-def _sound(states: Floats) -> NDArray[np.bool_]:
-    """Return which of the states, from the first to the last good one, are states, shape (n,)."""
-    going_on = np.concatenate((np.ones(1, dtype=np.bool_), np.diff(states[:, 0]) > 0.0))
-    good = np.isfinite(states).all(axis=1) & going_on
-    return np.logical_and.accumulate(good)
+def _sound(states: Floats) -> int:
+    """Return how many of the states, from the first on, are states: finite, and time goes on."""
+    # a sum is finite if and only if all of its terms are, but for overflow, which is no state either
+    if np.isfinite(states.sum()) and (np.diff(states[:, 0]) > 0.0).all():
+        return len(states)
+    good = np.isfinite(states).all(axis=1)
+    good &= np.diff(states[:, 0], prepend=-np.inf) > 0.0
+    return int(np.argmin(good))
 
 
 def _read(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Trajectory:

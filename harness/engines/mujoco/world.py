@@ -126,16 +126,19 @@ class MujocoWorld:
     def read_contact(self, sensors: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return point (n, 3), force (n, 3), depth (n,) and count (n,) of sensor rows (n, 17).
 
-        MuJoCo's own resultant: the sum of all contact forces at their force-weighted centre.
+        MuJoCo's own resultant: the sum of all contact forces at their force-weighted centre. The
+        contact frame of a resultant is the world's with the axes in order, so that its force needs
+        no turning.
         """
         net = sensors[:, self._net : self._net + 16]
-        count, normal, tangent = net[:, 0], net[:, 10:13], net[:, 13:16]
-        frame = np.stack((normal, tangent, np.cross(normal, tangent)), axis=1)
-        force = np.einsum("ni,nij->nj", net[:, 1:4], frame)
+        count, force, point = net[:, 0], net[:, 1:4], net[:, 7:10]
         bears = (count > 0) & (force[:, 2] > 0.0)
-        point = np.where(bears[:, None], net[:, 7:10], np.nan)
-        penetration = np.where(count > 0, -sensors[:, self._depth], np.nan)
-        return point, force, penetration, np.where(bears, count, 0.0)
+        return (
+            np.where(bears[:, None], point, np.nan),
+            force,
+            np.where(count > 0, -sensors[:, self._depth], np.nan),
+            np.where(bears, count, 0.0),
+        )
 
 
 def from_body(quaternion: Floats, vector: Floats) -> Floats:

@@ -13,6 +13,7 @@ import pybullet
 
 from harness.case import Case
 from harness.engines.base import Capabilities, Floats
+from harness.engines.chunk import Chunk
 from harness.engines.pybullet.gaps import EFFORTS, GAPS
 from harness.engines.pybullet.settings import (
     DEFAULT_TIMESTEP,
@@ -22,8 +23,8 @@ from harness.engines.pybullet.settings import (
 )
 from harness.engines.pybullet.world import PybulletWorld, resultant
 from harness.engines.schedule import Schedule, Stage
-from harness.engines.stepping import Chunk, PhysicsEngine
-from harness.trajectory import Trajectory
+from harness.engines.stepping import PhysicsEngine
+from harness.trajectory import Integers, Trajectory
 
 Row: TypeAlias = tuple[float, ...]
 
@@ -81,12 +82,20 @@ def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:
 
 def _chunk(times: Floats, rows: Floats) -> Chunk:
     """Return the rows of consecutive steps, shape (n, 22)."""
-    sound = np.logical_and.accumulate(np.isfinite(rows[:, :_STATE]).all(axis=1))
+    good = np.isfinite(rows[:, :_STATE]).all(axis=1)
+    count = len(rows) if good.all() else int(np.argmin(good))
+    points = rows[:, -1].copy()
+    points[count:] = 0.0
+
+    def read(keep: Integers) -> Trajectory:
+        return _read(times[keep], rows[keep])
+
     return Chunk(
-        trajectory=_read(times[sound], rows[sound]) if sound.any() else None,
         times=times,
-        constraint_rows=np.where(sound, rows[:, -1], 0.0).astype(np.int64) * _ROWS_PER_CONTACT,
-        sound=bool(sound.all()),
+        quaternions=rows[:count, [6, 3, 4, 5]],
+        constraint_rows=points.astype(np.int64) * _ROWS_PER_CONTACT,
+        sound=count == len(rows),
+        read=read,
     )
 
 
