@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Series:
-    """One curve or cloud of points.
+    """One curve, cloud of points or row of bars.
 
     Parameters
     ----------
@@ -27,19 +27,22 @@ class Series:
     x, y : ndarray, shape (n,)
         In the units that the panel's labels state; NaN breaks the line.
     mark : str
-        "line", "points", or "both".
+        "line", "points", "both", or "bars": upright at x, from `base` to y.
     dashed : bool
     hover : tuple of str
         A text for each point, or nothing.
+    base : ndarray, shape (n,), optional
+        Where bars begin; at zero if left out.
     """
 
     label: str
     kind: str
     x: Floats
     y: Floats
-    mark: Literal["line", "points", "both"] = "line"
+    mark: Literal["line", "points", "both", "bars"] = "line"
     dashed: bool = False
     hover: tuple[str, ...] = ()
+    base: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,6 +57,8 @@ class Panel:
     log_x, log_y : bool
     equal : bool
         Same scale on both axes: for a curve in the plane.
+    x_names : tuple of str
+        What stands at the places 0, 1, 2, ... of the horizontal axis instead of numbers.
     """
 
     title: str
@@ -63,6 +68,7 @@ class Panel:
     log_x: bool = False
     log_y: bool = False
     equal: bool = False
+    x_names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

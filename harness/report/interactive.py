@@ -15,7 +15,7 @@ import numpy as np
 from plotly.offline import get_plotlyjs
 
 from harness.artefact import Figure, Floats, Panel, Series
-from harness.report.legend import Entry, entries
+from harness.report.legend import BAR_WIDTH, Entry, entries
 from harness.report.palette import Ink
 from harness.report.thinning import plottable
 
@@ -66,6 +66,8 @@ def description(figure: Figure, inks: Mapping[str, Ink]) -> list[dict[str, Any]]
 
 
 def _trace(series: Series, panel: Panel, number: int, entry: Entry, ink: Ink) -> dict[str, Any]:
+    if series.mark == "bars":
+        return _bars(series, panel, number, entry)
     x, y = plottable(series, panel)
     mode = {"line": "lines", "points": "markers", "both": "lines+markers"}[series.mark]
     label = _text(series.label)
@@ -92,6 +94,30 @@ def _trace(series: Series, panel: Panel, number: int, entry: Entry, ink: Ink) ->
     return trace
 
 
+def _bars(series: Series, panel: Panel, number: int, entry: Entry) -> dict[str, Any]:
+    x, y = plottable(series, panel)
+    base = np.zeros(len(y)) if series.base is None else series.base
+    label = _text(series.label)
+    trace: dict[str, Any] = {
+        "type": "bar",
+        "name": label,
+        "legendgroup": label,
+        "showlegend": False,
+        "meta": {"kind": series.kind, "entry": number},
+        "opacity": entry.opacity,
+        "width": BAR_WIDTH,
+        "x": _packed(x),
+        "y": _packed(y - base),
+        "base": _packed(base),
+        "customdata": _packed(y),
+        "hovertemplate": f"%{{customdata:.6g}}<extra>{label}</extra>",
+    }
+    if series.hover:
+        trace["hovertext"] = [_text(text) for text in series.hover]
+        trace["hovertemplate"] = f"%{{hovertext}}<br>%{{customdata:.6g}}<extra>{label}</extra>"
+    return trace
+
+
 def _layout(panel: Panel) -> dict[str, Any]:
     x_axis: dict[str, Any] = {
         "title": {"text": _text(panel.x_label), "standoff": 8},
@@ -110,6 +136,10 @@ def _layout(panel: Panel) -> dict[str, Any]:
         if logarithmic:
             axis["dtick"] = 1  # powers of ten
             axis["minor"] = {"ticks": "inside", "ticklen": 3, "dtick": "D1"}
+    if panel.x_names:
+        x_axis["tickvals"] = list(range(len(panel.x_names)))
+        x_axis["ticktext"] = [_text(name) for name in panel.x_names]
+        x_axis["tickangle"] = -30
     if panel.equal:
         x_axis["constrain"] = y_axis["constrain"] = "domain"
         y_axis |= {"scaleanchor": "x", "scaleratio": 1}
@@ -124,6 +154,7 @@ def _layout(panel: Panel) -> dict[str, Any]:
         "hovermode": "closest",
         "showlegend": False,
         "dragmode": "zoom",
+        "barmode": "overlay",  # side by side they would leave their places
     }
 
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from harness.artefact import Figure, Series
 
 FADED = 0.8  # opacity of the second and later labels of a kind
+BAR_WIDTH = 0.7  # of the distance between two places
+PALE = 0.45  # the same of bars, which have no dashes or marks to tell them apart
 
 _SOLID: tuple[tuple[int, ...], ...] = ((), (2, 3), (10, 3, 2, 3))
 _DASHED: tuple[tuple[int, ...], ...] = ((7, 4), (7, 3, 2, 3), (14, 5))
@@ -17,7 +19,7 @@ class Entry:
     Parameters
     ----------
     label, kind : str
-    line, points : bool
+    line, points, bars : bool
         What the curves show.
     dashed : bool
     dashes : tuple of int
@@ -30,6 +32,7 @@ class Entry:
     kind: str
     line: bool
     points: bool
+    bars: bool
     dashed: bool
     dashes: tuple[int, ...]
     rank: int
@@ -37,7 +40,9 @@ class Entry:
     @property
     def opacity(self) -> float:
         """Opacity of the curves: the first label of a kind is the most solid."""
-        return 1.0 if self.rank == 0 else FADED
+        if self.rank == 0:
+            return 1.0
+        return PALE if self.bars else FADED
 
 
 def entries(figure: Figure) -> tuple[Entry, ...]:
@@ -52,8 +57,9 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
         found[series.label] = Entry(
             label=series.label,
             kind=series.kind,
-            line=series.mark != "points",
-            points=series.mark != "line",
+            line=series.mark in {"line", "both"},
+            points=series.mark in {"points", "both"},
+            bars=series.mark == "bars",
             dashed=series.dashed,
             dashes=styles[alike % len(styles)],
             rank=len(kin),

@@ -18,9 +18,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from harness.artefact import Figure, Panel, Series
-from harness.report.legend import Entry, entries
+from harness.report.legend import BAR_WIDTH, Entry, entries
 from harness.report.palette import Ink
 from harness.report.thinning import plottable
 
@@ -131,6 +132,12 @@ def _look(entry: Entry, ink: Ink) -> dict[str, object]:
 
 def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: Ink) -> None:
     x, y = plottable(series, panel)
+    if series.mark == "bars":
+        base = np.zeros(len(y)) if series.base is None else series.base
+        axes.use_sticky_edges = False  # bars, too, keep their distance from the frame
+        look = {"color": ink.light, "alpha": entry.opacity, "linewidth": 1.0}  # seen at no height
+        axes.bar(x, y - base, bottom=base, width=BAR_WIDTH, **look)  # type: ignore[arg-type]
+        return
     look = _look(entry, ink)
     if series.mark == "line":
         look["marker"] = ""
@@ -153,16 +160,24 @@ def _label(axes: Axes, panel: Panel) -> None:
         axes.set_aspect("equal", adjustable="datalim")
     axes.relim()
     axes.autoscale_view()
+    if panel.x_names:
+        axes.set_xticks(range(len(panel.x_names)))
+        axes.set_xticklabels(
+            panel.x_names, rotation=30, ha="right", rotation_mode="anchor", parse_math=False
+        )
+        axes.grid(visible=False, axis="x")
     if not any(np.isfinite(plottable(series, panel)[1]).any() for series in panel.series):
         axes.text(0.5, 0.5, "nothing to draw", ha="center", va="center", transform=axes.transAxes)
 
 
-def _key(entry: Entry, ink: Ink) -> Line2D:
+def _key(entry: Entry, ink: Ink) -> Line2D | Patch:
+    # matplotlib leaves out a label that starts with an underscore
+    label = f"\N{ZERO WIDTH SPACE}{entry.label}" if entry.label.startswith("_") else entry.label
+    if entry.bars:
+        return Patch(label=label, color=ink.light, alpha=entry.opacity)
     look = _look(entry, ink)
     if not entry.points:
         look["marker"] = ""
     if not entry.line:
         look["linestyle"] = ""
-    # matplotlib leaves out a label that starts with an underscore
-    label = f"\N{ZERO WIDTH SPACE}{entry.label}" if entry.label.startswith("_") else entry.label
     return Line2D([], [], label=label, **look)  # type: ignore[arg-type]
