@@ -25,7 +25,9 @@ _ALOFT = 10.0  # m: no contact within any engine's reach
 _FAST = 1e4  # rad/s and m/s: beyond what a scene of a metre reaches short of 1 mm cans
 _SLIDING = 10.0  # m/s
 _TILTS = (0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5)  # rad
-_DEPTHS = (1e-6, 1e-5, 1e-4, 1e-3)  # of the radius: past an engine's slop, but no deeper
+# of the radius, in small steps: just past an engine's slop, since a force that stops the can within
+# the step needs less friction than there is
+_DEPTHS = tuple(1e-6 * 1.2**step for step in range(39))
 _SPINS = (0.0, 0.05, 0.1, 1.0)  # rad: corners of a polygon with 32 sides lie 0.2 rad apart
 
 
