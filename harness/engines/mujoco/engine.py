@@ -129,7 +129,7 @@ def _unstable(data: mujoco.MjData) -> bool:
 
 def _sound(states: Floats) -> int:
     """Return how many of the states, from the first on, are states: finite, and time goes on."""
-    # a sum is finite if and only if all of its terms are, but for overflow, which is no state either
+    # a sum is finite only if all of its terms are; one that overflows is no state either
     if np.isfinite(states.sum()) and (np.diff(states[:, 0]) > 0.0).all():
         return len(states)
     good = np.isfinite(states).all(axis=1)
