@@ -115,7 +115,10 @@ class MujocoWorld:
         """Return the contact that the last step solved: that of the state before it."""
         point, force, penetration, count = self.read_contact(self.data.sensordata[None])
         return Contact(
-            point=point[0], force=force[0], penetration=float(penetration[0]), count=int(count[0])
+            point=point[0],
+            force=force[0].copy(),  # MuJoCo writes over it in the next step
+            penetration=float(penetration[0]),
+            count=int(count[0]),
         )
 
     def gap(self) -> float:
