@@ -53,11 +53,11 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     rest = 1e-12 * float(np.linalg.norm(twist.velocity)) + 1e-9 * load
     if rise(0.0) >= -rest:
         return 0.0, pose
-    upper = _FIRST
+    upper, deepest = _FIRST, _DEEPEST * scene.can.radius
     while rise(upper) < 0.0:
-        upper *= 4.0
-        if upper > _DEEPEST * scene.can.radius:
+        if upper >= deepest:
             return 0.0, pose
+        upper = min(4.0 * upper, deepest)
     depth = float(brentq(rise, 0.0, upper, xtol=1e-6 * upper))
     return depth, _lowered(pose, depth)
 
