@@ -1,0 +1,114 @@
+"""All probes of an engine, one after the other, each in a world of its own."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TypeGuard
+
+from harness.case import Case
+from harness.engines.base import Engine
+from harness.engines.probes.compliance import compliance
+from harness.engines.probes.creep import creep
+from harness.engines.probes.evidence import Evidence, Finding, Measurement, Trace
+from harness.engines.probes.free_flight import clamp, damping, turn
+from harness.engines.probes.gyroscopic import gyroscopic
+from harness.engines.probes.opening import Opener
+from harness.engines.probes.points import points
+from harness.engines.probes.rim import rim
+from harness.engines.probes.stabilisation import stabilisation
+from harness.engines.registry import engine
+from harness.errors import InvalidSettingError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Probe:
+    """One effect, the question that isolates it, and what answers it."""
+
+    effect: str
+    question: str
+    measure: Callable[[Opener, Case], Iterator[Evidence]]
+
+
+PROBES = (
+    Probe(
+        effect="compliance",
+        question="How deep does the rim sink under the can's weight?",
+        measure=compliance,
+    ),
+    Probe(
+        effect="friction compliance",
+        question="How fast does the rim creep under a force that true friction would hold?",
+        measure=creep,
+    ),
+    Probe(
+        effect="rim",
+        question="How far is the collider from a sharp circle?",
+        measure=rim,
+    ),
+    Probe(
+        effect="contact points",
+        question="Below which tilt does the rim touch in several points?",
+        measure=points,
+    ),
+    Probe(
+        effect="damping",
+        question="What does free flight lose?",
+        measure=damping,
+    ),
+    Probe(
+        effect="velocity clamp",
+        question="Which velocities does a step let pass?",
+        measure=clamp,
+    ),
+    Probe(
+        effect="orientation update",
+        question="How far can a step turn the can?",
+        measure=turn,
+    ),
+    Probe(
+        effect="gyroscopic term",
+        question="What does a spinning can, free of torque, gain or lose?",
+        measure=gyroscopic,
+    ),
+    Probe(
+        effect="stabilisation",
+        question="What motion does the engine make of an overlap?",
+        measure=stabilisation,
+    ),
+)
+"""Every probe, in the order of the report."""
+
+
+def opens_worlds(candidate: Engine) -> TypeGuard[Opener]:
+    """Whether an engine compiles cases into worlds, which probes need."""
+    return callable(getattr(candidate, "open", None))
+
+
+def measure(case: Case) -> Measurement:
+    """Return all that the probes find in the engine of a case with its settings.
+
+    Parameters
+    ----------
+    case : Case
+        Gives can, gravity, engine, profile, timestep and options; gravity must not be zero.
+
+    Raises
+    ------
+    InvalidSettingError
+        If the engine opens no worlds, or if there is no gravity to load the can.
+    HarnessError
+        If the engine, a setting or a value does not exist.
+    """
+    chosen = engine(case.engine)
+    if not opens_worlds(chosen):
+        allowed = "an engine that steps a world; the reference solves equations and imposes nothing"
+        raise InvalidSettingError("engine", case.engine, allowed)
+    if case.scene.gravity == 0.0:
+        raise InvalidSettingError("gravity", 0.0, "greater than zero, to load the can")
+    evidence = [each for probe in PROBES for each in probe.measure(chosen, case)]
+    return Measurement(
+        case=case,
+        engine_version=chosen.version,
+        timestep=chosen.timestep(case),
+        findings=tuple(each for each in evidence if isinstance(each, Finding)),
+        traces=tuple(each for each in evidence if isinstance(each, Trace)),
+    )
