@@ -1,0 +1,139 @@
+"""Which of an engine's gaps causes which part of its discrepancy."""
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from harness.artefact import Artefact, Table
+from harness.case import Case
+from harness.cli import printing
+from harness.cli.answers import spell
+from harness.executors import local
+from harness.provenance import provenance
+from harness.report import check_writable, write_report
+from harness.runner import Evaluation, run
+from harness.studies.attribution import Attribution, design, path, read
+from harness.studies.attribution import attribution as attributed
+from models.catalogue import load
+
+_SHOWN = ("place", "gap", "quantity", "in_order", "alone", "left_open", "interaction")
+
+
+def attribute(  # noqa: PLR0917 - a parameter an option
+    scene: Annotated[
+        str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
+    ],
+    engine: Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")],
+    timestep: Annotated[
+        float | None, typer.Option(help="Of the matched end, in seconds; its own if left out.")
+    ] = None,
+    first: Annotated[
+        list[str] | None,
+        typer.Option(help="A gap to close before the others; repeat it. Such as: timestep."),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Write a report into this folder.")] = None,
+    json: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
+    ] = False,
+) -> None:
+    """Say who is to blame: close the gaps from default to matched one at a time, and each alone.
+
+    For example: rockingcan attribute gentle-rock --engine mujoco
+    """
+    way = path(load(scene), engine, timestep, first or ())
+    if out is not None:
+        check_writable(out)
+    found = attributed(way, evaluations(design(way), jobs))
+    artefacts = read(found)
+    page = (
+        None if out is None else report(artefacts, found.evaluations.values(), out, "attribution")
+    )
+    if json:
+        typer.echo(spell(_answer(found)))
+        return
+    console = printing.out()
+    for artefact in artefacts:
+        if isinstance(artefact, Table) and artefact.name.endswith("-gaps"):
+            console.print(printing.data(artefact, _SHOWN))
+        if isinstance(artefact, Table) and artefact.name.endswith("-interactions"):
+            console.print(printing.data(artefact, tuple(artefact.columns)[2:]))
+    for sentence in found.sentences:
+        console.print(escape(sentence))
+    if page is not None:
+        console.print(f"\nThe report: {page}")
+
+
+def evaluations(cases: Sequence[Case], jobs: int | None) -> tuple[Evaluation, ...]:
+    """Run cases beside a progress bar."""
+    with (
+        printing.progress() as bar,
+        local(jobs or len(os.sched_getaffinity(0))) as executor,
+    ):
+        task = bar.add_task("starting the engines", total=len(cases))
+
+        def show(evaluation: Evaluation) -> None:
+            bar.update(task, advance=1, description=evaluation.simulation.case.label())
+
+        return run(cases, executor, show)
+
+
+def report(
+    artefacts: Sequence[Artefact], found: Iterable[Evaluation], out: Path, study: str
+) -> Path:
+    """Write the report of a study and return its page."""
+    return write_report(
+        artefacts,
+        out,
+        title=f"rockingcan, {study}",
+        cases=[
+            {
+                "digest": e.simulation.case.digest(e.simulation.engine_version),
+                "label": e.simulation.case.label(),
+                "command": e.simulation.case.command(),
+                "engine": e.simulation.case.engine,
+                "engine_version": e.simulation.engine_version,
+                "outcome": e.simulation.outcome.value,
+                "settings": dict(e.simulation.settings),
+            }
+            for e in found
+        ],
+        provenance=provenance(),
+    )
+
+
+def _answer(found: Attribution) -> dict[str, Any]:
+    """Return an attribution as `--json` says it."""
+    way = found.path
+    return {
+        "scene": way.scene.name,
+        "engine": way.engine,
+        "timestep_s": way.matched_timestep,
+        "order": list(way.names),
+        "quantities": {
+            key: {
+                "as_shipped": account.shipped,
+                "remains": account.remains,
+                "whole": account.whole,
+                "interaction": account.interaction,
+                "gaps": [
+                    {"gap": name, "in_order": in_order, "alone": alone, "left_open": left_open}
+                    for name, in_order, alone, left_open in zip(
+                        account.names,
+                        account.in_order,
+                        account.alone,
+                        account.left_open,
+                        strict=True,
+                    )
+                ],
+            }
+            for key, account in found.accounts.items()
+        },
+        "sentences": list(found.sentences),
+    }
