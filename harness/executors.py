@@ -1,6 +1,7 @@
 """Where cases run: anything with the interface of `concurrent.futures.Executor`."""
 
 import multiprocessing
+import signal
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from typing import Any, ParamSpec, TypeVar
@@ -28,4 +29,9 @@ def local(jobs: int) -> Executor:
         return Serial()
     # engines hold threads and global state, which a forked child would share
     context: Any = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(max_workers=jobs, mp_context=context)
+    return ProcessPoolExecutor(max_workers=jobs, mp_context=context, initializer=_end_quietly)
+
+
+def _end_quietly() -> None:
+    """Let Ctrl-C, which a terminal sends to every process, end this one without a traceback."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -1,7 +1,7 @@
 """The recorder: dense by angle, sparse in time, and blind to how a run is cut."""
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from harness.engines.chunk import Chunk
 from harness.engines.horizon import natural_time
 from harness.engines.recorder import ANGLE_STEP, SAMPLES_IN_TIME, Recorder
 from harness.trajectory import Trajectory, take
@@ -26,14 +27,27 @@ def turned(
     return made(len(time), time=time, quaternion=quaternion(phi, psi, theta))
 
 
+def chunk(part: Trajectory) -> Chunk:
+    """Return a trajectory as an engine hands it over."""
+    return Chunk(
+        times=part.time,
+        quaternions=part.quaternion,
+        constraint_rows=np.ones(len(part), dtype=np.int64),
+        sound=True,
+        read=lambda keep: take(part, keep),
+    )
+
+
 def recorded(whole: Trajectory, cuts: list[int], scene: Scene = GENTLE) -> Trajectory:
     """Return what is recorded of a trajectory that is handed over in parts."""
     recorder = Recorder(scene)
     edges = [0, *sorted(cuts), len(whole)]
     for left, right in pairwise(edges):
         if right > left:
-            recorder.add(take(whole, np.arange(left, right)))
-    return recorder.trajectory(np.inf)
+            recorder.add(chunk(take(whole, np.arange(left, right))))
+    kept = recorder.trajectory(np.inf)
+    assert kept is not None
+    return kept
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +118,20 @@ def test_a_turn_within_one_step_is_kept_on_both_sides(made: Made) -> None:
 
 def test_first_and_last_are_kept_and_nothing_after_the_end(wild: Trajectory) -> None:
     recorder = Recorder(GENTLE)
-    recorder.add(wild)
+    recorder.add(chunk(wild))
     whole = recorder.trajectory(np.inf)
+    assert whole is not None
     assert whole.time[0] == wild.time[0]
     assert whole.time[-1] == wild.time[-1]
     part = recorder.trajectory(float(whole.time[40]))
+    assert part is not None
     np.testing.assert_array_equal(part.time, whole.time[:41])
+
+
+def test_of_nothing_nothing_is_recorded(wild: Trajectory) -> None:
+    recorder = Recorder(GENTLE)
+    assert recorder.trajectory(np.inf) is None
+    nothing = chunk(wild)
+    broken = replace(nothing, quaternions=nothing.quaternions[:0], sound=False)
+    assert recorder.add(broken) is None
+    assert recorder.trajectory(np.inf) is None

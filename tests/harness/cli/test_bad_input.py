@@ -1,0 +1,204 @@
+"""Bad input: one clear message on standard error, exit code 2, no traceback, nothing written."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.engines import registry
+from models import names
+
+WRONG_USE = 2
+Command = Callable[..., Any]
+
+
+def is_one_clear_message(answer: Any, *parts: str) -> None:  # noqa: ANN401 - of the conftest
+    """Assert that an answer is one message with these parts, and nothing else."""
+    assert answer.code == WRONG_USE, answer
+    assert answer.out == ""
+    assert answer.err.startswith("rockingcan: ")
+    assert len(answer.err.strip().splitlines()) == 1, answer.err
+    assert "Traceback" not in answer.err
+    for part in parts:
+        assert part in answer.err, (part, answer.err)
+
+
+# each: the line of the scene file that is replaced, what replaces it, what the message must name
+SCENE_FAULTS = {
+    "a word for a number": ("mass", 'mass = "heavy"', ("mass", "heavy")),
+    "a negative mass": ("mass", "mass = -0.043", ("mass", "-0.043", "greater than")),
+    "no mass at all": ("mass", "", ("mass", "missing")),
+    "a key that is none": ("mass", "mass = 0.043\nmas = 1.0", ("mas",)),
+    "NaN": ("radius", "radius = nan", ("radius", "nan")),
+    "infinity": ("gravity", "gravity = inf", ("gravity", "inf")),
+    "both A and a": ("A", "A = 4.2796308999999987e-05\na = 0.727", ("'can.A'", "'can.a'")),
+    "neither A nor a": ("A", "", ("'can.A'", "'can.a'")),
+    "moments of no rigid body": ("C", "C = 9e-05", ("2A", "9e-05")),
+    "phi of zero": ("phi =", "phi = 0.0", ("phi", "pi/2")),
+    "phi past a right angle": ("phi =", "phi = 1.6", ("phi", "pi/2")),
+    "no bounce": ("bounces", "bounces = 0", ("bounces",)),
+    "half a bounce": ("bounces", "bounces = 0.5", ("bounces",)),
+    "two horizons": ("bounces", "bounces = 1\nseconds = 1.0", ("bounces", "seconds")),
+    "an unknown effect": ("[effects]", "[effects.wind]\nspeed = 1.0", ("wind",)),
+    "a negative friction": ("[effects]", "[effects.slip]\nmu = -0.1", ("mu", "-0.1")),
+    "no TOML": ("mass", "mass = = 1", ("TOML",)),
+}
+
+
+@pytest.mark.parametrize("fault", SCENE_FAULTS)
+def test_a_faulty_scene_file_is_refused_by_file_and_key(
+    told: Command, scene_file: Callable[..., Path], fault: str
+) -> None:
+    old, new, parts = SCENE_FAULTS[fault]
+    path = scene_file((old, new))
+    answer = told("run", str(path), "--engine", "mujoco")
+    is_one_clear_message(answer, str(path), *parts)
+
+
+@pytest.mark.parametrize("command", ["reference", "run", "export"])
+def test_every_command_refuses_a_faulty_scene(
+    told: Command, scene_file: Callable[..., Path], command: str
+) -> None:
+    more = {"reference": (), "run": ("--engine", "mujoco"), "export": ("--format", "mjcf")}
+    path = scene_file(("mass", "mass = -1.0"))
+    is_one_clear_message(told(command, str(path), *more[command]), str(path), "mass")
+    is_one_clear_message(told(command, "rolling-stone", *more[command]), *names())
+
+
+def test_a_scene_file_that_is_not_there_is_named(told: Command, tmp_path: Path) -> None:
+    path = tmp_path / "nothing.toml"
+    is_one_clear_message(told("reference", str(path)), str(path))
+    is_one_clear_message(told("reference", str(tmp_path)), str(tmp_path))
+
+
+def test_an_unknown_engine_is_answered_with_those_there_are(told: Command) -> None:
+    for words in (
+        ("run", "gentle-rock", "--engine", "ode"),
+        ("engines", "ode"),
+        ("validate", "--engine", "ode"),
+    ):
+        is_one_clear_message(told(*words), "'ode'", "mujoco", "pybullet", "reference")
+
+
+@pytest.mark.parametrize("timestep", ["0", "-1e-3", "nan", "inf"])
+def test_a_timestep_that_is_none_is_refused(told: Command, timestep: str) -> None:
+    answer = told("run", "gentle-rock", "--engine", "mujoco", "--timestep", timestep)
+    is_one_clear_message(answer, "timestep", "a positive number of seconds")
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (("--timestep", "soon"), ("timestep", "number")),
+        (("--profile", "best"), ("'best'", "default, matched")),
+        (("--set", "glue=1"), ("'glue'", "impratio")),
+        (("--set", "impratio"), ("KEY=VALUE",)),
+        (("--set", "impratio=high"), ("impratio",)),
+        (("--set", "cone=round"), ("cone", "elliptic")),
+        (("--set", "impratio=1", "--set", "impratio=2"), ("impratio", "twice")),
+        (("--set", "condim=2"), ("condim",)),
+        (("--sett", "condim=2"), ("--sett",)),
+        (("--out", "motion.xlsx"), ("motion.xlsx", ".csv or .parquet")),
+    ],
+    ids=str,
+)
+def test_a_faulty_option_is_named_with_what_is_allowed(
+    told: Command, words: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    is_one_clear_message(told("run", "gentle-rock", "--engine", "mujoco", *words), *parts)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("reference", "gentle-rock", "--model", "wishful"),
+        ("reference", "gentle-rock", "--method", "Euler1768"),
+        ("reference", "gentle-rock", "--rtol", "0"),
+        ("run", "gentle-rock", "--engine", "reference", "--timestep", "1e-3"),
+        ("run", "gentle-rock"),
+        ("export", "gentle-rock", "--format", "sdf"),
+        ("validate", "--suite", "endless"),
+        ("validate", "--jobs", "0"),
+        ("validate", "--engine", "reference"),
+        ("dance",),
+    ],
+    ids=" ".join,
+)
+def test_other_wrong_use_is_refused(told: Command, words: tuple[str, ...]) -> None:
+    is_one_clear_message(told(*words))
+
+
+def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
+    told: Command, scene_file: Callable[..., Path]
+) -> None:
+    path = scene_file(("[effects]", "[effects.slip]\nmu = 0.3"))
+    is_one_clear_message(told("reference", str(path)), "slip", "mujoco, pybullet")
+
+
+@pytest.mark.parametrize("place", ["below a file", "in no folder", "a folder"])
+def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(
+    told: Command, tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    (tmp_path / "folder.csv").mkdir()
+    out = (
+        tmp_path
+        / {
+            "below a file": "file/motion.csv",
+            "in no folder": "nowhere/motion.csv",
+            "a folder": "folder.csv",
+        }[place]
+    )
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.setattr("harness.cli.commands.evaluate", lambda _: pytest.fail("it ran"))
+    is_one_clear_message(
+        told("run", "gentle-rock", "--engine", "mujoco", "--out", str(out)), str(out)
+    )
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_report_that_cannot_be_written_is_refused_before_anything_runs(
+    told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    monkeypatch.setattr("harness.face.validate", lambda *_, **__: pytest.fail("it ran"))
+    before = sorted(tmp_path.rglob("*"))
+    for out in (tmp_path / "file", tmp_path / "file" / "report"):
+        is_one_clear_message(told("validate", "--out", str(out)), str(out))
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
+
+
+@dataclass(frozen=True)
+class Missing:
+    """An entry point whose package is not installed."""
+
+    name: str = "mujoco"
+
+    def load(self) -> object:
+        """Fail as an import does."""
+        raise ModuleNotFoundError("No module named 'mujoco'", name="mujoco")
+
+
+def test_a_missing_engine_package_says_how_to_install_it(
+    told: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entries = registry._entries() | {"mujoco": Missing()}  # noqa: SLF001 - where they come in
+    monkeypatch.setattr(registry, "_entries", lambda: entries)
+    registry.engine.cache_clear()
+    try:
+        for words in (("run", "gentle-rock", "--engine", "mujoco"), ("validate",)):
+            is_one_clear_message(told(*words), "'mujoco'", "pip install mujoco")
+        assert told("engines").code == 0  # the list goes on without it
+    finally:
+        registry.engine.cache_clear()
+
+
+def test_as_a_process_of_its_own_too(typed: Command, scene_file: Callable[..., Path]) -> None:
+    path = scene_file(("mass", "mass = -1.0"))
+    is_one_clear_message(typed("run", str(path), "--engine", "pybullet"), str(path), "mass")
+    is_one_clear_message(
+        typed("run", "gentle-rock", "--engine", "pybullet", "--timestep", "0"), "timestep"
+    )

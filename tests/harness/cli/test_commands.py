@@ -1,0 +1,218 @@
+"""Commands that do what they are told, and say it in exactly the promised keys."""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from harness.case import Case
+from harness.engines.registry import names as engine_names
+from models import load, mjcf, names, read_scene, urdf
+
+Command = Callable[..., Any]
+
+BOUNCE = {
+    "time_s",
+    "phi_min_rad",
+    "angle_of_turn_deg",
+    "rotation_turn_deg",
+    "peak_psi_dot_rad_s",
+    "peak_friction_ratio",
+}
+MOTION = {
+    "scene",
+    "engine",
+    "outcome",
+    "wall_s",
+    "steps",
+    "period_s",
+    "energy_drift",
+    "bounces",
+}
+ERRORS = {"phi_rms_rad", "angle_of_turn_deg", "contact_locus_rms_m", "peak_friction_ratio"}
+CONTACT = {"max_penetration_m", "max_slip_m_s", "lift_off_fraction", "multi_contact_fraction"}
+
+
+@pytest.mark.parametrize(
+    "command", ["", "scenes", "engines", "reference", "run", "validate", "export"]
+)
+def test_every_command_teaches(told: Command, command: str) -> None:
+    answer = told(*command.split(), "--help")
+    assert (answer.code, answer.err) == (0, "")
+    assert "Usage" in answer.out
+    assert len(answer.out.split()) > 20
+
+
+def test_scenes_are_listed(told: Command) -> None:
+    answer = told("scenes", "--json")
+    assert answer.code == 0
+    assert [scene["name"] for scene in answer.json()["scenes"]] == list(names())
+    listed = told("scenes")
+    assert listed.code == 0
+    assert all(name in listed.out for name in names())
+
+
+def test_engines_are_listed(told: Command) -> None:
+    assert told("engines", "--json").json()
+    listed = told("engines")
+    assert listed.code == 0
+    assert all(name in listed.out for name in engine_names())
+    assert "impratio" in told("engines", "mujoco").out
+
+
+def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:
+    answer = typed("reference", "paper-release", "--json")
+    assert (answer.code, answer.err) == (0, "")
+    found = answer.json()
+    assert set(found) == MOTION
+    (bounce,) = found["bounces"]
+    assert set(bounce) == BOUNCE
+    # the turn by quadrature to 15 digits, and the friction that the paper prints
+    assert bounce["angle_of_turn_deg"] == pytest.approx(209.363400462452, abs=1e-8)
+    assert bounce["peak_friction_ratio"] == pytest.approx(0.508, abs=5e-4)
+    # in units of sqrt(R/g), with the paper's R = 0.037 m and g = 9.81 m/s^2
+    period = 1.00948780968203677 * math.sqrt(0.037 / 9.81)
+    assert found["period_s"] == pytest.approx(period, rel=1e-9)
+    assert found["outcome"].startswith("finished")
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet", "reference"])
+def test_a_run_answers_in_the_promised_keys_and_with_nothing_else(
+    typed: Command, name: str
+) -> None:
+    words = () if name == "reference" else ("--timestep", "1e-3")
+    answer = typed("run", "gentle-rock", "--engine", name, *words, "--json")
+    assert (answer.code, answer.err) == (0, "")
+    found = answer.json()
+    assert set(found) == MOTION | {"errors", "contact"}
+    assert set(found["errors"]) == ERRORS
+    assert set(found["contact"]) == CONTACT
+    assert [set(bounce) for bounce in found["bounces"]] == [BOUNCE]
+    assert len(found["errors"]["angle_of_turn_deg"]) == 1
+    assert len(found["errors"]["peak_friction_ratio"]) == 1
+    assert found["scene"] == "gentle-rock"
+
+
+def test_what_is_unknown_is_null_and_not_nan(
+    told: Command, scene_file: Callable[..., Path]
+) -> None:
+    path = scene_file(("[effects]", "[effects.slip]\nmu = 0.3"))
+    answer = told("run", str(path), "--engine", "mujoco", "--timestep", "1e-3", "--json")
+    assert answer.code == 0
+    assert answer.json()["errors"]["phi_rms_rad"] is None
+
+
+def test_a_run_for_people_shows_parity_and_bounces(told: Command) -> None:
+    answer = told("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3")
+    assert answer.code == 0
+    assert "radius R" in answer.out
+    assert "angle_of_turn" in answer.out
+
+
+def test_a_mismatch_is_an_answer_and_a_failure(told: Command) -> None:
+    words = ("run", "gentle-rock", "--engine", "pybullet", "--timestep", "1e-3")
+    answer = told(*words, "--set", "collisionMargin=0.001", "--json")
+    assert answer.code != 0
+    assert answer.json()["outcome"].startswith("mismatch")
+    assert "rim deviation" in answer.err
+    assert "Traceback" not in answer.err
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_motion_is_written_with_units_in_its_columns(
+    told: Command, tmp_path: Path, suffix: str
+) -> None:
+    out = tmp_path / f"motion{suffix}"
+    words = ("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3", "--json")
+    assert told(*words, "--out", str(out)).code == 0
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]
+    frame = pd.read_csv(out) if suffix == ".csv" else pd.read_parquet(out)
+    assert {"t_s", "phi_rad"} <= set(frame.columns)
+    assert len(frame) > 300
+    assert frame.phi_rad.iloc[0] == pytest.approx(0.4, rel=1e-12)
+
+
+def test_settings_can_be_spelt_as_the_command_of_a_case_spells_them(told: Command) -> None:
+    words = ("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3", "--json")
+    plain = told(*words).json()
+    same = told(
+        *words, "--set", "solref=0.002,1.0", "--set", "impratio=100.0", "--set", "cone=elliptic"
+    ).json()
+    other = told(*words, "--set", "solref=0.02,1.0").json()
+    assert same["errors"] == plain["errors"]
+    assert other["errors"] != plain["errors"]
+
+
+def test_the_command_of_a_case_runs_that_case(
+    told: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = (("solref", (0.1 + 0.2, 1.0)), ("cone", "elliptic"), ("iterations", 7))
+    boxed = (("URDF_USE_IMPLICIT_CYLINDER", True), ("contactERP", None), ("collisionMargin", 0.0))
+    scene = load("gentle-rock")
+    for case in (
+        Case(scene=scene, engine="mujoco", timestep=1.0 / 240.0, options=options),
+        Case(scene=scene, engine="pybullet", profile="default", options=boxed),
+        Case(scene=scene, engine="reference"),
+    ):
+        ran: list[Case] = []
+
+        def stop(asked: Case, ran: list[Case] = ran) -> None:
+            ran.append(asked)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr("harness.cli.commands.evaluate", stop)
+        told(*case.command().split()[1:])
+        assert ran == [case]
+        assert ran[0].digest("1") == case.digest("1")
+
+
+@pytest.mark.parametrize(("kind", "write"), [("mjcf", mjcf), ("urdf", urdf)])
+def test_an_export_is_the_model_itself(
+    told: Command, tmp_path: Path, kind: str, write: Callable[..., str]
+) -> None:
+    scene = load("petals")
+    said = told("export", "petals", "--format", kind)
+    assert (said.code, said.err) == (0, "")
+    assert said.out.rstrip("\n") == write(scene).rstrip("\n")
+    out = tmp_path / "model.xml"
+    assert told("export", "petals", "--format", kind, "--out", str(out)).code == 0
+    assert out.read_text(encoding="utf-8").rstrip("\n") == write(scene).rstrip("\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["model.xml"]
+
+
+def test_a_scene_may_be_a_file(told: Command, scene_file: Callable[..., Path]) -> None:
+    path = scene_file(("name", 'name = "mine"'))
+    assert read_scene(path).name == "mine"
+    assert told("reference", str(path), "--json").json()["scene"] == "mine"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_interrupted_it_leaves_nothing_behind(tmp_path: Path, jobs: str) -> None:
+    source = str(Path(__file__).parents[3])
+    program = f"import sys; sys.path.insert(0, {source!r}); from harness.cli import main; main()"
+    out = tmp_path / "report"
+    words = ("validate", "--out", str(out), "--jobs", jobs)
+    process = subprocess.Popen(  # noqa: S603 - our own program
+        [sys.executable, "-c", program, *words],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # as in a terminal, the interrupt reaches the whole group
+    )
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(timeout=6)  # past the imports, long before the suite is through
+    os.killpg(process.pid, signal.SIGINT)
+    said, complained = process.communicate(timeout=30)
+    assert process.returncode == 130  # 128 and the number of the signal, as shells have it
+    assert said == ""
+    assert "Traceback" not in complained
+    assert list(tmp_path.iterdir()) == []
