@@ -29,6 +29,8 @@ MOST_ITERATIONS = 40
 BLIND_ROUNDS = 6
 # Where phi' hardly moves phi within a step there is nothing to guess.
 SLOW = 0.1
+# Slowest phi' told from rest, over that of a fall from the same nutation.
+IDLE = 1e-3
 # As close to 1 as phi' over its speed is taken, far from the bounce.
 CLOSEST = 1 - 1e-15
 # An iteration that moves by this much, or to where there are no numbers, diverges.
@@ -81,7 +83,8 @@ def scales(values: Floats) -> Floats:
     low = values[TANGENT].min()
     precession = size[SWEEP] / low
     tiny = np.finfo(float).tiny
-    speed = max(size[NUTATION_RATE], precession / 2) + tiny
+    # beside balance nothing moves yet: there gravity sets the scale
+    speed = max(size[NUTATION_RATE], precession / 2, IDLE * sqrt(size[TANGENT])) + tiny
     # the spin is driven by the sweep through a logarithm: of the order of b
     return np.array(
         [[size[TANGENT]], [speed], [size[SWEEP] + tiny], [size[SPIN] + size[SWEEP] + tiny]]

@@ -37,8 +37,8 @@ from reference.track import Watch
 
 # A step spans at most this many of the fastest time scale at its start: e-folds of the nutation.
 LONGEST = 2.7
-# Where nothing moves at all a step is this long, over `LONGEST`, in 1/sigma.
-SLOWEST = 1e-3
+# Where nothing moves yet the can falls away from balance at about this rate, in sqrt(g/R).
+PENDULUM = 0.4
 # A step is sized so that this share of its harmonics is used.
 SHARE = 0.8
 LARGEST_GROWTH = 3.0
@@ -147,7 +147,8 @@ def _fastest(equations: RegularEquations, y: Floats) -> float:
     pull = float(rates(equations, y[:, None])[NUTATION_RATE, 0])
     T, Phi, b, _ = y.tolist()
     precession = b * (1 + T * T) / (2 * T)
-    return max(sqrt(Phi**2 + equations.swing * precession**2 + abs(pull)), SLOWEST)
+    sine = 2 * T / (1 + T * T)
+    return max(sqrt(Phi**2 + equations.swing * precession**2 + abs(pull)), PENDULUM * sine)
 
 
 def _guess(state: _March) -> Element | None:
@@ -233,8 +234,11 @@ def _cut_at_events(
     if outcome is None:
         short.values[NUTATION_RATE, -1] = 0.0
     piece = _piece(state, short)
+    if outcome is Outcome.FINISHED:
+        # the time that was asked for, not what the root search left of it
+        piece.values[TIME, -1] = watch.t_end
     if outcome is not None:
-        watch.end(piece.values[TIME, -1], outcome)
+        watch.end(float(piece.values[TIME, -1]), outcome)
     return piece, short
 
 

@@ -19,7 +19,11 @@ that nothing cancels; the equations are the same.
 import numpy as np
 
 from reference.parameters import Parameters
+from reference.problem import Problem
 from reference.states import Floats, States
+
+# The force on phi is a sum of some ten rounded terms.
+ROUND_OFFS = 16
 
 
 def nutation_acceleration(
@@ -43,6 +47,22 @@ def nutation_acceleration(
     square = p.a_p * S * C + (p.c_p * S + p.h * (1 + 2 * C)) * one_minus_C
     drive = square * psi_dot**2 - (p.c_p * S + p.h * C) * spin * psi_dot + p.h * S - C
     return np.asarray(drive / p.pendulum_inertia, dtype=float)
+
+
+def stands_still(problem: Problem) -> bool:
+    """Whether a release rests and nothing but round-off makes phi move."""
+    if problem.phi_dot != 0:
+        return False
+    p, S = problem.parameters, np.sin(problem.phi)
+    spin = problem.psi_dot + problem.theta_dot
+    force = p.pendulum_inertia * float(
+        nutation_acceleration(
+            np.asarray(problem.phi), np.asarray(problem.psi_dot), np.asarray(spin), p
+        )
+    )
+    q = S * problem.psi_dot
+    terms = 1 + (q * q * (1 + p.a_p) + abs(q * spin)) / S
+    return bool(abs(force) <= ROUND_OFFS * np.finfo(float).eps * terms)
 
 
 def accelerations(states: States, parameters: Parameters) -> tuple[Floats, Floats, Floats]:

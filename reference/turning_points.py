@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.outcome import Outcome
+from reference.rolling import ROUND_OFFS
 from reference.roots import bracketed_roots
 from reference.states import Floats
 from reference.track import PROMINENCE
@@ -56,8 +57,8 @@ def turning_points(well: Well) -> TurningPoints:
     force = nutation_force(well.can, well.b, well.spin, release)
     q = well.b / np.sin(release)
     # round-off of the force: of its terms as they are added
-    terms = 1 + (q**2 * (1 + well.can.a_p) + np.abs(q * well.spin)) / release
-    noise = 16 * np.finfo(float).eps * terms
+    terms = 1 + (q**2 * (1 + well.can.a_p) + np.abs(q * well.spin)) / np.sin(release)
+    noise = ROUND_OFFS * np.finfo(float).eps * terms
     at_rest = well.excess == 0
     still = at_rest & (np.abs(force) <= noise)
     falling = at_rest & (force < 0)

@@ -89,7 +89,8 @@ def test_work_does_not_grow_with_the_hardness() -> None:
         march(Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=rate, bounces=1), locus=False)
         for rate in (1e-3, 1e-12)
     )
-    assert hard.steps < 3 * soft.steps
+    # down and up again through ln(1e9) e-folds of nutation, 2.7 of them a step
+    assert hard.steps <= soft.steps + 2 * math.log(1e9) / 2.7 + 2
     assert hard.track.extrema.phi[1] < 1e-11
 
 
