@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.base import resolve
-from harness.engines.reference import Truth, truth
+from harness.engines.reference import Truth, sampled, truth
 from harness.engines.registry import check_effects, engine
 from harness.engines.soundness import fault
 from harness.errors import HarnessError, TrajectoryError
@@ -135,8 +135,9 @@ def measure(simulation: Simulation) -> Evaluation:
     common = found.time <= exact.ends
     compared = motion(take(trajectory, common), scene)
     true = motion(exact.at(compared.time), scene)
-    instants = exact.grid()
-    locus = exact.at(instants[instants <= compared.time[-1]]).contact_point[:, :2]
+    dense = sampled(exact)
+    locus = dense.contact_point[dense.time <= compared.time[-1], :2]
+    pull = dense.contact_force[dense.time <= own.ends, 2] <= 0.0
     return Evaluation(
         simulation=simulation,
         motion=found,
@@ -146,7 +147,7 @@ def measure(simulation: Simulation) -> Evaluation:
         truth=true,
         true_bounces=own.bounces,
         errors=errors(compared, true, found_bounces, own.bounces, locus),
-        truth_pulls=bool((own.at(own.grid()).contact_force[:, 2] <= 0.0).any()),
+        truth_pulls=bool(pull.any()),
     )
 
 

@@ -211,6 +211,12 @@ def truth(scene: Scene, seconds: float | None = None) -> Truth:
     return solved(Case(scene=scene, engine="reference"), seconds)
 
 
+@lru_cache(maxsize=64)
+def sampled(motion: Truth) -> Trajectory:
+    """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
+    return motion.at(motion.grid())
+
+
 def _ending(solution: Solution) -> tuple[Outcome, str]:
     """Return how a solution ended, in the harness's terms and in the reference's words."""
     if solution.outcome is Ending.FINISHED:
