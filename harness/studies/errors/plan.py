@@ -1,0 +1,169 @@
+"""What is run to tell the three errors apart.
+
+For each way to shrink the timestep: a ladder of timesteps with the solver converged, whose limit is
+the engine's own answer; and at one rung of it the solver as it is set, and at lesser efforts. At
+that rung, too, an ensemble of slightly perturbed releases.
+
+A setting whose matched value goes with the timestep makes two ways of one engine: tied, it takes
+its softness with it as it shrinks; held, it keeps it, and converges neatly to another can.
+"""
+
+from dataclasses import dataclass
+
+from harness.case import Case, Value
+from harness.engines.base import Effort, Engine
+from harness.engines.reference import truth
+from harness.engines.registry import engine
+from harness.errors import InvalidSettingError
+from harness.studies.errors.ensemble import MEMBERS, SIZES, perturbed
+from models.scene import Scene
+
+Options = tuple[tuple[str, Value], ...]
+
+RUNGS = 5
+"""Each half the one before: three give a limit, two more say how far it can be trusted."""
+
+PROBE = 2
+"""The rung, counted from the coarsest, at which solver and ensemble are looked at."""
+
+_TURN_A_STEP = 0.1
+"""rad of precession in the coarsest step at its fastest: coarser, no ladder has begun to fall."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Way:
+    """A way to shrink the timestep: a name in words, and what is set on the way."""
+
+    name: str
+    options: Options
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What is run.
+
+    Parameters
+    ----------
+    scene : Scene
+    engine, profile : str
+    ways : tuple of Way
+        The first is the one that the ensemble is run on.
+    timesteps : tuple of float
+        s, from coarse to fine.
+    efforts : tuple of Effort
+        The last is the converged solve; empty if the engine declares none.
+    """
+
+    scene: Scene
+    engine: str
+    profile: str
+    ways: tuple[Way, ...]
+    timesteps: tuple[float, ...]
+    efforts: tuple[Effort, ...]
+
+    @property
+    def probe(self) -> float:
+        """The timestep at which solver and ensemble are looked at, s."""
+        return self.timesteps[PROBE]
+
+    def on_ladder(self, way: Way, timestep: float) -> Case:
+        """Return the case of a rung, with the solver converged."""
+        return self.tried(way, self.efforts[-1] if self.efforts else None, timestep)
+
+    def tried(self, way: Way, effort: Effort | None, timestep: float | None = None) -> Case:
+        """Return the case with the solver at an effort, as it is set if that is None."""
+        settings = () if effort is None else effort.settings
+        return Case(
+            scene=self.scene,
+            engine=self.engine,
+            profile=self.profile,
+            timestep=self.probe if timestep is None else timestep,
+            options=tuple((dict(way.options) | dict(settings)).items()),
+        )
+
+    def member(self, size: float, number: int) -> Case:
+        """Return the case of a perturbed release."""
+        return Case(
+            scene=perturbed(self.scene, size, number),
+            engine=self.engine,
+            profile=self.profile,
+            timestep=self.probe,
+            options=self.ways[0].options,
+        )
+
+
+def plan(
+    scene: Scene,
+    engine_name: str,
+    profile: str = "matched",
+    *,
+    timestep: float | None = None,
+    options: Options = (),
+) -> Plan:
+    """Return what to run for a scene in an engine.
+
+    Parameters
+    ----------
+    scene : Scene
+    engine_name : str
+    profile : str
+        One with a fixed timestep.
+    timestep : float, optional
+        The coarsest, s; the profile's own, or a shorter one that the bounce calls for.
+    options : tuple of (str, Value)
+        Settings on every way.
+
+    Raises
+    ------
+    HarnessError
+        If there is no such engine, it takes no fixed timestep, or the scene has no truth.
+    """
+    if scene.effects.declared() or scene.gravity == 0.0:
+        allowed = "a scene under gravity with no effects: another has no exact motion"
+        raise InvalidSettingError("SCENE", scene.name, allowed)
+    if profile not in {"default", "matched"}:
+        raise InvalidSettingError("--profile", profile, "default or matched: a fixed timestep")
+    chosen = engine(engine_name)
+    case = Case(scene=scene, engine=engine_name, profile=profile, timestep=timestep)
+    coarsest = chosen.timestep(case)
+    if coarsest is None:
+        raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
+    if timestep is None:
+        rates = [abs(bounce.peak_psi_dot) for bounce in truth(scene).bounces]
+        coarsest = min([coarsest, *(_TURN_A_STEP / rate for rate in rates if rate > 0.0)])
+    return Plan(
+        scene=scene,
+        engine=engine_name,
+        profile=profile,
+        ways=_ways(chosen, profile, options),
+        timesteps=tuple(coarsest / 2.0**rung for rung in range(RUNGS)),
+        efforts=getattr(chosen, "efforts", ()),
+    )
+
+
+def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
+    """Return the ways: one, or two if a setting of the profile goes with the timestep."""
+    tied = [
+        setting
+        for setting in chosen.settings
+        if profile == "matched" and callable(setting.matched) and setting.name not in dict(options)
+    ]
+    if not tied:
+        told = ", ".join(f"{name}={value}" for name, value in options)
+        return (Way(name=f"{profile} with {told}" if told else profile, options=options),)
+    names = ", ".join(setting.name for setting in tied)
+    held = tuple((setting.name, setting.default) for setting in tied)
+    return (
+        Way(name=f"{names} tied to the timestep", options=options),
+        Way(name=f"{names} held as shipped", options=options + held),
+    )
+
+
+def design(chosen: Plan) -> tuple[Case, ...]:
+    """Return the cases, each once, the ladder's first."""
+    cases = [chosen.on_ladder(way, step) for way in chosen.ways for step in chosen.timesteps]
+    cases += [
+        chosen.tried(way, effort) for way in chosen.ways for effort in (None, *chosen.efforts)
+    ]
+    cases += [chosen.member(size, number) for size in SIZES for number in range(MEMBERS)]
+    return tuple(dict.fromkeys(cases))
