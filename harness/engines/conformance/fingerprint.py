@@ -1,0 +1,35 @@
+"""A simulation's outcome and every bit of its trajectory, in a line of text.
+
+`python -m harness.engines.conformance.fingerprint ENGINE` prints that of the suite's brief release:
+what a fresh process makes of a case.
+"""
+
+import hashlib
+import sys
+from dataclasses import fields
+
+from harness.simulation import Simulation
+from harness.trajectory import Trajectory
+
+
+def fingerprint(simulation: Simulation) -> str:
+    """Return a line that differs where a bit differs; times and cost are not in it."""
+    digest = hashlib.sha256()
+    if simulation.trajectory is not None:
+        for field in fields(Trajectory):
+            digest.update(getattr(simulation.trajectory, field.name).tobytes())
+    return f"{simulation.outcome.name} {simulation.steps} {digest.hexdigest()}"
+
+
+def main(name: str) -> str:
+    """Return the fingerprint of a registered engine's run of the brief release."""
+    # imported here, since the bench and the checks import this module
+    from harness.engines.conformance.bench import Bench  # noqa: PLC0415
+    from harness.engines.registry import engine  # noqa: PLC0415
+
+    bench = Bench(engine(name))
+    return fingerprint(bench.run(bench.case(bench.brief)))
+
+
+if __name__ == "__main__":
+    sys.stdout.write(main(sys.argv[1]) + "\n")
