@@ -153,7 +153,7 @@ class ReferenceEngine:
             )
         started, cpu = time.perf_counter(), time.process_time()
         found = solved(case)
-        trajectory = found.at(found.grid())
+        trajectory = sampled(found)
         outcome, note = _ending(found.solution)
         return Simulation(
             case=case,
@@ -208,7 +208,8 @@ def solved(case: Case, seconds: float | None = None) -> Truth:
 @lru_cache(maxsize=64)
 def truth(scene: Scene, seconds: float | None = None) -> Truth:
     """Return the exact motion of a scene, solved with the reference's own choices, and keep it."""
-    return solved(Case(scene=scene, engine="reference"), seconds)
+    # not the exact formula, which has to be inverted for the state at a given instant
+    return solved(Case(scene=scene, engine="reference", options=(("model", "rolling"),)), seconds)
 
 
 @lru_cache(maxsize=64)
