@@ -140,6 +140,7 @@ def _layout(panel: Panel) -> dict[str, Any]:
         x_axis["tickvals"] = list(range(len(panel.x_names)))
         x_axis["ticktext"] = [_text(name) for name in panel.x_names]
         x_axis["tickangle"] = -30
+        x_axis["range"] = [-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH]
     if panel.equal:
         x_axis["constrain"] = y_axis["constrain"] = "domain"
         y_axis |= {"scaleanchor": "x", "scaleratio": 1}

@@ -8,7 +8,7 @@ import io
 import math
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -28,6 +28,7 @@ from harness.report.thinning import plottable
 PIXELS = 1200  # of the PNG's width
 _INCHES = 8.0
 _ROW, _SQUARE_ROW = 0.62, 0.92  # height of a row in panel widths
+_LETTERS, _KEY = 130, 6  # in the width of the page; what a key and its margins take of them
 _MARKS = ("o", "D", "s", "^", "P", "X", "*")
 _DRAWN = re.compile(r'(?<=\sd=")[^"]*(?=")')
 _LONG = re.compile(r"-?\d+\.\d{3,}")
@@ -102,7 +103,7 @@ def _sheet(figure: Figure, inks: Mapping[str, Ink]) -> Sheet:
     keys = [_key(entry, inks[entry.kind]) for entry in legend.values()]
     if keys:
         box = sheet.legend(
-            handles=keys, loc="outside upper left", ncols=min(4, len(keys)), frameon=False
+            handles=keys, loc="outside upper left", ncols=_columns(keys), frameon=False
         )
         for text in box.get_texts():
             text.set_parse_math(False)
@@ -111,6 +112,12 @@ def _sheet(figure: Figure, inks: Mapping[str, Ink]) -> Sheet:
     sheet.draw_without_rendering()
     sheet.set_layout_engine("none")
     return sheet
+
+
+def _columns(keys: Sequence[Line2D | Patch]) -> int:
+    """Return how many legend entries fit beside each other."""
+    longest = max(len(str(key.get_label())) for key in keys)
+    return max(1, min(4, len(keys), _LETTERS // (longest + _KEY)))
 
 
 def _rounded(match: re.Match[str]) -> str:
@@ -136,7 +143,7 @@ def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: Ink) -> N
         base = np.zeros(len(y)) if series.base is None else series.base
         axes.use_sticky_edges = False  # bars, too, keep their distance from the frame
         look = {"color": ink.light, "alpha": entry.opacity, "linewidth": 1.0}  # seen at no height
-        axes.bar(x, y - base, bottom=base, width=BAR_WIDTH, **look)  # type: ignore[arg-type]
+        axes.bar(x, y - base, bottom=base, width=BAR_WIDTH, zorder=2.0, **look)  # type: ignore[arg-type]
         return
     look = _look(entry, ink)
     if series.mark == "line":
@@ -165,6 +172,7 @@ def _label(axes: Axes, panel: Panel) -> None:
         axes.set_xticklabels(
             panel.x_names, rotation=30, ha="right", rotation_mode="anchor", parse_math=False
         )
+        axes.set_xlim(-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH)
         axes.grid(visible=False, axis="x")
     if not any(np.isfinite(plottable(series, panel)[1]).any() for series in panel.series):
         axes.text(0.5, 0.5, "nothing to draw", ha="center", va="center", transform=axes.transAxes)

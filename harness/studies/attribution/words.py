@@ -20,11 +20,7 @@ def sentences(
 ) -> tuple[str, str]:
     """Return two sentences on the first quantity whose whole is known."""
     uncounted = sum(turn(e) is None for e in evaluations.values())
-    doubt = (
-        f" (the turn cannot be counted in {uncounted} of {len(evaluations)} runs)"
-        if uncounted
-        else ""
-    )
+    doubt = _doubt(uncounted, len(evaluations), accounts) if uncounted else ""
     for quantity in QUANTITIES:
         found = accounts[quantity.key]
         if found.whole is not None:
@@ -38,6 +34,22 @@ def sentences(
         "of the way has no motion to compare."
     )
     return nothing, f"The runs ended: {', '.join(ends)}."
+
+
+def _doubt(uncounted: int, runs: int, accounts: Mapping[str, Account]) -> str:
+    """Return in how many runs the turn is not known, and what is known of it all the same."""
+    quantity = QUANTITIES[0]
+    found = accounts[quantity.key]
+    known = [
+        (abs(value), name, value)
+        for name, value in zip(found.names, found.in_order, strict=True)
+        if value is not None
+    ]
+    told = f" (the turn cannot be counted in {uncounted} of {runs} runs"
+    if known and found.whole is None:
+        _, name, value = max(known)
+        told += f"; where it can, most is taken away by {name}, {_amount(quantity, value)}"
+    return told + ")"
 
 
 def _in_order(way: Path, quantity: Quantity, found: Account) -> str:

@@ -31,17 +31,17 @@ def ladder_figure(
             found = splits[way.name, quantity.key]
             values = [quantity.found(evaluations[plan.on_ladder(way, h)]) for h in plan.timesteps]
             for told, level in (
-                ("the truth", found.true),
-                ("its limit", None if found.limit is None else found.limit.value),
+                ("truth", found.true),
+                ("limit", None if found.limit is None else found.limit.value),
             ):
                 series.append(
                     Series(
-                        label=f"off {told}: {way.name}",
+                        label=f"off {told}, {way.name}",
                         kind=plan.engine if way is plan.ways[0] else f"{plan.engine}, {way.name}",
                         x=x,
                         y=_off(values, level),
                         mark="both",
-                        dashed=told != "the truth",
+                        dashed=told == "limit",
                     )
                 )
         panels.append(_panel(quantity, "timestep [s]", tuple(series)))

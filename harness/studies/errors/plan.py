@@ -154,8 +154,8 @@ def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
     names = ", ".join(setting.name for setting in tied)
     held = tuple((setting.name, setting.default) for setting in tied)
     return (
-        Way(name=f"{names} tied to the timestep", options=options),
-        Way(name=f"{names} held as shipped", options=options + held),
+        Way(name=f"{names} tied", options=options),
+        Way(name=f"{names} held", options=options + held),
     )
 
 
