@@ -22,9 +22,9 @@ _COLUMNS = {
     "how": "How it was probed.",
 }
 
-_NEGLIGIBLE = 1e-9
-"""Share of the expected, or value where zero is expected, below which nothing is imposed: a
-nanometre, a nanometre a second."""
+_NEGLIGIBLE, _NEGLIGIBLE_SHARE = 1e-9, 1e-5
+"""Departures in which nothing is imposed: a nanometre, a nanometre a second; of numbers without a
+unit more, since the error of the first order of a step of 1e-4 s shows in them."""
 
 _LOGARITHMIC = {"contact points"}
 """Effects whose x spans decades."""
@@ -40,7 +40,8 @@ def imposed(finding: Finding) -> bool:
     if not math.isfinite(finding.value):
         return True
     scale = abs(finding.expected) or 1.0
-    return abs(finding.value - finding.expected) > _NEGLIGIBLE * scale
+    allowed = _NEGLIGIBLE_SHARE if finding.unit == "1" else _NEGLIGIBLE
+    return abs(finding.value - finding.expected) > allowed * scale
 
 
 def _table(measurements: Sequence[Measurement]) -> Table:
