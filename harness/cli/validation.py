@@ -21,13 +21,13 @@ from harness.studies.comparison import SUITES
 _SHOWN = (
     "scene",
     "engine",
-    "profile",
-    "timestep_s",
-    "angle_of_turn_error_deg",
-    "phi_rms_rad",
-    "contact_locus_rms_m",
-    "energy_drift",
-    "wall_s",
+    "shipped_turn_error_deg",
+    "shipped_phi_rms_rad",
+    "shipped_verdict",
+    "best_turn_error_deg",
+    "best_phi_rms_rad",
+    "best_run",
+    "best_verdict",
 )
 
 
@@ -70,7 +70,7 @@ def validate(
     )
     console = printing.out()
     for artefact in artefacts:
-        if isinstance(artefact, Table) and artefact.name == "results":
+        if isinstance(artefact, Table) and artefact.name == "scorecard":
             console.print(printing.data(artefact, _SHOWN))
         if isinstance(artefact, Prose) and artefact.name == "summary":
             console.print(escape(artefact.text))

@@ -1,8 +1,8 @@
 """Which cases the comparison is made of.
 
-Each engine runs each scene as it ships, at its own timestep; matched, on a ladder of timesteps; and
-adaptive. The first says what a user gets, the second how fast the engine gets nearer, the third what
-it can do.
+Each engine runs each scene as it ships, at its own timestep; matched, on a ladder of timesteps;
+and adaptive. The first says what a user gets, the second how fast the engine gets nearer, the third
+what it can do.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

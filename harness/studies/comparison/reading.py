@@ -8,13 +8,14 @@ from harness.runner import Evaluation
 from harness.simulation import Outcome
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.results import results
+from harness.studies.comparison.scorecard import scorecard
 from harness.studies.comparison.tables import bounces, orders, parity
 
 
 def read(evaluations: Sequence[Evaluation]) -> tuple[Artefact, ...]:
     """Return the artefacts of the comparison."""
     scenes = list(dict.fromkeys(e.simulation.case.scene.name for e in evaluations))
-    artefacts: list[Artefact] = [_summary(evaluations)]
+    artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations)]
     for scene in scenes:
         own = [e for e in evaluations if e.simulation.case.scene.name == scene]
         artefacts += scene_figures(scene, own)
