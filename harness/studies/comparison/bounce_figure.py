@@ -17,9 +17,12 @@ _WINDOW = 12.0
 _FEW = 40
 """Samples in the zoom up to which each is marked by a point."""
 
-_QUANTITIES: tuple[tuple[str, str, Callable[[Motion], Floats]], ...] = (
-    ("Nutation phi", "phi [deg]", lambda motion: np.degrees(motion.angles.phi)),
-    ("Precession psi", "psi [deg]", lambda motion: np.degrees(motion.angles.psi)),
+_ENDS = 2
+"""Points of a curve in the zoom that are no samples: where it enters and where it leaves."""
+
+_QUANTITIES: tuple[tuple[str, str, str, Callable[[Motion], Floats]], ...] = (
+    ("phi", "Nutation phi", "phi [deg]", lambda motion: np.degrees(motion.angles.phi)),
+    ("psi", "Precession psi", "psi [deg]", lambda motion: np.degrees(motion.angles.psi)),
 )
 
 
@@ -31,7 +34,7 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
     half = _WINDOW / abs(true.peak_psi_dot)
 
     panels: list[Panel] = []
-    for title, y_label, values in _QUANTITIES:
+    for name, title, y_label, values in _QUANTITIES:
         series: list[Series] = []
         exact = longest(drawn).truth
         if exact is not None:
@@ -49,7 +52,7 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
                     x=x,
                     y=y,
                     dashed=shipped,
-                    mark="both" if len(x) < _FEW else "line",
+                    mark="both" if _ENDS < len(x) < _FEW else "line",
                 )
             )
         panels.append(
@@ -58,6 +61,7 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
                 x_label="time from the bounce [ms]",
                 y_label=y_label,
                 series=tuple(series),
+                log_y=name == "phi",
             )
         )
     turn, width = math.degrees(true.angle_of_turn), 2.0 / abs(true.peak_psi_dot)

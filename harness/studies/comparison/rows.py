@@ -12,7 +12,7 @@ Row = dict[str, Any]
 CASE: Mapping[str, str] = {
     "scene": "Name of the scene.",
     "engine": "Name of the engine.",
-    "profile": "default: as it ships; matched: as the scene declares; adaptive: matched, own steps.",
+    "profile": "default: as it ships; matched: what the scene declares; adaptive: and own steps.",
     "timestep_s": "Timestep of the engine, s; the largest of an adaptive run.",
 }
 
