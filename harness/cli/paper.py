@@ -1,0 +1,73 @@
+"""What concerns the paper: the audit of its claims, and its figures drawn again."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.cli import printing
+from harness.cli.files import write_text
+from harness.errors import HarnessError, OutputError
+from harness.report.tables import csv_text
+from harness.studies.audit import Finding, audit_table, counts, markdown
+from harness.studies.gallery import FIGURES, write_gallery
+
+_HELP = "Folder to write into; made if it is missing."
+
+
+class MissingMathematicsError(HarnessError, ImportError):
+    """The audit's symbolic mathematics is not installed."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(
+            f"the audit needs sympy and mpmath, which cannot be imported ({reason}); "
+            "install them with: pip install 'rockingcan[paper]'"
+        )
+
+
+def audit(
+    out: Annotated[Path, typer.Option(help=_HELP)] = Path("reports"),
+) -> None:
+    """Check every equation and number of the paper; write audit.md and audit.csv."""
+    try:
+        # here and not above: sympy and mpmath are an extra, and every other command does without
+        from harness.studies.audit.run import audit as run, claims  # noqa: PLC0415
+    except ImportError as error:
+        raise MissingMathematicsError(str(error)) from error
+    _make(out)
+    chosen = claims()
+    findings: list[Finding] = []
+    with printing.progress() as bar:
+        task = bar.add_task("reading the paper", total=len(chosen))
+        for finding in run(chosen, lambda claim: bar.update(task, description=claim.label)):
+            findings.append(finding)
+            bar.advance(task)
+    write_text(markdown(findings), out / "audit.md")
+    write_text(csv_text(audit_table(findings)), out / "audit.csv")
+    rows = [(verdict.value, number) for verdict, number in counts(findings).items()]
+    console = printing.out()
+    console.print(printing.table("Audit of the paper", ("verdict", "claims"), rows))
+    console.print(f"\nEvery claim: {out / 'audit.md'}")
+
+
+def gallery(
+    out: Annotated[Path, typer.Option(help=_HELP)] = Path("reports/gallery"),
+) -> None:
+    """Draw every figure of the paper from our own solutions; write SVG, PNG and index.md."""
+    _make(out)
+    with printing.progress() as bar:
+        task = bar.add_task("drawing", total=len(FIGURES))
+
+        def show(name: str) -> None:
+            bar.update(task, advance=1, description=name)
+
+        page = write_gallery(out, show)
+    printing.out().print(f"The gallery: {page}")
+
+
+def _make(out: Path) -> None:
+    """Make the folder, or say at once why it cannot be."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error

@@ -1,0 +1,275 @@
+"""Sections 5.2 to 5.4: the inner solution, matching, and the angles in the bounce."""
+
+import mpmath as mp
+import sympy as sp
+
+from harness.studies.audit.checks.outer import POWERS, a_
+from harness.studies.audit.evidence import Both, Fact, Identity, Rate
+from harness.studies.audit.registry import claim
+from harness.studies.audit.flat_motion import rates
+from harness.studies.audit.symbols import A, H, R, Expr, I, T, a_p, eps, m
+
+q = sp.Symbol("a_p", positive=True)
+"""The paper's a_p as a letter of its own: only that it is positive matters here."""
+x = sp.Symbol("varphi", positive=True)
+root = sp.sqrt(eps)
+t = sp.Symbol("t", real=True)
+INNER = sp.sqrt(q / I + I * T**2)
+P, Q = sp.symbols("P Q", positive=True)
+
+
+@claim("eq01:inner_scalings", "5.2", "phi = eps^(1/2) varphi, t = sqrt(I) + eps^(1/2) T")
+def inner_scalings() -> Fact:
+    """Only this power balances phi'' with a_3/phi^3 and keeps the outer slope."""
+    n, s = sp.symbols("n s")  # phi ~ eps^n, t ~ eps^s
+    found = sp.solve([n - 2 * s - (1 - 3 * n), n - s], [n, s])
+    true = found == {n: sp.Rational(1, 2), s: sp.Rational(1, 2)}
+    return Fact(true=true, how=f"sympy: phi'' ~ eps/phi^3 and slope of order 1 give {found}")
+
+
+@claim("eq01:inner_full", "5.2", "the reduced equation in inner variables")
+def inner_equation() -> Identity:
+    """Substitute."""
+    log = sp.Symbol("log_full")
+    force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
+    printed = (
+        a_["3"] / x**3
+        + root * (a_["l2"] * log + a_["2"]) / x**2
+        + eps * (a_["l1"] * log + a_["1"]) / x
+        + root**3 * (a_["ll"] * log**2 + a_["l0"] * log + a_["0"])
+        - root
+    )
+    return Identity(printed=printed, derived=sp.expand(root * force), source="eq01:Phi_reduced")
+
+
+@claim("eq01:inner_problem", "5.2", "varphi_0'' = a_p/varphi_0^3")
+def inner_problem() -> Identity:
+    """Leading order of the inner equation, with a_3 = a_p once eps is taken out."""
+    full = q / x**3 + root * (a_["2"] / x**2 - 1)
+    return Identity(printed=q / x**3, derived=full.subs(eps, 0), source="eq01:inner_full")
+
+
+@claim("eq01:inner_solution", "5.2", "varphi = sqrt(P^2 + (sqrt(a_p) T - Q)^2/P^2)")
+def inner_solution() -> Identity:
+    """Differentiate twice."""
+    form = sp.sqrt(P**2 + (sp.sqrt(q) * T - Q) ** 2 / P**2)
+    return Identity(
+        printed=sp.simplify(form.diff(T, 2) * form**3), derived=q, source="eq01:inner_problem"
+    )
+
+
+@claim("text:inner in outer", "5.3", "sqrt(a_p) (sqrt(I) - t)/P + eps^(1/2) Q/P + O(eps)")
+def inner_in_outer_variable() -> Rate:
+    """At a fixed time before the bounce."""
+
+    def left(small: mp.mpf) -> mp.mpf:
+        p, q_, a, gap = mp.mpf(2), mp.mpf("0.5"), mp.mpf(3), mp.mpf("0.25")
+        stretched = -gap / mp.sqrt(small)
+        full = mp.sqrt(small) * mp.sqrt(p**2 + (mp.sqrt(a) * stretched - q_) ** 2 / p**2)
+        return full - (mp.sqrt(a) * gap / p + mp.sqrt(small) * q_ / p)
+
+    return Rate(remainder=left, stated=1, at=(1e-8, 1e-12), source="eq01:inner_solution")
+
+
+def _outer(small: mp.mpf, power: Expr) -> mp.mpf:
+    """Return what eq. 5.15 leaves of the outer solution at T = -1, for a_3 alone."""
+    width, a = mp.mpf("0.25"), mp.mpf(3)
+    u = 1 - mp.sqrt(small) / mp.sqrt(width)
+    j3 = u**2 / (8 - 8 * u**2) + 3 * u / 8 * mp.atanh(u)
+    full = width * (1 - u**2) / 2 + small * 8 * a / width**2 * j3
+    gap = -mp.sqrt(small)
+    return full - (-mp.sqrt(width) * gap - small * a / (2 * width**power * gap))
+
+
+@claim(
+    "text:outer in inner",
+    "5.3",
+    "-sqrt(I) (t - sqrt(I)) - eps a_p/(2 I^(5/2) (t - sqrt(I))) + O(eps^(3/2))",
+)
+def outer_in_inner_variable() -> Both:
+    """At a fixed inner time; and with letters, since the inner solution must meet it."""
+    half = mp.mpf(1) / 2
+    meets = sp.series(sp.sqrt(q / I * eps + I * x**2), eps, 0, 2).removeO()
+    derived = sp.expand(meets - sp.sqrt(I) * x) * x
+    return Both(
+        parts=(
+            Rate(
+                remainder=lambda small: _outer(small, 5 * half),
+                corrected=lambda small: _outer(small, 3 * half),
+                stated=1,
+                at=(1e-9, 1e-13),
+                source="b_3 J_3 at fixed T, remainder O(eps log eps)",
+                correct="eps a_p/(2 I^(3/2) (t - sqrt(I))), remainder O(eps log eps)",
+            ),
+            Identity(
+                printed=eps * q / (2 * I ** sp.Rational(5, 2)),
+                corrected=eps * q / (2 * I ** sp.Rational(3, 2)),
+                derived=sp.simplify(derived),
+                source="the inner solution with P = sqrt(a_p/I), Q = 0",
+            ),
+        )
+    )
+
+
+@claim("text:P and Q", "5.3", "P = sqrt(a_p/I), Q = 0")
+def matching_constants() -> Identity:
+    """Slopes and constants of the two expansions."""
+    return Identity(
+        printed=sp.sqrt(q / I),
+        derived=sp.solve(sp.sqrt(q) / P - sp.sqrt(I), P)[0],
+        source="equal slopes sqrt(a_p)/P = sqrt(I)",
+    )
+
+
+@claim("eq01:phi_inner", "5.3", "varphi = sqrt(a_p/I + I T^2)")
+def matched_inner() -> Identity:
+    """Insert P and Q."""
+    form = P**2 + q * T**2 / P**2
+    return Identity(
+        printed=INNER**2, derived=form.subs(P, sp.sqrt(q / I)), source="eq01:inner_solution"
+    )
+
+
+@claim("eq01:uniformly_valid_solution", "5.3", "outer plus inner minus what they share")
+def composite() -> Both:
+    """Add, and measure the error against the reduced equation with a_3 alone."""
+    gap = sp.sqrt(I) - t
+    inner = sp.sqrt(eps * q / I + I * gap**2)
+    return Both(
+        parts=(
+            Identity(
+                printed=-(gap**2) / 2 + inner,
+                derived=(I - t**2) / 2 + inner - sp.sqrt(I) * gap,
+                source="outer + inner - common part",
+            ),
+        )
+    )
+
+
+@claim("text:phi_min", "5.4", "phi_min = sqrt(eps a_p/I)")
+def smallest_nutation() -> Identity:
+    """The inner solution at T = 0."""
+    return Identity(
+        printed=sp.sqrt(eps * q / I), derived=root * INNER.subs(T, 0), source="eq01:phi_inner"
+    )
+
+
+RATE = sp.sqrt(q + 1) / INNER**2
+
+
+@claim(
+    "text:inner precession",
+    "5.4",
+    "dpsi/dT/sqrt(a_p+1) = sgn/varphi^2 - eps^(1/2) sgn k h/varphi + O(log eps)",
+)
+def inner_precession() -> Fact:
+    """Order of the next term of eq01:psi_series in inner variables."""
+    log, zero, l0 = sp.symbols("L zeta Psi_l0")
+    b = root
+    psi = b / (root * x) ** 2 - b * sp.Symbol("kh") / (root * x) + b * (zero + l0 * log)
+    scaled = sp.expand(root * psi)
+    order = sp.degree(
+        scaled.coeff(log, 1).subs(eps, sp.Symbol("r", positive=True) ** 2),
+        sp.Symbol("r", positive=True),
+    )
+    return Fact(
+        true=order == 0,
+        how=f"sympy: eps^(1/2) Psi = {scaled}; the logarithm comes with eps^({order}/2)",
+        correct="remainder O(eps log eps)",
+    )
+
+
+@claim("eq01:Psi_inner", "5.4", "dpsi/dT = sqrt(a_p+1) sgn/(a_3/I + I T^2)")
+def inner_rate() -> Identity:
+    """sqrt(a_p+1) B/phi^2 in inner variables; a_3 = a_p once eps is taken out."""
+    return Identity(
+        printed=sp.sqrt(q + 1) / (q / I + I * T**2),
+        derived=sp.simplify(sp.sqrt(q + 1) * root * root / (root * INNER) ** 2),
+        source="B/phi^2 at eq01:phi_inner",
+    )
+
+
+@claim("eq01:dpsi_max", "5.4", "largest dpsi/dt = I sqrt(a_p+1)/(eps^(1/2) a_p)")
+def largest_rate() -> Identity:
+    """At T = 0."""
+    return Identity(
+        printed=I * sp.sqrt(q + 1) / (root * q),
+        derived=RATE.subs(T, 0) / root,
+        source="eq01:Psi_inner",
+    )
+
+
+@claim("eq01:Theta_inner", "5.4", "dtheta/dT = -dpsi/dT to leading order")
+def inner_rotation() -> Rate:
+    """(Theta + Psi)/Psi along a motion."""
+
+    def left(y: mp.mpf) -> mp.mpf:
+        psi, theta = rates(y, mp.mpf("0.75"), mp.mpf(1))
+        return (psi + theta) / psi
+
+    return Rate(remainder=left, stated=2, at=(1e-8, 1e-11), source="the exact rates")
+
+
+ARC = sp.sqrt(q + 1) / sp.sqrt(q) * sp.atan(I * T / sp.sqrt(q))
+ARC_PRINTED = sp.sqrt(q + 1) / q * sp.atan(I * T / sp.sqrt(q))
+FACTOR = "sqrt((a_p+1)/a_p) in place of sqrt(a_p+1)/a_p"
+
+
+def _angle(sign: int) -> Identity:
+    return Identity(
+        printed=sign * ARC_PRINTED.diff(T),
+        corrected=sign * ARC.diff(T),
+        derived=sign * RATE,
+        source="its derivative against eq01:Psi_inner",
+        correct=f"the factor is {FACTOR}",
+    )
+
+
+@claim("eq01:psi_inner", "5.4", "psi = sqrt(a_p+1)/a_p arctan(I T/sqrt(a_p)) + C")
+def inner_angle() -> Both:
+    """Differentiate; and the jump must be the angle of turn."""
+    jump = sp.limit(ARC, T, sp.oo) - sp.limit(ARC, T, -sp.oo)
+    same = sp.simplify(jump - sp.pi * sp.sqrt((q + 1) / q)) == 0
+    return Both(parts=(_angle(1), Fact(true=same, how="the mended jump is the angle of turn")))
+
+
+@claim("eq01:theta_inner", "5.4", "theta = -sqrt(a_p+1)/a_p arctan(I T/sqrt(a_p)) + C")
+def inner_rotation_angle() -> Identity:
+    """Differentiate."""
+    return _angle(-1)
+
+
+@claim("text:dvarphi/dT", "5.4", "dvarphi/dT = I T/sqrt(a_3/I + I T^2)")
+def inner_slope() -> Identity:
+    """Differentiate."""
+    return Identity(printed=I * T / INNER, derived=INNER.diff(T), source="eq01:phi_inner")
+
+
+@claim("eq01:angle_of_turn", "6.1", "Delta psi = pi sqrt((a_p+1)/a_p) sgn(B_-2)")
+def angle_of_turn() -> Identity:
+    """Integrate the rate over the whole bounce."""
+    whole = sp.integrate(sp.sqrt(q + 1) / (q / I + I * T**2), (T, 0, sp.oo)) * 2
+    return Identity(
+        printed=sp.pi * sp.sqrt((q + 1) / q),
+        derived=sp.simplify(whole),
+        source="int of eq01:Psi_inner",
+    )
+
+
+@claim("eq01:size_angle_of_turn", "6.1", "|Delta psi| = pi sqrt((A + m H^2 + m R^2)/(A + m H^2))")
+def dimensional_turn() -> Identity:
+    """Undo the scaling."""
+    return Identity(
+        printed=(A + m * H**2 + m * R**2) / (A + m * H**2),
+        derived=(a_p + 1) / a_p,
+        source="eq01:scalings, the square over pi^2",
+    )
+
+
+@claim("text:limits of the turn", "6.1", "at least pi for every can; without bound as a_p -> 0")
+def limits_of_the_turn() -> Fact:
+    """Limits and monotony."""
+    form = sp.sqrt((q + 1) / q)
+    falls = sp.simplify(form.diff(q) / form + 1 / (2 * q * (q + 1))) == 0
+    true = sp.limit(form, q, sp.oo) == 1 and sp.limit(form, q, 0) == sp.oo and falls
+    return Fact(true=true, how="sympy: it falls with a_p, from infinity to pi")

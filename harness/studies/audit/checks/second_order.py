@@ -1,0 +1,177 @@
+"""Section 4: the closed subsystem, the second-order equation and its hypergeometric solution."""
+
+import mpmath as mp
+import sympy as sp
+
+from harness.studies.audit import paper_can
+from harness.studies.audit.evidence import Fact, Identity, Number, Rate
+from harness.studies.audit.finding import Ruling, Verdict
+from harness.studies.audit.flat_motion import rates
+from harness.studies.audit.newton_euler import papers_accelerations
+from harness.studies.audit.registry import claim
+from harness.studies.audit.symbols import (
+    Co,
+    Expr,
+    Phi,
+    Psi,
+    S,
+    Theta,
+    a_p,
+    c_p,
+    h,
+    k,
+    phi,
+    psi_dd,
+    theta_dd,
+)
+
+PSI_ROW = k * c_p * Theta + ((k * c_p - 2) * Co - h * k * S) * Psi
+THETA_ROW = (-k * c_p * Co + h * k * S) * Theta + (
+    -k * c_p * Co**2 - k * a_p * S**2 + h * k * sp.sin(2 * phi) + 2
+) * Psi
+
+
+def _row(letter: Expr) -> Expr:
+    return papers_accelerations()[letter] * S / Phi
+
+
+@claim("eq01:closed_subsystem", "4", "dPsi/dphi and dTheta/dphi depend on phi alone")
+def closed_subsystem() -> Identity:
+    """Divide by Phi."""
+    return Identity(
+        printed=sp.Matrix([PSI_ROW, THETA_ROW]),
+        derived=sp.Matrix([_row(psi_dd), _row(theta_dd)]),
+        source="the equations of motion over Phi",
+    )
+
+
+@claim("eq01:psi_diff_phi", "4", "dPsi/dphi sin phi = ...")
+def slope_of_precession() -> Identity:
+    """Divide by Phi."""
+    return Identity(printed=PSI_ROW, derived=_row(psi_dd), source="eq01:Psi over Phi")
+
+
+@claim("eq01:theta_diff_phi", "4", "dTheta/dphi sin phi = ...")
+def slope_of_rotation() -> Identity:
+    """Divide by Phi."""
+    return Identity(printed=THETA_ROW, derived=_row(theta_dd), source="eq01:Theta over Phi")
+
+
+@claim("eq01:frob_ode", "4", "Psi'' + 3 cot phi Psi' - (gamma + beta cot phi) Psi = 0")
+def second_order_equation() -> Identity:
+    """Differentiate the slope of Psi and insert both slopes."""
+    slope = PSI_ROW / S
+    bend = slope.diff(phi) + slope.diff(Psi) * slope + slope.diff(Theta) * THETA_ROW / S
+    cot = Co / S
+    return Identity(
+        printed=-3 * cot * slope + (2 + k + k * h * cot) * Psi,
+        derived=bend,
+        source="the closed subsystem",
+    )
+
+
+@claim("text:gamma", "4", "gamma = 2.245")
+def gamma_of_the_can() -> Number:
+    """2 + k."""
+    return Number(printed="2.245", value=2 + paper_can.k, source="2 + k")
+
+
+@claim("text:beta", "4", "beta = 0.361")
+def beta_of_the_can() -> Number:
+    """The product k h."""
+    return Number(printed="0.361", value=paper_can.k * paper_can.h, source="k h")
+
+
+class Hypergeometric:
+    """Both branches of eq01:hyper_geom inserted into eq01:frob_ode at three nutations."""
+
+    def ruling(self) -> Ruling:
+        """Decide by the residual relative to Psi'', for the printed rho and for the derived one."""
+        printed, right = self._residual(1), self._residual(-1)
+        small = mp.mpf("1e-18")
+        verdict = Verdict.INCONSISTENT
+        if printed < small:
+            verdict = Verdict.HOLDS
+        elif right < small and self._exponent():
+            verdict = Verdict.MISPRINT
+        return Ruling(
+            verdict=verdict,
+            correct="" if verdict is Verdict.HOLDS else "rho = (9 - 4 gamma - 4 i beta)/16",
+            how=f"30 digits: relative residual of both branches {mp.nstr(printed, 2)}, with the "
+            f"correct rho {mp.nstr(right, 2)}; sympy: the exponent at cot phi = i, with "
+            "Psi = y/sin^(3/2), solves 16 s^2 = 9 - 4 gamma - 4 i beta",
+        )
+
+    @staticmethod
+    def _residual(sign: int) -> mp.mpf:
+        gamma, beta = 2 + paper_can.k, paper_can.k * paper_can.h
+        with mp.workdps(30):
+            rho = (9 + sign * 4 * (gamma + 1j * beta)) / 16
+            s, t = mp.sqrt(rho), mp.sqrt(mp.conj(rho))
+            half = mp.mpf(1) / 2
+
+            def branch(x: mp.mpf, way: int) -> mp.mpc:
+                cot = mp.cot(x)
+                front = mp.sin(x) ** (-3 * half) * (cot + 1j) ** (way * t) * (cot - 1j) ** s
+                first, second = s - half + way * t, s + 3 * half + way * t
+                return front * mp.hyp2f1(first, second, 1 + 2 * way * t, half - 0.5j * cot)
+
+            worst = mp.mpf(0)
+            for way in (-1, 1):
+                for x in (mp.mpf("0.4"), mp.mpf("0.9"), mp.mpf("1.3")):
+                    value, slope, bend = (
+                        mp.diff(lambda y, way=way: branch(y, way), x, n) for n in range(3)
+                    )
+                    left = bend + 3 * mp.cot(x) * slope - (gamma + beta * mp.cot(x)) * value
+                    worst = max(worst, abs(left) / abs(bend))
+            return worst
+
+    @staticmethod
+    def _exponent() -> bool:
+        """Find the exponents at cot phi = i of y with Psi = y/sin^(3/2)."""
+        x, s, gamma, beta = sp.symbols("x s gamma beta")
+        # y'' + (3/2 - 3 x^2/4 - gamma - beta x) y = 0 with d/dphi = -(1 + x^2) d/dx
+        first = -(1 + x**2) * s / (x - sp.I)
+        second = -(1 + x**2) * first.diff(x) + first**2
+        form = second + sp.Rational(3, 2) - 3 * x**2 / 4 - gamma - beta * x
+        at = sp.limit(sp.cancel(form), x, sp.I)
+        return bool(sp.expand(at + 4 * s**2 - (9 - 4 * gamma - 4 * sp.I * beta) / 4) == 0)
+
+
+@claim(
+    "eq01:hyper_geom",
+    "4",
+    "exact solution by 2F1 with rho = (9 + 4 gamma + 4 i beta)/16",
+)
+def hypergeometric_solution() -> Hypergeometric:
+    """Insert it."""
+    return Hypergeometric()
+
+
+@claim("caption:fig01:frob_comp", "4", "Psi is proportional to 1/phi^2 at small phi")
+def inverse_square() -> Rate:
+    """phi^2 Psi tends to a constant."""
+
+    def left(phi_: mp.mpf) -> mp.mpf:
+        psi, _ = rates(phi_, mp.mpf("0.7"), mp.mpf(1))
+        return phi_**2 * psi - 1
+
+    return Rate(
+        remainder=left, stated=1, at=(1e-6, 1e-9), source="the series of the exact solution"
+    )
+
+
+@claim("text:growth of the sum", "4.1", "Theta + Psi = O(1), suggested by the two expansions")
+def growth_of_the_sum() -> Fact:
+    """The sum over log phi tends to a constant that is not zero."""
+    with mp.workdps(40):
+        sums = [sum(rates(x, mp.mpf(0), mp.mpf(1))) for x in (mp.mpf("1e-6"), mp.mpf("1e-12"))]
+        per_log = (sums[1] - sums[0]) / (mp.log(mp.mpf("1e-6")))
+        derived = (1 - paper_can.h**2 * paper_can.k) / paper_can.c_p
+    return Fact(
+        true=bool(abs(per_log) < mp.mpf("1e-3")),
+        how=f"for B_0 = 0, B_-2 = 1 the sum grows by {mp.nstr(per_log, 8)} log phi; "
+        f"derived (1 - h^2 k)/c_p = {mp.nstr(derived, 8)}",
+        correct="Theta + Psi = O(log phi): the logarithms do not cancel, "
+        "they add to B_-2 (1 - h^2 k)/c_p log phi",
+    )

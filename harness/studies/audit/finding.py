@@ -1,0 +1,67 @@
+"""What the audit says about one claim of the paper."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Verdict(Enum):
+    """How a claim stands; the value is what the table says."""
+
+    HOLDS = "holds"
+    TO_ORDER = "holds to stated order"
+    MISPRINT = "misprint"
+    INCONSISTENT = "inconsistent"
+    NOT_CHECKABLE = "not checkable"
+
+
+MEANINGS = {
+    Verdict.HOLDS: "true as printed: a residual is zero identically, or a number rounds to it",
+    Verdict.TO_ORDER: "true up to the remainder that the paper states, which falls at that rate",
+    Verdict.MISPRINT: "false as printed; the form given beside it passes the same check",
+    Verdict.INCONSISTENT: "does not follow from the paper's own equations and parameters",
+    Verdict.NOT_CHECKABLE: "depends on what the paper does not give: experiments, other works",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ruling:
+    """What evidence comes to.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    correct : str
+        The right form or number, where the printed one is not; or a remark.
+    how : str
+        How it was checked, with the numbers that decided.
+    """
+
+    verdict: Verdict
+    correct: str
+    how: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One row of the audit.
+
+    Parameters
+    ----------
+    label : str
+        The paper's label of an equation; for other claims "text:", "caption:" or "app:" and a name.
+    section : str
+        Section of the paper, as it numbers them.
+    says : str
+        The claim.
+    ruling : Ruling
+    check : str
+        Module and function that computed the ruling.
+    seconds : float
+    """
+
+    label: str
+    section: str
+    says: str
+    ruling: Ruling
+    check: str
+    seconds: float

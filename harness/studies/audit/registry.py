@@ -1,0 +1,69 @@
+"""Which claim is checked by which function: each check registers itself where it is written."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from harness.studies.audit.finding import Ruling
+
+
+class Evidence(Protocol):
+    """What a check computes; from it, and from nothing else, comes the verdict."""
+
+    def ruling(self) -> Ruling:
+        """Return what the evidence comes to."""
+        ...
+
+
+Check = Callable[[], Evidence]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """One claim of the paper and the function that checks it."""
+
+    label: str
+    section: str
+    says: str
+    check: Check
+    name: str
+
+
+_CLAIMS: dict[str, Claim] = {}
+
+
+def claim(label: str, section: str, says: str, *, name: str = "") -> Callable[[Check], Check]:
+    """Register a function as the check of a claim.
+
+    Parameters
+    ----------
+    label, section, says : str
+        As in `Finding`.
+    name : str
+        Of the check, where several claims share one function; the function's own if left out.
+
+    Raises
+    ------
+    ValueError
+        If the label has a check already.
+    """
+
+    def register(check: Check) -> Check:
+        if label in _CLAIMS:
+            raise ValueError(f"'{label}' has two checks")
+        module = check.__module__.rpartition(".")[2]
+        _CLAIMS[label] = Claim(
+            label=label,
+            section=section,
+            says=says,
+            check=check,
+            name=f"{module}.{name or check.__name__}",
+        )
+        return check
+
+    return register
+
+
+def registered() -> tuple[Claim, ...]:
+    """Return the claims registered so far, in the order of the files that were read."""
+    return tuple(_CLAIMS.values())
