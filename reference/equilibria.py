@@ -4,14 +4,16 @@ On a steady motion phi stays (eq01:equilibrium):
 
     ((a_p - c_p) S C - h cos 2 phi) Psi^2 - (c_p S + h C) Theta Psi + h S - C = 0.
 
-Psi and Theta follow phi through the closed subsystem, so of the four eigenvalues two are zero (the two first
-integrals) and two are +- sqrt(d phi''/d phi), the derivative taken along that subsystem.
+Psi and Theta follow phi through the closed subsystem, so of the four eigenvalues two are zero (the
+two first integrals) and two are +- sqrt(d phi''/d phi), the derivative taken along that subsystem.
 
 Where the paper is in error (each with a test):
 
-- eq01:eigenvalues and the critical rate: h k (h + c_p) must read k (h^2 + c_p); they agree for h = 1 only;
+- eq01:eigenvalues and the critical rate: h k (h + c_p) must read k (h^2 + c_p); they agree for h =
+1 only;
 - below eq01:bal_eqm, and for Theta_e: c Theta must read (c_p + h^2) Theta;
-- below S_rest: the denominator is a S C - c h S^2, not a S C + c h S^2; and with it rest is possible beyond
+- below S_rest: the denominator is a S C - c h S^2, not a S C + c h S^2; and with it rest is
+possible beyond
   the balancing angle too, where tan phi > max(1/h, a/(c h)).
 """
 

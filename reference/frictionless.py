@@ -3,28 +3,31 @@
 No force acts sideways, so the centre of mass only rises and falls, and both momenta of
 `reference.momenta` are conserved: Psi = (H_G - C H_B)/(a S^2). What is left is
 
-    (a + (C - h S)^2) Phi' = (C - h S)(S + h C) Phi^2 + (a - c) S C Psi^2 - c S Theta Psi - (C - h S).
+    (a + (C - h S)^2) Phi' = (C - h S)(S + h C) Phi^2 + (a - c) S C Psi^2 - c S Theta Psi - (C - h
+    S).
 
-The paper's equation of motion in its appendix on slipping prints Psi for Psi^2 in the second term. For
-small nutation (app01:Phi_reduced_slip) the repulsion is alpha_3 epsilon/phi^3 with
+The paper's equation of motion in its appendix on slipping prints Psi for Psi^2 in the second term.
+For small nutation (app01:Phi_reduced_slip) the repulsion is alpha_3 epsilon/phi^3 with
 alpha_3 = (zeta - 1)^2/(a (a + 1)), and the angle of turn pi sqrt((a + 1)/a).
 """
 
-import numpy as np
-from scipy.integrate import DOP853
+from dataclasses import dataclass, replace
 
-from reference.outcome import Outcome
+import numpy as np
+
+from reference.contact import contact_from_centre
+from reference.momenta import axial_momentum, vertical_momentum
 from reference.parameters import Parameters
 from reference.problem import Problem
-from reference.run import Run
-from reference.states import Floats, Snapshot
-from reference.time_stepping import RightHandSide, follow
+from reference.run import Path, Run
+from reference.states import Floats, States, initial_states
+from reference.time_stepping import follow
 
 
 def nutation_acceleration_without_friction(
-    phi: Floats, phi_dot: Floats, psi_dot: Floats, theta_dot: Floats, parameters: Parameters
-) -> Floats:
-    """phi'' without friction, shape (n,)."""
+    phi: float, phi_dot: float, psi_dot: float, theta_dot: float, parameters: Parameters
+) -> float:
+    """Phi'' without friction."""
     p, S, C = parameters, np.sin(phi), np.cos(phi)
     reach, height = C - p.h * S, S + p.h * C
     drive = (
@@ -33,9 +36,53 @@ def nutation_acceleration_without_friction(
         - p.c * S * theta_dot * psi_dot
         - reach
     )
-    return np.asarray(drive / (p.a + reach**2))
+    return float(drive / (p.a + reach**2))
 
 
 def leading_turn_without_friction(parameters: Parameters) -> float:
     """Angle of turn in the limit of a hard bounce, pi sqrt((a + 1)/a), in rad."""
     return float(np.pi * np.sqrt((parameters.a + 1) / parameters.a))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlidingPath:
+    """Wraps a path: the centre of mass stays over (0, 0), so the contact point follows from the angles."""
+
+    inner: Path
+    parameters: Parameters
+
+    def at(self, times: Floats) -> States:
+        """States at the given times, shape (n,)."""
+        return self._with_contact(self.inner.at(times))
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Return times and states the solver itself has."""
+        times, states = self.inner.nodes()
+        return times, self._with_contact(states)
+
+    def _with_contact(self, states: States) -> States:
+        contact = contact_from_centre(states, self.parameters)
+        return replace(states, x=contact[:, 0], y=contact[:, 1])
+
+
+def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> Run:
+    """Integrate the can without friction, with the rates of psi and theta from the two momenta."""
+    p = problem.parameters
+    release = initial_states(problem)
+    H_B = float(axial_momentum(release, p)[0])
+    H_G = float(vertical_momentum(release, p)[0])
+
+    def field(_t: float, y: Floats) -> Floats:
+        phi, Phi = y[:2].tolist()
+        S, C = np.sin(phi), np.cos(phi)
+        Psi = (H_G - C * H_B) / (p.a * S * S)
+        Theta = H_B / p.c - Psi * C
+        Phi_dot = nutation_acceleration_without_friction(phi, Phi, Psi, Theta, p)
+        # d/dt of the two rates, so that the state has the same six entries as rolling
+        Psi_dot = Phi * (H_B / (p.a * S) - 2 * Psi * C / S)
+        Theta_dot = Psi * S * Phi - Psi_dot * C
+        return np.array([Phi, Phi_dot, Psi_dot, Theta_dot, Psi, Theta])
+
+    start = [problem.phi, problem.phi_dot, problem.psi_dot, problem.theta_dot]
+    run = follow(problem, field, [*start, problem.psi, problem.theta], method=method, rtol=rtol)
+    return replace(run, path=SlidingPath(inner=run.path, parameters=p))

@@ -2,17 +2,24 @@
 
 from collections.abc import Set as AbstractSet
 
+from reference.asymptotic_path import solve_asymptotically
 from reference.exact_path import solve_exactly
+from reference.frictionless import solve_frictionless
 from reference.marching import march
 from reference.measure import measure_bounces
+from reference.pendulum import solve_pendulum
 from reference.problem import Problem
+from reference.reduced import solve_reduced
 from reference.run import Run
 from reference.solution import Solution
 from reference.time_stepping import SCIPY_METHODS, step_in_time
 
 OUTPUTS = frozenset({"contact_locus"})
 METHODS = ("regular", *SCIPY_METHODS)
-MODELS = ("auto", "exact", "rolling")
+MODELS = ("auto", "exact", "rolling", "reduced", "asymptotic", "pendulum", "frictionless")
+
+
+WITH_LOCUS = ("auto", "exact", "rolling", "frictionless")
 
 
 class SolverError(ValueError):
@@ -63,18 +70,17 @@ def solve(
     if unknown := set(outputs) - OUTPUTS:
         raise SolverError(f"unknown `outputs` {sorted(unknown)}; there are {sorted(OUTPUTS)}")
     locus = "contact_locus" in outputs
-    run = None
-    if model in {"auto", "exact"} and method == "regular":
-        run = solve_exactly(problem, locus=locus)
-    solved_by = "exact" if run is not None else "rolling"
-    if run is None:
-        run = _integrate(problem, method=method, rtol=rtol, locus=locus)
+    if locus and model not in WITH_LOCUS:
+        raise SolverError(f"`model` {model!r} has no contact locus; {', '.join(WITH_LOCUS)} have")
+    run, solved_by, used = _dispatch(problem, model=model, method=method, rtol=rtol, locus=locus)
     return Solution(
         problem=problem,
         model=solved_by,
-        method="quadrature" if solved_by == "exact" else method,
+        method=used,
         outcome=run.track.outcome,
-        bounces=measure_bounces(run.path, run.track, problem.parameters),
+        bounces=measure_bounces(
+            run.path, run.track, problem.parameters, sliding=model == "frictionless"
+        ),
         t_end=run.track.t_end,
         maxima=run.track.maxima,
         minima=run.track.minima,
@@ -84,7 +90,23 @@ def solve(
     )
 
 
-def _integrate(problem: Problem, *, method: str, rtol: float, locus: bool) -> Run:
+def _dispatch(
+    problem: Problem, *, model: str, method: str, rtol: float, locus: bool
+) -> tuple[Run, str, str]:
+    """Return the run, the model that was solved in the end, and how."""
+    stepped = "DOP853" if method == "regular" else method
+    if model == "pendulum":
+        return solve_pendulum(problem), model, "closed form"
+    if model == "asymptotic":
+        return solve_asymptotically(problem), model, "closed form"
+    if model == "reduced":
+        return solve_reduced(problem, method=stepped, rtol=rtol), model, stepped
+    if model == "frictionless":
+        return solve_frictionless(problem, method=stepped, rtol=rtol), model, stepped
+    if model in {"auto", "exact"} and method == "regular":
+        run = solve_exactly(problem, locus=locus)
+        if run is not None:
+            return run, "exact", "quadrature"
     if method == "regular":
-        return march(problem, locus=locus)
-    return step_in_time(problem, method=method, rtol=rtol, locus=locus)
+        return march(problem, locus=locus), "rolling", method
+    return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method

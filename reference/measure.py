@@ -24,7 +24,9 @@ SAMPLES = 17
 SHOULDER = 1e-12
 
 
-def measure_bounces(path: Path, track: Track, parameters: Parameters) -> tuple[Bounce, ...]:
+def measure_bounces(
+    path: Path, track: Track, parameters: Parameters, *, sliding: bool = False
+) -> tuple[Bounce, ...]:
     """One `Bounce` for each minimum of phi that has a maximum on either side.
 
     Parameters
@@ -32,13 +34,15 @@ def measure_bounces(path: Path, track: Track, parameters: Parameters) -> tuple[B
     path : Path
     track : Track
     parameters : Parameters
+    sliding : bool
+        Whether the plane is without friction, so that there is no force to ask for.
     """
     tops = np.flatnonzero(track.maximum)
     if tops.size < 2:  # noqa: PLR2004 - a bounce has a maximum on either side
         return ()
 
     def ratio(states: States) -> Floats:
-        return friction_ratio(states, parameters)
+        return np.zeros_like(states.phi) if sliding else friction_ratio(states, parameters)
 
     times, states = path.nodes()
     edges = track.times[tops]

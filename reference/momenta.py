@@ -4,8 +4,8 @@ About the symmetry axis and about the vertical (eq01:ang_mom_B, eq01:ang_mom_G),
 
     H_B = c (Psi C + Theta),        H_G = a Psi S^2 + C H_B.
 
-Without friction both are conserved. Rolling conserves K and B of `reference.frobenius` instead, and as phi
-goes to 0
+Without friction both are conserved. Rolling conserves K and B of `reference.frobenius` instead,
+and as phi goes to 0
 
     B_0 = k c_p/(2 c) H_B + O(phi),       B_{-2} = (H_G - H_B)/a + O(phi):
 

@@ -4,7 +4,8 @@ With psi' = theta' = 0 the nutation obeys (eq01:nonlin_pendulum)
 
     phi'' = w^2 sin(phi - phi*),      w^2 = sqrt(1 + h^2)/(a_p + 1).
 
-Measured from the hanging position, chi = pi - (phi* - phi), this is the pendulum chi'' = -w^2 sin chi:
+Measured from the hanging position, chi = pi - (phi* - phi), this is the pendulum chi'' = -w^2 sin
+chi:
 
     sin(chi/2) = kappa sn(w t + u0 | kappa^2)          if kappa <= 1 (it turns back),
     chi/2      = am(kappa w t + u0 | 1/kappa^2)        if kappa > 1 (it goes over the top),
@@ -143,7 +144,7 @@ def solve_pendulum(problem: Problem) -> Run:
     down = problem.phi_dot < 0 if over else motion.side > 0
     outcome = Outcome.FELL_FLAT if down else Outcome.OVERTURNED
     t_end = motion.time_at(0.0 if down else np.pi / 2)
-    if not np.isfinite(t_end) or problem.phi == p.balancing_angle and problem.phi_dot == 0:
+    if not np.isfinite(t_end) or (problem.phi == p.balancing_angle and problem.phi_dot == 0):
         outcome, t_end = Outcome.STEADY, 2 * np.pi / frequency(p)
     if problem.duration is not None and problem.duration < t_end:
         outcome, t_end = Outcome.FINISHED, problem.duration

@@ -120,21 +120,29 @@ def right_hand_side(parameters: Parameters, *, locus: bool) -> RightHandSide:
 
 
 def step_in_time(problem: Problem, *, method: str, rtol: float, locus: bool) -> Run:
-    """Integrate in time with one of scipy's methods until the horizon or an ending.
+    """Integrate the rolling equations in time with one of scipy's methods.
 
     Raises
     ------
     KeyError
         If `method` is not one of `SCIPY_METHODS`.
     """
-    release = initial_states(problem)
     start = [problem.phi, problem.phi_dot, problem.psi_dot, problem.theta_dot]
     start += [problem.psi, problem.theta]
     if locus:
+        release = initial_states(problem)
         start += contact_from_centre(release, problem.parameters)[0, :2].tolist()
+    field = right_hand_side(problem.parameters, locus=locus)
+    return follow(problem, field, start, method=method, rtol=rtol)
+
+
+def follow(
+    problem: Problem, field: RightHandSide, start: list[float], *, method: str, rtol: float
+) -> Run:
+    """Integrate a field of (phi, phi', psi', theta', psi, theta, ...) until the horizon or an ending."""
     watch = Watch(problem)
     solver = SCIPY_METHODS[method](
-        right_hand_side(problem.parameters, locus=locus),
+        field,
         0.0,
         np.array(start),
         watch.t_end,
