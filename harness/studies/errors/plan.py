@@ -8,6 +8,7 @@ A setting whose matched value goes with the timestep makes two ways of one engin
 its softness with it as it shrinks; held, it keeps it, and converges neatly to another can.
 """
 
+import math
 from dataclasses import dataclass
 
 from harness.case import Case, Value
@@ -129,8 +130,7 @@ def plan(
     if coarsest is None:
         raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
     if timestep is None:
-        rates = [abs(bounce.peak_psi_dot) for bounce in truth(scene).bounces]
-        coarsest = min([coarsest, *(_TURN_A_STEP / rate for rate in rates if rate > 0.0)])
+        coarsest = min(coarsest, _resolving(scene))
     return Plan(
         scene=scene,
         engine=engine_name,
@@ -141,6 +141,16 @@ def plan(
     )
 
 
+def _resolving(scene: Scene) -> float:
+    """Return the longest timestep that a ladder may begin with, to two digits, s."""
+    rate = max((abs(bounce.peak_psi_dot) for bounce in truth(scene).bounces), default=0.0)
+    if rate == 0.0:
+        return math.inf
+    longest = _TURN_A_STEP / rate
+    digit = 10.0 ** (math.floor(math.log10(longest)) - 1)
+    return float(f"{math.floor(longest / digit) * digit:.1e}")
+
+
 def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
     """Return the ways: one, or two if a setting of the profile goes with the timestep."""
     tied = [
@@ -149,7 +159,7 @@ def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
         if profile == "matched" and callable(setting.matched) and setting.name not in dict(options)
     ]
     if not tied:
-        told = ", ".join(f"{name}={value}" for name, value in options)
+        told = ", ".join(f"{name} {_spelled(value)}" for name, value in options)
         return (Way(name=f"{profile} with {told}" if told else profile, options=options),)
     names = ", ".join(setting.name for setting in tied)
     held = tuple((setting.name, setting.default) for setting in tied)
@@ -157,6 +167,11 @@ def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
         Way(name=f"{names} tied", options=options),
         Way(name=f"{names} held", options=options + held),
     )
+
+
+def _spelled(value: Value) -> str:
+    """Return a value in words."""
+    return ", ".join(f"{part:g}" for part in value) if isinstance(value, tuple) else str(value)
 
 
 def design(chosen: Plan) -> tuple[Case, ...]:

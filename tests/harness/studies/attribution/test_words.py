@@ -1,0 +1,44 @@
+"""Words: what is not known is said to be so, and no number that is none is spoken."""
+
+from harness.studies.attribution import path
+from harness.studies.attribution.accounts import Account, account
+from harness.studies.attribution.quantities import QUANTITIES
+from harness.studies.attribution.words import sentences
+from models import Scene
+
+
+def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
+    """Return the words on discrepancies of 10 less a gap each, the turn unknown in some sets."""
+    way = path(scene, "mujoco")
+
+    def turn(closed: frozenset[str]) -> float | None:
+        return None if ("+".join(sorted(closed)) or "none") in unknown else 10.0 - len(closed)
+
+    accounts: dict[str, Account] = {
+        q.key: account(
+            way.names, turn if q is QUANTITIES[0] else lambda closed: -float(len(closed))
+        )
+        for q in QUANTITIES
+    }
+    return sentences(way, {}, accounts)
+
+
+def test_effects_that_add_are_said_to(gentle: Scene) -> None:
+    first, second = toy(gentle, set())
+    assert "off by +10 degrees in the angle of turn of gentle-rock" in first
+    assert "by +6 degrees" in first
+    assert "compliance +1; " in first
+    assert "hardly interact" in second
+
+
+def test_an_unknown_effect_is_said_to_be_unknown(gentle: Scene) -> None:
+    first, second = toy(gentle, {"compliance"})
+    assert "compliance an unknown part" in first
+    assert "not known" in second
+    assert second.endswith("for compliance.")
+
+
+def test_with_an_end_unknown_another_quantity_is_told(gentle: Scene) -> None:
+    first, _ = toy(gentle, {"none"})
+    assert "contact locus" in first
+    assert "nan" not in first.lower()
