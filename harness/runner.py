@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass
 
+import numpy as np
+
 from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.base import resolve
@@ -136,7 +138,9 @@ def measure(simulation: Simulation) -> Evaluation:
     compared = motion(take(trajectory, common), scene)
     true = motion(exact.at(compared.time), scene)
     dense = sampled(exact)
-    locus = dense.contact_point[dense.time <= compared.time[-1], :2]
+    before = dense.time < compared.time[-1]
+    # to the very end of what is compared: cut at a sample, the curve would be too short
+    locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))
     pull = dense.contact_force[dense.time <= own.ends, 2] <= 0.0
     return Evaluation(
         simulation=simulation,

@@ -6,6 +6,7 @@ and the errors before and after the bounce are told apart. Orientations are comp
 psi and theta without jumps; raw Euler angles are never subtracted.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -123,11 +124,15 @@ def _rotation_between(first: Floats, second: Floats) -> Floats:
     return angle
 
 
+_NEIGHBOURS = 16
+"""Points of a curve whose chords are tried: more than cross in one place of a contact locus."""
+
+
 def hausdorff(first: Floats, second: Floats) -> float:
     """Return the Hausdorff distance of two curves given by their points, shapes (n, 2), (m, 2).
 
-    Each point is measured against the nearest of the two chords that meet in the other curve's
-    nearest point, so that the spacing of the points does not count as a distance.
+    Each point is measured against the chords that meet in the other curve's nearest points, so that
+    the spacing of the points does not count as a distance.
     """
     if len(first) < 2 or len(second) < 2:  # noqa: PLR2004 - a curve has two ends
         return math.nan
@@ -136,9 +141,10 @@ def hausdorff(first: Floats, second: Floats) -> float:
 
 def _farthest(points: Floats, curve: Floats) -> float:
     """Return the largest distance from points (n, 2) to a curve (m, 2)."""
-    _, nearest = KDTree(curve).query(points)
+    # where the curve crosses itself the nearest chord need not end in the nearest point
+    _, near = KDTree(curve).query(points, k=min(_NEIGHBOURS, len(curve)))
     best = np.full(len(points), np.inf)
-    for offset in (-1, 0):
+    for nearest, offset in itertools.product(near.T, (-1, 0)):
         left = np.clip(nearest + offset, 0, len(curve) - 2)
         chord = curve[left + 1] - curve[left]
         arm = points - curve[left]

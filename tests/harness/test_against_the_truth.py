@@ -38,16 +38,21 @@ def test_the_reference_has_no_error_against_itself(evaluated: Evaluator, scene: 
     e = evaluated(scene, "reference")
     assert e.simulation.outcome is Outcome.FINISHED
     assert e.errors is not None
-    # The same states go through quaternions and back. What is left is round-off, amplified where
+    # The formula against the integrated motion, through quaternions and back. What is left is the
+    # integrator's tolerance, 1e-12, which petals amplifies a million times as it leaves its balance
+    # and returns to it. Beside it round-off, amplified where
     # psi alone is hardly defined: a few ulps over phi_min, which is 4e-5 or more. Reading times
     # and angles of an extremum off the record adds the cubic between two samples. A peak lies
     # between two samples, 0.02 rad apart, and so up to half the square of 0.01 higher.
     for field in fields(Errors):
-        value, allowed = getattr(e.errors, field.name), 1e-9
+        value, allowed = getattr(e.errors, field.name), 1e-5 if scene == "petals" else 1e-9
         if field.name.startswith("peak"):
             allowed = 5e-5
-        if field.name == "contact_locus_hausdorff" and e.truth_pulls:
-            continue  # where the plane would have to pull there is no contact point
+        if field.name == "contact_locus_hausdorff":
+            if e.truth_pulls:
+                continue  # where the plane would have to pull there is no contact point
+            # chords between samples 0.02 rad apart, of either curve: two sagittas of the rim
+            allowed = 2.0 * e.simulation.case.scene.can.radius * 0.02**2 / 8.0
         for one in value if isinstance(value, tuple) else (value,):
             assert math.isnan(one) or abs(one) < allowed, field.name
     assert len(e.bounces) == len(e.true_bounces)
@@ -58,6 +63,7 @@ def test_the_reference_has_no_error_against_itself(evaluated: Evaluator, scene: 
                 assert e.truth_pulls
                 continue
             allowed = 5e-5 if field.name.startswith("peak") else 1e-9
+            allowed = max(allowed, 1e-6) if scene == "petals" else allowed
             assert abs(one - other) < allowed * max(1.0, abs(other)), field.name
     assert e.energy_drift == pytest.approx(0.0, abs=1e-9)  # the integrator keeps 1e-12 a step
     assert e.contact is not None

@@ -247,3 +247,15 @@ def test_an_infinite_truth_is_nothing_to_compare_with(true: Motion) -> None:
     pulling = replace(bounce(0.5), peak_friction_ratio=math.inf)
     e = errors(true, true, (bounce(0.5),), (pulling,), true.locus)
     assert math.isnan(e.peak_friction_ratio[0])
+
+
+def test_where_a_curve_crosses_itself_the_spacing_of_its_points_is_still_no_distance() -> None:
+    across = np.column_stack((np.arange(-1.0, 1.05, 0.1), np.zeros(21)))
+    back = np.array(((1.0, -0.95), (0.0, -0.95)))
+    up = np.column_stack((np.zeros(7), np.arange(-0.95, 1.0, 0.3)))
+    curve = np.vstack((across, back, up))
+    middles = (curve[:-1] + curve[1:]) / 2.0
+    finer = np.vstack([np.vstack(pair) for pair in zip(curve[:-1], middles, strict=True)])
+    finer = np.vstack((finer, curve[-1:]))
+    # the middle of a chord of `up` is nearer to a point of `across` than to the ends of its own
+    assert hausdorff(curve, finer) <= 8 * EPS
