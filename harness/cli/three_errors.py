@@ -16,7 +16,7 @@ from harness.studies.errors import ThreeErrors, design, plan, read, three_errors
 from models.catalogue import load
 
 _SHOWN = {
-    "-errors": (
+    "-split": (
         "way",
         "quantity",
         "limit_uncertainty",
@@ -28,7 +28,7 @@ _SHOWN = {
         "not_decidable_within",
         "verdict",
     ),
-    "-ensemble": ("quantity", "relative_size", "spread_of_engine", "spread_of_truth"),
+    "-spreads": ("quantity", "relative_size", "spread_of_engine", "spread_of_truth"),
 }
 
 

@@ -11,8 +11,9 @@ of the three values one rung coarser: what the ladder neglects, the next power o
 least r from rung to rung, so that the move exceeds what is left for r of 2 or more. Noise in the
 values, which the division by 1 - q amplifies, is added.
 
-Where the differences do not shrink steadily there is no order. The limit is then the finest value,
-and its uncertainty the range of the last three.
+Three values that shrink by luck prove nothing: an order counts where two neighbouring triples both
+have one. Where the finest two do not, the limit is the finest value, and its uncertainty the range
+of the last three.
 """
 
 import math
@@ -28,9 +29,9 @@ _TRIPLE = 3
 _ROUND_OFF = 1e-9
 """Of a ratio of timesteps: far above that of repeated division."""
 
-_CLEAR = 10.0
-"""Noise must be so many times smaller than a difference for its share in an order to be 0.1/log r,
-and less in the mean of several."""
+_CLEAR = 100.0
+"""A difference so many times the noise, and one twice as large, put an order off by no more than
+(2/100 + 2/200)/log 2, less than 0.05, at a ratio of two."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +46,7 @@ class Limit:
     order : float or None
         Observed at the finest rungs that are clear of noise; None if there is none.
     spread : float or None
-        Half the range of the last three observed orders; None with fewer than two.
+        Half the range of the last two or three observed orders; None with a single one.
     rungs : int
         Values that went into it.
     """
@@ -102,12 +103,10 @@ def limit(
         _triple(coarse, middle, fine, ratio)
         for coarse, middle, fine in zip(known, known[1:], known[2:], strict=False)
     ]
-    clear = [t.order for t in triples if t is not None and t.smallest > _CLEAR * floor]
-    order = clear[-1] if clear else None
-    last = clear[-3:]
-    spread = (max(last) - min(last)) / 2.0 if len(last) > 1 else None
+    order, spread = _order(triples, floor)
     finest = triples[-1] if triples else None
-    if finest is None:
+    before = triples[-2] if len(triples) > 1 else None
+    if finest is None or (before is None and len(triples) > 1):
         end = known[-_TRIPLE:]
         width = max(end) - min(end) if len(end) > 1 else math.inf
         return Limit(
@@ -117,7 +116,6 @@ def limit(
             spread=spread,
             rungs=len(known),
         )
-    before = triples[-2] if len(triples) > 1 else None
     moved = finest.limit - (known[-1] if before is None else before.limit)
     return Limit(
         value=finest.limit,
@@ -126,6 +124,27 @@ def limit(
         spread=spread,
         rungs=len(known),
     )
+
+
+def _order(triples: Sequence[_Triple | None], floor: float) -> tuple[float | None, float | None]:
+    """Return the order at the finest rungs that are clear of noise, and its spread."""
+    orders = [
+        t.order if t is not None and t.smallest > _CLEAR * floor else math.nan for t in triples
+    ]
+    if len(orders) == 1:
+        return (None if math.isnan(orders[0]) else orders[0]), None
+    steady: list[float] = []
+    for order in reversed(orders):
+        if math.isnan(order):
+            if len(steady) > 1:
+                break
+            steady = []
+        else:
+            steady.append(order)
+    if len(steady) < 2:  # noqa: PLR2004 - neighbours are two
+        return None, None
+    last = steady[:3]
+    return last[0], (max(last) - min(last)) / 2.0
 
 
 def _ratio(timesteps: Sequence[float]) -> float:

@@ -73,7 +73,7 @@ def split_table(
                     "command": plan.tried(way, None).command(),
                 }
             )
-    return _table(plan, "errors", "Three errors, never mixed", rows, _SPLIT)
+    return _table(plan, "split", "Three errors, never mixed", rows, _SPLIT)
 
 
 _LADDER: Mapping[str, str] = {
@@ -158,7 +158,7 @@ def effort_table(
                     }
                     | _run(case, evaluations)
                 )
-    return _table(plan, "solver", "The solver at several efforts", rows, _EFFORTS)
+    return _table(plan, "efforts", "The solver at several efforts", rows, _EFFORTS)
 
 
 _ENSEMBLE: Mapping[str, str] = {
@@ -191,7 +191,7 @@ def ensemble_table(
         for quantity in known
         for size in SIZES
     ]
-    return _table(plan, "ensemble", "What is not decidable", rows, _ENSEMBLE)
+    return _table(plan, "spreads", "What is not decidable", rows, _ENSEMBLE)
 
 
 def _head(plan: Plan) -> dict[str, Any]:

@@ -57,7 +57,7 @@ def _way(plan: Plan, name: str, quantity: Quantity, found: Split) -> list[str]:
     approach = (
         "no order is seen on the way to its limit"
         if order is None
-        else f"it approaches its limit with order {order:.2f}"
+        else f"it approaches its limit with order {order:.2f}{_give_or_take(found)}"
     )
     return [
         opening,
@@ -68,6 +68,12 @@ def _way(plan: Plan, name: str, quantity: Quantity, found: Split) -> list[str]:
             "unknown": "Its limit is not known.",
         }[found.verdict],
     ]
+
+
+def _give_or_take(found: Split) -> str:
+    """Return how far the observed orders spread."""
+    spread = None if found.limit is None else found.limit.spread
+    return "" if spread is None else f", give or take {spread:.2f}"
 
 
 def _undecidable(quantity: Quantity, spreads: Mapping[tuple[str, float], Spread]) -> str:
