@@ -48,6 +48,9 @@ def test_the_reference_has_no_error_against_itself(evaluated: Evaluator, scene: 
         value, allowed = getattr(e.errors, field.name), 1e-5 if scene == "petals" else 1e-9
         if field.name.startswith("peak"):
             allowed = 5e-5
+        if field.name.startswith("contact_locus") and scene == "cusps":
+            # its contact point runs at 4e4 m/s, and twenty bounces leave 1e-12 s of the tolerance
+            allowed = 1e-7
         if field.name == "contact_locus_hausdorff":
             if e.truth_pulls:
                 continue  # where the plane would have to pull there is no contact point
