@@ -13,10 +13,10 @@ from models import Scene
 def test_departures_fill_each_axis_evenly() -> None:
     points = np.array([departure(number) for number in range(64)])
     assert np.abs(points).max() <= 1.0
-    # along each axis a quarter has 16 of 64; a random draw misses by 3.5 in the mean
+    # along each axis a quarter has 16 of 64; the worst of four random counts is off by 5
     for axis in points.T:
         counts, _ = np.histogram(axis, bins=4, range=(-1.0, 1.0))
-        assert np.abs(counts - 16).max() <= 2
+        assert np.abs(counts - 16).max() <= 3
     assert len(np.unique(points, axis=0)) == 64
 
 
