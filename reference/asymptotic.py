@@ -80,18 +80,20 @@ class Matched:
         return float(np.pi * self.reduced.parameters.turn_ratio * self.sign)
 
     def outer(self, t: Floats, *, corrected: bool = True) -> Floats:
-        """The falling can, for 0 <= t < sqrt(I)."""
+        """Return phi of the falling can, for 0 <= t < sqrt(I)."""
         leading = (self.height - t**2) / 2
         if not corrected:
             return np.asarray(leading)
         return np.asarray(leading + outer_correction(self.reduced, self.height, t))
 
     def inner(self, t: Floats) -> Floats:
-        """The bounce, around t = sqrt(I)."""
-        return np.hypot(self.phi_min, np.sqrt(self.height) * (t - self.bounce_time))
+        """Return phi of the bounce, around t = sqrt(I)."""
+        return np.asarray(
+            np.hypot(self.phi_min, np.sqrt(self.height) * (t - self.bounce_time)), dtype=float
+        )
 
     def composite(self, t: Floats) -> Floats:
-        """The uniformly valid solution, over a whole period 0 <= t <= 2 sqrt(I)."""
+        """Return the uniformly valid phi, over a whole period 0 <= t <= 2 sqrt(I)."""
         return np.asarray(self.inner(t) - (self.bounce_time - t) ** 2 / 2)
 
     def precession(self, t: Floats) -> Floats:
@@ -101,11 +103,13 @@ class Matched:
 
     def outer_precession(self, t: Floats) -> Floats:
         """Outer solution for psi, zero at release; valid short of the bounce."""
-        I = self.height
-        unit = t / np.sqrt(I)
+        height = self.height
+        unit = t / np.sqrt(height)
         rate = np.sqrt(self.reduced.parameters.pendulum_inertia) * self.reduced.B_minus_two
         # the integral of 4/(I - t^2)^2
-        return np.asarray(2 * rate * (t / (I * (I - t**2)) + np.arctanh(unit) / I**1.5))
+        return np.asarray(
+            2 * rate * (t / (height * (height - t**2)) + np.arctanh(unit) / height**1.5)
+        )
 
 
 def matched_of(problem: Problem) -> Matched:

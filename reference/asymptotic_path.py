@@ -85,7 +85,8 @@ def solve_asymptotically(problem: Problem) -> Run:
     path = MatchedPath(problem=problem, matched=matched, t_end=0.0)
     t_end = problem.duration or path.period * (problem.bounces or 1)
     path = replace(path, t_end=t_end)
-    halves = np.arange(int(np.floor(2 * t_end / path.period * (1 + 1e-15))) + 1)
+    count = int(np.floor(2 * t_end / path.period * (1 + 1e-15))) + 1
+    halves = np.arange(count, dtype=float)
     times = np.minimum(halves * path.period / 2, t_end)
     track = Track(
         outcome=Outcome.FINISHED,
@@ -105,7 +106,7 @@ def _extrema(path: MatchedPath, halves: Floats) -> States:
     turned = path.matched.angle_of_turn * halves / 2
 
     def pick(name: str) -> Floats:
-        return np.where(even, getattr(top, name)[0], getattr(bottom, name)[0])
+        return np.asarray(np.where(even, getattr(top, name)[0], getattr(bottom, name)[0]))
 
     return States(
         phi=np.where(even, pick("phi"), path.matched.phi_min),

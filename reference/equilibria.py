@@ -63,7 +63,7 @@ def critical_rolling_rate(parameters: Parameters) -> float:
 
 
 def balanced_rotation(parameters: Parameters, psi_dot: float) -> float:
-    """Theta with which the can spins and rolls at its balancing angle: (a - c) C Psi/(c_p + h^2)."""
+    """Theta with which the can spins and rolls in balance: (a - c) C Psi/(c_p + h^2)."""
     p = parameters
     cosine = p.h / np.sqrt(1 + p.h**2)
     return float((p.a - p.c) * cosine * psi_dot / (p.c_p + p.h**2))

@@ -46,10 +46,12 @@ def leading_turn_without_friction(parameters: Parameters) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlidingPath:
-    """Wraps a path: the centre of mass stays over (0, 0), so the contact point follows from the angles."""
+    """A path with the centre of mass over (0, 0): the contact point follows from the angles."""
 
     inner: Path
     parameters: Parameters
+    H_B: float
+    H_G: float
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
@@ -61,8 +63,28 @@ class SlidingPath:
         return times, self._with_contact(states)
 
     def _with_contact(self, states: States) -> States:
-        contact = contact_from_centre(states, self.parameters)
-        return replace(states, x=contact[:, 0], y=contact[:, 1])
+        p, S, C = self.parameters, np.sin(states.phi), np.cos(states.phi)
+        contact = contact_from_centre(states, p)
+        psi_dot = (self.H_G - C * self.H_B) / (p.a * S**2)
+        theta_dot = self.H_B / p.c - psi_dot * C
+        spin = self.H_B / p.c + psi_dot * 2 * np.sin(states.phi / 2) ** 2
+        return replace(
+            states,
+            psi_dot=psi_dot,
+            theta_dot=theta_dot,
+            spin=spin,
+            x=contact[:, 0],
+            y=contact[:, 1],
+        )
+
+
+def energy_without_friction(states: States, parameters: Parameters) -> Floats:
+    """Energy over m g R of a can whose centre only rises and falls, shape (n,)."""
+    p, S, C = parameters, np.sin(states.phi), np.cos(states.phi)
+    turning = p.a * (states.psi_dot**2 * S**2 + states.phi_dot**2)
+    axial = axial_momentum(states, p) ** 2 / p.c
+    rising = (states.phi_dot * (C - p.h * S)) ** 2
+    return np.asarray((turning + axial + rising) / 2 + S + p.h * C)
 
 
 def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> Run:
@@ -85,4 +107,4 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> Run:
 
     start = [problem.phi, problem.phi_dot, problem.psi_dot, problem.theta_dot]
     run = follow(problem, field, [*start, problem.psi, problem.theta], method=method, rtol=rtol)
-    return replace(run, path=SlidingPath(inner=run.path, parameters=p))
+    return replace(run, path=SlidingPath(inner=run.path, parameters=p, H_B=H_B, H_G=H_G))

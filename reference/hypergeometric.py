@@ -63,7 +63,7 @@ def gauss(a: complex, b: complex, c: complex, z: complex) -> complex:
             step = target - at
             if abs(step) > room:
                 step *= room / abs(step)
-            value, slope = _continued(a, b, c, at, value, slope, step)
+            value, slope = _continued((a, b, c), at, (value, slope), step)
             at = target if abs(target - at) <= room else at + step
     return value
 
@@ -78,10 +78,14 @@ def _near_zero(a: complex, b: complex, c: complex, z: complex) -> tuple[complex,
 
 
 def _continued(
-    a: complex, b: complex, c: complex, at: complex, value: complex, slope: complex, step: complex
+    abc: tuple[complex, complex, complex],
+    at: complex,
+    state: tuple[complex, complex],
+    step: complex,
 ) -> tuple[complex, complex]:
     """Step by the Taylor series from z (1 - z) F'' + (c - (a + b + 1) z) F' = a b F."""
-    f = [value, slope]
+    a, b, c = abc
+    f = list(state)
     q0, q1 = at * (1 - at), 1 - 2 * at
     p0, p1 = c - (a + b + 1) * at, -(a + b + 1)
     for n in range(TERMS):

@@ -1,5 +1,6 @@
 """Solving a problem with the model and the method of your choice."""
 
+from collections.abc import Callable
 from collections.abc import Set as AbstractSet
 
 from reference.asymptotic_path import solve_asymptotically
@@ -95,18 +96,19 @@ def _dispatch(
 ) -> tuple[Run, str, str]:
     """Return the run, the model that was solved in the end, and how."""
     stepped = "DOP853" if method == "regular" else method
-    if model == "pendulum":
-        return solve_pendulum(problem), model, "closed form"
-    if model == "asymptotic":
-        return solve_asymptotically(problem), model, "closed form"
-    if model == "reduced":
-        return solve_reduced(problem, method=stepped, rtol=rtol), model, stepped
-    if model == "frictionless":
-        return solve_frictionless(problem, method=stepped, rtol=rtol), model, stepped
+    smaller: dict[str, Callable[[], tuple[Run, str]]] = {
+        "pendulum": lambda: (solve_pendulum(problem), "closed form"),
+        "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),
+        "reduced": lambda: (solve_reduced(problem, method=stepped, rtol=rtol), stepped),
+        "frictionless": lambda: (solve_frictionless(problem, method=stepped, rtol=rtol), stepped),
+    }
+    if model in smaller:
+        run, used = smaller[model]()
+        return run, model, used
     if model in {"auto", "exact"} and method == "regular":
-        run = solve_exactly(problem, locus=locus)
-        if run is not None:
-            return run, "exact", "quadrature"
+        found = solve_exactly(problem, locus=locus)
+        if found is not None:
+            return found, "exact", "quadrature"
     if method == "regular":
         return march(problem, locus=locus), "rolling", method
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method

@@ -148,7 +148,7 @@ def _fastest(equations: RegularEquations, y: Floats) -> float:
     T, Phi, b, _ = y.tolist()
     precession = b * (1 + T * T) / (2 * T)
     sine = 2 * T / (1 + T * T)
-    return max(sqrt(Phi**2 + equations.swing * precession**2 + abs(pull)), PENDULUM * sine)
+    return float(max(sqrt(Phi**2 + equations.swing * precession**2 + abs(pull)), PENDULUM * sine))
 
 
 def _guess(state: _March) -> Element | None:

@@ -56,16 +56,16 @@ def outer_coefficients(reduced: Reduced, height: float) -> dict[str, float]:
     height : float
         I, twice the nutation at release.
     """
-    r, I, log = reduced, height, np.log(height / 2)
+    r, log = reduced, np.log(height / 2)
     return {
-        "J_3": 8 * r.a_3 / I**2,
-        "J_l2": 4 * r.a_l2 / I,
-        "J_2": 4 * (r.a_2 + r.a_l2 * log) / I,
+        "J_3": 8 * r.a_3 / height**2,
+        "J_l2": 4 * r.a_l2 / height,
+        "J_2": 4 * (r.a_2 + r.a_l2 * log) / height,
         "J_l1": 2 * r.a_l1,
         "J_1": 2 * (r.a_1 + r.a_l1 * log),
-        "J_ll": r.a_ll * I,
-        "J_l0": (r.a_l0 + 2 * r.a_ll * log) * I,
-        "J_0": (r.a_0 + r.a_l0 * log + r.a_ll * log**2) * I,
+        "J_ll": r.a_ll * height,
+        "J_l0": (r.a_l0 + 2 * r.a_ll * log) * height,
+        "J_0": (r.a_0 + r.a_l0 * log + r.a_ll * log**2) * height,
     }
 
 

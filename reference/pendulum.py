@@ -1,15 +1,13 @@
 """The planar pendulum: the can pivots about its rim and nothing turns.
 
-With psi' = theta' = 0 the nutation obeys (eq01:nonlin_pendulum)
+With psi' = theta' = 0 the nutation obeys (eq01:nonlin_pendulum), with the lean d = phi - phi*,
 
-    phi'' = w^2 sin(phi - phi*),      w^2 = sqrt(1 + h^2)/(a_p + 1).
+    d'' = w^2 sin d,      w^2 = sqrt(1 + h^2)/(a_p + 1).
 
-Measured from the hanging position, chi = pi - (phi* - phi), this is the pendulum chi'' = -w^2 sin
-chi:
+With m = sin^2(d/2) - (d'/(2 w))^2, a constant of the motion,
 
-    sin(chi/2) = kappa sn(w t + u0 | kappa^2)          if kappa <= 1 (it turns back),
-    chi/2      = am(kappa w t + u0 | 1/kappa^2)        if kappa > 1 (it goes over the top),
-    kappa^2    = sin^2(chi_0/2) + (chi_0'/(2 w))^2.
+    sin(|d|/2) = sqrt(m)/dn(w t + x0 | 1 - m)      if m >= 0 (it turns back on its own side),
+    (pi + d)/2 = am(u0 +- kappa w t | 1/kappa^2)   if m < 0 (it goes over the top), kappa^2 = 1 - m.
 
 The paper's closed solution below eq01:nonlin_pendulum is misprinted twice: its scaled time has
 sqrt(h^2 + 1) where the fourth root belongs, and it gives phi where the integral is the time.
@@ -18,8 +16,9 @@ sqrt(h^2 + 1) where the fourth root belongs, and it gives phi where the integral
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ellipj, ellipk, ellipkinc
+from scipy.special import ellipj, ellipkinc, ellipkm1, elliprf
 
+from reference.elliptic import squared_sn_cn
 from reference.outcome import Outcome
 from reference.parameters import Parameters
 from reference.problem import Problem
@@ -43,66 +42,70 @@ class Pendulum:
     Attributes
     ----------
     parameters : Parameters
-    modulus : float
-        kappa; above 1 the can goes over its balancing angle.
+    constant : float
+        m; negative where the can goes over its balancing angle.
     side : float
-        1 if the can leans on the flat side of balance (or goes over), -1 beyond it: a mirror image.
+        -1 if the can leans on the flat side of balance, 1 beyond it; 1 if it goes over.
     offset, rate : float
         Argument of the elliptic function at release, and its rate in time.
     """
 
     parameters: Parameters
-    modulus: float
+    constant: float
     side: float
     offset: float
     rate: float
 
     def nutation(self, times: Floats) -> tuple[Floats, Floats]:
         """Return phi and phi' at the given times, shape (n,)."""
-        u = self.offset + self.rate * np.asarray(times)
-        if self.modulus <= 1:
-            sn, cn, _, _ = ellipj(u, self.modulus**2)
-            half = np.arcsin(np.clip(self.modulus * sn, -1, 1))
-            # d(chi/2)/dt = kappa cn dn rate/cos(chi/2), and cos(chi/2) = dn
-            slope = self.modulus * cn
+        x = self.offset + self.rate * np.asarray(times)
+        m = self.constant
+        if m < 0:
+            _, _, slope, half = ellipj(x, 1 / (1 - m))
+            lean, lean_dot = 2 * half - np.pi, 2 * slope * self.rate
         else:
-            _, _, slope, half = ellipj(u, self.modulus**-2)
-        lean = self.side * (2 * half - np.pi)
-        return (
-            np.asarray(self.parameters.balancing_angle + lean),
-            np.asarray(self.side * 2 * slope * self.rate),
-        )
+            fraction = np.minimum(np.abs(x) / ellipkm1(m), 1.0)
+            sn2, cn2 = squared_sn_cn(fraction[:, None], np.array([m]))
+            dn = np.sqrt(cn2 + m * sn2)[:, 0]
+            lean = 2 * self.side * np.arcsin(np.minimum(np.sqrt(m) / dn, 1.0))
+            speed = 2 * np.sqrt((1 - m) * m * sn2[:, 0]) / dn * self.rate
+            lean_dot = self.side * np.sign(x) * speed
+        return np.asarray(self.parameters.balancing_angle + lean), np.asarray(lean_dot)
 
     def time_at(self, phi: float) -> float:
         """Return when the nutation is `phi`, on the way away from the balancing angle."""
-        half = (np.pi + self.side * (phi - self.parameters.balancing_angle)) / 2
-        if self.modulus <= 1:
-            argument = np.arcsin(np.clip(np.sin(half) / self.modulus, -1, 1))
-            u = 2 * ellipk(self.modulus**2) - ellipkinc(argument, self.modulus**2)
+        lean, m = phi - self.parameters.balancing_angle, self.constant
+        if m < 0:
+            x = float(ellipkinc((np.pi + lean) / 2, 1 / (1 - m)))
         else:
-            u = ellipkinc(half, self.modulus**-2)
-        return float((u - self.offset) / self.rate)
+            sine2 = np.sin(lean / 2) ** 2
+            # sn^2, cn^2 and dn^2 at that point, none of them a difference of near numbers
+            sn2 = max(1 - m / sine2, 0.0) / (1 - m)
+            cn2 = m * (1 / sine2 - 1) / (1 - m)
+            x = float(np.sqrt(sn2) * elliprf(cn2, m / sine2, 1.0))
+        return (x - self.offset) / self.rate
 
 
 def planar_motion(parameters: Parameters, phi: float, phi_dot: float = 0.0) -> Pendulum:
     """Return the planar motion from a release."""
     w = frequency(parameters)
     lean = phi - parameters.balancing_angle
-    modulus = float(np.hypot(np.cos(lean / 2), phi_dot / (2 * w)))
-    if modulus > 1:
+    sine, speed = abs(np.sin(lean / 2)), phi_dot / (2 * w)
+    m = float((sine - speed) * (sine + speed))
+    if m < 0:
+        kappa = np.sqrt(1 - m)
         return Pendulum(
             parameters=parameters,
-            modulus=modulus,
+            constant=m,
             side=1.0,
-            offset=float(ellipkinc((np.pi + lean) / 2, modulus**-2)),
-            rate=float(np.copysign(modulus * w, phi_dot)),
+            offset=float(ellipkinc((np.pi + lean) / 2, kappa**-2)),
+            rate=float(np.copysign(kappa * w, phi_dot)),
         )
-    side = -1.0 if lean > 0 else 1.0
-    argument = np.arcsin(np.clip(np.cos(lean / 2) / modulus, -1, 1))
-    u = float(ellipkinc(argument, modulus**2))
-    if side * phi_dot <= 0:
-        u = 2 * float(ellipk(modulus**2)) - u
-    return Pendulum(parameters=parameters, modulus=modulus, side=side, offset=u, rate=w)
+    side = 1.0 if lean > 0 else -1.0
+    # sn(x0) = d'/(2 w kappa sin(d/2)), positive on the way out
+    sn = 0.0 if phi_dot == 0 else side * speed / (sine * np.sqrt(1 - m))
+    offset = float(sn * elliprf(1 - sn**2, 1 - (1 - m) * sn**2, 1.0))
+    return Pendulum(parameters=parameters, constant=m, side=side, offset=offset, rate=w)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,8 +143,8 @@ def solve_pendulum(problem: Problem) -> Run:
     """
     p = problem.parameters
     motion = planar_motion(p, problem.phi, problem.phi_dot)
-    over = motion.modulus > 1
-    down = problem.phi_dot < 0 if over else motion.side > 0
+    over = motion.constant < 0
+    down = problem.phi_dot < 0 if over else motion.side < 0
     outcome = Outcome.FELL_FLAT if down else Outcome.OVERTURNED
     t_end = motion.time_at(0.0 if down else np.pi / 2)
     if not np.isfinite(t_end) or (problem.phi == p.balancing_angle and problem.phi_dot == 0):

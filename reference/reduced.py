@@ -81,7 +81,7 @@ class Reduced:
         return np.asarray(phi_dot**2 / 2 + self.potential(phi))
 
     def turning_point(self, phi: float) -> float:
-        """The other end of the motion that rests at `phi`, on the flat side."""
+        """Return the other end of the motion that rests at `phi`, on the flat side."""
         level = float(self.potential(np.asarray(phi)))
         low = phi
         while float(self.potential(np.asarray(low))) <= level:
@@ -165,7 +165,7 @@ def solve_reduced(problem: Problem, *, method: str, rtol: float) -> Run:
 
 
 def _slope(series: LogSeries) -> LogSeries:
-    """Derivative with respect to phi."""
+    """Differentiate with respect to phi."""
     powers = series.first + np.arange(len(series.terms))
     out = series.terms * powers[:, None]
     logs = np.arange(1, series.terms.shape[1])

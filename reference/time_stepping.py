@@ -139,7 +139,7 @@ def step_in_time(problem: Problem, *, method: str, rtol: float, locus: bool) -> 
 def follow(
     problem: Problem, field: RightHandSide, start: list[float], *, method: str, rtol: float
 ) -> Run:
-    """Integrate a field of (phi, phi', psi', theta', psi, theta, ...) until the horizon or an ending."""
+    """Integrate a field of (phi, phi', psi', theta', psi, theta, ...) to its end."""
     watch = Watch(problem)
     solver = SCIPY_METHODS[method](
         field,
