@@ -5,14 +5,16 @@ from typing import Annotated
 
 import typer
 
+from harness.artefact import Artefact
 from harness.cli import printing
 from harness.cli.files import write_text
 from harness.errors import HarnessError, OutputError
+from harness.provenance import provenance
+from harness.report import check_writable, write_report
 from harness.report.tables import csv_text
 from harness.studies.audit import Finding, audit_table, counts, markdown
-from harness.studies.gallery import FIGURES, write_gallery
-
-_HELP = "Folder to write into; made if it is missing."
+from harness.studies.gallery import ABOUT, FIGURES
+from harness.studies.gallery import gallery as draw
 
 
 class MissingMathematicsError(HarnessError, ImportError):
@@ -26,12 +28,15 @@ class MissingMathematicsError(HarnessError, ImportError):
 
 
 def audit(
-    out: Annotated[Path, typer.Option(help=_HELP)] = Path("reports"),
+    out: Annotated[Path, typer.Option(help="Folder to write into; made if it is missing.")] = Path(
+        "reports"
+    ),
 ) -> None:
     """Check every equation and number of the paper; write audit.md and audit.csv."""
     try:
         # here and not above: sympy and mpmath are an extra, and every other command does without
-        from harness.studies.audit.run import audit as run, claims  # noqa: PLC0415
+        from harness.studies.audit.run import audit as run  # noqa: PLC0415
+        from harness.studies.audit.run import claims  # noqa: PLC0415
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
     _make(out)
@@ -51,17 +56,21 @@ def audit(
 
 
 def gallery(
-    out: Annotated[Path, typer.Option(help=_HELP)] = Path("reports/gallery"),
+    out: Annotated[Path, typer.Option(help="Folder of the gallery; replaced as a whole.")] = Path(
+        "reports/gallery"
+    ),
 ) -> None:
-    """Draw every figure of the paper from our own solutions; write SVG, PNG and index.md."""
-    _make(out)
+    """Draw every figure of the paper from our own solutions; write SVG, PNG and a page."""
+    check_writable(out)
+    drawn: list[Artefact] = [ABOUT]
     with printing.progress() as bar:
         task = bar.add_task("drawing", total=len(FIGURES))
-
-        def show(name: str) -> None:
-            bar.update(task, advance=1, description=name)
-
-        page = write_gallery(out, show)
+        for figure in draw():
+            drawn.append(figure)
+            bar.update(task, advance=1, description=figure.title)
+    page = write_report(
+        drawn, out, title="The figures of the paper", cases=(), provenance=provenance()
+    )
     printing.out().print(f"The gallery: {page}")
 
 

@@ -5,7 +5,7 @@ import sympy as sp
 
 from harness.studies.audit import flat_motion, paper_can
 from harness.studies.audit import flat_series as series
-from harness.studies.audit.checks.frobenius import PRINTED_PSI, error_of_psi, SMALL
+from harness.studies.audit.checks.frobenius import PRINTED_PSI, SMALL, error_of_psi
 from harness.studies.audit.evidence import Both, Fact, Identity, Rate
 from harness.studies.audit.newton_euler import (
     ARM,

@@ -22,7 +22,6 @@ from harness.studies.audit.symbols import (
     a,
     a_p,
     c,
-    c_p,
     g,
     h,
     k,

@@ -89,7 +89,7 @@ def equation_of_nutation() -> Identity:
 
 
 def _reduced() -> sp.Expr:
-    """phi'' with the rates eliminated, for momenta 1 and zeta times eps^(1/2), eps = 1."""
+    """Phi'' with the rates eliminated, for momenta 1 and zeta times eps^(1/2), eps = 1."""
     psi_dot = (zeta - Co) / (a * S**2)
     theta_dot = 1 / c - psi_dot * Co
     force = _force(2).subs({Psi: psi_dot, Theta: theta_dot})

@@ -99,7 +99,7 @@ def period_integral() -> Fact:
 
 @claim("text:T at eps=0", "E", "T|_(eps=0) = sqrt(2) int dphi/sqrt(h - phi)")
 def period_without_eps() -> Both:
-    """h is the can's height elsewhere: here it must be the energy E."""
+    """H is the can's height elsewhere: here it must be the energy E."""
     top = paper_can.PHI
     whole = 2 * mp.sqrt(2 * top)
     right = mp.sqrt(2) * mp.quad(lambda y: 1 / mp.sqrt(top - y), [0, top])

@@ -5,9 +5,9 @@ import sympy as sp
 
 from harness.studies.audit.checks.outer import POWERS, a_
 from harness.studies.audit.evidence import Both, Fact, Identity, Rate
-from harness.studies.audit.registry import claim
 from harness.studies.audit.flat_motion import rates
-from harness.studies.audit.symbols import A, H, R, Expr, I, T, a_p, eps, m
+from harness.studies.audit.registry import claim
+from harness.studies.audit.symbols import A, Expr, H, I, R, T, a_p, eps, m
 
 q = sp.Symbol("a_p", positive=True)
 """The paper's a_p as a letter of its own: only that it is positive matters here."""

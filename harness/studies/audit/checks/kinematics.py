@@ -81,7 +81,7 @@ def contact_point() -> Fact:
     at = {angle: sp.pi}
     lowest = slope.subs(at) == 0 and sp.simplify(bend.subs(at) - S) == 0
     return Fact(
-        true=lowest and ARM == sp.Matrix([-1, 0, -h]),
+        true=lowest and sp.Matrix([-1, 0, -h]) == ARM,
         how="sympy: over the rim the height has slope 0 and bend R sin(phi) > 0 there",
     )
 

@@ -58,7 +58,7 @@ for _name in NAMES:
 
 @claim("eq01:leading_order_outer", "5.1", "phi_0 = (I - t^2)/2, flat at t = sqrt(I)")
 def leading_order() -> Identity:
-    """phi'' = -1 from rest at I/2."""
+    """Phi'' = -1 from rest at I/2."""
     t = sp.Symbol("t")
     form = (I - t**2) / 2
     zero = {t: 0}

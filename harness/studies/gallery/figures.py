@@ -1,0 +1,49 @@
+"""Which figures there are, in the order of the paper."""
+
+from collections.abc import Callable, Iterator
+
+from harness.artefact import Figure, Prose
+from harness.studies.gallery.approximations import exact_and_reduced, family, inner_and_outer
+from harness.studies.gallery.energy import contours, surface
+from harness.studies.gallery.locus import friction, loci
+from harness.studies.gallery.motion import constants, hypergeometric, time_series
+from harness.studies.gallery.poses import equilibria, fall
+from harness.studies.gallery.signs import sign_map
+
+ABOUT = Prose(
+    name="summary",
+    title="About these figures",
+    text=(
+        "Each figure of Collins, Hall and Hogan, The rocking can (arXiv:2302.08335), drawn again from "
+        "our own solutions of the same release, and named after the paper's label. Where a caption's "
+        "number differs from the paper's, the audit says why."
+    ),
+)
+
+FIGURES: tuple[Callable[[], Figure], ...] = (
+    fall,
+    time_series,
+    equilibria,
+    hypergeometric,
+    constants,
+    exact_and_reduced,
+    family,
+    inner_and_outer,
+    sign_map,
+    loci,
+    friction,
+    surface,
+    contours,
+)
+
+
+def gallery() -> Iterator[Figure]:
+    """Draw one figure after the other.
+
+    Yields
+    ------
+    Figure
+        Named after the paper's label.
+    """
+    for make in FIGURES:
+        yield make()
