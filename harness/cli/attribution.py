@@ -2,13 +2,14 @@
 
 import os
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
 
-from harness.artefact import Artefact, Table
+from harness.artefact import Artefact, Prose, Table
 from harness.case import Case
 from harness.cli import printing
 from harness.cli.answers import spell
@@ -87,9 +88,9 @@ def evaluations(cases: Sequence[Case], jobs: int | None) -> tuple[Evaluation, ..
 def report(
     artefacts: Sequence[Artefact], found: Iterable[Evaluation], out: Path, study: str
 ) -> Path:
-    """Write the report of a study and return its page."""
+    """Write the report of a study, its words at the top, and return its page."""
     return write_report(
-        artefacts,
+        [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts],
         out,
         title=f"rockingcan, {study}",
         cases=[
