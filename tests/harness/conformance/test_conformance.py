@@ -1,0 +1,291 @@
+"""The contract: the engines keep it, and an adapter that does not is told which clause it broke."""
+
+import random
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.engines.base import Capabilities, Setting
+from harness.engines.conformance import CHECKS, Result, Verdict, conform
+from harness.engines.registry import engine
+from harness.simulation import Outcome, Simulation
+
+NOT_APPLICABLE = {
+    "mujoco": {"unsupported effect"},
+    "pybullet": {"unsupported effect"},
+    "reference": {"mass properties", "horizon", "friction", "divergence", "flight"},
+}
+
+
+def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
+    """Return the details of the checks that ended so, by name."""
+    return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
+
+
+@pytest.mark.parametrize("name", NOT_APPLICABLE)
+def test_the_engines_keep_the_contract(name: str) -> None:
+    verdicts = conform(engine(name))
+    assert [verdict.name for verdict in verdicts] == [check.name for check in CHECKS]
+    assert told(verdicts, Result.FAILED) == {}
+    assert told(verdicts, Result.NOT_APPLICABLE).keys() == NOT_APPLICABLE[name]
+
+
+def test_the_adapters_of_physics_engines_are_exact_where_they_can_be() -> None:
+    for name in ("mujoco", "pybullet"):
+        numbers = {verdict.name: verdict.number for verdict in conform(engine(name))}
+        # of a reading of the wrong instant it would be 1; round-off of a soft constraint is 1e-11
+        assert numbers["newton"] < 1e-9
+        assert numbers["same instant"] < 1e-9
+
+
+class Toy:
+    """MuJoCo behind an adapter that breaks one clause; its own clauses are MuJoCo's."""
+
+    name = "toy"
+    version = "1"
+    settings = engine("mujoco").settings
+    capabilities = engine("mujoco").capabilities
+
+    def timestep(self, case: Case) -> float | None:
+        """Return the timestep of a case."""
+        return engine("mujoco").timestep(case)
+
+    def simulate(self, case: Case) -> Any:  # noqa: ANN401 - a toy may return anything
+        """Run a case and spoil it."""
+        whole = engine("mujoco").simulate(replace(case, engine="mujoco"))
+        return self.spoil(replace(whole, case=case, engine_version=self.version))
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401 - a toy may return anything
+        """Return the answer, spoilt."""
+        return whole
+
+
+def changed(whole: Simulation, **fields: Any) -> Simulation:  # noqa: ANN401 - arrays of all kinds
+    """Return a simulation with other arrays in its trajectory, if it has one."""
+    if whole.trajectory is None:
+        return whole
+    return replace(whole, trajectory=replace(whole.trajectory, **fields))
+
+
+class Sound(Toy):
+    """Breaks nothing."""
+
+
+class WrongShape(Toy):
+    """Hands over positions in the plane."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return changed(whole, position=whole.trajectory.position[:, :2])
+
+
+class BackwardsInTime(Toy):
+    """Lets time go back."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return changed(whole, time=-whole.trajectory.time)
+
+
+class NotANumber(Toy):
+    """Hands over what is no number."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return changed(whole, velocity=np.full_like(whole.trajectory.velocity, np.nan))
+
+
+class RaisesOnDivergence(Toy):
+    """Raises where an outcome is called for."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        if whole.outcome is not Outcome.FINISHED:
+            raise FloatingPointError("the numbers exploded")
+        return whole
+
+
+class Random(Toy):
+    """Throws dice."""
+
+    dice = random.Random(1)  # noqa: S311 - no secret
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        path = whole.trajectory
+        return changed(whole, penetration=path.penetration + self.dice.random() * 1e-12)
+
+
+class Remembers(Toy):
+    """Keeps something of the case before: the last mass it has seen."""
+
+    mass = None
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        before, self.mass = self.mass or whole.case.scene.can.mass, whole.case.scene.can.mass
+        path = whole.trajectory
+        return changed(whole, penetration=path.penetration * (before / self.mass))
+
+
+class Late(Toy):
+    """Reads the contact of the next instant."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        if whole.trajectory is None:
+            return whole
+        both = (whole.trajectory.contact_force, whole.trajectory.contact_point)
+        force, point = (np.concatenate((array[1:], array[-1:])) for array in both)
+        return changed(whole, contact_force=force, contact_point=point)
+
+
+class Falls(Toy):
+    """Starts a millimetre above where it was released."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return changed(whole, position=whole.trajectory.position + np.array((0.0, 0.0, 1e-3)))
+
+
+class Heavy(Toy):
+    """Compiles a can with another moment, and falls accordingly."""
+
+    def simulate(self, case: Case) -> Any:  # noqa: ANN401, D102
+        can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
+        other = replace(case.scene, can=can)
+        whole = engine("mujoco").simulate(replace(case, scene=other, engine="mujoco"))
+        return replace(whole, case=case, engine_version=self.version)
+
+    def open(self, case: Case) -> Any:  # noqa: ANN401, D102
+        can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
+        return engine("mujoco").open(replace(case, scene=replace(case.scene, can=can)))
+
+
+class Sparse(Toy):
+    """Records one sample in two hundred."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        from harness.trajectory import take  # noqa: PLC0415 - this toy alone
+
+        if whole.trajectory is None or len(whole.trajectory) < 200:
+            return whole
+        return replace(
+            whole, trajectory=take(whole.trajectory, np.arange(len(whole.trajectory))[::200])
+        )
+
+
+class Overshoots(Toy):
+    """Runs past the horizon."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return changed(whole, time=whole.trajectory.time * 1.2)
+
+
+class Ghost(Toy):
+    """Points at a contact where there is none."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return changed(whole, contact_point=np.nan_to_num(whole.trajectory.contact_point))
+
+
+class TakesAnything(Toy):
+    """Takes every setting."""
+
+    def simulate(self, case: Case) -> Any:  # noqa: ANN401, D102
+        return super().simulate(replace(case, options=()))
+
+
+class Keeps(Toy):
+    """Does not say which settings were in force."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return replace(whole, settings={})
+
+
+class Untidy(Toy):
+    """Has a name for no command line, a setting twice, no version, and an odd effect."""
+
+    name = "My Engine"
+    version = None
+    settings = (*Toy.settings, Setting(name="cone", default=1, matched=1, meaning="Again."))
+    capabilities = Capabilities(honours=frozenset({"magnetism"}), imposes={})
+
+
+class Slippery(Toy):
+    """Honours slip, and takes three times the friction."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        if whole.case.scene.effects.slip is None:
+            return whole
+        return changed(whole, contact_force=whole.trajectory.contact_force * np.array((3, 3, 1)))
+
+
+class Unpicklable(Toy):
+    """Hands over what does not travel."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        return replace(whole, note=lambda: "")
+
+
+class Nervous(Toy):
+    """Lets the horizon change the beginning."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        seconds = whole.case.scene.horizon.seconds or 0.0
+        scale = np.array((0.0, seconds * 1e-9, 0.0))
+        return changed(whole, position=whole.trajectory.position + scale * (seconds > 0.03))
+
+
+BROKEN = {
+    WrongShape: {"trajectory": r"`position` has shape \(\d+, 2\)"},
+    BackwardsInTime: {"trajectory": "increase strictly"},
+    NotANumber: {"trajectory": "`velocity` is no number at sample 0"},
+    RaisesOnDivergence: {"divergence": "FloatingPointError: the numbers exploded"},
+    Random: {"repeats": "two runs of one case differ"},
+    Remembers: {"repeats after another": "otherwise after another case"},
+    Late: {"newton": "misfit", "same instant": "distance"},
+    Falls: {"initial state": "first sample"},
+    Heavy: {"mass properties": "moments", "acceleration at release": "first step"},
+    Sparse: {"dense": "largest turn"},
+    Overshoots: {"ends": "horizon"},
+    Ghost: {"flight": "a point but no force"},
+    TakesAnything: {"unknown setting": "was taken", "wrong value": "another kind: integrator"},
+    Keeps: {"report": "settings differ in condim"},
+    Untidy: {
+        "name": "'My Engine'",
+        "version": "None is no text",
+        "settings": "declared twice: cone",
+        "capabilities": "no effect of a scene: magnetism",
+    },
+    Slippery: {"friction": "beyond the declared"},
+    Unpicklable: {"pickling": "pickle"},
+    Nervous: {"horizon": "shorter run"},
+}
+
+
+def test_a_sound_toy_keeps_every_clause() -> None:
+    assert told(conform(Sound()), Result.FAILED) == {}
+
+
+@pytest.mark.parametrize("toy", BROKEN, ids=lambda toy: toy.__name__)
+def test_a_broken_adapter_is_told_its_clause(toy: type[Toy]) -> None:
+    failed = told(conform(toy()), Result.FAILED)
+    for name, detail in BROKEN[toy].items():
+        assert name in failed
+        with pytest.raises(AssertionError, match=detail):
+            raise AssertionError(failed[name])
+
+
+def test_every_clause_can_be_broken() -> None:
+    broken = {name for clauses in BROKEN.values() for name in clauses}
+    # these need a registered engine, a solver without timesteps, or arrays that Trajectory refuses
+    unbroken = {
+        "unsupported effect",
+        "repeats in a fresh process",
+        "starts",
+        "acceleration",
+    }
+    assert broken | unbroken == {check.name for check in CHECKS}
+
+
+def test_what_needs_a_run_is_not_asked_without_one() -> None:
+    verdicts = conform(WrongShape())
+    skipped = told(verdicts, Result.NOT_APPLICABLE)
+    assert "needs a run that passes the check 'trajectory'" in skipped["newton"]
+    assert told(verdicts, Result.FAILED).keys() == {"trajectory", "divergence"}

@@ -1,0 +1,176 @@
+"""What is stated as an engine's default is what it ships with, read from a model it compiles."""
+
+import importlib
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from harness.case import PROFILES, Case
+from harness.engines.base import Setting, resolve
+from harness.engines.mujoco.settings import FLAGS, GEOM, OPTIONS
+from harness.engines.mujoco.settings import SETTINGS as MUJOCO
+from harness.engines.probes import Finding, measure
+from harness.engines.pybullet.settings import SETTINGS as PYBULLET
+from harness.engines.pybullet.settings import SHIPPED_VALUES
+from harness.engines.registry import engine
+from harness.engines.settings_table import ENGINES, FILE, settings_table
+from models import load, release_state
+
+BARE = """
+<mujoco><worldbody>
+  <geom name="ground" type="plane" size="0 0 1"/>
+  <body pos="0 0 1"><freejoint/><geom name="can" type="cylinder" size="0.04 0.05" mass="1"/></body>
+</worldbody></mujoco>
+"""
+"""A model that sets nothing."""
+
+WORDS = {
+    "integrator": ("mjINT_", mujoco.mjtIntegrator),
+    "cone": ("mjCONE_", mujoco.mjtCone),
+    "jacobian": ("mjJAC_", mujoco.mjtJacobian),
+    "solver": ("mjSOL_", mujoco.mjtSolver),
+}
+
+
+@pytest.fixture(scope="module")
+def bare() -> mujoco.MjModel:
+    """Return a compiled model in which nothing was chosen."""
+    return mujoco.MjModel.from_xml_string(BARE)
+
+
+@pytest.mark.parametrize("setting", OPTIONS, ids=lambda setting: setting.name)
+def test_mujoco_options(bare: mujoco.MjModel, setting: Setting) -> None:
+    found = getattr(bare.opt, setting.name)
+    if setting.name in WORDS:
+        prefix, kinds = WORDS[setting.name]
+        assert kinds(found) == getattr(kinds, prefix + str(setting.default).upper())
+    else:
+        assert found == setting.default
+
+
+@pytest.mark.parametrize("setting", GEOM, ids=lambda setting: setting.name)
+def test_mujoco_geoms(bare: mujoco.MjModel, setting: Setting) -> None:
+    found = np.ravel(getattr(bare, f"geom_{setting.name}")[bare.geom("can").id])
+    np.testing.assert_array_equal(found, np.ravel(setting.default))
+
+
+@pytest.mark.parametrize("setting", FLAGS, ids=lambda setting: setting.name)
+def test_mujoco_flags(bare: mujoco.MjModel, setting: Setting) -> None:
+    bit = getattr(mujoco.mjtDisableBit, f"mjDSBL_{setting.name.upper()}")
+    disabled = bool(bare.opt.disableflags & bit)
+    assert setting.default == ("disable" if disabled else "enable")
+
+
+def test_mujoco_words_are_all_there_are(bare: mujoco.MjModel) -> None:
+    del bare
+    for setting in OPTIONS:
+        if setting.name in WORDS:
+            prefix, kinds = WORDS[setting.name]
+            members = {name.removeprefix(prefix).lower() for name in kinds.__members__}
+            assert {choice.lower() for choice in setting.choices} == members
+
+
+def test_mujoco_timestep(bare: mujoco.MjModel) -> None:
+    case = Case(scene=load("gentle-rock"), engine="mujoco", profile="default")
+    assert engine("mujoco").timestep(case) == bare.opt.timestep
+
+
+@pytest.fixture(scope="module")
+def parameters() -> dict[str, float]:
+    """Return what a fresh PyBullet world says of itself."""
+    pybullet = importlib.import_module("pybullet")  # after the adapter, which silences its greeting
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        return dict(pybullet.getPhysicsEngineParameters(client))
+    finally:
+        pybullet.disconnect(client)
+
+
+def shipped(name: str) -> float:
+    """Return the number that is stated to be PyBullet's own."""
+    return float(SHIPPED_VALUES[name].split()[0])
+
+
+def test_pybullet_engine_parameters(parameters: dict[str, float]) -> None:
+    stated = {setting.name: setting.default for setting in PYBULLET}
+    assert parameters["numSolverIterations"] == stated["numSolverIterations"]
+    case = Case(scene=load("gentle-rock"), engine="pybullet", profile="default")
+    assert parameters["fixedTimeStep"] == engine("pybullet").timestep(case)
+    for key in ("contactERP", "frictionERP"):
+        if key in parameters:
+            assert parameters[key] == pytest.approx(shipped(key), rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def findings() -> dict[str, Finding]:
+    """Return what the probes find in PyBullet as it ships, by quantity."""
+    case = Case(scene=load("gentle-rock"), engine="pybullet", profile="default")
+    return {finding.quantity: finding for finding in measure(case).findings}
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity"),
+    [
+        ("linearDamping", "linear damping of velocity"),
+        ("linearDamping", "quadratic damping of velocity"),
+        ("angularDamping", "linear damping of spin"),
+        ("maxJointVelocity", "greatest velocity left by a step"),
+        ("maxJointVelocity", "greatest spin left by a step"),
+        ("collisionMargin", "swell beyond the declared size"),
+        ("contactSlop", "static penetration under its weight"),
+    ],
+)
+def test_pybullet_ships_what_is_stated(
+    findings: dict[str, Finding], name: str, quantity: str
+) -> None:
+    # what is probed is a difference of numbers a million times as large as their round-off, at most
+    assert findings[quantity].value == pytest.approx(shipped(name), rel=1e-6)
+
+
+def test_pybullet_ships_a_prism(findings: dict[str, Finding]) -> None:
+    assert findings["sides of the rim; 0 is round"].value == 32.0
+    radius = load("gentle-rock").can.radius
+    # the lowest point between two corners is among 8 azimuths a side
+    sagitta = radius * (1.0 - math.cos(math.pi / 32.0))
+    assert findings["sagitta between the corners over sin phi"].value == pytest.approx(
+        sagitta, rel=0.05
+    )
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+def test_handing_over_the_default_changes_nothing(name: str) -> None:
+    """A default that is stated is also what `--set` would hand over in its place."""
+    scene = load("gentle-rock")
+    settings = {"mujoco": MUJOCO, "pybullet": PYBULLET}[name]
+    whole = Case(scene=scene, engine=name, profile="default")
+    chosen = resolve(whole, settings, engine(name).timestep(whole) or 0.0)
+    given = tuple((key, value) for key, value in chosen.items() if value is not None)
+    told = Case(scene=scene, engine=name, profile="default", options=given)
+    runs = []
+    for case in (whole, told):
+        world = engine(name).open(case)
+        world.place(*release_state(scene.can, scene.release))
+        for _ in range(20):
+            world.step()
+        runs.append(world.pose().position)
+    np.testing.assert_array_equal(*runs)
+
+
+def test_the_table_is_that_of_the_code() -> None:
+    assert FILE.read_text(encoding="utf-8") == settings_table(), (
+        "run: python -m harness.engines.settings_table"
+    )
+
+
+def test_the_table_has_every_setting_in_every_profile() -> None:
+    lines = settings_table().splitlines()
+    header = next(line for line in lines if line.startswith("| Engine"))
+    for profile in PROFILES:
+        assert profile.capitalize() in header
+    for name in ENGINES:
+        for setting in engine(name).settings:
+            (line,) = [one for one in lines if one.startswith(f"| {name} | `{setting.name}` |")]
+            assert line.count("|") == 7
+            assert setting.meaning in line
