@@ -17,14 +17,14 @@ _GAPS: Mapping[str, str] = {
     "engine": "Name of the engine.",
     "place": "Place of the gap in the order of closing, from 1.",
     "gap": "Name of the gap.",
-    "settings": "Settings that close it.",
-    "what_it_does": "What the open gap does to the can.",
     "quantity": "Which discrepancy; the unit is its suffix.",
     "in_order": "What closing the gap takes away after those before it; sums to the whole.",
     "share_of_whole": "The same as a share of what closing all gaps takes away.",
     "alone": "What closing only this gap takes away from the engine as it ships.",
     "left_open": "What only this gap adds to the matched engine when it is open.",
     "interaction": "In order less alone: what it takes away only because others are closed.",
+    "what_it_does": "What the open gap does to the can.",
+    "settings": "Settings that close it.",
 }
 
 
@@ -51,7 +51,9 @@ def gap_table(way: Path, accounts: Mapping[str, Account]) -> Table:
                     "interaction": None if in_order is None or alone is None else in_order - alone,
                 }
             )
-    return _table(way, "gaps", "What each gap accounts for", rows, _GAPS, skipped=("settings",))
+    return _table(
+        way, "gaps", "What each gap accounts for", rows, _GAPS, skipped=("scene", "engine")
+    )
 
 
 _INTERACTIONS: Mapping[str, str] = {
