@@ -27,6 +27,16 @@ class MissingPackageError(HarnessError, ImportError):
         )
 
 
+class BrokenEngineError(MissingPackageError):
+    """The package behind an engine is there, but no engine can be made of it."""
+
+    def __init__(self, engine: str, entry: str, reason: str) -> None:
+        super(MissingPackageError, self).__init__(
+            f"engine '{engine}' cannot be made from its entry point '{entry}' ({reason}); "
+            "the entry point must name a class that is made without arguments"
+        )
+
+
 class UnknownSettingError(HarnessError, LookupError):
     """An engine has no setting of that name."""
 

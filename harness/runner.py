@@ -5,7 +5,7 @@ truth at the same instants, and the numbers.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,8 +102,11 @@ def _simulated(case: Case) -> Simulation:
         raise
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
         reason = f"`simulate` raised {type(error).__name__}: {error}"
-    if not reason:
-        return answer
+    return _broken(case, reason, version) if reason else answer
+
+
+def _broken(case: Case, reason: str, version: str) -> Simulation:
+    """Return that a case came to nothing, and why."""
     return Simulation(
         case=case,
         outcome=Outcome.BROKEN,
@@ -111,7 +114,7 @@ def _simulated(case: Case) -> Simulation:
         trajectory=None,
         engine_version=version,
         model=case.engine,
-        timestep=chosen.timestep(case),
+        timestep=engine(case.engine).timestep(case),
     )
 
 
@@ -191,13 +194,31 @@ def run(
     executor = Serial() if executor is None else executor
     if isinstance(executor, Serial):
         return tuple(_told(evaluate(case), on_done) for case in cases)
-    pending: dict[Future[Evaluation], int] = {
-        executor.submit(evaluate, case): index for index, case in enumerate(cases)
-    }
+    pending = {_submitted(executor, case): index for index, case in enumerate(cases)}
     done: dict[int, Evaluation] = {}
     for future in as_completed(pending):
-        done[pending[future]] = _told(future.result(), on_done)
+        index = pending[future]
+        done[index] = _told(_result(future, cases[index]), on_done)
     return tuple(_in_order(done))
+
+
+def _submitted(executor: Executor, case: Case) -> Future[Evaluation]:
+    """Return the future of a case, which may have failed already where an executor is broken."""
+    try:
+        return executor.submit(evaluate, case)
+    except BrokenExecutor as error:
+        failed: Future[Evaluation] = Future()
+        failed.set_exception(error)
+        return failed
+
+
+def _result(future: Future[Evaluation], case: Case) -> Evaluation:
+    """Return what came of a case, even if an engine took its whole process with it."""
+    try:
+        return future.result()
+    except BrokenExecutor as error:
+        reason = f"its process died, or one beside it, before it was done: {error}"
+        return Evaluation(simulation=_broken(case, reason, "unknown"))
 
 
 def _told(evaluation: Evaluation, on_done: Callable[[Evaluation], None] | None) -> Evaluation:

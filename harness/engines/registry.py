@@ -4,7 +4,12 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
 from harness.engines.base import Engine
-from harness.errors import MissingPackageError, UnknownEngineError, UnsupportedEffectError
+from harness.errors import (
+    BrokenEngineError,
+    MissingPackageError,
+    UnknownEngineError,
+    UnsupportedEffectError,
+)
 from models.scene import Scene
 
 GROUP = "rockingcan.engines"
@@ -25,6 +30,8 @@ def engine(name: str) -> Engine:
         If no engine of that name is registered.
     MissingPackageError
         If the package behind it cannot be imported.
+    BrokenEngineError
+        If the package is there, but the engine cannot be made.
     """
     entries = _entries()
     if name not in entries:
@@ -33,6 +40,9 @@ def engine(name: str) -> Engine:
         found: Engine = entries[name].load()()
     except ImportError as error:
         raise MissingPackageError(name, error.name or name, str(error)) from error
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise BrokenEngineError(name, entries[name].value, reason) from error
     return found
 
 

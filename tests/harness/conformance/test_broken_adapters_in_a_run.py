@@ -1,16 +1,19 @@
 """An adapter that breaks its contract is an outcome that names the fault; the other cases go on."""
 
 from collections.abc import Callable
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
 
 from harness.case import Case
+from harness.cli.listings import engines_answer
 from harness.engines import registry
 from harness.engines.base import Capabilities
-from harness.errors import InvalidSettingError
+from harness.errors import BrokenEngineError, InvalidSettingError
 from harness.executors import Serial
 from harness.runner import evaluate, run
 from harness.simulation import Outcome, Simulation
@@ -132,6 +135,50 @@ def test_the_other_cases_go_on(
     good = Case(scene=brief, engine="reference")
     outcomes = [e.simulation.outcome for e in run([good, broken, good], executor)]
     assert outcomes == [Outcome.FINISHED, Outcome.BROKEN, Outcome.FINISHED]
+
+
+class Dying(Executor):
+    """A pool whose process dies of the case it is given second; what comes after is refused."""
+
+    def __init__(self) -> None:
+        self.given = 0
+
+    def submit(self, fn, /, *args, **kwargs):  # noqa: ANN001, ANN002, ANN003, ANN201, D102
+        self.given += 1
+        if self.given > 2:
+            raise BrokenProcessPool("no process is left")
+        future: Future = Future()
+        if self.given == 1:
+            future.set_result(fn(*args, **kwargs))
+        else:
+            future.set_exception(BrokenProcessPool("a process was terminated abruptly"))
+        return future
+
+
+def test_a_process_that_dies_leaves_a_named_outcome_and_what_was_done(brief: Scene) -> None:
+    case = Case(scene=brief, engine="reference")
+    done = run([case, case, case], Dying())
+    outcomes = [e.simulation.outcome for e in done]
+    assert outcomes == [Outcome.FINISHED, Outcome.BROKEN, Outcome.BROKEN]
+    assert "terminated abruptly" in done[1].simulation.note
+    assert "no process is left" in done[2].simulation.note
+
+
+@pytest.mark.parametrize(
+    ("entry", "reason"),
+    [("harness.errors:NoSuchEngine", "AttributeError"), ("harness.case:Case", "TypeError")],
+)
+def test_an_engine_that_cannot_be_made_is_named(
+    monkeypatch: pytest.MonkeyPatch, entry: str, reason: str
+) -> None:
+    real = registry._entries()  # noqa: SLF001 - there is no other way to plant an entry point
+    planted = EntryPoint(name="planted", value=entry, group=registry.GROUP)
+    monkeypatch.setattr(registry, "_entries", lambda: real | {"planted": planted})
+    with pytest.raises(BrokenEngineError, match=f"'planted'.*{entry}.*{reason}"):
+        registry.engine("planted")
+    told = {each["name"]: each for each in engines_answer(None)["engines"]}
+    assert told["planted"]["installed"] is False
+    assert told["mujoco"]["installed"] is True
 
 
 def test_wrong_use_still_raises(spoilt: Callable[[Spoil], Case]) -> None:
