@@ -65,7 +65,6 @@ class _Triple:
     limit: float
     order: float
     amplification: float  # of noise in the values
-    smallest: float  # difference
 
 
 def limit(
@@ -103,7 +102,7 @@ def limit(
         _triple(coarse, middle, fine, ratio)
         for coarse, middle, fine in zip(known, known[1:], known[2:], strict=False)
     ]
-    order, spread = _order(triples, floor)
+    order, spread = _order(known, triples, floor)
     finest = triples[-1] if triples else None
     before = triples[-2] if len(triples) > 1 else None
     if finest is None or (before is None and len(triples) > 1):
@@ -126,25 +125,22 @@ def limit(
     )
 
 
-def _order(triples: Sequence[_Triple | None], floor: float) -> tuple[float | None, float | None]:
+def _order(
+    known: Sequence[float], triples: Sequence[_Triple | None], floor: float
+) -> tuple[float | None, float | None]:
     """Return the order at the finest rungs that are clear of noise, and its spread."""
-    orders = [
-        t.order if t is not None and t.smallest > _CLEAR * floor else math.nan for t in triples
-    ]
-    if len(orders) == 1:
-        return (None if math.isnan(orders[0]) else orders[0]), None
+    clear = [abs(middle - fine) > _CLEAR * floor for middle, fine in pairwise(known)][1:]
+    while clear and not clear[-1]:  # the finest rungs may have drowned in noise
+        clear = clear[:-1]
     steady: list[float] = []
-    for order in reversed(orders):
-        if math.isnan(order):
-            if len(steady) > 1:
-                break
-            steady = []
-        else:
-            steady.append(order)
-    if len(steady) < 2:  # noqa: PLR2004 - neighbours are two
-        return None, None
+    for triple in reversed(triples[: len(clear)]):
+        if triple is None:
+            break
+        steady.append(triple.order)
     last = steady[:3]
-    return last[0], (max(last) - min(last)) / 2.0
+    if not last or (len(last) == 1 and len(triples) > 1):
+        return None, None
+    return last[0], (max(last) - min(last)) / 2.0 if len(last) > 1 else None
 
 
 def _ratio(timesteps: Sequence[float]) -> float:
@@ -167,5 +163,4 @@ def _triple(coarse: float, middle: float, fine: float, ratio: float) -> _Triple 
         limit=fine - d2 * q / (1.0 - q),
         order=-math.log(q) / math.log(ratio),
         amplification=1.0 + 2.0 * by_d2 + 2.0 * by_d1,
-        smallest=abs(d2),
     )
