@@ -10,19 +10,26 @@ from harness.case import Case
 from harness.runner import Evaluation
 from harness.studies.attribution.accounts import Account, Level
 from harness.studies.attribution.path import Path
-from harness.studies.attribution.quantities import QUANTITIES, Quantity, turn
+from harness.studies.attribution.quantities import QUANTITIES, Quantity, uncounted
 from harness.trajectory import Floats
+
+_PANELS = 4
 
 
 def waterfall(
     way: Path, evaluations: Mapping[Case, Evaluation], accounts: Mapping[str, Account]
 ) -> Figure:
-    """Return the waterfall of each quantity."""
+    """Return the waterfall of the first quantities that are known anywhere on the way."""
+    drawn = [
+        quantity
+        for quantity in QUANTITIES
+        if any(level is not None for level in accounts[quantity.key].levels)
+    ]
     return Figure(
         name=f"{way.scene.name}-{way.engine}-waterfall",
         title=f"From default to matched: {way.engine}",
         seen=_seen(way, evaluations),
-        panels=tuple(_panel(way, quantity, accounts[quantity.key]) for quantity in QUANTITIES[:4]),
+        panels=tuple(_panel(way, quantity, accounts[quantity.key]) for quantity in drawn[:_PANELS]),
         scene=way.scene.name,
     )
 
@@ -85,11 +92,11 @@ def _told(value: Level, quantity: Quantity) -> str:
 
 def _seen(way: Path, evaluations: Mapping[Case, Evaluation]) -> str:
     """Return how to read the figure and what is missing in it."""
-    uncounted = sum(turn(e) is None for e in evaluations.values())
+    lost = uncounted(evaluations.values())
     missing = (
-        f" In {uncounted} of {len(evaluations)} runs the turn cannot be counted; bars that rest on "
+        f" In {lost} of {len(evaluations)} runs the turn cannot be counted; bars that rest on "
         "them are left out."
-        if uncounted
+        if lost
         else ""
     )
     return (

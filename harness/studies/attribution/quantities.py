@@ -1,7 +1,7 @@
 """The discrepancies that are attributed, each read from an evaluation, or None where unknown."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from harness.runner import Evaluation
@@ -37,6 +37,13 @@ class Quantity:
 def turn(e: Evaluation) -> float | None:
     """Return the error of the first angle of turn, deg; None where psi cannot be counted."""
     return turn_seen(e) if e.bounces and e.bounces[0].resolved else None
+
+
+def uncounted(evaluations: Iterable[Evaluation]) -> int:
+    """Return in how many runs of a scene that ends with a bounce the turn is not known."""
+    return sum(
+        turn(e) is None for e in evaluations if e.simulation.case.scene.horizon.seconds is None
+    )
 
 
 def turn_seen(e: Evaluation) -> float | None:

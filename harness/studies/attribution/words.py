@@ -6,7 +6,7 @@ from harness.case import Case
 from harness.runner import Evaluation
 from harness.studies.attribution.accounts import Account, Level, total
 from harness.studies.attribution.path import Path
-from harness.studies.attribution.quantities import QUANTITIES, Quantity, turn
+from harness.studies.attribution.quantities import QUANTITIES, Quantity, uncounted
 
 _NOTHING = 1e-6
 """Share of the largest discrepancy on the way below which a gap takes away nothing."""
@@ -19,8 +19,8 @@ def sentences(
     way: Path, evaluations: Mapping[Case, Evaluation], accounts: Mapping[str, Account]
 ) -> tuple[str, str]:
     """Return two sentences on the first quantity whose whole is known."""
-    uncounted = sum(turn(e) is None for e in evaluations.values())
-    doubt = _doubt(uncounted, len(evaluations), accounts) if uncounted else ""
+    lost = uncounted(evaluations.values())
+    doubt = _doubt(lost, len(evaluations), accounts) if lost else ""
     for quantity in QUANTITIES:
         found = accounts[quantity.key]
         if found.whole is not None:
@@ -36,7 +36,7 @@ def sentences(
     return nothing, f"The runs ended: {', '.join(ends)}."
 
 
-def _doubt(uncounted: int, runs: int, accounts: Mapping[str, Account]) -> str:
+def _doubt(lost: int, runs: int, accounts: Mapping[str, Account]) -> str:
     """Return in how many runs the turn is not known, and what is known of it all the same."""
     quantity = QUANTITIES[0]
     found = accounts[quantity.key]
@@ -45,7 +45,7 @@ def _doubt(uncounted: int, runs: int, accounts: Mapping[str, Account]) -> str:
         for name, value in zip(found.names, found.in_order, strict=True)
         if value is not None
     ]
-    told = f" (the turn cannot be counted in {uncounted} of {runs} runs"
+    told = f" (the turn cannot be counted in {lost} of {runs} runs"
     if known and found.whole is None:
         _, name, value = max(known)
         told += f"; where it can, most is taken away by {name}, {_amount(quantity, value)}"

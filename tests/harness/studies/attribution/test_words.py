@@ -1,10 +1,24 @@
 """Words: what is not known is said to be so, and no number that is none is spoken."""
 
-from harness.studies.attribution import path
+from dataclasses import replace
+
+import pytest
+
+from harness.artefact import Figure
+from harness.runner import run
+from harness.studies.attribution import Attribution, attribution, design, path, read
 from harness.studies.attribution.accounts import Account, account
 from harness.studies.attribution.quantities import QUANTITIES
 from harness.studies.attribution.words import sentences
-from models import Scene
+from models import Horizon, Scene, load
+
+
+@pytest.fixture(scope="module")
+def straight() -> Attribution:
+    """Return the attribution of a scene that ends with a time, brief enough for a test."""
+    scene = replace(load("straight-rolling"), horizon=Horizon(seconds=0.05))
+    way = path(scene, "mujoco")
+    return attribution(way, run(design(way)))
 
 
 def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
@@ -42,3 +56,10 @@ def test_with_an_end_unknown_another_quantity_is_told(gentle: Scene) -> None:
     first, _ = toy(gentle, {"none"})
     assert "contact locus" in first
     assert "nan" not in first.lower()
+
+
+def test_a_scene_without_a_bounce_has_no_turn_to_miss(straight: Attribution) -> None:
+    assert "turn" not in " ".join(straight.sentences)
+    (figure,) = (a for a in read(straight) if isinstance(a, Figure))
+    assert "Angle of turn" not in [panel.title for panel in figure.panels]
+    assert "turn" not in figure.seen
