@@ -1,11 +1,10 @@
 """What concerns the paper: the audit of its claims, and its figures drawn again."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.artefact import Artefact
 from harness.cli import printing
 from harness.cli.files import write_text
 from harness.errors import HarnessError, OutputError
@@ -15,6 +14,9 @@ from harness.report.tables import csv_text
 from harness.studies.audit import Finding, audit_table, counts, markdown
 from harness.studies.gallery import ABOUT, FIGURES
 from harness.studies.gallery import gallery as draw
+
+if TYPE_CHECKING:
+    from harness.artefact import Figure, Prose
 
 
 class MissingMathematicsError(HarnessError, ImportError):
@@ -62,7 +64,7 @@ def gallery(
 ) -> None:
     """Draw every figure of the paper from our own solutions; write SVG, PNG and a page."""
     check_writable(out)
-    drawn: list[Artefact] = [ABOUT]
+    drawn: list[Figure | Prose] = [ABOUT]
     with printing.progress() as bar:
         task = bar.add_task("drawing", total=len(FIGURES))
         for figure in draw():

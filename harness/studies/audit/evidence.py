@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import mpmath as mp
 
 from harness.studies.audit.finding import Ruling, Verdict
+from harness.studies.audit.registry import Evidence
 from harness.studies.audit.symbols import ZERO, Expr, disagreement, vanishes
 
 RATE_SLACK = 0.15
@@ -150,15 +151,26 @@ class Number:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fact:
-    """A statement that a computation finds true or false."""
+    """A statement that a computation finds true or false.
+
+    Parameters
+    ----------
+    true : bool
+    how, correct : str
+    mended : bool
+        Whether the same computation found the form in `correct` true.
+    """
 
     true: bool
     how: str
     correct: str = ""
+    mended: bool = False
 
     def ruling(self) -> Ruling:
         """Decide by the computation."""
-        verdict = Verdict.HOLDS if self.true else Verdict.INCONSISTENT
+        verdict = Verdict.MISPRINT if self.mended else Verdict.INCONSISTENT
+        if self.true:
+            verdict = Verdict.HOLDS
         return Ruling(verdict=verdict, correct="" if self.true else self.correct, how=self.how)
 
 
@@ -166,7 +178,7 @@ class Fact:
 class Both:
     """Several pieces of evidence about one claim: the worst decides, all are told."""
 
-    parts: Sequence["Identity | Rate | Number | Fact"]
+    parts: Sequence[Evidence]
 
     def ruling(self) -> Ruling:
         """Decide by the gravest of the parts."""

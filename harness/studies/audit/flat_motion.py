@@ -32,7 +32,7 @@ def _coefficients(digits: int) -> tuple[list[mp.mpf], list[mp.mpf], mp.mpf]:
     with mp.workdps(digits):
         cot = [mp.mpf(0)] * (ORDER + 3)  # of phi cot phi
         for j in range(0, ORDER + 3, 2):
-            sign = -1 if j % 4 == 2 else 1
+            sign = (-1) ** (j // 2)
             cot[j] = sign * mp.mpf(2) ** j * mp.bernoulli(j) / mp.factorial(j)
 
         def rest(values: list[mp.mpf], n: int, start: int) -> mp.mpf:

@@ -1,7 +1,8 @@
 """Psi and Theta near the flat state as series with letters, derived from the closed subsystem.
 
-Psi = B_0 Psi_0 + B_2 Psi_2 with Psi_0 = 1 + ..., Psi_2 = C Psi_0 log phi + phi^-2 + ... and no phi^0
-term (the paper's choice q_2 = 0). `log_phi` stands for log phi. Coefficients are in k, h, c_p.
+Psi = B_0 Psi_0 + B_2 Psi_2 with Psi_0 = 1 + ..., Psi_2 = C Psi_0 log phi + phi^-2 + ... and no
+phi^0 term (the paper's choice q_2 = 0). `log_phi` stands for log phi.
+Coefficients are in k, h and c_p.
 """
 
 from functools import cache
@@ -22,7 +23,7 @@ COT, SIN, COS, COS_2 = (
 
 
 def slope(expression: Expr) -> Expr:
-    """Derivative in phi, log phi included."""
+    """Differentiate in phi, log phi included."""
     return expression.diff(phi) + expression.diff(log_phi) / phi
 
 
@@ -85,7 +86,7 @@ def rotation_rate() -> Expr:
 
 @cache
 def drive() -> Expr:
-    """What the rates add to (a_p + 1) phi'' in eq01:Phi, to phi^1."""
+    """Return what the rates add to (a_p + 1) phi'' in eq01:Phi, to phi^1."""
     square = (A_P - c_p) * SIN * COS - h * COS_2
     psi = precession()
     return up_to(square * psi**2 - (c_p * SIN + h * COS) * rotation_rate() * psi, 1)

@@ -1,8 +1,8 @@
 """The mechanics from which everything is derived: a rotation, a contact point, Newton and Euler.
 
 Nothing here is taken from the paper. The body is turned by R_WB = Rz(psi) Ry(-phi) Rz(theta), the
-contact is the lowest point of the rim, and the forces follow from the laws of motion. Dimensionless:
-lengths in R, times in sqrt(R/g), forces in m g.
+contact is the lowest point of the rim, and the forces follow from the laws of motion.
+Dimensionless: lengths in R, times in sqrt(R/g), forces in m g.
 """
 
 from functools import cache

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from harness.studies.audit.finding import Ruling
 
@@ -16,6 +16,7 @@ class Evidence(Protocol):
 
 
 Check = Callable[[], Evidence]
+AnyCheck = TypeVar("AnyCheck", bound=Check)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +33,7 @@ class Claim:
 _CLAIMS: dict[str, Claim] = {}
 
 
-def claim(label: str, section: str, says: str, *, name: str = "") -> Callable[[Check], Check]:
+def claim(label: str, section: str, says: str, *, name: str = "") -> Callable[[AnyCheck], AnyCheck]:
     """Register a function as the check of a claim.
 
     Parameters
@@ -48,7 +49,7 @@ def claim(label: str, section: str, says: str, *, name: str = "") -> Callable[[C
         If the label has a check already.
     """
 
-    def register(check: Check) -> Check:
+    def register(check: AnyCheck) -> AnyCheck:
         if label in _CLAIMS:
             raise ValueError(f"'{label}' has two checks")
         module = check.__module__.rpartition(".")[2]
@@ -57,7 +58,7 @@ def claim(label: str, section: str, says: str, *, name: str = "") -> Callable[[C
             section=section,
             says=says,
             check=check,
-            name=f"{module}.{name or check.__name__}",
+            name=f"{module}.{name or getattr(check, '__name__', '')}",
         )
         return check
 

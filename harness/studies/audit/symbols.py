@@ -23,7 +23,8 @@ phi_dd, psi_dd, theta_dd = sp.symbols("phi_dd psi_dd theta_dd", real=True)
 S, Co = sp.sin(phi), sp.cos(phi)
 log_phi = sp.Symbol("log_phi", real=True)
 B0, B2 = sp.symbols("B_0 B_2", real=True)
-eps, zeta, I, tau, T = sp.symbols("epsilon zeta I tau T", positive=True)
+eps, zeta, tau, T = sp.symbols("epsilon zeta tau T", positive=True)
+I = sp.Symbol("I", positive=True)  # noqa: E741 - the paper's letter for twice the release
 
 DIGITS = 40
 POINTS = 3
@@ -32,7 +33,7 @@ ZERO = mp.mpf(10) ** -25
 
 
 def rational(expression: Expr) -> Expr:
-    """Write sines and cosines through half-angle tangents: an identity becomes one of polynomials."""
+    """Write sines and cosines through half-angle tangents: identities become polynomial."""
     angles = {
         function.args[0]
         for function in sp.sympify(expression).atoms(sp.sin, sp.cos, sp.tan, sp.cot)
@@ -49,7 +50,7 @@ def rational(expression: Expr) -> Expr:
 
 
 def tidy(expression: Expr) -> Expr:
-    """Expand a polynomial in sines and cosines, with every square of a sine written as a cosine's."""
+    """Expand a polynomial in sines and cosines; every square of a sine becomes a cosine's."""
     if isinstance(expression, sp.MatrixBase):
         return expression.applyfunc(tidy)
     plain = sp.expand(expression)

@@ -59,8 +59,10 @@ def markdown(findings: Sequence[Finding]) -> str:
     lines = [
         "# Audit of the paper",
         "",
-        f"Every labelled equation and every number of {PAPER}, checked by computation. "
-        "Written by `rockingcan audit`; each verdict is computed by the check named beside it.",
+        (
+            f"Every labelled equation and every number of {PAPER}, checked by computation. "
+            "Written by `rockingcan audit`; each verdict is computed by the check named beside it."
+        ),
         "",
         "| verdict | claims | meaning |",
         "|---|---:|---|",

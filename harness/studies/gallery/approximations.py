@@ -154,8 +154,8 @@ def inner_and_outer() -> Figure:
         title="Inner, outer and matched solutions",
         seen=(
             f"The matched solution stays within {worst:.1e} rad of the reduced equation up to the "
-            f"bounce at sqrt(I) = {end:.4f}. The outer solution goes to zero there; the inner and the "
-            f"matched one stop at phi_min = {matched.phi_min:.2e} rad, "
+            f"bounce at sqrt(I) = {end:.4f}. The outer solution goes to zero there; the inner and "
+            f"the matched one stop at phi_min = {matched.phi_min:.2e} rad, "
             f"for eps = {reduced_of(posed).B_minus_two ** 2:.2e}."
         ),
         panels=tuple(panels),

@@ -49,7 +49,7 @@ def surface() -> Figure:
         ),
         panels=(
             Panel(
-                title=f"phi from {nearest:g} in front to {farthest:g} at the back, evenly in its logarithm",
+                title=f"phi from {nearest:g} in front to {farthest:g} behind, by its logarithm",
                 x_label=f"phi'/{widest:g}, and phi into the page",
                 y_label=f"H/{TOP:g}, and phi into the page",
                 series=tuple(series),
@@ -60,13 +60,10 @@ def surface() -> Figure:
 
 
 def contours() -> Figure:
-    """The contours that the paper names (fig01:hamiltonian_contours)."""
+    """Draw the contours that the paper names (fig01:hamiltonian_contours)."""
     reduced = reduced_of(problem(bounces=1))
     low, value = _bottom(reduced)
-    made: list[Series] = []
-    for level in LEVELS:
-        if level > value:
-            made.append(_contour(reduced, level, low))
+    made = [_contour(reduced, level, low) for level in LEVELS if level > value]
     centre = Series(
         label="steady motion", kind="centre", x=np.array([low]), y=np.array([0.0]), mark="points"
     )
@@ -74,9 +71,9 @@ def contours() -> Figure:
         name="fig01-hamiltonian_contours",
         title="Contours of the Hamiltonian",
         seen=(
-            f"Closed orbits about the steady motion at phi = {low:.2e}, H = {value:.2e}, run through "
-            f"clockwise; {len(made)} of the paper's {len(LEVELS)} levels lie above it. With the eps that "
-            "the paper prints, four times too large, the lowest of them would not exist."
+            f"Closed orbits about the steady motion at phi = {low:.2e}, H = {value:.2e}, run "
+            f"through clockwise; {len(made)} of the paper's {len(LEVELS)} levels lie above it. "
+            "With the eps that the paper prints, four times too large, the lowest would not exist."
         ),
         panels=(
             Panel(

@@ -14,9 +14,9 @@ ABOUT = Prose(
     name="summary",
     title="About these figures",
     text=(
-        "Each figure of Collins, Hall and Hogan, The rocking can (arXiv:2302.08335), drawn again from "
-        "our own solutions of the same release, and named after the paper's label. Where a caption's "
-        "number differs from the paper's, the audit says why."
+        "Each figure of Collins, Hall and Hogan, The rocking can (arXiv:2302.08335), drawn again "
+        "from our own solutions of the same release, and named after the paper's label. Where a "
+        "caption's number differs from the paper's, the audit says why."
     ),
 )
 

@@ -55,9 +55,9 @@ def loci() -> Figure:
         title="The contact locus in four regimes",
         seen=(
             f"In a) each bounce runs {turn:.0f} degrees along a circle of the can's own radius, "
-            "anticlockwise as B_-2 > 0. In b) the can rolls far and straight near balance and turns "
-            f"in each fall; the figure is {told[1]:.0f} R across. c) and d) roll round circles, "
-            "with wobbles and with cusps where theta' changes its sign."
+            "anticlockwise as B_-2 > 0. In b) the can rolls far and straight near balance and "
+            f"turns in each fall; the figure is {told[1]:.0f} R across. c) and d) roll round "
+            "circles, with wobbles and with cusps where theta' changes its sign."
         ),
         panels=tuple(panels),
         columns=2,
@@ -65,7 +65,7 @@ def loci() -> Figure:
 
 
 def friction() -> Figure:
-    """The friction ratio over a bounce (fig01:friction)."""
+    """Draw the friction ratio over two bounces (fig01:friction)."""
     posed = problem(bounces=2)
     solution = solved(posed)
     t, s = sampled(solution)
@@ -78,8 +78,8 @@ def friction() -> Figure:
         name="fig01-friction",
         title="The friction that rolling asks for",
         seen=(
-            f"The ratio peaks at {peak:.4f} in the bounce, where h/a_p = {bound:.4f} is its leading "
-            f"value; elsewhere it is at most {ratio[~low].max():.3f}."
+            f"The ratio peaks at {peak:.4f} in the bounce, where h/a_p = {bound:.4f} is its "
+            f"leading value; elsewhere it is at most {ratio[~low].max():.3f}."
         ),
         panels=(
             Panel(

@@ -119,8 +119,8 @@ def constants() -> Figure:
         title="The conserved quantities",
         seen=(
             f"The exact constants stay constant to {drift:.0e}. By the paper's expansions, cut off "
-            f"after phi^2, B_0 varies by {wobble[0]:.1%} and B_-2 by {wobble[1]:.1%}, most where phi is "
-            "largest."
+            f"after phi^2, B_0 varies by {wobble[0]:.1%} and B_-2 by {wobble[1]:.1%}, most where "
+            "phi is largest."
         ),
         panels=tuple(
             Panel(

@@ -1,4 +1,4 @@
-"""The can itself, drawn from computed poses: the fall from above, and the equilibria from the side."""
+"""The can itself, from computed poses: the fall from above, the equilibria from the side."""
 
 import math
 
@@ -32,7 +32,7 @@ def body(phi: float, psi: float) -> tuple[Floats, Floats, Floats]:
     rim = np.stack([np.cos(ROUND) + 1, np.sin(ROUND), np.zeros_like(ROUND)], axis=1)
     lift = np.array([0, 0, 2 * H])
     centre = np.array([[1.0, 0, 0], [1.0, 0, 2 * H]])
-    return tuple((turn @ tilt @ part.T).T for part in (rim, rim + lift, centre))  # type: ignore[return-value]
+    return tuple((turn @ tilt @ part.T).T for part in (rim, rim + lift, centre))
 
 
 def fall() -> Figure:
@@ -116,8 +116,8 @@ def equilibria() -> Figure:
         title="The equilibria, from the side",
         seen=(
             f"At phi* = {math.degrees(balance):.2f} degrees the centre stands above the contact. "
-            f"There the can also rolls balanced with Theta = {rolling:.4f} Psi, where the paper's form "
-            f"has {(PAPER_CAN.a - PAPER_CAN.c) * math.cos(balance) / PAPER_CAN.c:.4f} Psi. "
+            f"There the can also rolls balanced with Theta = {rolling:.4f} Psi, where the paper's "
+            f"form has {(PAPER_CAN.a - PAPER_CAN.c) * math.cos(balance) / PAPER_CAN.c:.4f} Psi. "
             f"At 20 degrees it rolls steadily with Psi = 1, Theta = {steady:.3f} sqrt(g/R)."
         ),
         panels=tuple(

@@ -34,9 +34,9 @@ def sign_map() -> Figure:
         name="fig01-left_or_right",
         title="Which way the can turns",
         seen=(
-            f"Of {int(cycles.bounced.sum())} releases at phi = pi/100, {agrees:.2%} turn the way that the "
-            f"line theta' = {boundary_rotation(can, 1.0):.3f} psi' says, on which B_-2 vanishes to "
-            "leading order."
+            f"Of {int(cycles.bounced.sum())} releases at phi = pi/100, {agrees:.2%} turn the way "
+            f"that the line theta' = {boundary_rotation(can, 1.0):.3f} psi' says, on which B_-2 "
+            "vanishes to leading order."
         ),
         panels=(
             Panel(

@@ -52,7 +52,7 @@ def slope_at_release() -> Rate:
 
 @claim("eq01:simultaneous", "4.2", "Psi and Psi' at release are linear in B_0 and B_-2")
 def two_equations() -> Rate:
-    """The two solutions are independent; the series is right to the order it states."""
+    """Compare the series with the exact solution; that the equations are linear needs no more."""
     return Rate(remainder=error_of_psi(PRINTED_PSI), stated=2, at=SMALL, source=EXACT)
 
 
@@ -122,7 +122,7 @@ def singular_constant() -> Rate:
 
 @claim("eq01:b_sol_later", "6.1", "B_-2 from the release, up to O(phi^3)")
 def singular_constant_again() -> Both:
-    """The same form with Psi and Theta apart."""
+    """Take Psi and Theta apart."""
     kc = k * (c + 1)
     return Both(
         parts=(
@@ -253,7 +253,8 @@ def friction_in_proportion() -> Fact:
             shares.append(abs(p.a * psi_ * mp.sin(x) / rest))
     return Fact(
         true=bool(shares[1] < shares[0] < 1),
-        how=f"|a Psi sin phi| over |c h (Psi cos phi + Theta)| is {mp.nstr(shares[0], 3)} at phi = 1e-3 "
+        how="|a Psi sin phi| over |c h (Psi cos phi + Theta)| is "
+        f"{mp.nstr(shares[0], 3)} at phi = 1e-3 "
         f"and {mp.nstr(shares[1], 3)} at 1e-5 (B_0 = 0.7, B_-2 = 1)",
         correct="F_y^I = -k Phi a B_-2/phi + O(Phi log phi): along a motion the first term leads",
     )

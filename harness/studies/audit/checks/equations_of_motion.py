@@ -140,7 +140,7 @@ for _label, _letter in (
 
 @claim("text:a_p and c_p", "2", "a_p = a + h^2 and c_p = c + 1 are moments about the contact point")
 def moments_about_the_contact() -> Identity:
-    """The parallel-axis theorem."""
+    """Move the inertia to the contact point."""
     about = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
     return Identity(
         printed=sp.Matrix([a + h**2, c + 1]),
@@ -151,7 +151,7 @@ def moments_about_the_contact() -> Identity:
 
 @claim("text:k", "2", "k = c/(a + c a_p)")
 def the_constant_k() -> Identity:
-    """The inverse of the inertia about the contact, where psi'' and theta'' meet."""
+    """Invert the inertia about the contact, where psi'' and theta'' meet."""
     about = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
     block = about[0, 0] * about[2, 2] - about[0, 2] ** 2
     return Identity(
@@ -172,12 +172,13 @@ def planar_pendulum() -> Identity:
 @claim(
     "text:pendulum solution",
     "2",
-    "phi(t) = arctan(1/h) +- int^tau (C_1 - 2 cos s)^(-1/2) ds + C_2, tau = sqrt((h^2+1)/(a_p+1)) t",
+    "phi(t) = arctan(1/h) +- int^tau (C_1 - 2 cos s)^(-1/2) ds + C_2, "
+    "tau = sqrt((h^2+1)/(a_p+1)) t",
 )
 def pendulum_solution() -> Both:
     """Differentiate: with u = phi - arctan(1/h) the equation is u'' = w^2 sin u."""
     constant = sp.Symbol("C_1", positive=True)
-    s, w = sp.symbols("s w", positive=True)
+    s = sp.Symbol("s", positive=True)
     square = (constant - 2 * sp.cos(s)) ** -1  # (du/dtau)^2 as printed, s the argument
     printed = square.diff(s) / 2
     right = (constant - 2 * sp.cos(s)).diff(s) / 2
@@ -198,7 +199,7 @@ def pendulum_solution() -> Both:
 
 
 def _frequency(frequency: Expr, shifted: Expr, s: Expr) -> Identity:
-    """The scale of time."""
+    """Return the evidence for the scale of time."""
     derived = sp.simplify(sp.expand_trig(shifted) / sp.sin(s))
     return Identity(
         printed=(h**2 + 1) / (a_p + 1),

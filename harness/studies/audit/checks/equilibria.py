@@ -53,7 +53,7 @@ def standing_on_the_rim() -> Both:
 
 @claim("eq:phistar", "3", "phi* = arctan(1/h)")
 def balancing_angle() -> Identity:
-    """The centre stands above the contact: R cos phi = H sin phi."""
+    """Put the centre above the contact: R cos phi = H sin phi."""
     angle = sp.atan(1 / h)
     return Identity(
         printed=sp.cos(angle), derived=h * sp.sin(angle), source="the centre above the contact"
@@ -146,10 +146,12 @@ def critical_rolling() -> Both:
     )
     can = {a: paper_can.a, c: paper_can.c, h: paper_can.h}
     rate = [
-        mp.sqrt(mp.mpmathify(form.subs(can))) for form in (identity.printed, identity.corrected)
+        mp.sqrt(mp.mpmathify(form.subs(can)))
+        for form in (REACH / (h * k * c_p * (h + c_p)), REACH / STIFFNESS)
     ]
     told = f"for the paper's can {mp.nstr(rate[1], 5)}, as printed {mp.nstr(rate[0], 5)} sqrt(g/R)"
-    return Both(parts=(identity, Fact(true=True, how=told)))
+    left = _eigenvalue(STIFFNESS).subs(can | {Theta: rate[1]})
+    return Both(parts=(identity, Fact(true=bool(abs(left) < mp.mpf("1e-12")), how=told)))
 
 
 @claim("text:centre-like", "3", "rolling faster than Theta_crit is centre-like, slower saddle-like")

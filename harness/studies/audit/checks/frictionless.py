@@ -43,7 +43,7 @@ def lagrangian() -> Identity:
 
 @claim("app:momenta", "B", "the two conserved momenta")
 def conserved_momenta() -> Identity:
-    """Derivatives of the Lagrangian by psi' and theta', which it does not contain undifferentiated."""
+    """Differentiate the Lagrangian by psi' and theta'; psi and theta are not in it."""
     spin = c * (Psi * Co + Theta)
     return Identity(
         printed=sp.Matrix([spin, a * Psi * S**2 + Co * spin]),

@@ -7,13 +7,14 @@ import sympy as sp
 
 from harness.studies.audit import flat_motion as exact
 from harness.studies.audit import flat_series as series
+from harness.studies.audit import paper_can
 from harness.studies.audit.evidence import Both, Fact, Identity, Rate
 from harness.studies.audit.flat_series import c_p, coefficient, h, in_inertias, k
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import B0, B2, Expr, log_phi, phi
 
 ODE = "the Frobenius series derived from the closed subsystem"
-NUMBERS = {k: exact.k, h: exact.h, c_p: exact.c_p}
+NUMBERS = {k: paper_can.k, h: paper_can.h, c_p: paper_can.c_p}
 beta, gamma = k * h, 2 + k
 SMALL = (1e-8, 1e-11)
 ZERO_, TWO_ = mp.mpf("0.75"), mp.mpf(1)
@@ -57,7 +58,7 @@ def indicial_equation() -> Identity:
 
 @claim("eq01:Psi0", "4.1", "for r = 0 the solution is a power series")
 def regular_series() -> Fact:
-    """The recurrence determines every coefficient."""
+    """Insert the solution, whose every coefficient the recurrence determines."""
     left = sp.expand(series.second_order(series.regular_solution()))
     clean = all(sp.simplify(left.coeff(phi, n)) == 0 for n in range(-2, series.TERMS - 1))
     return Fact(true=clean, how="sympy: the residual vanishes to phi^3 without a logarithm")
@@ -73,7 +74,7 @@ def regular_coefficients() -> Identity:
 
 @claim("eq0:Psi2", "4.1", "for r = -2 the solution has C Psi_0 log phi")
 def singular_series() -> Fact:
-    """The residual vanishes with the logarithm, and C is not zero."""
+    """Insert the solution; C is not zero."""
     left = sp.expand(series.second_order(series.singular_solution()))
     clean = all(
         sp.simplify(left.coeff(log_phi, j).coeff(phi, n)) == 0
@@ -86,7 +87,7 @@ def singular_series() -> Fact:
 
 @claim("text:Psi_-2 inserted", "4.1", "eq0:Psi2 inserted into eq01:frob_ode")
 def inserted_logarithm() -> Identity:
-    """What the logarithm leaves behind when Psi_0 solves the equation."""
+    """Find what the logarithm leaves behind when Psi_0 solves the equation."""
     f, g, b, cot = sp.symbols("f g b cot")  # Psi_0, its slope, its bend
     full = b * log_phi + 2 * g / phi - f / phi**2 + 3 * cot * (g * log_phi + f / phi)
     full -= (gamma + beta * cot) * f * log_phi

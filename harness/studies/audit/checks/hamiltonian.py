@@ -63,7 +63,7 @@ def momentum_equation() -> Identity:
 
 @claim("eqA:ham2", "E", "dphi/dt = dH/dPhi = Phi")
 def position_equation() -> Identity:
-    """The printed H is right here."""
+    """Differentiate the printed H, which is right here."""
     return Identity(printed=PRINTED.diff(Phi), derived=Phi, source="the definition of Phi")
 
 
@@ -117,8 +117,8 @@ def period_without_eps() -> Both:
             ),
             Fact(
                 true=abs(right / whole - 1) < mp.mpf("1e-9"),
-                how=f"release at pi/100: {mp.nstr(right, 7)} with E = phi_1, {mp.nstr(printed, 7)} with "
-                f"h = 1.473, 2 sqrt(2 phi_1) = {mp.nstr(whole, 7)}",
+                how=f"release at pi/100: {mp.nstr(right, 7)} with E = phi_1, "
+                f"{mp.nstr(printed, 7)} with h = 1.473, 2 sqrt(2 phi_1) = {mp.nstr(whole, 7)}",
             ),
         )
     )
@@ -147,7 +147,7 @@ def period_in_seconds() -> Identity:
 
 @claim("text:taller cans fall slower", "E", "cans with larger H take longer to fall")
 def taller_cans() -> Fact:
-    """A grows with H for any distribution that is stretched; here at fixed A."""
+    """Differentiate by H at fixed A; A grows with H too."""
     height = sp.Symbol("H", positive=True)
     other = sp.Symbol("A", positive=True)
     slope = ((other + m * height**2 + m * R**2) / (m * g * R)).diff(height)

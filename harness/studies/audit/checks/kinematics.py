@@ -58,7 +58,7 @@ def rotation_matrices() -> Identity:
 
 @claim("text:R_GB", "2", "R_GB = R_GI R_IB")
 def order_of_the_product() -> Identity:
-    """A matrix from G to B has to give the angular velocity of B: -R' R^T is its cross product."""
+    """Ask the matrix for the angular velocity of B: -R' R^T is its cross product."""
 
     def velocity(matrix: Expr) -> Expr:
         return vector_of(tidy(-rate(matrix) * matrix.T))
@@ -74,7 +74,7 @@ def order_of_the_product() -> Identity:
 
 @claim("text:GP", "2", "GP^B = (-R, 0, -H) leads to the contact point")
 def contact_point() -> Fact:
-    """The lowest point of the lower rim."""
+    """Find the lowest point of the lower rim."""
     angle = sp.Symbol("alpha", real=True)
     rim = rotation() * sp.Matrix([sp.cos(angle), sp.sin(angle), -h])
     slope, bend = rim[2].diff(angle), rim[2].diff(angle, 2)
@@ -113,7 +113,7 @@ def balance_of_force() -> Identity:
 
 @claim("eq01:n2l_rot", "2", "I Omega' + omega x I Omega = GP x R_GB (N + F), in the body frame")
 def balance_of_moments() -> Identity:
-    """The left side is the rate of angular momentum in G, seen in B."""
+    """Compare the left side with the rate of angular momentum in G, seen in B."""
     frame, can = body_rates()
     inertia = sp.diag(a, a, c)
     momentum = rotation() * (inertia * can)
@@ -145,7 +145,8 @@ def velocity_of_the_centre() -> Identity:
         printed=sp.Matrix([-cos_psi * (Phi * FORTH - sin_psi * ASIDE), *rest]),
         corrected=sp.Matrix([-cos_psi * (Phi * FORTH) - sin_psi * ASIDE, *rest]),
         derived=centre_velocity(),
-        correct="a parenthesis is missing: x' = -cos psi (phi' (R sin phi + H cos phi)) - sin psi (...)",
+        correct="a parenthesis is missing: "
+        "x' = -cos psi (phi' (R sin phi + H cos phi)) - sin psi (...)",
         source=ROLLING,
     )
 
@@ -178,7 +179,7 @@ def forward_and_sideward_acceleration() -> Identity:
 
 @claim("eq01:fx", "2", "F_x = m (L cos psi + M sin psi)")
 def friction_along_x() -> Identity:
-    """The x component of the force."""
+    """Take the x component of the force."""
     return Identity(
         printed=PRINTED_X,
         corrected=RIGHT_X,
@@ -190,7 +191,7 @@ def friction_along_x() -> Identity:
 
 @claim("eq01:fy", "2", "F_y = m (M cos psi + L sin psi)")
 def friction_along_y() -> Identity:
-    """The y component of the force."""
+    """Take the y component of the force."""
     return Identity(printed=PRINTED_Y, derived=contact_force()[1], source=ROLLING)
 
 
@@ -200,7 +201,7 @@ def friction_along_y() -> Identity:
     "N = m g + m phi'' (R cos phi - H sin phi) - m phi'^2 (R sin phi + H cos phi)",
 )
 def normal_force() -> Identity:
-    """The z component of the force."""
+    """Take the z component of the force."""
     return Identity(
         printed=1 + phi_dd * (Co - h * S) - Phi**2 * FORTH,
         derived=contact_force()[2],

@@ -144,7 +144,7 @@ for _name in POWERS:
     "phi'' = a_3/phi^3 + ... + a_0 - 1 + O(phi log phi), time in sqrt(a_p + 1)",
 )
 def reduced_with_remainder() -> Both:
-    """The list of terms is complete; the remainder has a square of the logarithm."""
+    """Look for terms that are missing, and for the square of the logarithm in the remainder."""
     square = series.coefficient(series.drive(), 1, 2)
     listed = set(POWERS.values())
     others = [

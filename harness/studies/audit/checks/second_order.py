@@ -78,7 +78,7 @@ def gamma_of_the_can() -> Number:
 
 @claim("text:beta", "4", "beta = 0.361")
 def beta_of_the_can() -> Number:
-    """The product k h."""
+    """Multiply k and h."""
     return Number(printed="0.361", value=paper_can.k * paper_can.h, source="k h")
 
 
@@ -163,7 +163,7 @@ def inverse_square() -> Rate:
 
 @claim("text:growth of the sum", "4.1", "Theta + Psi = O(1), suggested by the two expansions")
 def growth_of_the_sum() -> Fact:
-    """The sum over log phi tends to a constant that is not zero."""
+    """Divide the sum by log phi: it tends to a constant that is not zero."""
     with mp.workdps(40):
         sums = [sum(rates(x, mp.mpf(0), mp.mpf(1))) for x in (mp.mpf("1e-6"), mp.mpf("1e-12"))]
         per_log = (sums[1] - sums[0]) / (mp.log(mp.mpf("1e-6")))

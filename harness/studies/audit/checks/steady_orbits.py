@@ -43,7 +43,8 @@ def scaled_velocity() -> Identity:
         printed=sp.Matrix([-(FORTH * sp.cos(psi) - SIDE * sp.sin(psi)), y]),
         corrected=sp.Matrix([-FORTH * sp.cos(psi) - SIDE * sp.sin(psi), y]),
         derived=centre_velocity()[:2, :],
-        correct="x' = -Phi (sin phi + h cos phi) cos psi - (Psi (cos phi - h sin phi) + Theta) sin psi",
+        correct="x' = -Phi (sin phi + h cos phi) cos psi "
+        "- (Psi (cos phi - h sin phi) + Theta) sin psi",
         source="rolling",
     )
 
@@ -85,7 +86,7 @@ def balanced_radius() -> Identity:
 
 @claim("text:balanced at rest", "3", "on S_bal with Theta = 0, Psi != 0 the centre is at rest")
 def balanced_and_at_rest() -> Both:
-    """The radius is zero; that such a motion is an equilibrium asks for a = c."""
+    """Find the radius, which is zero; that the motion is an equilibrium asks for a = c."""
     drive = sp.simplify(at_balance(papers_accelerations()[phi_dd]).subs(Theta, 0))
     needed = sp.solve(sp.numer(sp.together(drive)), a)
     return Both(
@@ -102,7 +103,7 @@ def balanced_and_at_rest() -> Both:
 
 @claim("text:no friction at rest", "3", "with the centre at rest there is no friction")
 def friction_at_rest() -> Identity:
-    """The force on a centre that rests is vertical."""
+    """Find the force on a centre that rests: it is vertical."""
     force = contact_force().subs(STEADY).subs(Theta, -Psi * (Co - h * S))
     return Identity(printed=sp.Matrix([0, 0, 1]), derived=force, source="Newton")
 
@@ -146,7 +147,7 @@ def range_of_rest() -> Both:
         parts=(
             Fact(
                 true=not (steady and square > 0),
-                how=f"at phi = 60 degrees Psi^2 = {mp.nstr(square, 5)} > 0 and phi'' = 0: it is steady",
+                how=f"at phi = 60 degrees Psi^2 = {mp.nstr(square, 5)} > 0 and phi'' = 0: steady",
                 correct="for a > c it exists for phi < phi* and again for phi > arctan(a/(c h)), "
                 f"{mp.nstr(mp.degrees(edge), 4)} degrees for the paper's can",
             ),
