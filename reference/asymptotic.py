@@ -112,6 +112,16 @@ class Matched:
         )
 
 
+def locus_arc(psi: Floats) -> Floats:
+    """Contact locus wherever theta' = -psi': an arc of the can's own radius, shape (n, 2), in R.
+
+    (x, y) = -(cos psi, sin psi) + const (eq01:contact_pt_inner and eq01:contact_pt_outer, mended):
+    in the bounce with `Matched.precession`, whose arc is the angle of turn; before it with
+    `Matched.outer_precession`, where the point hardly moves.
+    """
+    return -np.stack([np.cos(psi), np.sin(psi)], axis=-1)
+
+
 def matched_of(problem: Problem) -> Matched:
     """Return the asymptotic bounce of a release from rest."""
     return Matched(reduced=reduced_of(problem), height=2 * problem.phi)

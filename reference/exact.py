@@ -21,8 +21,8 @@ from reference.turning_points import OUTCOMES, turning_points
 from reference.well import Well, well_at
 
 # Releases treated together, and numbers in flight in one array: what stays in a processor's cache.
-CHUNK = 2048
-CACHED = 16384
+CHUNK = 8192
+CACHED = 32768
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

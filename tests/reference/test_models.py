@@ -16,7 +16,13 @@ from reference import (
     equilibria,
     solve,
 )
-from reference.asymptotic import boundary_rotation, friction_bound, matched_of, uniform_cylinder
+from reference.asymptotic import (
+    boundary_rotation,
+    friction_bound,
+    locus_arc,
+    matched_of,
+    uniform_cylinder,
+)
 from reference.contact import friction_ratio
 from reference.exact import exact_bounces
 from reference.expansions import expansions, leading_constants, paper_constants
@@ -88,7 +94,7 @@ def test_pendulum_times_scale_with_the_fourth_root() -> None:
 
 @pytest.mark.parametrize("can", CANS)
 def test_steady_motions_stay(can: Parameters) -> None:
-    """phi'' = 0 on every steady motion; its slope along the branch is the eigenvalue."""
+    """The force vanishes on every steady motion; its slope along the branch is the eigenvalue."""
     series = series_of(can)
     for phi in (0.3 * can.balancing_angle, 0.9 * can.balancing_angle):
         Psi = 0.7
@@ -381,6 +387,21 @@ def test_boundary_line_parts_the_senses() -> None:
         theta_dot=theta_dot,
     )
     assert np.sign(cycles.angle_of_turn).tolist() == [1.0, -1.0]
+
+
+def test_locus_of_a_bounce_is_an_arc() -> None:
+    """Through the bounce the contact point keeps to a circle of the can's radius."""
+    solution = solve(PAPER, model="exact", outputs={"contact_locus"})
+    width = 100 * matched_of(PAPER).phi_min
+    states = solution.at(solution.minima[0] + np.linspace(-width, width, 41))
+    assert states.x is not None
+    assert states.y is not None
+    path = np.stack([states.x, states.y], axis=1)
+    rest = path - locus_arc(states.psi)
+    # theta' + psi' is of the order of 1e-5, for a time of 1e-2
+    assert np.ptp(rest, axis=0).max() < 1e-6
+    outer = matched_of(PAPER).outer_precession(np.array([0.9 * matched_of(PAPER).bounce_time]))
+    assert abs(outer[0]) < 0.1
 
 
 def test_without_friction() -> None:
