@@ -4,6 +4,7 @@ Each step is read through `World`, which costs some tens of microseconds. An eng
 times in one call writes its own `chunks` and saves that.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Protocol
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from harness.engines.base import World
 from harness.engines.chunk import Chunk
-from harness.engines.schedule import Schedule
+from harness.engines.schedule import Schedule, Stage
 from harness.trajectory import Floats, Integers, Trajectory
 from models.errors import InvalidValueError
 
@@ -36,20 +37,12 @@ def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
     schedule : Schedule
     size : int
     """
-    sound, going = True, True
-    while sound and going:
+    stage = _next(world, schedule)
+    while stage is not None:
         times: list[float] = []
         rows: list[Floats] = []
-        while sound and len(rows) < size:
-            try:
-                pose, twist = world.pose(), world.twist()
-            except InvalidValueError:  # the numbers broke in the last step
-                sound = False
-                break
-            stage = schedule.next(pose.quaternion.tolist(), twist.angular_velocity.tolist())
-            if stage is None:
-                going = False
-                break
+        sound = True
+        while stage is not None and sound and len(rows) < size:
             world.set_timestep(stage.timestep)
             for time in stage.times.tolist():
                 row = _step(world)
@@ -58,7 +51,19 @@ def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
                     sound = False
                     break
                 rows.append(row)
+            stage = _next(world, schedule)
         yield _chunk(np.array(times), np.array(rows).reshape(len(rows), _WIDTH), sound=sound)
+        if not sound:
+            return
+
+
+def _next(world: World, schedule: Schedule) -> Stage | None:
+    """Return the stage that a state calls for; of what is no state, the next step will tell."""
+    try:
+        pose, twist = world.pose(), world.twist()
+    except InvalidValueError:
+        return schedule.next((math.nan,) * 4, (math.nan,) * 3)
+    return schedule.next(pose.quaternion.tolist(), twist.angular_velocity.tolist())
 
 
 def _step(world: World) -> Floats | None:

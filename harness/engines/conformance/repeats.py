@@ -1,4 +1,4 @@
-"""Determinism, bit for bit: whatever ran before, and in whatever process."""
+"""Determinism, bit for bit: whatever ran before, beside it, and in whatever process."""
 
 import os
 import subprocess
@@ -9,6 +9,7 @@ from harness.engines.conformance.bench import FINE, Bench
 from harness.engines.conformance.fingerprint import fingerprint
 from harness.engines.conformance.verdict import Found, holds, not_applicable
 from harness.engines.registry import names
+from harness.engines.soundness import fault
 
 _PATIENCE = 120.0  # s: a fresh process imports an engine and runs 20 steps
 
@@ -29,6 +30,27 @@ def repeats_after_another(bench: Bench) -> Found:
     bench.run_anew(bench.case(other, FINE))
     same = fingerprint(bench.run_anew(case)) == first
     return holds("" if same else "a case runs otherwise after another case", "equal bits")
+
+
+def repeats_in_a_batch(bench: Bench) -> Found:
+    """Run cases together: two cans, two timesteps, and one case twice."""
+    together = getattr(bench.engine, "simulate_many", None)
+    if together is None:
+        return not_applicable("the engine runs cases one by one")
+    case, finer = bench.case(bench.brief), bench.case(bench.brief, FINE)
+    can = replace(bench.brief.can, mass=2.0 * bench.brief.can.mass)
+    other = bench.case(replace(bench.brief, can=can))
+    cases = [case, finer, other, case]
+    answers = list(together(cases))
+    if len(answers) != len(cases):
+        return holds(f"{len(answers)} answers to {len(cases)} cases", "")
+    for index, (asked, answer) in enumerate(zip(cases, answers, strict=True)):
+        reason = fault(answer, asked)
+        if not reason and fingerprint(answer) != fingerprint(bench.run(asked)):
+            reason = "differs from its run alone"
+        if reason:
+            return holds(f"case {index + 1} of {len(cases)}: {reason}", "")
+    return holds("", f"equal bits in {len(cases)} cases")
 
 
 def repeats_in_a_fresh_process(bench: Bench) -> Found:

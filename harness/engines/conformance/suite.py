@@ -88,6 +88,11 @@ CHECKS = (
         look=repeats.repeats_after_another,
     ),
     Check(
+        name="repeats in a batch",
+        sentence="Cases run together give the same bits as one by one.",
+        look=repeats.repeats_in_a_batch,
+    ),
+    Check(
         name="repeats in a fresh process",
         sentence="A case run in a process of its own gives equal bits.",
         look=repeats.repeats_in_a_fresh_process,

@@ -1,0 +1,34 @@
+"""The engines of this package keep the contract, and exactly where they can."""
+
+import pytest
+
+from harness.engines.conformance import CHECKS, Result, Verdict, conform
+from harness.engines.registry import engine
+
+NOT_APPLICABLE = {
+    "mujoco": {"unsupported effect"},
+    "pybullet": {"unsupported effect"},
+    "reference": {"mass properties", "horizon", "friction", "divergence", "flight"},
+}
+
+
+def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
+    """Return the details of the checks that ended so, by name."""
+    return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
+
+
+@pytest.mark.parametrize("name", NOT_APPLICABLE)
+def test_the_engines_keep_the_contract(name: str) -> None:
+    verdicts = conform(engine(name))
+    assert [verdict.name for verdict in verdicts] == [check.name for check in CHECKS]
+    assert told(verdicts, Result.FAILED) == {}
+    alone = set() if hasattr(engine(name), "simulate_many") else {"repeats in a batch"}
+    assert told(verdicts, Result.NOT_APPLICABLE).keys() == NOT_APPLICABLE[name] | alone
+
+
+def test_the_adapters_of_physics_engines_are_exact_where_they_can_be() -> None:
+    for name in ("mujoco", "pybullet"):
+        numbers = {verdict.name: verdict.number for verdict in conform(engine(name))}
+        # of a reading of the wrong instant it would be 1; round-off of a soft constraint is 1e-11
+        assert numbers["newton"] < 1e-9
+        assert numbers["same instant"] < 1e-9

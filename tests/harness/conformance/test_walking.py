@@ -1,0 +1,97 @@
+"""Walking a world through its readings gives what an engine's own stepping gives."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.engines.base import Contact
+from harness.engines.chunk import Chunk
+from harness.engines.registry import engine
+from harness.engines.schedule import Adaptive, Fixed
+from harness.engines.settling import settle
+from harness.engines.walking import walk
+from harness.trajectory import Trajectory, join
+from models import Horizon, Pose, Scene, Twist, release_state
+
+
+def whole(chunks: list[Chunk]) -> Trajectory:
+    """Return every step of some chunks."""
+    return join([chunk.read(np.arange(len(chunk.quaternions))) for chunk in chunks])
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("size", [4, 100])
+def test_walking_is_stepping(brief: Scene, name: str, size: int) -> None:
+    case = Case(scene=brief, engine=name, timestep=1e-3)
+    own = engine(name).simulate(case)  # at 1 ms every step is recorded
+    pose, twist = release_state(brief.can, brief.release)
+    _, pose = settle(engine(name).open(case), brief, pose, twist)
+    world = engine(name).open(case)
+    world.place(pose, twist)
+    chunks = list(walk(world, Fixed(1e-3, 0.02, 7), size))
+    found = whole(chunks)
+    assert own.trajectory is not None
+    for field in fields(Trajectory):
+        np.testing.assert_array_equal(
+            getattr(found, field.name), getattr(own.trajectory, field.name), err_msg=field.name
+        )
+    assert all(chunk.sound for chunk in chunks)
+    assert len(chunks) == (3 if size == 4 else 1)  # 21 steps in stages of 7, taken whole
+
+
+def test_walking_follows_a_schedule_that_changes_its_steps(brief: Scene) -> None:
+    case = Case(scene=replace(brief, horizon=Horizon(seconds=0.16)), engine="mujoco")
+    world = engine("mujoco").open(case)
+    world.place(*release_state(brief.can, brief.release))
+    limits = {"largest": 1e-3, "smallest": 1e-6, "limit": 0.16, "eta": 1e-2}
+    found = whole(list(walk(world, Adaptive(brief.can, **limits), 64)))
+    steps = np.diff(found.time)
+    assert len(np.unique(steps)) > 1
+    assert found.time[-1] <= 0.16 < found.time[-1] + steps[-1] * (1.0 + 1e-9)
+
+
+class Breaking:
+    """A world whose numbers break in a step."""
+
+    mass, inertia, timestep = 1.0, np.ones(3), 1.0
+
+    def __init__(self, after: int) -> None:
+        self.left = after
+
+    def set_timestep(self, timestep: float) -> None:
+        """Step as long as ever."""
+
+    def place(self, pose: Pose, twist: Twist) -> None:
+        """Stay."""
+
+    def step(self) -> None:
+        """Come nearer to the end."""
+        self.left -= 1
+
+    def pose(self) -> Pose:
+        """Return a pose, or refuse what is none."""
+        position = np.zeros(3) if self.left > 0 else np.full(3, np.nan)
+        return Pose(position=position, quaternion=np.array((1.0, 0.0, 0.0, 0.0)))
+
+    def twist(self) -> Twist:
+        """Return rest."""
+        return Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
+
+    def contact(self) -> Contact:
+        """Return none."""
+        return Contact(point=np.full(3, np.nan), force=np.zeros(3), penetration=np.nan, count=0)
+
+    def gap(self) -> float:
+        """Return a gap."""
+        return 1.0
+
+
+@pytest.mark.parametrize("after", [0, 1, 5, 8, 13])
+def test_walking_stops_where_numbers_break(after: int) -> None:
+    chunks = list(walk(Breaking(after), Fixed(1.0, 100.0, 4), 8))
+    assert [chunk.sound for chunk in chunks] == [True] * (len(chunks) - 1) + [False]
+    assert sum(len(chunk.quaternions) for chunk in chunks) == after
+    for chunk in chunks:
+        assert len(chunk.constraint_rows) == len(chunk.times) >= len(chunk.quaternions)
