@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.slow  # it builds a package and runs seven cases of it
+
 DOCUMENT = Path(__file__).parents[3] / "CONTRIBUTING.md"
 
 SCRIPT = """

@@ -1,5 +1,7 @@
 """The engines of this package keep the contract, and exactly where they can."""
 
+from functools import cache
+
 import pytest
 
 from harness.engines.conformance import CHECKS, Result, Verdict, conform
@@ -12,6 +14,12 @@ NOT_APPLICABLE = {
 }
 
 
+@cache
+def verdicts_on(name: str) -> tuple[Verdict, ...]:
+    """Return what the suite says of an engine, asked once."""
+    return conform(engine(name))
+
+
 def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
     """Return the details of the checks that ended so, by name."""
     return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
@@ -19,7 +27,7 @@ def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
 
 @pytest.mark.parametrize("name", NOT_APPLICABLE)
 def test_the_engines_keep_the_contract(name: str) -> None:
-    verdicts = conform(engine(name))
+    verdicts = verdicts_on(name)
     assert [verdict.name for verdict in verdicts] == [check.name for check in CHECKS]
     assert told(verdicts, Result.FAILED) == {}
     alone = set() if hasattr(engine(name), "simulate_many") else {"repeats in a batch"}
@@ -28,7 +36,7 @@ def test_the_engines_keep_the_contract(name: str) -> None:
 
 def test_the_adapters_of_physics_engines_are_exact_where_they_can_be() -> None:
     for name in ("mujoco", "pybullet"):
-        numbers = {verdict.name: verdict.number for verdict in conform(engine(name))}
+        numbers = {verdict.name: verdict.number for verdict in verdicts_on(name)}
         # of a reading of the wrong instant it would be 1; round-off of a soft constraint is 1e-11
         assert numbers["newton"] < 1e-9
         assert numbers["same instant"] < 1e-9

@@ -208,6 +208,7 @@ def test_a_round_rim_in_pybullet_touches_in_one_point(probe: Callable[..., Value
     assert found["tilt below which several points bear the load"] == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_a_measurement_travels_and_repeats(scene: Scene, name: str) -> None:
     case = Case(scene=scene, engine=name, timestep=1e-3)
