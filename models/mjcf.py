@@ -18,15 +18,13 @@ from models.scene import Scene
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 
 NET_SENSOR = "net_contact"
-"""Name of the sensor of the resultant of all contacts, 16 numbers, all zero without a contact:
+"""Name of the sensor of the resultant of all contacts, 7 numbers, all zero without a contact:
 
 ====== ======= =================================================================================
 0      found   number of contacts
-1:4    force   of the plane on the can, N, in the frame below; N is its last component
-4:7    torque  about `pos`, N m, such that force and torque stand for all contacts together
-7:10   pos     mean of the contacts, weighted by the size of their forces: the contact locus, m
-10:13  normal  (1, 0, 0) and
-13:16  tangent (0, 1, 0): MuJoCo's frame for a resultant is the world, not that of a contact
+1:4    force   of the plane on the can, N, in the world: MuJoCo's frame for a resultant is the
+               world, not that of a contact; N is its last component
+4:7    pos     mean of the contacts, weighted by the size of their forces: the contact locus, m
 ====== ======= =================================================================================
 
 The sensors belong to the state before the step, as everything in `mjData` but `qpos` and `qvel`.
@@ -119,7 +117,7 @@ def numbers(*values: float) -> str:
 def _add_sensors(root: ET.Element) -> None:
     sensors = ET.SubElement(root, "sensor")
     for name, reduce, data in (
-        (NET_SENSOR, "netforce", "found force torque pos normal tangent"),
+        (NET_SENSOR, "netforce", "found force pos"),
         (DEPTH_SENSOR, "mindist", "dist"),
     ):
         ET.SubElement(

@@ -73,5 +73,6 @@ class Recorder:
 
 def _between(angle: Floats) -> Floats:
     """Return how far a wrapped angle moves from sample to sample, the shorter way, shape (n-1,)."""
-    step = np.abs(np.diff(angle)) % TURN
-    return np.minimum(step, TURN - step)
+    step = np.diff(angle)
+    step -= TURN * np.rint(step / TURN)
+    return np.abs(step)

@@ -6,16 +6,16 @@ what is written down of them, is here, once.
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Generic, TypeVar
 
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Effort, Gap, Setting, World, resolve
 from harness.engines.chunk import Chunk
-from harness.engines.horizon import Watch, longest_time, natural_time
+from harness.engines.horizon import longest_time, natural_time
 from harness.engines.parity import parity
-from harness.engines.recorder import Recorder
+from harness.engines.recording import record
 from harness.engines.schedule import (
     LARGEST_SHARE,
     SMALLEST_SHARE,
@@ -28,6 +28,7 @@ from harness.engines.settling import settle
 from harness.simulation import Outcome, ParityRow, Simulation
 from models.errors import InvalidValueError
 from models.rim import release_state
+from models.state import Pose, Twist
 
 W = TypeVar("W", bound=World)
 
@@ -39,9 +40,6 @@ _FEWEST, _MOST = 16, 4096
 
 _ADAPTIVE_LOOK = 1024
 """Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
-
-_MOST_STEPS = 100_000_000
-"""Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
 
 
 class PhysicsEngine(ABC, Generic[W]):
@@ -94,6 +92,18 @@ class PhysicsEngine(ABC, Generic[W]):
         UnknownSettingError, InvalidSettingError
             If the case asks for what the engine does not have.
         """
+        prepared, pose, twist = self._prepare(case)
+        if pose is None or twist is None:
+            return prepared
+        world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
+        world.place(pose, twist)
+        return self._run(world, prepared)
+
+    def _prepare(self, case: Case) -> tuple[Simulation, Pose | None, Twist | None]:
+        """Return a case checked and settled: what is known before the run, and its release.
+
+        Without a release the run is over before it began, and its outcome says why.
+        """
         started = time.perf_counter()
         empty = Simulation(
             case=case,
@@ -111,49 +121,34 @@ class PhysicsEngine(ABC, Generic[W]):
             differing = ", ".join(row.quantity for row in rows if row.verdict == "mismatch")
             if differing:
                 setup = time.perf_counter() - started
-                return replace(empty, note=differing, parity=rows, setup_s=setup)
+                return replace(empty, note=differing, parity=rows, setup_s=setup), None, None
             depth, pose = settle(self.open(case), case.scene, pose, twist)
         except InvalidValueError as error:  # a pose or twist read back holds no numbers
             note = f"within the probes before the run: {error}"
-            return replace(empty, outcome=Outcome.DIVERGED, note=note, parity=rows)
-        world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
-        world.place(pose, twist)
+            return replace(empty, outcome=Outcome.DIVERGED, note=note, parity=rows), None, None
         setup = time.perf_counter() - started
-        return self._run(
-            world, replace(empty, parity=rows, setup_s=setup, static_penetration=depth)
-        )
+        done = replace(empty, parity=rows, setup_s=setup, static_penetration=depth)
+        return done, pose, twist
+
+    def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
+        """Run cases, with the same results as one by one; an engine may know a faster way."""
+        return [self.simulate(case) for case in cases]
+
+    def leanest(self, world: W, steps: int) -> None:
+        """Step and read so many times and keep nothing: what no adapter can be faster than."""
+        for _ in range(steps):
+            world.step()
+            world.pose()
+            world.twist()
+            world.contact()
 
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
-        case = prepared.case
-        recorder, watch = Recorder(case.scene), Watch(case.scene)
-        at_limit = Outcome.FINISHED if case.scene.horizon.seconds else Outcome.TIMED_OUT
         schedule, size = self._schedule(prepared)
-        steps = rows = 0
-        outcome: Outcome | None = None
         wall, cpu = time.perf_counter(), time.process_time()
-        for chunk in self.chunks(world, schedule, size):
-            kept = recorder.add(chunk)
-            outcome = None if kept is None else watch.over(kept)
-            if outcome is None and not chunk.sound:
-                outcome = Outcome.DIVERGED
-            taken = chunk.times <= watch.ended_at
-            steps += int(taken.sum())
-            rows += int(chunk.constraint_rows[taken].sum())
-            if outcome is None and steps >= _MOST_STEPS:
-                outcome = Outcome.TOO_SLOW
-            if outcome is not None:
-                break
+        done = record(prepared, self.chunks(world, schedule, size))
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        return replace(
-            prepared,
-            outcome=outcome or at_limit,
-            trajectory=recorder.trajectory(watch.ended_at),
-            steps=steps,
-            constraint_rows=rows,
-            wall_s=wall,
-            cpu_s=cpu,
-        )
+        return replace(done, wall_s=wall, cpu_s=cpu)
 
     def _schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
         """Return the schedule of a case, and how many steps to take between two looks."""

@@ -5,7 +5,7 @@ before it; both are put at the same instant here. Forces and the locus come from
 sensors.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
@@ -14,14 +14,15 @@ from mujoco import rollout
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Floats
 from harness.engines.chunk import Chunk
+from harness.engines.mujoco.batch import LARGEST, MOST_STEPS, run_batch, steps_for
+from harness.engines.mujoco.chunks import STATE, chunk_of
 from harness.engines.mujoco.gaps import EFFORTS, GAPS
 from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
-from harness.engines.mujoco.world import MujocoWorld, from_body
+from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
+from harness.engines.mujoco.world import MujocoWorld, alike
 from harness.engines.schedule import Schedule, Stage
 from harness.engines.stepping import PhysicsEngine
-from harness.trajectory import Integers, Trajectory
-
-_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+from harness.simulation import Simulation
 
 
 class MujocoEngine(PhysicsEngine[MujocoWorld]):
@@ -33,6 +34,9 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     matched_timestep = MATCHED_TIMESTEP
     gaps = GAPS
     efforts = EFFORTS
+    variants = VARIANTS
+    paste = staticmethod(paste)
+    counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
         honours=frozenset({"slip"}),
         imposes={
@@ -63,31 +67,74 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
 
     def chunks(self, world: MujocoWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
-        data = world.data
-        state = np.empty(mujoco.mj_stateSize(world.model, _STATE))
-        mujoco.mj_getState(world.model, data, state, _STATE)
+        state = np.empty(mujoco.mj_stateSize(world.model, STATE))
+        mujoco.mj_getState(world.model, world.data, state, STATE)
         stage = _next(schedule, state)
         while stage is not None:
             befores, sensors, times = [], [], []
             count = 0
             while stage is not None and count < size:
-                world.set_timestep(stage.timestep)
-                after, seen = rollout.rollout(
-                    world.model,
-                    data,
-                    state[None],
-                    nstep=len(stage.times),
-                    initial_warmstart=data.qacc_warmstart.copy()[None],
-                )
-                befores += [state[None], after[0, :-1]]
-                sensors.append(seen[0])
+                states, seen = _roll(world, stage, state)
+                befores.append(states[:-1])
+                sensors.append(seen)
                 times.append(stage.times)
                 count += len(stage.times)
-                state = after[0, -1]
+                state = states[-1]
                 stage = _next(schedule, state)
-            yield _chunk(
-                world, np.concatenate(times), np.concatenate(befores), np.concatenate(sensors)
-            )
+            yield chunk_of(world, _joined(times), _joined(befores), _joined(sensors))
+
+    def leanest(self, world: MujocoWorld, steps: int) -> None:
+        """Step so many times in C and keep nothing."""
+        world.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR
+        mujoco.mj_step(world.model, world.data, steps)
+
+    def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
+        """Run cases; those that differ in their release alone are stepped together, in C."""
+        families: dict[Case, list[int]] = {}
+        for place, case in enumerate(cases):
+            families.setdefault(alike(case), []).append(place)
+        done: dict[int, Simulation] = {}
+        for places in families.values():
+            done[places[0]] = self.simulate(cases[places[0]])
+            done |= self._family(done[places[0]], {n: cases[n] for n in places[1:]})
+        return [done[place] for place in range(len(cases))]
+
+    def _family(self, first: Simulation, others: dict[int, Case]) -> dict[int, Simulation]:
+        """Run cases that are alike to a finished one, by their places."""
+        done: dict[int, Simulation] = {}
+        steps = None if first.case.profile == "adaptive" else steps_for(first)
+        left = list(others)
+        while steps is not None and steps <= MOST_STEPS and left:
+            for start in range(0, len(left), LARGEST):
+                batch = left[start : start + LARGEST]
+                cases = [others[place] for place in batch]
+                runs = run_batch(self.open(first.case), first, cases, steps)
+                done |= {n: run for n, run in zip(batch, runs, strict=True) if run is not None}
+            left = [place for place in left if place not in done]
+            steps *= 2
+        return done | {place: self.simulate(others[place]) for place in left}
+
+
+def _roll(world: MujocoWorld, stage: Stage, state: Floats) -> tuple[Floats, Floats]:
+    """Step through a stage in C; return its states with the first, and the sensors before each."""
+    steps = len(stage.times)
+    states = np.empty((1, steps + 1, len(state)))
+    states[0, 0] = state
+    world.set_timestep(stage.timestep)
+    _, sensors = rollout.rollout(
+        world.model,
+        world.data,
+        state[None],
+        nstep=steps,
+        initial_warmstart=world.data.qacc_warmstart.copy()[None],
+        state=states[:, 1:],
+    )
+    return states[0], sensors[0]
+
+
+def _joined(parts: list[Floats]) -> Floats:
+    """Return arrays one after the other; a single one as it is."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _next(schedule: Schedule, state: Floats) -> Stage | None:
@@ -95,60 +142,3 @@ def _next(schedule: Schedule, state: Floats) -> Stage | None:
     spin = np.empty(3)
     mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
     return schedule.next(state[4:8].tolist(), spin.tolist())
-
-
-def _chunk(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Chunk:
-    """Return the steps from states (n, 14) with the sensors of the same instants (n, 17)."""
-    count = _sound(states)
-    contacts = sensors[:, 0].copy()
-    contacts[count:] = 0.0
-
-    def read(keep: Integers) -> Trajectory:
-        return _read(world, times[keep], states[keep], sensors[keep])
-
-    return Chunk(
-        times=times,
-        quaternions=states[:count, 4:8],
-        constraint_rows=contacts.astype(np.int64) * world.rows_per_contact,
-        sound=count == len(states) and not _unstable(world.data),
-        read=read,
-    )
-
-
-_BROKEN = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
-
-
-def _unstable(data: mujoco.MjData) -> bool:
-    """Whether MuJoCo itself has found its numbers to be none, or huge."""
-    return any(data.warning[kind].number for kind in _BROKEN)
-
-
-def _sound(states: Floats) -> int:
-    """Return how many of the states, from the first on, are states: finite, and time goes on."""
-    # a sum is finite only if all of its terms are; one that overflows is no state either
-    if np.isfinite(states.sum()) and (np.diff(states[:, 0]) > 0.0).all():
-        return len(states)
-    good = np.isfinite(states).all(axis=1)
-    good &= np.diff(states[:, 0], prepend=-np.inf) > 0.0
-    return int(np.argmin(good))
-
-
-def _read(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Trajectory:
-    """Return states and the sensors of the same instants as a trajectory."""
-    point, force, penetration, count = world.read_contact(sensors)
-    quaternion = states[:, 4:8]
-    return Trajectory(
-        time=times,
-        position=states[:, 1:4],
-        quaternion=quaternion,
-        velocity=states[:, 8:11],
-        angular_velocity=from_body(quaternion, states[:, 11:14]),
-        contact_point=point,
-        contact_force=force,
-        penetration=penetration,
-        contact_count=count.astype(np.int64),
-    )
