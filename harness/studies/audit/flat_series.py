@@ -95,3 +95,8 @@ def drive() -> Expr:
 def in_inertias(expression: Expr) -> Expr:
     """Write k and c_p with a, c and h, in which nothing is hidden."""
     return expression.subs({k: symbols.k, c_p: symbols.c_p, h: symbols.h}, simultaneous=True)
+
+
+def in_latex(expression: Expr) -> str:
+    """Return LaTeX with the paper's B_{-2}."""
+    return str(sp.latex(expression)).replace("B_{2}", "B_{-2}")

@@ -52,7 +52,9 @@ def claim(label: str, section: str, says: str, *, name: str = "") -> Callable[[A
     def register(check: AnyCheck) -> AnyCheck:
         if label in _CLAIMS:
             raise ValueError(f"'{label}' has two checks")
-        module = check.__module__.rpartition(".")[2]
+        # a claim of a family is checked by a function with its arguments filled in
+        function = getattr(check, "func", check)
+        module = function.__module__.rpartition(".")[2]
         _CLAIMS[label] = Claim(
             label=label,
             section=section,

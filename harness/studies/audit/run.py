@@ -5,12 +5,16 @@ from collections.abc import Callable, Iterator
 
 from harness.studies.audit import checks  # noqa: F401 - registers the claims
 from harness.studies.audit.finding import Finding
+from harness.studies.audit.labels import LABELS
 from harness.studies.audit.registry import Claim, registered
 
 
 def claims() -> tuple[Claim, ...]:
-    """Return every claim that has a check, in the order of the paper's sections."""
-    return tuple(sorted(registered(), key=lambda claim: _place(claim.section)))
+    """Return every claim that has a check: by section, equations in order, then the rest."""
+    order = {label: place for place, label in enumerate(LABELS)}
+    return tuple(
+        sorted(registered(), key=lambda c: (_place(c.section), order.get(c.label, len(order))))
+    )
 
 
 def audit(

@@ -236,6 +236,6 @@ for _label, _printed, _of, _logs, _power, _mended in (
     ("Theta_l0", coefficient(THETA_LOG, 0, 1), "Theta", 1, 0, ""),
     ("Theta_l1", coefficient(THETA_LOG, 1, 1), "Theta", 1, 1, ""),
 ):
-    claim(f"app:{_label}", "A", f"{_label} = ${sp.latex(_printed)}$", name="listed_coefficient")(
-        partial(_in_the_table, _printed, _of, _logs, _power, _mended)
-    )
+    claim(
+        f"app:{_label}", "A", f"{_label} = ${series.in_latex(_printed)}$", name="listed_coefficient"
+    )(partial(_in_the_table, _printed, _of, _logs, _power, _mended))

@@ -118,7 +118,7 @@ def _coefficient(name: str) -> Both | Identity:
         corrected=in_inertias(derived(name)),
         derived=in_inertias(series.coefficient(series.drive(), *POWERS[name])),
         source="the series of eq01:Phi",
-        correct=f"{name} = {sp.sstr(derived(name))}",
+        correct=f"{name} = ${series.in_latex(derived(name))}$",
     )
     power, logs = POWERS[name]
     # at a rate of one the terms left out are phi (log phi)^2, whose logarithms take off 2/log

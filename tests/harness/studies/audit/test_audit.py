@@ -1,0 +1,95 @@
+"""The audit covers the paper, and finds what is independently known."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.studies.audit import Finding, Verdict, audit_table, checks, counts, markdown
+from harness.studies.audit.labels import LABELS
+from harness.studies.audit.registry import claim
+from harness.studies.audit.run import audit, claims
+
+PAPER = Path(__file__).parents[5] / "shared" / "paper" / "rocking-can.tex"
+WRONG = (Verdict.MISPRINT, Verdict.INCONSISTENT)
+
+
+@pytest.fixture(scope="module")
+def findings() -> tuple[Finding, ...]:
+    return tuple(audit())
+
+
+@pytest.fixture(scope="module")
+def verdicts(findings: tuple[Finding, ...]) -> dict[str, Verdict]:
+    return {finding.label: finding.ruling.verdict for finding in findings}
+
+
+def test_every_label_has_a_check() -> None:
+    assert not set(LABELS) - {c.label for c in claims()}
+
+
+@pytest.mark.skipif(not PAPER.exists(), reason="the paper's source is not beside the repository")
+def test_the_list_of_labels_is_the_papers() -> None:
+    found = re.findall(r"\\label\{((?:eq|app01:Phi)[^}]*)\}", PAPER.read_text(encoding="utf-8"))
+    assert tuple(found) == LABELS
+
+
+def test_every_check_is_named_after_its_file() -> None:
+    files = {path.stem for path in Path(checks.__path__[0]).glob("*.py")} - {"__init__"}
+    named = {c.name.split(".")[0] for c in claims()}
+    assert named == files
+    assert all(c.name.split(".")[1].isidentifier() for c in claims())
+
+
+def test_a_claim_has_one_check() -> None:
+    with pytest.raises(ValueError, match="two checks"):
+        claim("eq01:Psi", "2", "again")(claims()[0].check)
+
+
+@pytest.mark.slow
+def test_the_equations_of_motion_hold(verdicts: dict[str, Verdict]) -> None:
+    """They are derived from Newton-Euler in tests/reference too, by other means."""
+    for label in ("eq01:non_dimensionalised_eom", "eq01:raw_eom", "eq01:frob_ode", "eq01:Phi"):
+        assert verdicts[label] is Verdict.HOLDS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "label",
+    [
+        "eq01:fx",
+        "eq01:bal_eqm",
+        "eq01:eigenvalues",
+        "eq01:hyper_geom",
+        "eq01:theta_orig",
+        "eq01:friction_tangential",
+        "eq01:psi_inner",
+        "eq01:hamiltonian1",
+        "app:a_0",
+        "app:J_3",
+        "text:uniform cylinder",
+    ],
+)
+def test_misprints_that_another_derivation_found_too(
+    verdicts: dict[str, Verdict], label: str
+) -> None:
+    """`reference` uses the right forms of these, and its docstrings say so."""
+    assert verdicts[label] is Verdict.MISPRINT
+
+
+@pytest.mark.slow
+def test_whatever_is_wrong_comes_with_what_is_right(findings: tuple[Finding, ...]) -> None:
+    for finding in findings:
+        assert finding.ruling.how, finding.label
+        assert (finding.ruling.verdict not in WRONG) or finding.ruling.correct, finding.label
+
+
+@pytest.mark.slow
+def test_the_page_and_the_table_tell_the_same(findings: tuple[Finding, ...]) -> None:
+    page, table = markdown(findings), audit_table(findings)
+    assert len(table.frame) == len(findings) == len({f.label for f in findings})
+    assert set(table.columns) == set(table.frame.columns)
+    for verdict, number in counts(findings).items():
+        assert f"| {verdict.value} | {number} |" in page
+    for finding in findings:
+        assert f"| {finding.label} |" in page

@@ -1,0 +1,92 @@
+"""The figures are there, finite where drawn, and say what the paper's figures say."""
+
+import numpy as np
+import pytest
+
+from harness.artefact import Figure, Panel
+from harness.report.palette import palette
+from harness.report.printed import printed
+from harness.studies.gallery import FIGURES, gallery
+
+PAPERS = {
+    "can_fall",
+    "non_dim_solution",
+    "eqm_comparison",
+    "frob_comp",
+    "conserved",
+    "eq_comparison",
+    "sing_perturb",
+    "inner_outer_comp",
+    "left_or_right",
+    "contact_pt_motion",
+    "friction",
+    "hamiltonian_3D",
+    "hamiltonian_contours",
+}
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, Figure]:
+    return {figure.name.removeprefix("fig01-"): figure for figure in gallery()}
+
+
+def panel(figure: Figure, title: str) -> Panel:
+    return next(p for p in figure.panels if p.title.startswith(title))
+
+
+def test_every_figure_of_the_paper_is_there(drawn: dict[str, Figure]) -> None:
+    assert set(drawn) == PAPERS
+    assert len(FIGURES) == len(PAPERS)
+
+
+def test_every_curve_has_something_to_show(drawn: dict[str, Figure]) -> None:
+    for figure in drawn.values():
+        for each in figure.panels:
+            for series in each.series:
+                assert series.x.shape == series.y.shape, figure.name
+                assert np.isfinite(series.x + series.y).any(), (figure.name, series.label)
+
+
+def test_every_figure_can_be_printed(drawn: dict[str, Figure]) -> None:
+    for figure in drawn.values():
+        files = printed(figure, palette(s.kind for p in figure.panels for s in p.series))
+        assert files.png.startswith(b"\x89PNG")
+        assert files.svg.rstrip().endswith("</svg>")
+
+
+def test_psi_is_a_staircase_of_209_degrees(drawn: dict[str, Figure]) -> None:
+    (curve,) = panel(drawn["non_dim_solution"], "psi").series
+    # four bounces of 209.36 degrees, printed to five digits in the project's facts
+    assert curve.y[-1] == pytest.approx(4 * 209.3634, abs=1e-3)
+
+
+def test_the_hypergeometric_solution_lies_on_the_motion(drawn: dict[str, Figure]) -> None:
+    motion, exact = drawn["frob_comp"].panels[0].series
+    order = np.argsort(motion.x)
+    there = np.interp(np.log(exact.x), np.log(motion.x[order]), np.log(motion.y[order]))
+    # interpolation between samples 0.02 rad of turn apart
+    assert np.abs(np.log(exact.y) - there).max() < 1e-3
+
+
+def test_the_matched_curve_lies_on_the_reduced_one(drawn: dict[str, Figure]) -> None:
+    for each in drawn["inner_outer_comp"].panels:
+        curves = {series.label: series.y for series in each.series}
+        # the composite's error is of order eps log eps, 1e-9 here, over phi_min
+        assert np.abs(curves["matched"] - curves["reduced equation"]).max() < 1e-6
+
+
+def test_the_two_signs_lie_on_either_side_of_the_line(drawn: dict[str, Figure]) -> None:
+    grows, falls, line = drawn["left_or_right"].panels[0].series
+    slope = line.y[1] / line.x[1]
+    right = np.concatenate([grows.y < slope * grows.x, falls.y > slope * falls.x])
+    # the line is the boundary to leading order: the slope is 1 % off at phi = pi/100
+    assert right.mean() > 0.99
+
+
+def test_contours_close(drawn: dict[str, Figure]) -> None:
+    orbits = [s for s in drawn["hamiltonian_contours"].panels[0].series if s.label == "orbits"]
+    assert len(orbits) == 6
+    for orbit in orbits:
+        assert orbit.x[0] == orbit.x[-1]
+        # the speed at a turning point is the square root of round-off
+        assert np.abs(orbit.y[[0, -1]]).max() < 1e-6
