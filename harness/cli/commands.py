@@ -8,8 +8,12 @@ import typer
 from harness.case import Case
 from harness.cli import printing
 from harness.cli.answers import reference_answer, run_answer, spell
+from harness.cli.attribution import attribute
+from harness.cli.check import check
 from harness.cli.files import check_motion_file, write_motion, write_text
 from harness.cli.listings import engines_answer, print_engine, print_engines
+from harness.cli.paper import audit, gallery
+from harness.cli.three_errors import errors
 from harness.cli.validation import validate
 from harness.cli.words import settings
 from harness.engines.reference import solved
@@ -32,7 +36,8 @@ app = typer.Typer(
         "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
     ),
 )
-app.command()(validate)
+for command in (validate, attribute, errors, check, audit, gallery):
+    app.command()(command)
 
 SceneName = Annotated[
     str,
@@ -103,7 +108,9 @@ def reference(
     options = (("model", model), ("method", method), ("rtol", rtol))
     case = Case(scene=load(scene), engine="reference", options=options)
     evaluation = evaluate(case)
-    bounces = solved(case).bounces if evaluation.simulation.trajectory is not None else ()
+    simulation = evaluation.simulation
+    known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
+    bounces = solved(case).bounces if known else ()
     answer = reference_answer(evaluation, bounces)
     if json:
         _say(spell(answer))
