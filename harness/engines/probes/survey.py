@@ -1,7 +1,7 @@
 """All probes of an engine, one after the other, each in a world of its own."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeGuard
 
 from harness.case import Case
@@ -104,7 +104,9 @@ def measure(case: Case) -> Measurement:
         raise InvalidSettingError("engine", case.engine, allowed)
     if case.scene.gravity == 0.0:
         raise InvalidSettingError("gravity", 0.0, "greater than zero, to load the can")
-    evidence = [each for probe in PROBES for each in probe.measure(chosen, case)]
+    # said outright, since a timestep that goes with gravity would change with the load
+    stated = replace(case, timestep=chosen.timestep(case))
+    evidence = [each for probe in PROBES for each in probe.measure(chosen, stated)]
     return Measurement(
         case=case,
         engine_version=chosen.version,

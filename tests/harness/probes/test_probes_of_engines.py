@@ -229,6 +229,14 @@ def test_every_effect_has_a_question_and_a_finding(scene: Scene) -> None:
     assert len(set(quantities)) == len(quantities)
 
 
+@pytest.mark.slow
+def test_adaptive_is_probed_at_its_largest_timestep(scene: Scene) -> None:
+    adaptive = measure(Case(scene=scene, engine="mujoco", profile="adaptive"))
+    matched = measure(Case(scene=scene, engine="mujoco", timestep=adaptive.timestep))
+    # the settings of both profiles are the same ones, and so is every number
+    assert adaptive.findings == matched.findings
+
+
 def test_without_gravity_there_is_no_load(scene: Scene) -> None:
     case = Case(scene=replace(scene, gravity=0.0), engine="mujoco")
     with pytest.raises(InvalidSettingError, match="gravity"):
