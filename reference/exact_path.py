@@ -32,6 +32,8 @@ from reference.well import level
 # The quadrature is exact with the harmonics a function needs for half its digits; histories need
 # all.
 MORE_NODES = 3
+# Harmonics below this share of the greatest cannot be told from round-off.
+SILENT = 1e-16
 # Newton on a monotone function between brackets.
 MOST_ROUNDS = 80
 # Samples of a half period among which peaks are looked for and grids begin.
@@ -103,18 +105,24 @@ class ExactPath:
         low, high = np.full(times.shape, -1.0), np.full(times.shape, 1.0)
         phase = np.clip(wanted / half, -1, 1)
         k = np.arange(1, self.time.waves.size + 1)
+        slopes = np.pi * k * self.time.waves
+        eps = np.finfo(float).eps
+        open_ = np.arange(times.size)
         for _ in range(MOST_ROUNDS):
-            angle = np.pi * phase[:, None] * k
-            excess = half * phase + np.sin(angle) @ self.time.waves - wanted
-            gradient = half + np.cos(angle) @ (np.pi * k * self.time.waves)
-            low, high = np.where(excess < 0, phase, low), np.where(excess > 0, phase, high)
-            new = phase - excess / np.where(gradient > 0, gradient, np.inf)
-            new = np.where((new <= low) | (new >= high), (low + high) / 2, new)
-            # a residual below the resolution of the time itself means nothing
-            done = np.abs(excess) <= np.spacing(np.abs(wanted))
-            moved = np.where(done, 0.0, new - phase)
-            phase = phase + moved
-            if (np.abs(moved) <= np.spacing(np.abs(phase))).all():
+            x, goal = phase[open_], wanted[open_]
+            angle = np.pi * x[:, None] * k
+            excess = half * x + np.sin(angle) @ self.time.waves - goal
+            gradient = half + np.cos(angle) @ slopes
+            low[open_] = np.where(excess < 0, x, low[open_])
+            high[open_] = np.where(excess > 0, x, high[open_])
+            new = x - excess / np.where(gradient > 0, gradient, np.inf)
+            outside = (new <= low[open_]) | (new >= high[open_])
+            new = np.where(outside, (low[open_] + high[open_]) / 2, new)
+            # a residual below the resolution of the time, or of the sum of waves, means nothing
+            done = np.abs(excess) <= np.spacing(times[open_]) + eps * half * np.abs(x)
+            phase[open_] = np.where(done, x, new)
+            open_ = open_[~done & (np.abs(new - x) > np.spacing(np.abs(x)))]
+            if not open_.size:
                 break
         return np.asarray(phase + 2 * cycle)
 
@@ -166,16 +174,15 @@ class ExactPath:
     def _contact(self, phase: Floats) -> NDArray[np.complex128]:
         if self.locus is None:
             raise ValueError("the contact locus was not asked for")
-        n = self.locus.size // 2
-        rate = self.precession.slope + np.pi * np.arange(-n, n)
+        size = np.abs(self.locus)
+        heard = np.flatnonzero(size > SILENT * size.max())
+        rate = self.precession.slope + np.pi * (heard - self.locus.size // 2)
+        weight = self.locus[heard]
 
         def moved(at: Floats) -> NDArray[np.complex128]:
-            # (exp(i w u) - 1)/w, finite where a rate vanishes
-            angle = at[:, None] * rate
-            half = angle / 2
-            return np.asarray(
-                (1j * at[:, None] * np.exp(1j * half) * np.sinc(half / np.pi)) @ self.locus
-            )
+            # the integral of exp(i w u), finite where a rate vanishes
+            half = at[:, None] * (rate / 2)
+            return np.asarray(1j * at * ((np.exp(1j * half) * np.sinc(half / np.pi)) @ weight))
 
         turn = np.exp(1j * (self.problem.psi - self._at_start(self.precession)))
         start = contact_from_centre(initial_states(self.problem), self.problem.parameters)[0]
@@ -231,7 +238,10 @@ def _harmonics(rate: Floats) -> Harmonics:
     n = rate.size
     k = np.arange(1, n)
     waves = np.cos(np.pi * np.outer(k, np.arange(n) + 0.5) / n) @ rate * (2 / n)
-    return Harmonics(slope=float(rate.mean()), waves=waves / (np.pi * k))
+    waves /= np.pi * k
+    heard = np.flatnonzero(np.abs(waves) > SILENT * np.abs(waves).max(initial=0.0))
+    last = int(heard[-1]) + 1 if heard.size else 0
+    return Harmonics(slope=float(rate.mean()), waves=waves[:last])
 
 
 def _locus_harmonics(rotation: Floats, precession: Harmonics) -> NDArray[np.complex128]:
