@@ -6,6 +6,7 @@ import numpy as np
 
 from harness.artefact import Figure, Panel, Series
 from harness.studies.gallery.release import (
+    FOURTH_CURVE,
     OURS,
     PHI,
     SECOND_CURVE,
@@ -137,7 +138,7 @@ def inner_and_outer() -> Figure:
         curves = (
             ("reduced equation", truth, OURS, False),
             ("outer", outer, THIRD_CURVE, False),
-            ("inner", matched.inner(tau), "approximation 3", False),
+            ("inner", matched.inner(tau), FOURTH_CURVE, False),
             ("matched", matched.composite(tau), SECOND_CURVE, True),
         )
         panels.append(

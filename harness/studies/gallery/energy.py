@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from harness.artefact import Figure, Floats, Panel, Series
-from harness.studies.gallery.release import OURS, line, problem
+from harness.studies.gallery.release import FOURTH_CURVE, OURS, SECOND_CURVE, line, problem
 from reference.reduced import Reduced, reduced_of
 
 LEVELS = (7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
@@ -23,6 +23,7 @@ def surface() -> Figure:
     across = np.linspace(-1.0, 1.0 + SHIFT, SAMPLES)
     series = []
     hidden_below = np.full(SAMPLES, -np.inf)
+    floor: list[tuple[float, float]] = []
     nearest, farthest = 5e-3, 8e-5
     for depth in np.linspace(0, 1, SLICES):
         phi = nearest * (farthest / nearest) ** depth
@@ -32,13 +33,14 @@ def surface() -> Figure:
         place = speed / widest + SHIFT * depth
         lifted = np.interp(across, place, height + LIFT * depth, left=np.nan, right=np.nan)
         free = lifted > hidden_below
+        middle = np.abs(across - SHIFT * depth).argmin()
+        floor.append((across[middle], lifted[middle] if free[middle] else np.nan))
         drawn = np.where(free, lifted, np.nan)
         if np.isfinite(drawn).any():
-            series.append(line("slices at constant phi", across, drawn, "surface"))
+            series.append(line("slices at constant phi", across, drawn, SECOND_CURVE))
         hidden_below = np.fmax(hidden_below, lifted)
-    way = np.linspace(0, 1, 200)
-    floor = reduced.hamiltonian(np.asarray(0.0), nearest * (farthest / nearest) ** way) / TOP
-    series.append(line("phi' = 0", SHIFT * way, floor + LIFT * way, "floor", dashed=True))
+    seen = np.array(floor)
+    series.append(line("phi' = 0", seen[:, 0], seen[:, 1], FOURTH_CURVE, dashed=True))
     lowest = _bottom(reduced)
     return Figure(
         name="fig01-hamiltonian_3D",
@@ -65,7 +67,11 @@ def contours() -> Figure:
     low, value = _bottom(reduced)
     made = [_contour(reduced, level, low) for level in LEVELS if level > value]
     centre = Series(
-        label="steady motion", kind="centre", x=np.array([low]), y=np.array([0.0]), mark="points"
+        label="steady motion",
+        kind=SECOND_CURVE,
+        x=np.array([low]),
+        y=np.array([0.0]),
+        mark="points",
     )
     return Figure(
         name="fig01-hamiltonian_contours",

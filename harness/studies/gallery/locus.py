@@ -5,12 +5,22 @@ import math
 import numpy as np
 
 from harness.artefact import Figure, Panel
-from harness.studies.gallery.release import OURS, TIME, line, problem, sampled, solved, where
+from harness.studies.gallery.release import (
+    FOURTH_CURVE,
+    OURS,
+    SECOND_CURVE,
+    TIME,
+    line,
+    problem,
+    sampled,
+    solved,
+    where,
+)
 from reference import PAPER_CAN, Problem
 from reference.asymptotic import friction_bound
 from reference.contact import friction_ratio
 
-BOUNCE = "bounce"
+BOUNCE = SECOND_CURVE
 BALANCED = PAPER_CAN.balancing_angle
 RELEASES: tuple[tuple[str, Problem], ...] = (
     ("a) small phi, small eps: arcs of circles", problem(bounces=5)),
@@ -89,7 +99,7 @@ def friction() -> Figure:
                 series=(
                     line("phi >= phi_0/10", where(~low, t), where(~low, ratio), OURS),
                     line("phi < phi_0/10", where(low, t), where(low, ratio), BOUNCE),
-                    line("h/a_p", ends, np.array([bound, bound]), "bound", dashed=True),
+                    line("h/a_p", ends, np.array([bound, bound]), FOURTH_CURVE, dashed=True),
                 ),
             ),
         ),

@@ -5,7 +5,18 @@ import math
 import numpy as np
 
 from harness.artefact import Figure, Floats, Panel, Series
-from harness.studies.gallery.release import OURS, line, points, problem, sampled, solved
+from harness.studies.gallery.release import (
+    FIFTH_CURVE,
+    FOURTH_CURVE,
+    OURS,
+    SECOND_CURVE,
+    THIRD_CURVE,
+    line,
+    points,
+    problem,
+    sampled,
+    solved,
+)
 from reference import PAPER_CAN
 from reference.equilibria import balanced_rotation, steady_rotation
 
@@ -63,11 +74,11 @@ def fall() -> Figure:
                         "upper rim",
                         upper[:, 0] + at[0],
                         upper[:, 1] + at[1],
-                        "upper rim",
+                        FOURTH_CURVE,
                         dashed=True,
                     ),
-                    line("contact locus", s.x[run], s.y[run], "bounce"),
-                    points("contact point", at[:1], at[1:], "contact"),
+                    line("contact locus", s.x[run], s.y[run], SECOND_CURVE),
+                    points("contact point", at[:1], at[1:], THIRD_CURVE),
                 ),
                 equal=True,
             )
@@ -93,10 +104,10 @@ def _side(phi: float, label: str = "can") -> tuple[Series, ...]:
     ground = np.array([-2.2, 2.2])
     return (
         line(label, np.array(x), np.array(z), OURS),
-        line("symmetry axis", axis[:, 0], axis[:, 2], "axis", dashed=True),
-        line("plane", ground, np.zeros(2), "plane"),
-        points("centre of mass", centre[:1], centre[2:], "centre"),
-        points("contact point", np.zeros(1), np.zeros(1), "contact"),
+        line("symmetry axis", axis[:, 0], axis[:, 2], SECOND_CURVE, dashed=True),
+        line("plane", ground, np.zeros(2), FIFTH_CURVE),
+        points("centre of mass", centre[:1], centre[2:], FOURTH_CURVE),
+        points("contact point", np.zeros(1), np.zeros(1), THIRD_CURVE),
     )
 
 

@@ -14,8 +14,9 @@ SECOND = math.sqrt(0.037 / 9.81)
 PHI = math.pi / 100
 PSI_DOT, THETA_DOT = 0.1001, -0.1
 TIME = "t [sqrt(R/g)]"
-OURS, SECOND_CURVE, THIRD_CURVE = "reference", "approximation", "approximation 2"
-"""Whose curve it is: the exact motion, and what is held against it."""
+OURS, SECOND_CURVE, THIRD_CURVE = "reference", "curve 2", "curve 3"
+FOURTH_CURVE, FIFTH_CURVE = "curve 4", "curve 5"
+"""Which curve of a figure it is; the exact motion is the first."""
 
 
 def problem(

@@ -3,7 +3,15 @@
 import numpy as np
 
 from harness.artefact import Figure, Panel
-from harness.studies.gallery.release import PHI, SECOND, line, points
+from harness.studies.gallery.release import (
+    FIFTH_CURVE,
+    FOURTH_CURVE,
+    PHI,
+    SECOND,
+    SECOND_CURVE,
+    line,
+    points,
+)
 from reference import PAPER_CAN
 from reference.asymptotic import boundary_rotation
 from reference.exact import exact_bounces
@@ -44,9 +52,9 @@ def sign_map() -> Figure:
                 x_label="psi' at release [rad/s]",
                 y_label="theta' at release [rad/s]",
                 series=(
-                    points("psi grows", x[left], y[left], "turn 1"),
-                    points("psi falls", x[right], y[right], "turn 2"),
-                    line("B_-2 = 0 to leading order", edge, border, "boundary"),
+                    points("psi grows", x[left], y[left], FIFTH_CURVE),
+                    points("psi falls", x[right], y[right], SECOND_CURVE),
+                    line("B_-2 = 0 to leading order", edge, border, FOURTH_CURVE),
                 ),
             ),
         ),

@@ -1,0 +1,40 @@
+"""`rockingcan audit`: what it writes, and what it says when it cannot."""
+
+import csv
+import sys
+from pathlib import Path
+
+import pytest
+
+from harness.cli.paper import MissingMathematicsError, audit
+from harness.errors import OutputError
+from harness.studies.audit import run
+
+
+def test_without_sympy_one_message_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # as if the module that needs sympy had never been imported and could not be
+    monkeypatch.setitem(sys.modules, "harness.studies.audit.run", None)
+    with pytest.raises(MissingMathematicsError, match=r"pip install 'rockingcan\[paper\]'"):
+        audit(tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_in_the_way_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("mine", encoding="utf-8")
+    with pytest.raises(OutputError, match="cannot write to"):
+        audit(tmp_path / "taken")
+
+
+def test_both_files_are_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    few = tuple(claim for claim in run.claims() if claim.label in {"eq:phistar", "text:R_GB"})
+    monkeypatch.setattr(run, "claims", lambda: few)
+    audit(tmp_path / "new")
+    assert "misprint" in capsys.readouterr().out
+    assert "R_GB = R_IB R_GI" in (tmp_path / "new" / "audit.md").read_text(encoding="utf-8")
+    with (tmp_path / "new" / "audit.csv").open(encoding="utf-8") as file:
+        rows = {row["label"]: row["verdict"] for row in csv.DictReader(file)}
+    assert rows == {"eq:phistar": "holds", "text:R_GB": "misprint"}
