@@ -12,7 +12,7 @@ from harness.studies.audit.newton_euler import centre_velocity, papers_accelerat
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import Phi, Psi, Theta, psi, psi_dd, theta_dd
 from reference import PAPER_CAN, Problem, solve
-from reference.asymptotic import matched_of
+from reference.asymptotic import boundary_rotation, matched_of
 from reference.expansions import expansions
 from reference.reduced import reduced_of
 
@@ -131,4 +131,26 @@ def contours_exist() -> Fact:
         true=lowest < 7.5e-4,  # noqa: PLR2004 - the paper's lowest contour
         how=f"the Hamiltonian of the release is at least {lowest:.3e}, with eps = B_-2^2; with the "
         f"printed eps = 1.43e-10 its leading terms would be at least {printed:.2e}",
+    )
+
+
+@claim(
+    "caption:fig01:contact_pt_motion",
+    "6.2",
+    "release d), psi' = 1.7267 and theta' = 7 rad/s, lies close to the boundary and gives cusps",
+)
+def cusps_near_the_boundary() -> Fact:
+    """Compare the ratio of the rates with the line; theta' has to change its sign."""
+    scale = float(paper_can.SECOND)
+    posed = Problem(
+        parameters=PAPER_CAN, phi=HEIGHT, psi_dot=1.7267 * scale, theta_dot=7 * scale, bounces=3
+    )
+    solution = solve(posed)
+    rates = solution.at(solution.grid()).theta_dot
+    ratio = 7 / 1.7267
+    line = boundary_rotation(PAPER_CAN, 1.0)
+    return Fact(
+        true=abs(ratio / line - 1) < AGREES and bool(rates.min() < 0 < rates.max()),
+        how=f"theta'/psi' = {ratio:.4f}, the line has {line:.4f}; theta' runs from "
+        f"{rates.min():.3g} to {rates.max():.3g} sqrt(g/R) over three bounces",
     )

@@ -43,7 +43,7 @@ def scaled_velocity() -> Identity:
         printed=sp.Matrix([-(FORTH * sp.cos(psi) - SIDE * sp.sin(psi)), y]),
         corrected=sp.Matrix([-FORTH * sp.cos(psi) - SIDE * sp.sin(psi), y]),
         derived=centre_velocity()[:2, :],
-        correct="x' = -Phi (sin phi + h cos phi) cos psi "
+        correct="a parenthesis is missing: x' = -Phi (sin phi + h cos phi) cos psi "
         "- (Psi (cos phi - h sin phi) + Theta) sin psi",
         source="rolling",
     )
