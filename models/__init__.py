@@ -1,7 +1,7 @@
 """What is simulated: the can, its release, its effects, and the models that engines open."""
 
 from models.can import Can
-from models.catalogue import load, names
+from models.catalogue import hard_names, load, names
 from models.effects import IDEAL, NO_SLIP_FRICTION, Effects, Slip
 from models.errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
 from models.kinematics import (
@@ -55,6 +55,7 @@ __all__ = [
     "contact_point",
     "contact_velocity",
     "ground_urdf",
+    "hard_names",
     "load",
     "mjcf",
     "names",

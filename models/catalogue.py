@@ -1,4 +1,7 @@
-"""The scenes that come with the package, by name, and any other by the path of its file."""
+"""The scenes that come with the package, by name, and any other by the path of its file.
+
+The hard cases of the stability study are scenes too, but listed apart: they are for that study.
+"""
 
 import os
 from importlib.resources import as_file, files
@@ -9,14 +12,25 @@ from models.scene import Scene
 from models.scene_file import read_scene
 
 _SUFFIX = ".toml"
+_SCENES, _HARD = "scenes", "scenes/hard"
 
 
 def names() -> tuple[str, ...]:
     """Return the names of the scenes in the catalogue, sorted."""
+    return _in(_SCENES)
+
+
+def hard_names() -> tuple[str, ...]:
+    """Return the names of the hard cases, sorted."""
+    return _in(_HARD)
+
+
+def _in(folder: str) -> tuple[str, ...]:
+    """Return the names of the scene files in a folder of the package, sorted."""
     return tuple(
         sorted(
             entry.name.removesuffix(_SUFFIX)
-            for entry in files("models").joinpath("scenes").iterdir()
+            for entry in files("models").joinpath(folder).iterdir()
             if entry.name.endswith(_SUFFIX)
         )
     )
@@ -28,7 +42,7 @@ def load(name_or_path: str | Path) -> Scene:
     Parameters
     ----------
     name_or_path : str or Path
-        A name of the catalogue, which comes first, or the path of a scene file.
+        A name of the catalogue or of a hard case, which comes first, or the path of a scene file.
 
     Returns
     -------
@@ -42,10 +56,10 @@ def load(name_or_path: str | Path) -> Scene:
         If the file does not describe a scene.
     """
     if isinstance(name_or_path, str):
-        if name_or_path in names():
-            entry = files("models").joinpath("scenes", name_or_path + _SUFFIX)
-            with as_file(entry) as path:
-                return read_scene(path)
+        for folder in (_SCENES, _HARD):
+            if name_or_path in _in(folder):
+                with as_file(files("models").joinpath(folder, name_or_path + _SUFFIX)) as path:
+                    return read_scene(path)
         if not _looks_like_a_path(name_or_path):
             raise UnknownSceneError(name_or_path, names())
     return read_scene(name_or_path)

@@ -101,7 +101,7 @@ def rolling_velocity(
 
 
 def release_state(can: Can, release: Release) -> tuple[Pose, Twist]:
-    """Return the rolling can at its release: the lowest point of its rim at z = 0 and at rest.
+    """Return the can at its release: the lowest point of its rim at rest, at z = `height`.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def release_state(can: Can, release: Release) -> tuple[Pose, Twist]:
         The centre of mass is above the origin of the world.
     """
     r = release
-    height = -contact_offset(can, r.phi, r.psi)[2]
+    height = r.height - contact_offset(can, r.phi, r.psi)[2]
     omega = angular_velocity(r.phi, r.psi, r.phi_dot, r.psi_dot, r.theta_dot)
     pose = Pose(position=np.array((0.0, 0.0, height)), quaternion=quaternion(r.phi, r.psi, r.theta))
     velocity = rolling_velocity(can, r.phi, r.psi, omega)

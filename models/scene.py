@@ -135,7 +135,9 @@ class Scene:
                 "phi_dot": release.phi_dot,
                 "psi_dot": release.psi_dot,
                 "theta_dot": release.theta_dot,
-            },
+            }
+            # a can on its rim keeps the digest that it had when there was no other
+            | ({"height": release.height} if release.height != 0.0 else {}),
             "horizon": (
                 {"seconds": horizon.seconds}
                 if horizon.bounces is None

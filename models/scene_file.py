@@ -53,6 +53,7 @@ class _Release(_Table):
     phi_dot: float = 0.0
     psi_dot: float = 0.0
     theta_dot: float = 0.0
+    height: float = 0.0
 
 
 class _Horizon(_Table):

@@ -16,7 +16,7 @@ _UNIT_TOLERANCE = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Release:
-    """The angles and rates with which a can on its rim is let go: rad and rad/s.
+    """The angles and rates with which a can is let go, rad and rad/s, and how high.
 
     Parameters
     ----------
@@ -26,6 +26,9 @@ class Release:
         Precession and rotation (spin about the symmetry axis).
     phi_dot, psi_dot, theta_dot : float
         Their rates.
+    height : float
+        Of the lowest point of the rim above the plane, m; negative starts inside it. At zero,
+        which is what is left out, the can stands on its rim.
 
     Raises
     ------
@@ -39,9 +42,10 @@ class Release:
     phi_dot: float = 0.0
     psi_dot: float = 0.0
     theta_dot: float = 0.0
+    height: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse a can that does not stand on one point of its rim."""
+        """Refuse a can whose lowest point is not one point of its rim."""
         for field in fields(self):
             object.__setattr__(self, field.name, finite(field.name, getattr(self, field.name)))
         if not 0.0 < self.phi < math.pi / 2.0:

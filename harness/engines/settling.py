@@ -37,9 +37,12 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     Returns
     -------
     depth : float
-        Zero for a contact that is rigid, or that pushes the can away at any depth.
+        Zero for a contact that is rigid, or that pushes the can away at any depth, and for a can
+        that is released elsewhere than on its rim.
     pose : Pose
     """
+    if scene.release.height != 0.0:
+        return 0.0, pose
     world.place(pose, twist)
     pose = _lowered(pose, world.gap())  # a collider larger than the can would start deep inside
     phi, psi, _ = angles(pose.quaternion)

@@ -32,7 +32,7 @@ psi_dot = 2
 bounces = 1
 """
 CAN_KEYS = "mass, radius, a, A, c, C, h, H"
-RELEASE_KEYS = "phi, psi, theta, phi_dot, psi_dot, theta_dot"
+RELEASE_KEYS = "phi, psi, theta, phi_dot, psi_dot, theta_dot, height"
 FILE_KEYS = "name, cite, gravity, can, release, horizon, effects"
 POSITIVE = "a finite number greater than zero"
 
