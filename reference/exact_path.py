@@ -20,6 +20,7 @@ from reference.contact import contact_from_centre
 from reference.elliptic import Clock
 from reference.exact import release_well
 from reference.frobenius import can_of, series_of
+from reference.harmonics import SILENT, Harmonics, harmonics_of, locus_harmonics
 from reference.outcome import Outcome
 from reference.problem import Problem
 from reference.quadrature import clock_of, nodes_needed, rates
@@ -32,25 +33,10 @@ from reference.well import level
 # The quadrature is exact with the harmonics a function needs for half its digits; histories need
 # all.
 MORE_NODES = 3
-# Harmonics below this share of the greatest cannot be told from round-off.
-SILENT = 1e-16
 # Newton on a monotone function between brackets.
 MOST_ROUNDS = 80
 # Samples of a half period among which peaks are looked for and grids begin.
 SAMPLES = 48
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Harmonics:
-    """An integral over u: slope u + sum of waves sin(k pi u/K)."""
-
-    slope: float
-    waves: Floats
-
-    def at(self, phase: Floats) -> Floats:
-        """Value at u = phase K, shape of `phase`."""
-        k = np.arange(1, self.waves.size + 1)
-        return np.asarray(self.slope * phase + np.sin(np.pi * phase[:, None] * k) @ self.waves)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,7 +200,7 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
     found = rates(points, clock, fraction)
     K = float(clock.quarter[0])
     time, precession, total = (
-        _harmonics(K * part[:, 0]) for part in (found.time, found.precession, found.total)
+        harmonics_of(K * part[:, 0]) for part in (found.time, found.precession, found.total)
     )
     start = _phase_at_release(problem, points, clock)
     path = ExactPath(
@@ -225,33 +211,12 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
         time=time,
         precession=precession,
         total=total,
-        locus=_locus_harmonics(K * (found.total - found.precession)[:, 0], precession)
+        locus=locus_harmonics(K * (found.total - found.precession)[:, 0], precession)
         if locus
         else None,
         t_end=0.0,
     )
     return _until_horizon(problem, path, nodes)
-
-
-def _harmonics(rate: Floats) -> Harmonics:
-    """Integrate an even periodic function given at the midpoints of [0, 1] in u/K."""
-    n = rate.size
-    k = np.arange(1, n)
-    waves = np.cos(np.pi * np.outer(k, np.arange(n) + 0.5) / n) @ rate * (2 / n)
-    waves /= np.pi * k
-    heard = np.flatnonzero(np.abs(waves) > SILENT * np.abs(waves).max(initial=0.0))
-    last = int(heard[-1]) + 1 if heard.size else 0
-    return Harmonics(slope=float(rate.mean()), waves=waves[:last])
-
-
-def _locus_harmonics(rotation: Floats, precession: Harmonics) -> NDArray[np.complex128]:
-    """Fourier coefficients of theta' exp(i (psi - mean)), from midpoints of a half period."""
-    n = rotation.size
-    phase = (np.arange(-n, n) + 0.5) / n
-    wobble = precession.at(phase) - precession.slope * phase
-    signal = np.concatenate([rotation[::-1], rotation]) * np.exp(1j * wobble)
-    k = np.arange(-n, n)
-    return np.asarray(np.exp(-1j * np.pi * np.outer(k, phase)) @ signal / (2 * n))
 
 
 def _phase_at_release(problem: Problem, points: TurningPoints, clock: Clock) -> float:

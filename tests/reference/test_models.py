@@ -1,4 +1,4 @@
-"""The paper's models one by one: identities, closed forms, limits, and its errors pinned."""
+"""The reduced equation and the asymptotic solution: coefficients, integrals, predictions."""
 
 import math
 
@@ -8,12 +8,10 @@ import pytest
 
 from reference import (
     PAPER_CAN,
-    Outcome,
     Parameters,
     Problem,
     ProblemError,
     SolverError,
-    equilibria,
     solve,
 )
 from reference.asymptotic import (
@@ -23,19 +21,12 @@ from reference.asymptotic import (
     matched_of,
     uniform_cylinder,
 )
-from reference.contact import friction_ratio
 from reference.exact import exact_bounces
-from reference.expansions import expansions, leading_constants, paper_constants
-from reference.frictionless import energy_without_friction, leading_turn_without_friction
-from reference.frobenius import can_of, first_integrals, precession_and_spin, series_of
-from reference.hypergeometric import gauss, hypergeometric_pair
-from reference.invariants import energy
-from reference.momenta import axial_momentum, vertical_momentum
+from reference.expansions import expansions, leading_constants
 from reference.outer import integrals
-from reference.pendulum import planar_motion
 from reference.reduced import reduced_equation, reduced_of
 from reference.rolling import nutation_acceleration
-from reference.states import States, initial_states
+from reference.states import initial_states
 
 CANS = [
     PAPER_CAN,
@@ -51,201 +42,6 @@ PAPER = Problem(
     theta_dot=-0.1 * UNIT,
     bounces=2,
 )
-
-
-def one_state(phi: float, psi_dot: float, theta_dot: float) -> States:
-    return initial_states(
-        Problem(parameters=PAPER_CAN, phi=phi, psi_dot=psi_dot, theta_dot=theta_dot, bounces=1)
-    )
-
-
-@pytest.mark.parametrize(
-    "release",
-    [
-        {"phi": 0.3},
-        {"phi": 0.8},
-        {"phi": 0.3, "phi_dot": 1.0},
-        {"phi": 0.3, "phi_dot": 0.1},
-        {"phi": 0.8, "phi_dot": -0.05},
-        {"phi": 0.8, "phi_dot": -1.0},
-    ],
-)
-def test_pendulum_is_rolling_without_turning(release: dict[str, float]) -> None:
-    """The closed form against the integrator, all the way to the plane."""
-    problem = Problem(parameters=PAPER_CAN, bounces=1, **release)
-    closed, rolling = solve(problem, model="pendulum"), solve(problem, model="rolling")
-    assert closed.outcome is rolling.outcome
-    assert closed.t_end == pytest.approx(rolling.t_end, rel=1e-13)
-    times = np.linspace(0, 0.999 * closed.t_end, 50)
-    # elliptic functions and an integration, each good to a few tens of eps
-    assert np.abs(closed.at(times).phi - rolling.at(times).phi).max() < 1e-13
-    assert np.abs(closed.at(times).phi_dot - rolling.at(times).phi_dot).max() < 1e-13
-
-
-def test_pendulum_times_scale_with_the_fourth_root() -> None:
-    """The paper prints sqrt((h^2 + 1)/(a_p + 1)); near balance the can falls like exp(w t)."""
-    motion = planar_motion(PAPER_CAN, PAPER_CAN.balancing_angle - 1e-6)
-    phi, phi_dot = motion.nutation(np.array([8.0]))
-    rate = phi_dot[0] / (phi[0] - PAPER_CAN.balancing_angle)
-    expected = (1 + PAPER_CAN.h**2) ** 0.25 / math.sqrt(PAPER_CAN.pendulum_inertia)
-    # tanh(w t) and the third order of the sine
-    assert rate == pytest.approx(expected, rel=1e-4)
-
-
-@pytest.mark.parametrize("can", CANS)
-def test_steady_motions_stay(can: Parameters) -> None:
-    """The force vanishes on every steady motion; its slope along the branch is the eigenvalue."""
-    series = series_of(can)
-    for phi in (0.3 * can.balancing_angle, 0.9 * can.balancing_angle):
-        Psi = 0.7
-        Theta = equilibria.steady_rotation(can, phi, Psi)
-        at = np.array([phi])
-        spin = np.array([Psi + Theta])
-        assert abs(nutation_acceleration(at, np.array([Psi]), spin, can)[0]) < 1e-14
-        b = np.sin(phi) ** 2 * Psi
-        step = 1e-5
-
-        def force(x: float, b: float = b, spin: float = Psi + Theta, phi: float = phi) -> float:
-            K, B = first_integrals(
-                can_of(can),
-                series,
-                np.array([phi]),
-                np.array([b / np.sin(phi) ** 2]),
-                np.array([spin]),
-            )
-            rates = precession_and_spin(can_of(can), series, np.array([x]), K, B)
-            return float(nutation_acceleration(np.array([x]), *rates, can)[0])
-
-        slope = (force(phi + step) - force(phi - step)) / (2 * step)
-        # a central difference: step^2 over phi^2, and eps over step
-        assert equilibria.squared_eigenvalue(can, phi, Psi, Theta) == pytest.approx(slope, rel=1e-6)
-
-
-@pytest.mark.parametrize("can", CANS)
-def test_critical_rolling(can: Parameters) -> None:
-    """The eigenvalue vanishes at our critical rate; the paper's has h (h + c_p) for h^2 + c_p."""
-    rate, balance = equilibria.critical_rolling_rate(can), can.balancing_angle
-    assert abs(equilibria.squared_eigenvalue(can, balance, 0.0, rate)) < 1e-13
-    printed = math.sqrt(math.sqrt(can.h**2 + 1) / (can.h * can.k * can.c_p * (can.h + can.c_p)))
-    assert abs(equilibria.squared_eigenvalue(can, balance, 0.0, printed)) > 1e-3
-    Theta = equilibria.balanced_rotation(can, 1.3)
-    assert equilibria.steady_rotation(can, balance, 1.3) == pytest.approx(Theta, rel=1e-12)
-
-
-def test_motion_about_a_centre_at_rest() -> None:
-    """S_rest with its sign mended: steady, with the centre still. It exists past balance too."""
-    p = PAPER_CAN
-    for phi in (0.1, 0.5, 0.9):
-        Psi, Theta = equilibria.rest_rates(p, phi)
-        assert equilibria.steady_rotation(p, phi, Psi) == pytest.approx(Theta, rel=1e-12)
-        assert equilibria.circle_radius(p, phi, Psi, Theta) < 1e-15
-        assert friction_ratio(one_state(phi, Psi, Theta), p)[0] < 1e-14
-    assert p.balancing_angle < 0.9
-    with pytest.raises(ValueError, match="no motion"):
-        equilibria.rest_rates(p, 0.63)
-
-
-def test_spinning_on_the_side() -> None:
-    """The example at phi = pi/2, for a can with h < c_p."""
-    rate = math.sqrt(PAPER_CAN.h / (PAPER_CAN.c_p - PAPER_CAN.h))
-    assert equilibria.steady_rotation(PAPER_CAN, math.pi / 2, rate) == pytest.approx(
-        rate, rel=1e-13
-    )
-
-
-@pytest.mark.parametrize("can", CANS)
-def test_hypergeometric_solution_is_the_series(can: Parameters) -> None:
-    """Two constants fitted at two nutations hold at all others."""
-    phi = np.array([0.05, 0.1, 0.3, 0.6, 1.0, 1.5])
-    pairs = np.array([hypergeometric_pair(can, x) for x in phi.tolist()])
-    Psi, _ = precession_and_spin(can_of(can), series_of(can), phi, np.array([0.3]), np.array([0.2]))
-    constants = np.linalg.solve(pairs[[2, 4]], Psi[[2, 4]].astype(complex))
-    # sixty Taylor terms and some thirty steps
-    assert np.abs(pairs @ constants / Psi - 1).max() < 1e-11
-
-
-def test_gauss_function() -> None:
-    a, b, c, z = 0.3 + 0.4j, 1.7 - 0.2j, 1.1 + 0.9j, 0.5 - 3j
-    assert gauss(a, b, c, z) == pytest.approx(complex(mp.hyp2f1(a, b, c, z)), rel=1e-13)
-
-
-def test_printed_rho_solves_nothing() -> None:
-    """eq01:hyper_geom with rho = (9 + 4 gamma + 4 i beta)/16 leaves a residual like Psi itself."""
-    k, h = PAPER_CAN.k, PAPER_CAN.h
-    for gamma_sign, solves in ((1, False), (-1, True)):
-        rho = (9 + gamma_sign * (4 * (2 + k) + 4j * k * h)) / 16
-        r = complex(np.sqrt(rho))
-        q = -r.conjugate()
-
-        def term(x: mp.mpf, r: complex = r, q: complex = q) -> mp.mpc:
-            cot = mp.cot(x)
-            F = mp.hyp2f1(r - 0.5 + q, r + 1.5 + q, 1 + 2 * q, 0.5 - 0.5j * cot)
-            return mp.sin(x) ** -1.5 * (cot + 1j) ** q * (cot - 1j) ** r * F
-
-        with mp.workdps(30):
-            x = mp.mpf("0.7")
-            left = mp.diff(term, x, 2) + 3 * mp.cot(x) * mp.diff(term, x)
-            left -= (2 + k + k * h * mp.cot(x)) * term(x)
-            assert (abs(left / term(x)) < 1e-12) is solves
-
-
-def test_printed_expansions() -> None:
-    """eq01:psi_orig as printed; the appendix has the sign of its logarithm wrong."""
-    p = PAPER_CAN
-    kh, k, cp = p.k * p.h, p.k, p.c_p
-    known = expansions(p)
-    zero = [known.psi_zero.coefficient(n) for n in range(4)]
-    gamma = 2 + k
-    printed = [1, kh / 3, (kh**2 + 3 * gamma) / 24, kh * (kh**2 + 11 * gamma) / 360]
-    assert zero == pytest.approx(printed, rel=1e-13)
-    two = known.psi_minus_two
-    assert two.coefficient(-1) == pytest.approx(-kh, rel=1e-13)
-    assert two.coefficient(1) == pytest.approx(-kh * (4 + 5 * k - 2 * kh**2) / 9, rel=1e-12)
-    assert two.coefficient(0, 1) == pytest.approx(-(kh**2 - k) / 2, rel=1e-13)
-    assert two.coefficient(1, 1) == pytest.approx(-kh * (kh**2 - k) / 6, rel=1e-12)
-    theta_00 = known.spin_minus_two.coefficient(0) - two.coefficient(0)
-    appendix = (3 * k * (cp + 1) - 4 - 9 * kh**2) / (6 * k * cp)
-    in_text = (k * (4 * cp + 3) - 4 - 9 * kh**2) / (6 * k * cp)
-    assert theta_00 == pytest.approx(appendix, rel=1e-12)
-    assert abs(theta_00 - in_text) > 0.1
-
-
-def test_constants_are_constant_where_their_expansions_are_not() -> None:
-    """fig01:conserved: the ripples belong to the truncation, not to the motion."""
-    solution = solve(PAPER, model="rolling")
-    states = solution.at(solution.grid())
-    B_0, B = paper_constants(states, PAPER_CAN)
-    assert np.ptp(B) < 1e-12 * np.abs(B).max()
-    assert np.ptp(B_0) < 1e-11 * np.abs(B_0).max()
-    rough_0, rough = leading_constants(states, PAPER_CAN)
-    assert np.ptp(rough) > 1e-3 * np.abs(B).max()
-    assert np.ptp(rough_0) > 1e-1 * np.abs(B_0).max()
-
-
-def test_constants_are_momenta_when_flat() -> None:
-    """B_{-2} tends to (H_G - H_B)/a and B_0 to k c_p H_B/(2 c), linearly in phi."""
-    p, errors = PAPER_CAN, []
-    for phi in (1e-2, 1e-3, 1e-4):
-        state = one_state(phi, 0.3, 0.4)
-        B_0, B = paper_constants(state, p)
-        H_B, H_G = axial_momentum(state, p)[0], vertical_momentum(state, p)[0]
-        errors.append(abs(B_0[0] - p.k * p.c_p / (2 * p.c) * H_B))
-        # B itself is of the order phi^2: here it is compared with its own size
-        lean = (p.k * p.c_p / 2) * (0.3 + 0.4) - 0.3
-        assert B[0] == pytest.approx(-lean * phi**2, rel=20 * phi * abs(math.log(phi)))
-        del H_G
-    assert errors[1] < errors[0] / 9
-    assert errors[2] < errors[1] / 9
-
-
-def test_momenta_of_a_bounce() -> None:
-    """Where the bounce is hardest a Psi S^2 is all that tells the two momenta apart."""
-    solution = solve(PAPER, model="exact")
-    bottom = solution.at(solution.minima[:1])
-    _, B = paper_constants(bottom, PAPER_CAN)
-    apart = vertical_momentum(bottom, PAPER_CAN) - axial_momentum(bottom, PAPER_CAN)
-    # to the order of phi_min, times a logarithm
-    assert apart[0] == pytest.approx(PAPER_CAN.a * B[0], rel=1e-3)
 
 
 @pytest.mark.parametrize("can", CANS)
@@ -404,22 +200,6 @@ def test_locus_of_a_bounce_is_an_arc() -> None:
     assert abs(outer[0]) < 0.1
 
 
-def test_without_friction() -> None:
-    """Both momenta, the energy, and the leading turn of a can whose centre stays put."""
-    solution = solve(PAPER, model="frictionless", outputs={"contact_locus"})
-    states = solution.at(solution.grid())
-    for momentum in (axial_momentum, vertical_momentum):
-        values = momentum(states, PAPER_CAN)
-        # eps of the terms a Psi S^2 and c (Psi C + Theta), the rates being up to 1e4
-        assert np.ptp(values) < 1e-8 * np.abs(values).max()
-    # the integrator's 1e-12 a step, over some six hundred steps
-    assert np.ptp(energy_without_friction(states, PAPER_CAN)) < 1e-9
-    bounce = solution.bounces[0]
-    assert bounce.peak_friction_ratio == 0
-    # corrected by the precession outside the bounce, of the order of psi_dot: 3e-3
-    assert bounce.angle_of_turn == pytest.approx(leading_turn_without_friction(PAPER_CAN), rel=1e-2)
-
-
 def test_asymptotic_solution_needs_a_release_from_rest() -> None:
     with pytest.raises(ProblemError, match="rest"):
         solve(
@@ -430,16 +210,3 @@ def test_asymptotic_solution_needs_a_release_from_rest() -> None:
         solve(Problem(parameters=PAPER_CAN, phi=0.1, bounces=1), model="asymptotic")
     with pytest.raises(SolverError, match="locus"):
         solve(PAPER, model="asymptotic", outputs={"contact_locus"})
-
-
-@pytest.mark.parametrize("model", ["exact", "rolling", "reduced", "asymptotic", "frictionless"])
-def test_every_model_has_the_same_face(model: str) -> None:
-    solution = solve(PAPER, model=model)
-    assert solution.outcome is Outcome.FINISHED
-    assert len(solution.bounces) == 2
-    times = solution.grid()
-    assert times[0] == 0
-    assert times[-1] == solution.t_end
-    states = solution.at(times)
-    assert np.abs(np.diff(states.psi)).max() <= 0.02
-    assert np.isfinite(energy(states, PAPER_CAN)).all()
