@@ -9,7 +9,9 @@ from harness.case import Case
 from harness.cli import printing
 from harness.cli.answers import reference_answer, run_answer, spell
 from harness.cli.attribution import attribute
+from harness.cli.benchmark import benchmark
 from harness.cli.check import check
+from harness.cli.cost import cost
 from harness.cli.files import check_motion_file, write_motion, write_text
 from harness.cli.listings import engines_answer, print_engine, print_engines
 from harness.cli.paper import audit, gallery
@@ -36,7 +38,7 @@ app = typer.Typer(
         "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
     ),
 )
-for command in (validate, attribute, errors, check, audit, gallery):
+for command in (validate, attribute, errors, check, audit, gallery, benchmark, cost):
     app.command()(command)
 
 SceneName = Annotated[

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from harness.engines.chunk import Chunk
 from harness.engines.horizon import natural_time
 from harness.trajectory import Floats, Trajectory, join, take
-from models.kinematics import TURN, half_angles
 from models.scene import Scene
 
 ANGLE_STEP = 0.02
@@ -51,9 +50,7 @@ class Recorder:
         if self._last is not None:
             time = np.concatenate(([self._last[0]], time))
             quaternion = np.vstack((self._last[1], quaternion))
-        phi, sigma, delta = half_angles(quaternion)
-        steps = np.abs(np.diff(phi)) + _between(sigma) + _between(delta)
-        growth = steps / ANGLE_STEP + np.diff(time) / self._time_step
+        growth = _path(quaternion) / ANGLE_STEP + np.diff(time) / self._time_step
         # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
         path = np.cumsum(np.concatenate((np.array([self._path]), growth)))
         self._path = float(path[-1])
@@ -71,8 +68,26 @@ class Recorder:
         return take(whole, whole.time <= until)
 
 
-def _between(angle: Floats) -> Floats:
-    """Return how far a wrapped angle moves from sample to sample, the shorter way, shape (n-1,)."""
-    step = np.diff(angle)
-    step -= TURN * np.rint(step / TURN)
-    return np.abs(step)
+def _path(quaternion: Floats) -> Floats:
+    """Return how far (phi, psi + theta, psi - theta) move from sample to sample, shape (n-1,), rad.
+
+    In half angles the quaternion is two complex numbers, cos(phi/2) exp(i (psi + theta)/2) and
+    sin(phi/2) exp(i (psi - theta)/2), see `models.kinematics`. A turn of one of them is its cross
+    product over its dot product from sample to sample: the tangent, which is the angle where
+    samples are dense, and more than it where they are not. No arctangent of millions of steps is
+    needed.
+    """
+    w, x, y, z = np.ascontiguousarray(quaternion.T)
+    upright = w[:-1] * w[1:] + z[:-1] * z[1:]
+    tilted = x[:-1] * x[1:] + y[:-1] * y[1:]
+    turned = np.abs(w[:-1] * z[1:] - z[:-1] * w[1:])
+    raced = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:])
+    square = x * x + y * y
+    rocked = np.abs(np.diff(square))
+    # behind a right angle, or where the can is flat, a sample is always worth keeping
+    turned = np.divide(turned, upright, out=np.full_like(turned, np.pi), where=upright > 0.0)
+    raced = np.divide(raced, tilted, out=np.full_like(raced, np.pi), where=tilted > 0.0)
+    size = np.sqrt(square[1:] * (1.0 - square[1:]))
+    rocked = np.divide(rocked, size, out=np.full_like(rocked, np.pi), where=size > 0.0)
+    path: Floats = rocked + 2.0 * (turned + raced)
+    return path

@@ -71,13 +71,15 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
             yield steps.chunk(np.concatenate(times))
 
     def leanest(self, world: PybulletWorld, steps: int) -> None:
-        """Step and read so many times, keeping nothing."""
+        """Step so many times and keep what PyBullet says of each, as it says it."""
         client, can, ground = world.client, world.can, world.ground
+        kept = []
         for _ in range(steps):
-            pybullet.getBasePositionAndOrientation(can, client)
-            pybullet.getBaseVelocity(can, client)
+            pose = pybullet.getBasePositionAndOrientation(can, client)
+            twist = pybullet.getBaseVelocity(can, client)
             pybullet.stepSimulation(client)
-            pybullet.getContactPoints(can, ground, physicsClientId=client)
+            contacts = pybullet.getContactPoints(can, ground, physicsClientId=client)
+            kept.append((pose, twist, contacts))
 
 
 def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:

@@ -1,0 +1,119 @@
+"""What the harness adds to an engine's own time, and what adaptive steps and batches take away."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from harness.benchmark.clock import Ratio, in_turns
+from harness.case import Case
+from harness.engines.registry import engine
+from harness.engines.stepping import PhysicsEngine
+from harness.runner import Evaluation, evaluate
+from models.catalogue import load
+from models.rim import release_state
+from models.state import Release
+
+OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
+"""Largest ratio of an adapter's loop to the leanest loop of its engine."""
+
+GAIN = {"mujoco": 100.0, "pybullet": 10.0}
+"""Least ratio of a fixed timestep's cost to that of adaptive steps, at the same error."""
+
+_FIXED = (1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8)
+
+
+def engine_ratios(names: Sequence[str]) -> Iterator[Ratio]:
+    """Measure the claims about the engines, one by one."""
+    for name in names:
+        chosen = engine(name)
+        if isinstance(chosen, PhysicsEngine):
+            yield _overhead(chosen)
+            yield _batch(chosen)
+            yield _adaptive(chosen)
+
+
+def _overhead(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
+    """Time the adapter's run of a gentle rock against the engine's leanest loop."""
+    scene = load("gentle-rock")
+    case = Case(scene=scene, engine=chosen.name, timestep=1e-6)
+    steps = chosen.simulate(case).steps
+    times: list[float] = []
+
+    def lean() -> None:
+        world = chosen.open(case)
+        world.place(*release_state(scene.can, scene.release))
+        chosen.leanest(world, steps)
+
+    def adapted() -> None:
+        times.append(chosen.simulate(case).cpu_s)
+
+    lean_s, _ = in_turns(lean, adapted, repeats=3)
+    ratio, bound = min(times) / lean_s, OVERHEAD.get(chosen.name, math.inf)
+    return Ratio(
+        what=f"{chosen.name}: adapter's loop against the leanest loop, {steps:,} steps",
+        ratio=ratio,
+        claim=f"at most {bound:g}",
+        holds=ratio <= bound,
+        first_s=min(times),
+        second_s=lean_s,
+        note="gentle-rock, matched, timestep 1e-6 s",
+    )
+
+
+def _batch(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
+    """Time a batch of releases against the same one by one."""
+    scene = load("gentle-rock")
+    releases = [Release(phi=0.3 + 0.001 * n, psi_dot=2.0, theta_dot=-1.0) for n in range(100)]
+    cases = [
+        Case(scene=replace(scene, release=release), engine=chosen.name, timestep=1e-3)
+        for release in releases
+    ]
+    together, apart = in_turns(
+        lambda: chosen.simulate_many(cases),
+        lambda: [chosen.simulate(case) for case in cases],
+        repeats=2,
+    )
+    return Ratio(
+        what=f"{chosen.name}: {len(cases)} releases one by one against together",
+        ratio=apart / together,
+        claim="",
+        holds=True,
+        first_s=apart,
+        second_s=together,
+        note="the same results to the bit; timestep 1e-3 s, set-up included",
+    )
+
+
+def _adaptive(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
+    """Time adaptive steps against the cheapest fixed timestep with the same error."""
+    scene = load("paper-release")
+    adaptive = Case(scene=scene, engine=chosen.name, profile="adaptive")
+    error = _turn_error(evaluate(adaptive))
+    fixed, fixed_error = None, math.inf
+    for timestep in _FIXED:
+        fixed = Case(scene=scene, engine=chosen.name, timestep=timestep)
+        fixed_error = _turn_error(evaluate(fixed))
+        if fixed_error <= error:
+            break
+    quick = min(chosen.simulate(adaptive).cpu_s for _ in range(5))
+    slow = chosen.simulate(fixed).cpu_s if fixed is not None else math.inf
+    bound = GAIN.get(chosen.name, 1.0)
+    return Ratio(
+        what=f"{chosen.name}: cheapest fixed timestep with the same error against adaptive",
+        ratio=slow / quick,
+        claim=f"at least {bound:g} times cheaper",
+        holds=slow >= bound * quick,
+        first_s=slow,
+        second_s=quick,
+        note=(
+            f"paper-release: {error:.2g} deg adaptive, {fixed_error:.2g} deg at "
+            f"{fixed.timestep if fixed else 0.0:g} s"
+        ),
+    )
+
+
+def _turn_error(e: Evaluation) -> float:
+    """Return the error of the first angle of turn, deg."""
+    if e.errors is None or not e.errors.angle_of_turn:
+        return math.inf
+    return abs(math.degrees(e.errors.angle_of_turn[0]))

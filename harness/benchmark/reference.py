@@ -1,0 +1,128 @@
+"""The reference against scipy: the exact bounce in batches, and the time integrator."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from harness.benchmark.clock import Ratio, in_turns, seconds
+from reference import PAPER_CAN, Problem, exact_bounces, solve
+
+_BATCH = 100_000
+_SCIPY_RELEASES = 12  # DOP853 takes tens of milliseconds each
+_TIGHT = 1e-12
+_SEED = 20230222
+
+
+def reference_ratios() -> Iterator[Ratio]:
+    """Measure the claims about the reference, one by one."""
+    yield _batch_against_scipy()
+    yield _integrator_against_scipy()
+    yield _sign_map()
+
+
+def _releases(count: int) -> dict[str, np.ndarray]:
+    """Return random releases of the paper's can that bounce, from gentle to hard."""
+    rng = np.random.default_rng(_SEED)
+    return {
+        "phi": rng.uniform(0.02, 0.5, count),
+        "psi_dot": rng.uniform(-0.2, 0.2, count),
+        "theta_dot": rng.uniform(-0.2, 0.2, count),
+    }
+
+
+def _batch(releases: dict[str, np.ndarray]) -> np.ndarray:
+    """Return the angles of turn of releases, rad."""
+    can = {"a": PAPER_CAN.a, "c": PAPER_CAN.c, "h": PAPER_CAN.h}
+    return exact_bounces(**can, **releases).angle_of_turn
+
+
+def _by_scipy(releases: dict[str, np.ndarray]) -> np.ndarray:
+    """Return the angles of turn of a few releases by scipy's DOP853 in the paper's variables."""
+    turns = []
+    for phi, psi_dot, theta_dot in zip(*releases.values(), strict=True):
+        problem = Problem(
+            parameters=PAPER_CAN,
+            phi=float(phi),
+            psi_dot=float(psi_dot),
+            theta_dot=float(theta_dot),
+            bounces=1,
+        )
+        solution = solve(problem, model="rolling", method="DOP853", rtol=_TIGHT)
+        turns.append(solution.bounces[0].angle_of_turn if solution.bounces else math.nan)
+    return np.array(turns)
+
+
+def _batch_against_scipy() -> Ratio:
+    """Time 100,000 exact bounces, and DOP853 per bounce."""
+    releases = _releases(_BATCH)
+    few = {name: values[:_SCIPY_RELEASES] for name, values in releases.items()}
+    batch, scipy = in_turns(lambda: _batch(releases), lambda: _by_scipy(few), repeats=2)
+    difference = float(np.nanmax(np.abs(_batch(few) - _by_scipy(few))))
+    ratio = (scipy / _SCIPY_RELEASES) / (batch / _BATCH)
+    return Ratio(
+        what=f"exact bounce in a batch of {_BATCH:,} against DOP853, per bounce",
+        ratio=ratio,
+        claim="at least 1,000 times faster",
+        holds=ratio >= 1000.0,  # noqa: PLR2004 - the claim
+        first_s=batch / _BATCH,
+        second_s=scipy / _SCIPY_RELEASES,
+        note=f"DOP853 at rtol 1e-12 is within {difference:.1e} rad of the exact turn",
+    )
+
+
+def _paper_release(method: str | None) -> float:
+    """Return the angle of turn of three bounces of the paper's release by time integration."""
+    seconds_per_unit = math.sqrt(0.037 / 9.81)
+    problem = Problem(
+        parameters=PAPER_CAN,
+        phi=math.pi / 100,
+        psi_dot=0.1001 * seconds_per_unit,
+        theta_dot=-0.1 * seconds_per_unit,
+        bounces=3,
+    )
+    chosen = {} if method is None else {"method": method, "rtol": _TIGHT}
+    solution = solve(problem, model="rolling", **chosen)  # type: ignore[arg-type]
+    return solution.bounces[0].angle_of_turn
+
+
+_TRUE_TURN = math.radians(209.363400462452)
+"""Of the paper's release, to 15 digits; see tests/reference/golden."""
+
+
+def _integrator_against_scipy() -> Ratio:
+    """Time three bounces of the paper's release by the default integrator and by DOP853."""
+    own, scipy = in_turns(lambda: _paper_release(None), lambda: _paper_release("DOP853"))
+    own_error = abs(_paper_release(None) - _TRUE_TURN)
+    scipy_error = abs(_paper_release("DOP853") - _TRUE_TURN)
+    return Ratio(
+        what="default time integrator against DOP853 at rtol 1e-12, three bounces",
+        ratio=scipy / own,
+        claim="at least 20 times faster, and at least as accurate",
+        holds=scipy >= 20.0 * own and own_error <= scipy_error,
+        first_s=own,
+        second_s=scipy,
+        note=f"error of the turn {own_error:.1e} rad against {scipy_error:.1e} rad",
+    )
+
+
+def _sign_map() -> Ratio:
+    """Time the paper's sign map over 400 x 400 releases."""
+    side = np.linspace(-1.0, 1.0, 400) * math.sqrt(0.037 / 9.81)
+    psi_dot, theta_dot = (grid.ravel() for grid in np.meshgrid(side, side))
+    grid = {
+        "phi": np.full(psi_dot.size, math.pi / 100),
+        "psi_dot": psi_dot,
+        "theta_dot": theta_dot,
+    }
+    taken = seconds(lambda: _batch(grid))
+    limit = 10.0
+    return Ratio(
+        what="sign map over 400 x 400 releases against ten seconds",
+        ratio=limit / taken,
+        claim="under 10 s on one core",
+        holds=taken < limit,
+        first_s=taken,
+        second_s=limit,
+        note="",
+    )
