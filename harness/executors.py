@@ -23,9 +23,16 @@ class Serial(Executor):
         return future
 
 
-def local(jobs: int) -> Executor:
-    """Return an executor of so many processes on this machine; of none beside this one for 1."""
-    if jobs == 1:
+def local(jobs: int, *, spawned: bool = False) -> Executor:
+    """Return an executor of so many processes on this machine.
+
+    Parameters
+    ----------
+    jobs : int
+    spawned : bool
+        A process of its own for a single job too; else that runs in this one.
+    """
+    if jobs == 1 and not spawned:
         return Serial()
     # engines hold threads and global state, which a forked child would share
     context: Any = multiprocessing.get_context("spawn")

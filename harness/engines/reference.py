@@ -6,9 +6,11 @@ at any instant, so that an engine is compared on its own time grid.
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.base import Capabilities, Floats, Setting, resolve
 from harness.engines.horizon import natural_time
+from harness.engines.variants import Variant
 from harness.errors import InvalidSettingError
 from harness.simulation import Outcome, Simulation
 from harness.trajectory import Trajectory
@@ -46,6 +49,37 @@ SETTINGS = (
         meaning="Relative tolerance of the integrator.",
     ),
 )
+
+_TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
+
+WITHOUT_LOCUS: Mapping[str, frozenset[str]] = MappingProxyType(
+    dict.fromkeys(("reduced", "asymptotic"), frozenset())
+)
+"""Models that know the angles alone, each with what it can be asked for beside them."""
+
+VARIANTS = (
+    Variant(name="exact bounce", settings=(("model", "exact"),), along=""),
+    Variant(name="fast integrator", settings=(("model", "rolling"),), along=""),
+    *(
+        Variant(
+            name=f"rolling, {method}",
+            settings=(("model", "rolling"), ("method", method)),
+            along="rtol",
+            values=_TOLERANCES,
+        )
+        for method in ("RK45", "DOP853", "LSODA", "Radau", "BDF")
+    ),
+    *(
+        Variant(
+            name=f"{model} model",
+            settings=(("model", model),),
+            along="",
+            imposes="the terms that the model leaves out: model form",
+        )
+        for model in ("reduced", "asymptotic")
+    ),
+)
+"""Ways to solve a scene; an implicit method in the raw variables is slow where it is stiff."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,6 +145,7 @@ class ReferenceEngine:
 
     name = "reference"
     settings = SETTINGS
+    variants = VARIANTS
     capabilities = Capabilities(honours=frozenset(), imposes={})
 
     @property
@@ -141,11 +176,12 @@ class ReferenceEngine:
         """
         self.timestep(case)
         chosen = resolve(case, SETTINGS, 0.0)
-        if case.scene.gravity == 0.0:
+        reason = refusal(case.scene)
+        if reason:
             return Simulation(
                 case=case,
                 outcome=Outcome.NO_SOLUTION,
-                note="Without gravity nothing holds the can to the plane, so it does not roll.",
+                note=reason,
                 trajectory=None,
                 engine_version=self.version,
                 model=str(chosen["model"]),
@@ -153,8 +189,12 @@ class ReferenceEngine:
             )
         started, cpu = time.perf_counter(), time.process_time()
         found = solved(case)
-        trajectory = sampled(found)
         outcome, note = _ending(found.solution)
+        trajectory = None
+        if chosen["model"] in WITHOUT_LOCUS:
+            note = "The model knows no contact locus, so there is no motion to show."
+        else:
+            trajectory = sampled(found)
         return Simulation(
             case=case,
             outcome=outcome,
@@ -169,14 +209,28 @@ class ReferenceEngine:
         )
 
 
+def refusal(scene: Scene) -> str:
+    """Return in a sentence why a scene has no rolling motion; nothing if it has one."""
+    if scene.gravity == 0.0:
+        return "Without gravity nothing holds the can to the plane, so it does not roll."
+    if scene.release.height > 0.0:
+        return "The can is released above the plane, and rolling says nothing of its landing."
+    if scene.release.height < 0.0:
+        return "The can is released inside the plane, where no rigid can is."
+    return ""
+
+
 def solved(case: Case, seconds: float | None = None) -> Truth:
     """Return the exact motion of a case's scene, up to its own horizon or for so many seconds.
 
     Raises
     ------
     InvalidSettingError
-        If the case asks for a model, method or tolerance that does not exist.
+        If the case asks for a model, method or tolerance that does not exist, or is not released
+        on its rim.
     """
+    if case.scene.release.height != 0.0:
+        raise InvalidSettingError("release.height", case.scene.release.height, "zero: on the rim")
     scene, chosen = case.scene, resolve(case, SETTINGS, 0.0)
     T, can, release = natural_time(scene), scene.can, scene.release
     horizon = scene.horizon.seconds if seconds is None else seconds
@@ -197,7 +251,7 @@ def solved(case: Case, seconds: float | None = None) -> Truth:
             problem,
             model=str(chosen["model"]),
             rtol=float(chosen["rtol"]),  # type: ignore[arg-type]
-            outputs=frozenset({"contact_locus"}),
+            outputs=WITHOUT_LOCUS.get(str(chosen["model"]), frozenset({"contact_locus"})),
             **choices,  # type: ignore[arg-type]
         )
     except SolverError as error:

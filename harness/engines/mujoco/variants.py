@@ -57,13 +57,13 @@ def counted_step(world: "MujocoWorld") -> int:
     return int(data.solver_niter[: max(1, int(data.nisland))].sum())
 
 
-_ADAPTIVE = '''\
+_ADAPTIVE = """\
 <!-- The timestep follows the motion. Before each mj_step of a can with these measures:
 from harness.engines.schedule import Adaptive  # schedule = Adaptive(can, largest={largest!r}, ...)
 model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
 model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
 -->
-'''
+"""
 
 
 def paste(case: Case) -> str:
