@@ -59,6 +59,8 @@ class Panel:
         Same scale on both axes: for a curve in the plane.
     x_names : tuple of str
         What stands at the places 0, 1, 2, ... of the horizontal axis instead of numbers.
+    x_range, y_range : tuple of 2 floats, optional
+        Ends of the axes, for figures whose axes are to be alike; from the data if left out.
     """
 
     title: str
@@ -69,6 +71,8 @@ class Panel:
     log_y: bool = False
     equal: bool = False
     x_names: tuple[str, ...] = ()
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

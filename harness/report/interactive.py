@@ -8,6 +8,7 @@ of each curve, for its light or its dark face. Nothing else here knows plotly.
 import base64
 import gzip
 import html
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -141,6 +142,12 @@ def _layout(panel: Panel) -> dict[str, Any]:
         x_axis["ticktext"] = [_text(name) for name in panel.x_names]
         x_axis["tickangle"] = -30
         x_axis["range"] = [-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH]
+    for axis, ends, logarithmic in (
+        (x_axis, panel.x_range, panel.log_x),
+        (y_axis, panel.y_range, panel.log_y),
+    ):
+        if ends is not None:
+            axis["range"] = [math.log10(end) if logarithmic else end for end in ends]
     if panel.equal:
         x_axis["constrain"] = y_axis["constrain"] = "domain"
         y_axis |= {"scaleanchor": "x", "scaleratio": 1}
@@ -163,7 +170,8 @@ _MANY_DECADES = 8.0  # more powers of ten than that crowd the axis; plotly then 
 
 
 def _decades(panel: Panel, axis: str) -> float:
-    data = _together(panel, axis)
+    ends = panel.x_range if axis == "x" else panel.y_range
+    data = _together(panel, axis) if ends is None else np.array(ends)
     positive = data[data > 0.0]
     return float(np.log10(positive.max() / positive.min())) if positive.size else 0.0
 

@@ -167,6 +167,10 @@ def _label(axes: Axes, panel: Panel) -> None:
         axes.set_aspect("equal", adjustable="datalim")
     axes.relim()
     axes.autoscale_view()
+    if panel.x_range is not None:
+        axes.set_xlim(panel.x_range)
+    if panel.y_range is not None:
+        axes.set_ylim(panel.y_range)
     if panel.x_names:
         axes.set_xticks(range(len(panel.x_names)))
         axes.set_xticklabels(
