@@ -1,0 +1,279 @@
+"""What accuracy costs in time, and which settings buy it."""
+
+import hashlib
+import math
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from harness import face
+from harness.case import Case
+from harness.cli import printing
+from harness.cli.answers import spell
+from harness.cli.files import write_text
+from harness.engines.registry import engine as engine_of
+from harness.engines.variants import paste
+from harness.errors import InvalidSettingError
+from harness.executors import local
+from harness.provenance import provenance
+from harness.report import check_writable, write_report
+from harness.runner import check
+from harness.studies.cost import CHOICES, SHIPPED, SUITES, TUNED, Cost, Plan, expected, plan, read
+from harness.studies.cost import cost as put_together
+from harness.studies.cost import run as error_cases
+from harness.studies.cost import timed as timing_cases
+from harness.studies.cost.prices import TARGETS
+from harness.studies.cost.tables import price_rows
+from harness.studies.cost.words import fixed
+from harness.timing.alone import one_thread, time_alone
+from harness.timing.campaign import Progress as Told
+from harness.timing.campaign import complete
+from harness.timing.errors import measured
+from harness.timing.overhead import case as aloft
+from harness.timing.overhead import overhead
+from harness.timing.store import Store
+from models.catalogue import load
+from models.scene_text import write_scene
+
+_TUNING = ("gentle-rock", "paper-release")
+"""Where settings are chosen: on the first that is not the scene scored."""
+
+_HARD = "paper-release"
+"""Whose spin is turned up: the paper's own bounce is the hardest."""
+
+_COLUMNS = (
+    "target_deg",
+    "engine",
+    "verdict",
+    "settings",
+    "tied_with",
+    "timestep_s",
+    "error_deg",
+    "cost_s_s",
+    "relative_cost",
+    "relative_to_engines",
+)
+
+
+def cost(  # noqa: PLR0917 - a parameter an option
+    scene: Annotated[
+        str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
+    ],
+    suite: Annotated[
+        str, typer.Option(help="quick: two minutes; full: three decades, every hardness.")
+    ] = "quick",
+    target: Annotated[
+        float | None,
+        typer.Option(help="Degrees: print what buys this accuracy, ready to paste."),
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option(help="Folder of the reports, one a scene, and of what was measured."),
+    ] = Path("reports/cost"),
+    engine: Annotated[
+        list[str] | None, typer.Option(help="An engine to price; repeat it. All if left out.")
+    ] = None,
+    tune: Annotated[
+        str | None, typer.Option(help="Scene on which settings are chosen; another one.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes of the error runs; one a core if left out.")
+    ] = None,
+    json: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
+    ] = False,
+) -> None:
+    """Say what accuracy costs: work-precision of every setting, a price list, settings to paste.
+
+    Interrupted, it goes on where it was when started again with the same folder.
+
+    For example: rockingcan cost gentle-rock --target 0.1
+    """
+    if suite not in SUITES:
+        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    if target is not None and not (math.isfinite(target) and target > 0.0):
+        raise InvalidSettingError("--target", target, "a positive number of degrees")
+    chosen = load(scene)
+    other = load(tune or next(name for name in _TUNING if name != chosen.name))
+    engines = ("reference", *(n for n in face.stepping_engines(engine) if n != "reference"))
+    made = plan(chosen, other, engines, suite, load(_HARD))
+    page_folder = out / made.scene.name
+    check_writable(page_folder)
+    found = measure(made, out, jobs or len(os.sched_getaffinity(0)))
+    page = _report(found, page_folder)
+    if json:
+        typer.echo(spell(_answer(found, target)))
+        return
+    _print(found, target)
+    printing.out().print(f"\nThe report: {page}")
+
+
+def measure(made: Plan, out: Path, jobs: int) -> Cost:
+    """Run what has not been run, keep it, and put it together.
+
+    Parameters
+    ----------
+    made : Plan
+    out : Path
+        Holds what was measured in `.cost`, and the scenes of the ladder of hardness in `scenes`.
+    jobs : int
+        Processes of the error runs; timing runs have one, and nothing beside them.
+    """
+    cases = error_cases(made)
+    for case in cases:
+        check(case)
+    for hard in made.hardness:
+        (out / "scenes").mkdir(parents=True, exist_ok=True)
+        write_text(write_scene(hard.scene), out / "scenes" / f"{hard.scene.name}.toml")
+    kept = out / ".cost"
+    machine = hashlib.sha256(provenance().processor.encode()).hexdigest()[:8]
+    with _progress("errors") as told, local(jobs) as executor:
+        errors = complete(
+            cases,
+            measured,
+            Store(folder=kept / "errors"),
+            executor,
+            expected=expected,
+            workers=jobs,
+            on_done=told,
+        )
+    with _progress("timing alone") as told, one_thread() as executor:
+        times = complete(
+            timing_cases(made),
+            time_alone,
+            Store(folder=kept / f"times-{machine}"),
+            executor,
+            expected=expected,
+            on_done=told,
+        )
+        overheads = {
+            name: executor.submit(overhead, aloft(made.scene, name)).result()
+            for name in made.engines
+            if hasattr(engine_of(name), "open")
+        }
+    return put_together(made, errors, times, overheads)
+
+
+@contextmanager
+def _progress(words: str) -> Iterator[Callable[[Told], None]]:
+    """Give what shows how far a campaign is, with the time that is left by its own account."""
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
+        console=Console(stderr=True),
+        transient=True,
+    ) as bar:
+        task = bar.add_task(words, total=None, left="")
+
+        def show(progress: Told) -> None:
+            bar.update(
+                task,
+                total=progress.total,
+                completed=progress.done,
+                left=f"about {_duration(progress.remaining_s)} left",
+                description=f"{words}: {progress.case.label()[:60]}",
+            )
+
+        yield show
+
+
+def _duration(seconds: float) -> str:
+    """Return a time as one says it."""
+    minute, hour = 60.0, 3600.0
+    if seconds < minute:
+        return f"{seconds:.0f} s"
+    return f"{seconds / minute:.0f} min" if seconds < hour else f"{seconds / hour:.1f} h"
+
+
+def _report(found: Cost, folder: Path) -> Path:
+    """Write the report of a study and return its page."""
+    return write_report(
+        read(found),
+        folder,
+        title=f"rockingcan, what accuracy costs: {found.plan.scene.name}",
+        cases=[
+            {
+                "digest": point.case.digest(point.version),
+                "label": point.case.label(),
+                "command": point.case.command(),
+                "engine": point.case.engine,
+                "engine_version": point.version,
+                "outcome": point.outcome.value,
+            }
+            for point in found.points
+        ],
+        provenance=provenance(),
+    )
+
+
+def _print(found: Cost, target: float | None) -> None:
+    """Print the price list; for a target, what to paste as well."""
+    console = printing.out()
+    for choice in CHOICES:
+        rows = [
+            row
+            for one in ((target,) if target else TARGETS)
+            for row in price_rows(found, choice, one)
+        ]
+        title = f"{found.plan.scene.name}: {choice}"
+        if choice == TUNED:
+            title += f" (on {found.plan.tuning_scene.name})"
+        lines = [[row.get(name) for name in _COLUMNS] for row in rows]
+        console.print(printing.table(title, _COLUMNS, lines))
+    for artefact in read(found):
+        if artefact.name.endswith("-overhead"):
+            console.print(printing.data(artefact, ("engine", "loop", "step_us")))  # type: ignore[arg-type]
+    if target is None:
+        console.print("The rules: the fairness contract in the report. To paste: --target DEGREES.")
+        return
+    for title, case in _to_paste(found, target).items():
+        console.print(f"\n[bold]{title}[/]\n{escape(case.command())}\n")
+        console.print(escape(paste(case)))
+
+
+def _to_paste(found: Cost, target: float) -> dict[str, Case]:
+    """Return the cheapest tuned case of each engine, and the cheapest at a fixed timestep."""
+    chosen: dict[str, Case] = {}
+    for name in found.plan.engines:
+        price = found.price(name, TUNED, target)
+        if not price.winners:
+            best = "nothing ran" if price.best is None else f"{price.best.error:.2g} degrees"
+            printing.out().print(f"{name}, tuned: not reached; best is {best}")
+        else:
+            chosen[f"{name}, tuned"] = price.winners[0].point.case
+        offer = fixed(found, name, target)
+        if offer is not None and offer.point.timestep is not None:
+            chosen[f"{name}, cheapest at a fixed timestep"] = offer.point.case
+    return chosen
+
+
+def _answer(found: Cost, target: float | None) -> dict[str, Any]:
+    """Return the price list as `--json` says it."""
+    targets = (target,) if target else TARGETS
+    return {
+        "scene": found.plan.scene.name,
+        "tuned_on": found.plan.tuning_scene.name,
+        "tuned": dict(found.tuned),
+        "prices": [
+            row | {"paste": _pasted(found, row)}
+            for choice in (SHIPPED, *CHOICES[1:])
+            for one in targets
+            for row in price_rows(found, choice, one)
+        ],
+    }
+
+
+def _pasted(found: Cost, row: dict[str, Any]) -> str | None:
+    """Return the settings of a row of the price list in the engine's own language."""
+    price = found.price(row["engine"], row["choice"], row["target_deg"])
+    return paste(price.winners[0].point.case) if price.winners else None

@@ -1,0 +1,216 @@
+"""Which cases the study of cost is made of.
+
+*Scored*: every variant of every engine over its ladder, on the scene: error and time. *Tuning*: the
+same on another scene, errors and the time of that one run, from which each engine's settings are
+chosen. *Gaps*: at the finest timestep of the engine as it ships, each gap closed alone and each
+left open, to say what a plateau is made of. *Hardness*: matched at fixed and adaptive steps, on the
+same can with its spin turned down. Nothing here runs.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from harness.case import Case
+from harness.engines.base import TIMESTEP
+from harness.engines.horizon import natural_time
+from harness.engines.reference import truth
+from harness.engines.registry import engine
+from harness.engines.schedule import ETA
+from harness.engines.variants import COMMON, Variant, variants
+from harness.errors import InvalidSettingError
+from harness.studies.attribution import Path, path
+from harness.studies.attribution.path import case as closed_case
+from harness.studies.cost.hardness import DECADES, epsilon, hardened
+from harness.studies.cost.ladders import Family, family, timesteps
+from models.scene import Scene
+
+SUITES = ("quick", "full")
+
+_HARD_STEPS = {"quick": (2.0, 0.6, 0.2), "full": (2.0, 0.6, 0.2, 0.06, 0.02)}
+"""rad of precession in a step at its fastest: one degree lies within."""
+
+_HARD_SHARES = {"quick": (32.0, 8.0, 2.0), "full": (64.0, 32.0, 16.0, 8.0, 4.0, 2.0)}
+
+_SETUP_STEPS = 3000
+"""Compiling, parity and settling take as long as so many steps."""
+
+_LONGEST = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hardness:
+    """One scene of the ladder of hardness, with a family of fixed and of adaptive steps an engine.
+
+    Parameters
+    ----------
+    scene : Scene
+    epsilon : float
+    families : tuple of Family
+    """
+
+    scene: Scene
+    epsilon: float
+    families: tuple[Family, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What is to be run.
+
+    Parameters
+    ----------
+    scene, tuning_scene : Scene
+    suite : str
+    scored, tuning : tuple of Family
+    ways : tuple of Path
+        Of each engine that declares gaps, at its finest timestep.
+    hardness : tuple of Hardness
+    """
+
+    scene: Scene
+    tuning_scene: Scene
+    suite: str
+    scored: tuple[Family, ...]
+    tuning: tuple[Family, ...]
+    ways: tuple[Path, ...]
+    hardness: tuple[Hardness, ...]
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        """The engines, in order."""
+        return tuple(dict.fromkeys(family.engine for family in self.scored))
+
+    @property
+    def target(self) -> str:
+        """The error that targets are about."""
+        return target_of(self.scene)
+
+
+def target_of(scene: Scene) -> str:
+    """Return the error that targets are about: of the turn, or without a bounce of orientation."""
+    return "turn_deg" if truth(scene).bounces else "rotation_rms_deg"
+
+
+def plan(
+    scene: Scene,
+    tuning_scene: Scene,
+    engines: Sequence[str],
+    suite: str = "quick",
+    hard_scene: Scene | None = None,
+) -> Plan:
+    """Return what to run for a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    tuning_scene : Scene
+        Where settings are chosen; another one.
+    engines : sequence of str
+    suite : str
+        One of `SUITES`.
+    hard_scene : Scene, optional
+        Whose spin is turned down to make the bounce harder; no such ladder if left out.
+
+    Raises
+    ------
+    HarnessError
+        If there is no such engine or suite, or a scene has no exact motion.
+    """
+    if suite not in SUITES:
+        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    for one in (scene, tuning_scene):
+        if one.effects.declared() or one.gravity == 0.0:
+            allowed = "a scene under gravity with no effects: another has no exact motion"
+            raise InvalidSettingError("SCENE", one.name, allowed)
+    if tuning_scene.release == scene.release and tuning_scene.can == scene.can:
+        raise InvalidSettingError("--tune", tuning_scene.name, "another scene than the one scored")
+    stepping = [name for name in engines if variants(name) and _steps(name)]
+    finest = timesteps(scene, suite)[-1]
+    return Plan(
+        scene=scene,
+        tuning_scene=tuning_scene,
+        suite=suite,
+        scored=tuple(family(scene, n, v, suite) for n in engines for v in variants(n)),
+        tuning=tuple(family(tuning_scene, n, v, "tuning") for n in stepping for v in variants(n)),
+        ways=tuple(path(scene, n, finest) for n in stepping if getattr(engine(n), "gaps", ())),
+        hardness=() if hard_scene is None else tuple(_hardness(hard_scene, stepping, suite)),
+    )
+
+
+def _steps(name: str) -> bool:
+    return any(variant.along == "timestep" for variant in variants(name))
+
+
+def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hardness]:
+    """Yield the scenes of the ladder of hardness that exist for this can."""
+    for decade in DECADES[suite]:
+        made = hardened(scene, 10.0**decade)
+        if made is None:
+            continue
+        found = epsilon(made)
+        if found is None:
+            continue
+        rate = abs(truth(made).bounces[0].peak_psi_dot)
+        steps = [min(_LONGEST, turn / rate) for turn in _HARD_STEPS[suite]]
+        families = []
+        for name in engines:
+            fixed = tuple(
+                Case(scene=made, engine=name, timestep=float(f"{step:.2g}"))
+                for step in dict.fromkeys(steps)
+            )
+            families.append(Family(variant=Variant(name="fixed step"), cases=fixed))
+            families.append(_adaptive(made, name, suite))
+        yield Hardness(scene=made, epsilon=found, families=tuple(families))
+
+
+def _adaptive(scene: Scene, name: str, suite: str) -> Family:
+    """Return a short adaptive ladder."""
+    whole = family(scene, name, COMMON[2], "full")
+    kept = [
+        case
+        for case in whole.cases
+        if any(
+            math.isclose(float(dict(case.options)["eta"]), ETA * share)  # type: ignore[arg-type]
+            for share in _HARD_SHARES[suite]
+        )
+    ]
+    return Family(variant=COMMON[2], cases=tuple(kept))
+
+
+def gap_cases(way: Path) -> dict[tuple[str, str], Case]:
+    """Return the cases that say what a plateau is made of, by ("alone" or "left open", gap).
+
+    All at the timestep of the path; ("", "") is the engine as it ships at that timestep.
+    """
+    timestep = {gap.name for gap in way.gaps if TIMESTEP in gap.settings}
+    others = [name for name in way.names if name not in timestep]
+    found = {("", ""): closed_case(way, frozenset(timestep))}
+    for name in others:
+        found["alone", name] = closed_case(way, frozenset(timestep | {name}))
+        found["left open", name] = closed_case(way, frozenset(way.names) - {name})
+    return found
+
+
+def timed(plan: Plan) -> tuple[Case, ...]:
+    """Return the cases to time alone: scored, and those of hardness."""
+    families = [*plan.scored, *(f for hard in plan.hardness for f in hard.families)]
+    return tuple(dict.fromkeys(case for family in families for case in family.cases))
+
+
+def run(plan: Plan) -> tuple[Case, ...]:
+    """Return the cases to run for their errors: all of them."""
+    cases = [*timed(plan), *(case for family in plan.tuning for case in family.cases)]
+    cases += [case for way in plan.ways for case in gap_cases(way).values()]
+    return tuple(dict.fromkeys(cases))
+
+
+def expected(case: Case) -> float:
+    """Return how much work a case is, in steps; some number alike for a solver of its own steps."""
+    timestep = engine(case.engine).timestep(case)
+    if timestep is None:
+        return _SETUP_STEPS
+    exact = truth(case.scene).ends
+    if case.profile == "adaptive":
+        return _SETUP_STEPS + 2.0 * (exact + natural_time(case.scene)) / timestep
+    return _SETUP_STEPS + exact / timestep

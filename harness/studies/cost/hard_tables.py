@@ -1,0 +1,100 @@
+"""What one degree costs as the bounce gets harder, and how that grows."""
+
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
+
+from harness.artefact import Table
+from harness.studies.cost.hardness import Exponent, exponent
+from harness.studies.cost.points import Point
+from harness.studies.cost.prices import cost_of, offers
+from harness.studies.cost.results import Cost
+
+ONE_DEGREE = 1.0
+
+_ROWS: Mapping[str, str] = {
+    "engine": "Name of the engine.",
+    "steps": "Fixed, or following the motion.",
+    "epsilon": "B_{-2}^2 (a_p + 1) of the exact motion: 1.4e-10 at the paper's release.",
+    "cost_s_s": "Processor seconds per simulated second for one degree of turn, between rungs.",
+    "at_most": "Whether the coarsest step does it already, so that it costs no more than this.",
+    "command": "Runs the finer of the two cases again, in the folder given as --out.",
+}
+
+_EXPONENTS: Mapping[str, str] = {
+    "engine": "Name of the engine.",
+    "steps": "Fixed, or following the motion.",
+    "exponent": "Of the cost of one degree against epsilon: -1/2 doubles it for a quarter.",
+    "confidence": "Half-width of its 95 % interval; empty for two points.",
+    "points": "Hardnesses that it comes from; those whose cost is only bounded are left out.",
+}
+
+
+def hard_rows(cost: Cost) -> list[dict[str, object]]:
+    """Return what a degree costs at each hardness."""
+    rows = []
+    for hard, ladders in cost.hardness:
+        for family, ladder in ladders:
+            found = cost_of(offers(ladder, "turn_deg", steps=True), ONE_DEGREE)
+            rows.append(
+                {
+                    "engine": family.engine,
+                    "steps": family.name,
+                    "epsilon": hard.epsilon,
+                    "cost_s_s": None if found is None else found[0],
+                    "at_most": None if found is None else found[1],
+                    "command": _command(ladder, reached=found is not None),
+                }
+            )
+    return rows
+
+
+def _command(ladder: Sequence[Point], *, reached: bool) -> str:
+    """Return the command of the coarsest rung within a degree, of the finest if there is none."""
+    sold = offers(ladder, "turn_deg", steps=True)
+    within = [offer.point.case for offer in sold if offer.error <= ONE_DEGREE]
+    case = within[0] if reached else ladder[-1].case
+    return case.command().replace(case.scene.name, f"scenes/{case.scene.name}.toml", 1)
+
+
+def exponents(cost: Cost) -> dict[tuple[str, str], Exponent]:
+    """Return the exponent of the cost of a degree, by engine and kind of step."""
+    ladders: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for row in hard_rows(cost):
+        if row["cost_s_s"] is not None and not row["at_most"]:
+            key = str(row["engine"]), str(row["steps"])
+            ladders.setdefault(key, []).append((float(row["epsilon"]), float(row["cost_s_s"])))  # type: ignore[arg-type]
+    found = {key: exponent(*zip(*pairs, strict=True)) for key, pairs in ladders.items()}
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def hardness(cost: Cost) -> Table:
+    """Return the table of costs against hardness."""
+    return Table(
+        name=f"{cost.plan.scene.name}-hardness",
+        title="What one degree costs as the bounce gets harder",
+        frame=pd.DataFrame(hard_rows(cost), columns=list(_ROWS)),
+        columns=_ROWS,
+        scene=cost.plan.scene.name,
+    )
+
+
+def growth(cost: Cost) -> Table:
+    """Return the table of exponents."""
+    rows = [
+        {
+            "engine": engine,
+            "steps": steps,
+            "exponent": found.exponent,
+            "confidence": None if found.points < 3 else found.confidence,  # noqa: PLR2004
+            "points": found.points,
+        }
+        for (engine, steps), found in exponents(cost).items()
+    ]
+    return Table(
+        name=f"{cost.plan.scene.name}-exponents",
+        title="How the cost of a degree grows",
+        frame=pd.DataFrame(rows, columns=list(_EXPONENTS)),
+        columns=_EXPONENTS,
+        scene=cost.plan.scene.name,
+    )

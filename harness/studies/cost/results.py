@@ -1,0 +1,134 @@
+"""Everything that was measured for a plan, put together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from harness.case import Case
+from harness.studies.cost.design import Hardness, Plan, target_of
+from harness.studies.cost.ladders import Family
+from harness.studies.cost.points import Point, Record, point
+from harness.studies.cost.prices import Offer, Price, offers, price
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cost:
+    """A plan with its points.
+
+    Parameters
+    ----------
+    plan : Plan
+    ladders : tuple of (Family, tuple of Point)
+        Scored, in the order of the plan.
+    tuned : mapping of str to str
+        Of each engine the family that was chosen on the other scene; empty where none was.
+    hardness : tuple of (Hardness, tuple of (Family, tuple of Point))
+    gaps : mapping of Case to Record
+        The error runs that say what a plateau is made of.
+    overheads : mapping of str to Record
+        By engine.
+    """
+
+    plan: Plan
+    ladders: tuple[tuple[Family, tuple[Point, ...]], ...]
+    tuned: Mapping[str, str]
+    hardness: tuple[tuple[Hardness, tuple[tuple[Family, tuple[Point, ...]], ...]], ...]
+    gaps: Mapping[Case, Record]
+    overheads: Mapping[str, Record]
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Every point of the scene."""
+        return tuple(point for _, ladder in self.ladders for point in ladder)
+
+    def sold(self, engine: str, choice: str) -> tuple[Offer, ...]:
+        """Return what an engine offers: under one of `CHOICES`."""
+        return tuple(
+            offer
+            for family, ladder in self.ladders
+            if family.engine == engine and self._chosen(family, choice)
+            for offer in offers(ladder, self.plan.target, steps=family.steps)
+        )
+
+    def _chosen(self, family: Family, choice: str) -> bool:
+        if choice == SHIPPED:
+            return family.variant.profile == "default" and not family.variant.settings
+        if choice == TUNED:
+            return not family.steps or family.name == self.tuned.get(family.engine)
+        return True
+
+    def price(self, engine: str, choice: str, target: float) -> Price:
+        """Return what an engine costs at a target."""
+        return price(self.sold(engine, choice), target)
+
+
+SHIPPED, TUNED, HERE = "settings as shipped", "tuned elsewhere", "best of all here"
+"""Where settings come from: the engine as it ships at any timestep; chosen on another scene; chosen
+on this very scene, which flatters."""
+
+CHOICES = (SHIPPED, TUNED, HERE)
+
+_TIE = 1.25
+"""Costs of single runs beside others that count as equal; the first declared is then taken."""
+
+
+def cost(
+    plan: Plan,
+    errors: Mapping[Case, Record],
+    times: Mapping[Case, Record],
+    overheads: Mapping[str, Record],
+) -> Cost:
+    """Return the points of a plan from what its runs left.
+
+    Parameters
+    ----------
+    plan : Plan
+    errors : mapping
+        Of every case of `design.run`.
+    times : mapping
+        Of every case of `design.timed`.
+    overheads : mapping of str to Record
+    """
+
+    def ladder(family: Family) -> tuple[Point, ...]:
+        return tuple(point(c, family, errors[c], times.get(c)) for c in family.cases)
+
+    target = target_of(plan.tuning_scene)
+    return Cost(
+        plan=plan,
+        ladders=tuple((family, ladder(family)) for family in plan.scored),
+        tuned={
+            name: chosen
+            for name in plan.engines
+            if (chosen := _tuned([(f, ladder(f)) for f in plan.tuning if f.engine == name], target))
+        },
+        hardness=tuple(
+            (hard, tuple((family, ladder(family)) for family in hard.families))
+            for hard in plan.hardness
+        ),
+        gaps=errors,
+        overheads=overheads,
+    )
+
+
+_TUNED_TO = 0.1
+"""deg: the middle one of the targets."""
+
+
+def _tuned(ladders: list[tuple[Family, tuple[Point, ...]]], target: str) -> str:
+    """Return the family that reaches a tenth of a degree most cheaply on the scene of the ladders.
+
+    Where none does, the one that comes nearest.
+    """
+    best: list[tuple[float, str]] = []
+    nearest: list[tuple[float, str]] = []
+    for family, ladder in ladders:
+        sold = offers(ladder, target, steps=family.steps)
+        found = price(sold, _TUNED_TO)
+        if found.winners:
+            best.append((found.winners[0].point.cost, family.name))
+        if found.best is not None:
+            nearest.append((found.best.error, family.name))
+    if best:
+        least = min(cost for cost, _ in best)
+        return next(name for cost, name in best if cost <= _TIE * least)
+    return min(nearest)[1] if nearest else ""

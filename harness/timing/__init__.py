@@ -1,0 +1,1 @@
+"""Timing cases alone, keeping what was measured, and resuming."""

@@ -1,0 +1,125 @@
+"""The time that a case takes alone: serially, after a warm-up, several times over.
+
+Processor time is what counts, since a clock also sees the other programs of the machine; both are
+kept, and where they differ the machine was not alone. A lock on the machine keeps two programs that
+time from running at once, and a worker started for timing alone has one thread for linear algebra.
+"""
+
+import fcntl
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from harness.case import Case
+from harness.engines.horizon import natural_time
+from harness.engines.reference import solved
+from harness.engines.registry import engine
+from harness.executors import local
+from harness.timing.store import Record
+from models.scene import Horizon
+
+FEWEST = 3
+"""Repeats of any case: a minimum and a median that differ."""
+
+_MOST = 9
+"""Repeats of a short one."""
+
+_PATIENCE = 0.12
+"""s by the clock, set-up included, after which the fewest repeats are enough."""
+
+_WARM_STEPS, _WARM_SHARE = 200, 0.02
+"""Timesteps of the warm-up, at most so many natural times: each branch of a step has been taken."""
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+LOCK = Path(tempfile.gettempdir()) / f"rockingcan-timing-{os.getuid()}.lock"
+"""One for the machine and user, not one a folder: what is shared is the processor."""
+
+
+def time_alone(case: Case) -> Record:
+    """Return the times of repeated runs of a case, s.
+
+    Parameters
+    ----------
+    case : Case
+        One that does not raise.
+
+    Returns
+    -------
+    dict
+        `cpu_s`, `wall_s`: a list each, of stepping only; `setup_s`: the shortest of compiling,
+        parity and settling; None where the engine did not start.
+    """
+    once = _work(case)
+    with alone():
+        _warm_up(case)
+        cpu: list[float] = []
+        wall: list[float] = []
+        setup: list[float] = []
+        started = time.perf_counter()
+        while len(cpu) < FEWEST or (time.perf_counter() - started < _PATIENCE and len(cpu) < _MOST):
+            taken = once()
+            cpu.append(taken[0])
+            wall.append(taken[1])
+            setup.append(taken[2])
+    return {"cpu_s": cpu, "wall_s": wall, "setup_s": min(setup)}
+
+
+def _work(case: Case) -> Callable[[], tuple[float, float, float]]:
+    """Return what runs the case once: processor time, clock time and setup, s."""
+    if case.engine == "reference":
+
+        def solve() -> tuple[float, float, float]:
+            # the motion, known at every instant; sampling it for a comparison is no part of it
+            wall, cpu = time.perf_counter(), time.process_time()
+            solved(case)
+            return time.process_time() - cpu, time.perf_counter() - wall, 0.0
+
+        return solve
+    chosen = engine(case.engine)
+
+    def simulate() -> tuple[float, float, float]:
+        found = chosen.simulate(case)
+        return found.cpu_s, found.wall_s, found.setup_s
+
+    return simulate
+
+
+def _warm_up(case: Case) -> None:
+    """Run the beginning of a case: the code is loaded, the caches know it."""
+    timestep = engine(case.engine).timestep(case)
+    longest = _WARM_SHARE * natural_time(case.scene)
+    seconds = longest if timestep is None else min(longest, _WARM_STEPS * timestep)
+    seconds = max(seconds, timestep or 0.0)
+    _work(replace(case, scene=replace(case.scene, horizon=Horizon(seconds=seconds))))()
+
+
+@contextmanager
+def alone() -> Iterator[None]:
+    """Wait until nothing else on this machine times, and hold it while this does."""
+    with LOCK.open("a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def one_thread() -> Iterator[Executor]:
+    """Give an executor of one process that has one thread for linear algebra."""
+    kept = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        # two jobs would be two processes; a spawned one reads the environment when it starts
+        with local(1, spawned=True) as executor:
+            executor.submit(os.getpid).result()
+            yield executor
+    finally:
+        for name, value in kept.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
