@@ -41,6 +41,9 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         honours=frozenset({"slip"}),
         imposes={
             "compliance": "contact is soft: it yields by solref and solimp, and so does friction",
+            "rebound": "a stiff contact gives a part of an impact back, as its damping leaves it",
+            "several contacts": "near the flat state three points of the rim bear the load",
+            "gyroscopic term": "Euler takes it explicitly, and a free spin gains energy",
         },
     )
     imposed_by_default = frozenset[str]()

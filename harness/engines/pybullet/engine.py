@@ -43,6 +43,8 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         honours=frozenset({"slip"}),
         imposes={
             "stabilisation": "penetration is taken away by ERP, which adds energy",
+            "gyroscopic term": "taken explicitly, and a free spin gains energy",
+            "turn in a step": "past pi/4 the body turns by less than its spin asks for",
             "cached contacts": "old points of the rim stay in the solver until they drift away",
         },
     )
