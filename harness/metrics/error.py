@@ -87,7 +87,7 @@ def errors(
         phi_rms_before=_rms(phi[before], weight[before]),
         phi_rms_after=_rms(phi[~before], weight[~before]),
         rotation_rms=_rms(
-            _rotation_between(found.trajectory.quaternion, true.trajectory.quaternion), weight
+            rotation_between(found.trajectory.quaternion, true.trajectory.quaternion), weight
         ),
         psi_rms=_rms(found.angles.psi - true.angles.psi, weight),
         theta_rms=_rms(found.angles.theta - true.angles.theta, weight),
@@ -114,7 +114,7 @@ def _rms(values: Floats, weight: Floats) -> float:
     return math.sqrt(float(np.sum(weight * values**2)) / total) if total > 0.0 else math.nan
 
 
-def _rotation_between(first: Floats, second: Floats) -> Floats:
+def rotation_between(first: Floats, second: Floats) -> Floats:
     """Return the angle between orientations, shape (n,), rad, in [0, pi]."""
     w1, v1 = first[:, 0], first[:, 1:]
     w2, v2 = second[:, 0], second[:, 1:]
