@@ -6,11 +6,9 @@ at any instant, so that an engine is compared on its own time grid.
 """
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
-from types import MappingProxyType
 
 import numpy as np
 
@@ -52,10 +50,8 @@ SETTINGS = (
 
 _TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
 
-WITHOUT_LOCUS: Mapping[str, frozenset[str]] = MappingProxyType(
-    dict.fromkeys(("reduced", "asymptotic"), frozenset())
-)
-"""Models that know the angles alone, each with what it can be asked for beside them."""
+WITHOUT_LOCUS = frozenset({"reduced", "asymptotic", "pendulum"})
+"""Models that know the angles alone."""
 
 VARIANTS = (
     Variant(name="exact bounce", settings=(("model", "exact"),), along=""),
@@ -192,7 +188,7 @@ class ReferenceEngine:
         outcome, note = _ending(found.solution)
         trajectory = None
         if chosen["model"] in WITHOUT_LOCUS:
-            note = "The model knows no contact locus, so there is no motion to show."
+            note = f"{note} The model knows no contact locus: no motion to show.".lstrip()
         else:
             trajectory = sampled(found)
         return Simulation(
@@ -251,7 +247,7 @@ def solved(case: Case, seconds: float | None = None) -> Truth:
             problem,
             model=str(chosen["model"]),
             rtol=float(chosen["rtol"]),  # type: ignore[arg-type]
-            outputs=WITHOUT_LOCUS.get(str(chosen["model"]), frozenset({"contact_locus"})),
+            outputs=frozenset(() if chosen["model"] in WITHOUT_LOCUS else ("contact_locus",)),
             **choices,  # type: ignore[arg-type]
         )
     except SolverError as error:
