@@ -13,7 +13,7 @@ import numpy as np
 from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.base import resolve
-from harness.engines.reference import Truth, sampled, truth
+from harness.engines.reference import Truth, refusal, sampled, truth
 from harness.engines.registry import check_effects, engine
 from harness.engines.soundness import fault
 from harness.errors import HarnessError, TrajectoryError
@@ -127,7 +127,7 @@ def measure(simulation: Simulation) -> Evaluation:
     found_bounces = bounces(found, scene.can)
     drift = energy_drift(trajectory, scene) if scene.gravity > 0.0 else None
     quality = contact_quality(found)
-    if scene.effects.declared() or scene.gravity == 0.0:
+    if scene.effects.declared() or refusal(scene):
         return Evaluation(
             simulation=simulation,
             motion=found,
