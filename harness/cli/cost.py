@@ -25,13 +25,12 @@ from harness.executors import local
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
 from harness.runner import check
-from harness.studies.cost import CHOICES, SHIPPED, SUITES, TUNED, Cost, Plan, expected, plan, read
+from harness.studies.cost import CHOICES, FIXED, FOLLOWING, SUITES, Cost, Plan, expected, plan, read
 from harness.studies.cost import cost as put_together
 from harness.studies.cost import run as error_cases
 from harness.studies.cost import timed as timing_cases
 from harness.studies.cost.prices import TARGETS
 from harness.studies.cost.tables import price_rows
-from harness.studies.cost.words import fixed
 from harness.timing.alone import one_thread, time_alone
 from harness.timing.campaign import Progress as Told
 from harness.timing.campaign import complete
@@ -226,7 +225,7 @@ def _print(found: Cost, target: float | None) -> None:
             for row in price_rows(found, choice, one)
         ]
         title = f"{found.plan.scene.name}: {choice}"
-        if choice == TUNED:
+        if choice in {FIXED, FOLLOWING}:
             title += f" (on {found.plan.tuning_scene.name})"
         lines = [[row.get(name) for name in _COLUMNS] for row in rows]
         console.print(printing.table(title, _COLUMNS, lines))
@@ -242,18 +241,19 @@ def _print(found: Cost, target: float | None) -> None:
 
 
 def _to_paste(found: Cost, target: float) -> dict[str, Case]:
-    """Return the cheapest tuned case of each engine, and the cheapest at a fixed timestep."""
+    """Return the cheapest tuned case of each engine, at a fixed step and at steps of its own."""
     chosen: dict[str, Case] = {}
     for name in found.plan.engines:
-        price = found.price(name, TUNED, target)
-        if not price.winners:
-            best = "nothing ran" if price.best is None else f"{price.best.error:.2g} degrees"
-            printing.out().print(f"{name}, tuned: not reached; best is {best}")
-        else:
-            chosen[f"{name}, tuned"] = price.winners[0].point.case
-        offer = fixed(found, name, target)
-        if offer is not None and offer.point.timestep is not None:
-            chosen[f"{name}, cheapest at a fixed timestep"] = offer.point.case
+        for choice in (FIXED, FOLLOWING):
+            price = found.price(name, choice, target)
+            if price.winners:
+                case = price.winners[0].point.case
+                chosen.setdefault(
+                    name if price.winners[0].point.timestep is None else f"{name}, {choice}", case
+                )
+            elif price.best is not None:
+                best = f"{price.best.error:.2g} degrees"
+                printing.out().print(f"{name}, {choice}: not reached; best is {best}")
     return chosen
 
 
@@ -263,10 +263,10 @@ def _answer(found: Cost, target: float | None) -> dict[str, Any]:
     return {
         "scene": found.plan.scene.name,
         "tuned_on": found.plan.tuning_scene.name,
-        "tuned": dict(found.tuned),
+        "tuned": {f"{name}, {choice}": family for (name, choice), family in found.tuned.items()},
         "prices": [
             row | {"paste": _pasted(found, row)}
-            for choice in (SHIPPED, *CHOICES[1:])
+            for choice in CHOICES
             for one in targets
             for row in price_rows(found, choice, one)
         ],

@@ -6,7 +6,7 @@ the iterations of its solver.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from harness.case import Case, Value
 from harness.engines.base import Engine, World
@@ -32,6 +32,8 @@ class Variant:
         Of that setting, from coarse to fine; a timestep's are chosen by whoever runs it.
     imposes : str
         What the settings make of the can that the scene does not declare; empty if nothing.
+    thorough : bool
+        Whether a quick look may do without it, since another variant says nearly the same.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Variant:
     along: str = "timestep"
     values: tuple[Value, ...] = ()
     imposes: str = ""
+    thorough: bool = False
 
 
 COMMON = (
@@ -77,8 +80,3 @@ def counted_step(name: str) -> Callable[[World], int] | None:
     """Return what steps a world of an engine and counts its solver's iterations, if it can."""
     own: Callable[[World], int] | None = getattr(engine(name), "counted_step", None)
     return own
-
-
-def with_settings(variant: Variant, *further: tuple[str, Value]) -> Options:
-    """Return the settings of a variant and some more."""
-    return replace(variant, settings=variant.settings + further).settings

@@ -60,7 +60,7 @@ def complete(
     wanted = {case: case.digest(engine(case.engine).version) for case in dict.fromkeys(cases)}
     found = {case: record for case, key in wanted.items() if (record := store.get(key)) is not None}
     left = {case: expected(case) for case in wanted if case not in found}
-    spent = _Spent(left, workers)
+    spent = Spent(left, workers)
     # the longest first, so that no worker is left with it at the end
     pending = {
         executor.submit(_timed, work, case): case
@@ -94,7 +94,7 @@ def _timed(work: Work, case: Case) -> tuple[Record, float]:
     return work(case), time.perf_counter() - started
 
 
-class _Spent:
+class Spent:
     """What cases took, and so what the others will take.
 
     A case takes a constant, such as compiling, and a part that goes with its work; both are fitted

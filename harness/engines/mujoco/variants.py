@@ -19,7 +19,9 @@ VARIANTS = (
     *COMMON,
     Variant(name="adaptive RK4", profile="adaptive", settings=(("integrator", "RK4"),)),
     *(
-        Variant(name=f"integrator {word}", settings=(("integrator", word),))
+        Variant(
+            name=f"integrator {word}", settings=(("integrator", word),), thorough=word == "implicit"
+        )
         for word in ("RK4", "implicit", "implicitfast", "discrete")
     ),
     Variant(
@@ -32,6 +34,7 @@ VARIANTS = (
             name=f"impratio {number:g}",
             settings=(("impratio", number),),
             imposes="friction that yields, so that the rim creeps",
+            thorough=number > 1.0,
         )
         for number in (1.0, 10.0)
     ),
@@ -44,8 +47,8 @@ VARIANTS = (
         for seconds in (0.02, 0.002)
     ),
     Variant(name="1 solver iteration", settings=(("iterations", 1),)),
-    Variant(name="solver CG", settings=(("solver", "CG"),)),
-    Variant(name="solver PGS", settings=(("solver", "PGS"),)),
+    Variant(name="solver CG", settings=(("solver", "CG"),), thorough=True),
+    Variant(name="solver PGS", settings=(("solver", "PGS"),), thorough=True),
     Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
 )
 

@@ -2,14 +2,15 @@
 
 from harness.studies.cost.design import SUITES, Plan, expected, plan, run, timed
 from harness.studies.cost.reading import read
-from harness.studies.cost.results import CHOICES, HERE, SHIPPED, TUNED, Cost, cost
+from harness.studies.cost.results import CHOICES, FIXED, FOLLOWING, HERE, SHIPPED, Cost, cost
 
 __all__ = [
     "CHOICES",
+    "FIXED",
+    "FOLLOWING",
     "HERE",
     "SHIPPED",
     "SUITES",
-    "TUNED",
     "Cost",
     "Plan",
     "cost",

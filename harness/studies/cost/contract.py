@@ -1,10 +1,10 @@
 """The fairness contract: the rules that every price was measured under, published with it."""
 
 from harness.artefact import Prose
-from harness.engines.variants import variants
 from harness.simulation import Outcome
+from harness.studies.cost.design import priced
 from harness.studies.cost.prices import NOISE
-from harness.studies.cost.results import Cost
+from harness.studies.cost.results import FOLLOWING, Cost
 from harness.timing.alone import FEWEST
 
 
@@ -24,8 +24,14 @@ def contract(cost: Cost) -> Prose:
     uncounted = sum(
         p.outcome is Outcome.FINISHED and p.errors.get(plan.target) is None for p in points
     )
-    chosen = "; ".join(f"{engine}: {name}" for engine, name in cost.tuned.items()) or "none"
-    sizes = ", ".join(f"{len(variants(engine))} of {engine}" for engine in plan.engines)
+    chosen = (
+        "; ".join(
+            f"{engine}, {'own steps' if choice == FOLLOWING else 'fixed step'}: {name}"
+            for (engine, choice), name in cost.tuned.items()
+        )
+        or "none"
+    )
+    sizes = ", ".join(f"{len(priced(engine, plan.suite))} of {engine}" for engine in plan.engines)
     lines = (
         (
             f"The scene. Every engine runs {plan.scene.name}: the same can, release and horizon, "

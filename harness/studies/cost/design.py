@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from harness.case import Case
 from harness.engines.base import TIMESTEP
 from harness.engines.horizon import natural_time
-from harness.engines.reference import truth
+from harness.engines.reference import refusal, truth
 from harness.engines.registry import engine
 from harness.engines.schedule import ETA
 from harness.engines.variants import COMMON, Variant, variants
@@ -30,7 +30,7 @@ SUITES = ("quick", "full")
 _HARD_STEPS = {"quick": (2.0, 0.6, 0.2), "full": (2.0, 0.6, 0.2, 0.06, 0.02)}
 """rad of precession in a step at its fastest: one degree lies within."""
 
-_HARD_SHARES = {"quick": (32.0, 8.0, 2.0), "full": (64.0, 32.0, 16.0, 8.0, 4.0, 2.0)}
+_HARD_SHARES = {"quick": (4.0, 2.0, 1.0), "full": (16.0, 8.0, 4.0, 2.0, 1.0)}
 
 _SETUP_STEPS = 3000
 """Compiling, parity and settling take as long as so many steps."""
@@ -120,7 +120,7 @@ def plan(
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
     for one in (scene, tuning_scene):
-        if one.effects.declared() or one.gravity == 0.0:
+        if one.effects.declared() or refusal(one):
             allowed = "a scene under gravity with no effects: another has no exact motion"
             raise InvalidSettingError("SCENE", one.name, allowed)
     if tuning_scene.release == scene.release and tuning_scene.can == scene.can:
@@ -131,11 +131,18 @@ def plan(
         scene=scene,
         tuning_scene=tuning_scene,
         suite=suite,
-        scored=tuple(family(scene, n, v, suite) for n in engines for v in variants(n)),
-        tuning=tuple(family(tuning_scene, n, v, "tuning") for n in stepping for v in variants(n)),
+        scored=tuple(family(scene, n, v, suite) for n in engines for v in priced(n, suite)),
+        tuning=tuple(
+            family(tuning_scene, n, v, "tuning") for n in stepping for v in priced(n, suite)
+        ),
         ways=tuple(path(scene, n, finest) for n in stepping if getattr(engine(n), "gaps", ())),
         hardness=() if hard_scene is None else tuple(_hardness(hard_scene, stepping, suite)),
     )
+
+
+def priced(name: str, suite: str) -> tuple[Variant, ...]:
+    """Return the variants of an engine that a suite runs."""
+    return tuple(v for v in variants(name) if suite == "full" or not v.thorough)
 
 
 def _steps(name: str) -> bool:

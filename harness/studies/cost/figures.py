@@ -79,7 +79,7 @@ def _panel(cost: Cost, quantity: Quantity) -> Panel:
     )
 
 
-_VARIED, _SHIPPED = "other settings", "as shipped"
+_VARIED, _SHIPPED = "variants", "as shipped"
 
 
 def _groups(cost: Cost) -> dict[str, list[tuple[Family, tuple[Point, ...]]]]:
@@ -134,7 +134,7 @@ def hardness_figure(cost: Cost) -> Figure | None:
         title="What one degree costs as the bounce gets harder",
         seen=(
             "From right to left the bounce gets harder, down to the paper's. Exponents of the cost "
-            f"against epsilon: {told or 'none, since no cost was seen from both sides'}."
+            f"against epsilon: {told or 'none'}."
         ),
         panels=(
             Panel(

@@ -17,7 +17,7 @@ _ROWS: Mapping[str, str] = {
     "steps": "Fixed, or following the motion.",
     "epsilon": "B_{-2}^2 (a_p + 1) of the exact motion: 1.4e-10 at the paper's release.",
     "cost_s_s": "Processor seconds per simulated second for one degree of turn, between rungs.",
-    "at_most": "Whether the coarsest step does it already, so that it costs no more than this.",
+    "at_most": "Whether no coarser step has an error to go by, so that it costs this or less.",
     "command": "Runs the finer of the two cases again, in the folder given as --out.",
 }
 
@@ -26,7 +26,7 @@ _EXPONENTS: Mapping[str, str] = {
     "steps": "Fixed, or following the motion.",
     "exponent": "Of the cost of one degree against epsilon: -1/2 doubles it for a quarter.",
     "confidence": "Half-width of its 95 % interval; empty for two points.",
-    "points": "Hardnesses that it comes from; those whose cost is only bounded are left out.",
+    "points": "Hardnesses that it comes from, those whose cost is a bound too.",
 }
 
 
@@ -61,7 +61,7 @@ def exponents(cost: Cost) -> dict[tuple[str, str], Exponent]:
     """Return the exponent of the cost of a degree, by engine and kind of step."""
     ladders: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for row in hard_rows(cost):
-        if row["cost_s_s"] is not None and not row["at_most"]:
+        if row["cost_s_s"] is not None:
             key = str(row["engine"]), str(row["steps"])
             ladders.setdefault(key, []).append((float(row["epsilon"]), float(row["cost_s_s"])))  # type: ignore[arg-type]
     found = {key: exponent(*zip(*pairs, strict=True)) for key, pairs in ladders.items()}

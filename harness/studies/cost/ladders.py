@@ -24,8 +24,8 @@ RUNGS = {
 """Timesteps over the coarsest one: two decades, or three; to choose settings one and a half."""
 
 SHARES = {
-    "tuning": (64.0, 16.0, 4.0, 1.0),
-    "quick": (64.0, 16.0, 4.0, 1.0, 0.5),
+    "tuning": (8.0, 4.0, 2.0, 1.0, 0.5),
+    "quick": (32.0, 8.0, 2.0, 1.0, 0.25),
     "full": (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125),
 }
 """Adaptive: eta and the largest step together, over their own choice; two decades and more."""

@@ -19,8 +19,9 @@ class Cost:
     plan : Plan
     ladders : tuple of (Family, tuple of Point)
         Scored, in the order of the plan.
-    tuned : mapping of str to str
-        Of each engine the family that was chosen on the other scene; empty where none was.
+    tuned : mapping of (str, str) to str
+        Of each engine, at fixed steps and at steps that follow the motion, the family that was
+        chosen on the other scene; nothing where there is none.
     hardness : tuple of (Hardness, tuple of (Family, tuple of Point))
     gaps : mapping of Case to Record
         The error runs that say what a plateau is made of.
@@ -30,7 +31,7 @@ class Cost:
 
     plan: Plan
     ladders: tuple[tuple[Family, tuple[Point, ...]], ...]
-    tuned: Mapping[str, str]
+    tuned: Mapping[tuple[str, str], str]
     hardness: tuple[tuple[Hardness, tuple[tuple[Family, tuple[Point, ...]], ...]], ...]
     gaps: Mapping[Case, Record]
     overheads: Mapping[str, Record]
@@ -52,8 +53,8 @@ class Cost:
     def _chosen(self, family: Family, choice: str) -> bool:
         if choice == SHIPPED:
             return family.variant.profile == "default" and not family.variant.settings
-        if choice == TUNED:
-            return not family.steps or family.name == self.tuned.get(family.engine)
+        if choice in _KINDS:
+            return not family.steps or family.name == self.tuned.get((family.engine, choice))
         return True
 
     def price(self, engine: str, choice: str, target: float) -> Price:
@@ -61,11 +62,17 @@ class Cost:
         return price(self.sold(engine, choice), target)
 
 
-SHIPPED, TUNED, HERE = "settings as shipped", "tuned elsewhere", "best of all here"
-"""Where settings come from: the engine as it ships at any timestep; chosen on another scene; chosen
-on this very scene, which flatters."""
+SHIPPED = "settings as shipped"
+FIXED = "tuned elsewhere, fixed step"
+FOLLOWING = "tuned elsewhere, steps follow the motion"
+HERE = "best of all here"
 
-CHOICES = (SHIPPED, TUNED, HERE)
+CHOICES = (SHIPPED, FIXED, FOLLOWING, HERE)
+"""Where settings come from: the engine as it ships at any timestep; chosen on another scene, with
+the harness's rule for the timestep or without; chosen on this very scene, which flatters."""
+
+_KINDS = {FIXED: False, FOLLOWING: True}
+"""Whether the steps of a choice follow the motion."""
 
 _TIE = 1.25
 """Costs of single runs beside others that count as equal; the first declared is then taken."""
@@ -97,9 +104,20 @@ def cost(
         plan=plan,
         ladders=tuple((family, ladder(family)) for family in plan.scored),
         tuned={
-            name: chosen
+            (name, choice): chosen
             for name in plan.engines
-            if (chosen := _tuned([(f, ladder(f)) for f in plan.tuning if f.engine == name], target))
+            for choice, follows in _KINDS.items()
+            if (
+                chosen := _tuned(
+                    [
+                        (family, ladder(family))
+                        for family in plan.tuning
+                        if family.engine == name
+                        and (family.variant.profile == "adaptive") == follows
+                    ],
+                    target,
+                )
+            )
         },
         hardness=tuple(
             (hard, tuple((family, ladder(family)) for family in hard.families))
