@@ -1,0 +1,146 @@
+"""The study on a toy of known order, plateau and cost: it finds all three."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.artefact import Figure, Prose, Table
+from harness.engines.reference import truth
+from harness.studies.cost import FIXED, HERE, Cost, read
+from harness.studies.cost.plateaus import Fall, falls
+from harness.studies.cost.tables import points, price_rows
+from models import load
+
+OFF = 1e-3
+
+Studied = Callable[[Path], tuple[Cost, list[Any]]]
+
+
+def fall(found: Cost, name: str) -> Fall:
+    return next(f for f in falls(found, ("turn_deg",)) if f.family.name == name)
+
+
+@pytest.mark.parametrize(("name", "order"), [("first order", 1.0), ("second order", 2.0)])
+def test_the_order_is_within_a_twentieth(found: Cost, name: str, order: float) -> None:
+    seen = fall(found, name)
+    assert seen.plateau is None
+    assert seen.order is not None
+    assert seen.order.order == pytest.approx(order, abs=0.05)
+    assert seen.order.confidence < 0.05
+    assert seen.cause == ""
+
+
+def test_the_plateau_is_within_a_tenth_and_has_its_cause(found: Cost) -> None:
+    scene = load("gentle-rock")
+    release = replace(scene.release, psi_dot=scene.release.psi_dot * (1.0 + 0.1 * OFF))
+    level = math.degrees(
+        truth(replace(scene, release=release)).bounces[0].angle_of_turn
+        - truth(scene).bounces[0].angle_of_turn
+    )
+    seen = fall(found, "levelled")
+    assert seen.plateau is not None
+    assert seen.plateau.level == pytest.approx(level, rel=0.1)
+    assert seen.cause == "levelled: a level of its own."
+    assert seen.order is not None
+    assert seen.order.order == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_front_is_exact(found: Cost) -> None:
+    table = points(found).frame
+    front = {(s, t) for s, t, on in table[["settings", "timestep_s", "on_front"]].values if on}
+    # errors go with h for the first order and with h^2 for the second, h = step/1e-3;
+    # costs with 1/h and with 2.5/h. So the second at 3e-4 (error 0.09 for 8.3) beats the first at
+    # 1e-4 (0.1 for 10), and so on; at 1e-3 it errs as much as the first and costs more
+    assert front == {
+        ("first order", 1e-3),
+        ("first order", 3e-4),
+        ("second order", 3e-4),
+        ("second order", 1e-4),
+        ("second order", 3e-5),
+        ("second order", 1e-5),
+    }
+
+
+def test_a_cost_is_what_the_engine_claims_over_the_simulated_time(found: Cost) -> None:
+    for point in found.points:
+        price = dict(point.case.options).get("price", 1e-6)
+        assert point.simulated is not None
+        claimed = point.steps * float(price) / point.simulated  # type: ignore[arg-type]
+        assert point.cost == pytest.approx(claimed, rel=1e-12)
+        assert point.setup == 0.01
+
+
+def test_the_cheapest_is_named_with_its_tie(found: Cost) -> None:
+    rung = next(p for p in found.points if p.family == "first order" and p.timestep == 1e-4)
+    (row,) = price_rows(found, HERE, rung.error("turn_deg") * 1.001)
+    assert row["settings"] == "second order"  # three steps at 2.5 for ten at 1
+    (easy,) = price_rows(found, HERE, 1e3)
+    assert easy["settings"] == "first order"
+    assert set(str(easy["tied_with"]).split(", ")) == {"levelled", "twin"}
+    assert easy["verdict"] == "cheapest"
+    assert easy["relative_cost"] == 1.0
+
+
+def test_what_no_setting_reaches_is_said(found: Cost) -> None:
+    (row,) = price_rows(found, HERE, 1e-12)
+    assert str(row["verdict"]).startswith("not reached: best is ")
+    assert row["settings"] == "second order"
+
+
+def test_settings_are_tuned_on_the_other_scene(found: Cost) -> None:
+    assert found.tuned == {
+        ("toy", FIXED): "first order"
+    }  # coarse steps reach a tenth of a degree there
+    sold = {offer.point.family for offer in found.sold("toy", FIXED)}
+    assert sold == {"first order"}
+
+
+def test_failures_are_rows_and_are_not_sold(found: Cost) -> None:
+    table = points(found).frame
+    broken = table[table["settings"] == "broken"]
+    assert len(broken) == 5
+    assert broken["outcome"].str.startswith("diverged").all()
+    assert not broken["on_front"].any()
+    assert all(math.isinf(o.error) for o in found.sold("toy", HERE) if o.point.family == "broken")
+
+
+def test_every_point_has_its_command(found: Cost) -> None:
+    table = points(found).frame
+    assert table["command"].str.startswith("rockingcan run gentle-rock --engine toy").all()
+    assert table["command"].is_unique
+
+
+def test_what_was_measured_is_not_measured_again(study: Studied, tmp_path: Path) -> None:
+    first, worked = study(tmp_path)
+    assert worked
+    second, again = study(tmp_path)
+    assert again == []
+    for target in (1.0, 0.01, 1e-4):
+        one, other = (price_rows(found, HERE, target) for found in (first, second))
+        assert one == other
+
+
+def test_a_repeated_study_has_the_same_winners(found: Cost, study: Studied, tmp_path: Path) -> None:
+    other, _ = study(tmp_path)
+    for target in (1.0, 0.1, 0.01, 1e-3, 1e-4):
+        assert price_rows(found, HERE, target) == price_rows(other, HERE, target)
+
+
+def test_artefacts_are_whole_and_no_price_stands_without_the_contract(found: Cost) -> None:
+    artefacts = read(found)
+    names = [artefact.name for artefact in artefacts]
+    assert len(set(names)) == len(names)
+    assert names.index("gentle-rock-contract") < names.index("gentle-rock-prices")
+    for artefact in artefacts:
+        if isinstance(artefact, Table):
+            assert set(artefact.frame.columns) == set(artefact.columns)
+        if isinstance(artefact, Figure):
+            for panel in artefact.panels:
+                assert panel.x_range == (1e-3, 1e4)
+                assert all(len(s.hover) == len(s.x) for s in panel.series)
+        if isinstance(artefact, Prose):
+            assert "nan" not in artefact.text.lower().split()

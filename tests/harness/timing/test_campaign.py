@@ -1,0 +1,135 @@
+"""Keeping, resuming, and an honest account of what is left."""
+
+import fcntl
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.case import Case
+from harness.executors import Serial
+from harness.timing.alone import FEWEST, LOCK, alone, one_thread, time_alone
+from harness.timing.campaign import Progress, Spent, complete
+from harness.timing.iterations import iterations
+from harness.timing.overhead import case as aloft
+from harness.timing.overhead import overhead
+from harness.timing.store import Store
+from models import Scene
+
+Evaluator = Callable[..., Any]
+
+
+def cases(scene: Scene, count: int) -> list[Case]:
+    return [Case(scene=scene, engine="mujoco", timestep=1e-4 * (n + 1)) for n in range(count)]
+
+
+def size(case: Case) -> float:
+    return 1.0 / (case.timestep or 1.0)
+
+
+def test_an_interrupted_campaign_goes_on_where_it_was(gentle: Scene, tmp_path: Path) -> None:
+    store, done = Store(folder=tmp_path), []
+    wanted = cases(gentle, 4)
+
+    def work(case: Case) -> dict[str, Any]:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(case)
+        return {"timestep": case.timestep}
+
+    # the interrupt comes when a task is submitted, before any result is kept: those of a process
+    # are kept one by one
+    with pytest.raises(KeyboardInterrupt):
+        complete(wanted, work, store, Serial(), expected=size)
+    kept = complete(
+        wanted, lambda case: {"timestep": case.timestep}, store, Serial(), expected=size
+    )
+    assert [kept[case]["timestep"] for case in wanted] == [case.timestep for case in wanted]
+    nothing: list[Case] = []
+
+    def never(case: Case) -> dict[str, Any]:
+        nothing.append(case)
+        return {}
+
+    again = complete(wanted, never, store, Serial(), expected=size)
+    assert again == kept
+    assert nothing == []
+
+
+def test_what_is_left_goes_with_the_work_that_is_left(gentle: Scene) -> None:
+    left = {case: float(n + 1) for n, case in enumerate(cases(gentle, 4))}
+    spent = Spent(left, workers=2)
+    spent.add(next(iter(left)), 0.5)  # a unit took half a second: 9 units are left, two at once
+    assert spent.remaining() == pytest.approx(9 * 0.5 / 2)
+
+
+def test_progress_counts_what_was_kept_before(gentle: Scene, tmp_path: Path) -> None:
+    store, told = Store(folder=tmp_path), list[Progress]()
+    wanted = cases(gentle, 3)
+    complete(wanted[:1], lambda _: {}, store, Serial(), expected=size)
+    complete(wanted, lambda _: {}, store, Serial(), expected=size, on_done=told.append)
+    assert [p.done for p in told] == [2, 3]
+    assert {p.total for p in told} == {3}
+    assert told[-1].remaining_s == 0.0
+
+
+def test_a_broken_record_is_none(tmp_path: Path) -> None:
+    store = Store(folder=tmp_path)
+    store.put("a", {"x": 1.0})
+    assert store.get("a") == {"x": 1.0}
+    (tmp_path / "a.json").write_text('{"x": 1', encoding="utf-8")
+    assert store.get("a") is None
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        store.put("b", {"x": float("nan")})
+    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+    assert json.loads("1") == 1
+
+
+def test_timing_repeats_and_leaves_setup_out(gentle: Scene) -> None:
+    found = time_alone(Case(scene=gentle, engine="mujoco", timestep=1e-4))
+    assert len(found["cpu_s"]) == len(found["wall_s"]) >= FEWEST
+    assert all(seconds > 0.0 for seconds in found["cpu_s"])
+    assert found["setup_s"] > 0.0
+    exact = time_alone(Case(scene=gentle, engine="reference"))
+    assert exact["setup_s"] == 0.0
+
+
+def test_two_never_time_at_once() -> None:
+    with alone(), LOCK.open("a") as other, pytest.raises(BlockingIOError):
+        fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def test_a_process_for_timing_has_one_thread() -> None:
+    before = dict(os.environ)
+    with one_thread() as executor:
+        assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
+        assert executor.submit(os.getpid).result() != os.getpid()
+    assert dict(os.environ) == before
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_solver_iterations_are_counted(engine: str, gentle: Scene, evaluated: Evaluator) -> None:
+    one = evaluated(gentle, engine, 1e-3)
+    found = iterations(one.simulation)
+    assert found is not None
+    assert 1.0 <= found <= 50.0
+
+
+def test_more_sweeps_are_more_iterations(gentle: Scene, evaluated: Evaluator) -> None:
+    few = iterations(evaluated(gentle, "pybullet", 1e-3, numSolverIterations=2).simulation)
+    many = iterations(evaluated(gentle, "pybullet", 1e-3).simulation)
+    assert few is not None
+    assert many is not None
+    assert few <= 2.0 < many
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_overhead_of_a_free_body(engine: str, gentle: Scene) -> None:
+    ways = overhead(aloft(gentle, engine))["ways"]
+    assert len(ways) >= 2
+    for taken in ways.values():
+        # no engine steps one body in less than 10 ns, none takes a millisecond
+        assert all(1e-8 < seconds < 1e-3 for seconds in taken)
