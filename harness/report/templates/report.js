@@ -79,6 +79,7 @@
       await (library ??= unpack());
       for (const [index, graph] of figure.graphs.entries()) {
         const { data, layout } = coloured(figure.panels[index], figure.hidden);
+        graph.given = figure.panels[index].layout;
         await Plotly.newPlot(graph, data, layout, config);
         graph.on("plotly_relayout", (change) => follow(figure, index, change));
         graph.addEventListener("keydown", (event) => steer(graph, event));
@@ -114,6 +115,16 @@
     following = false;
   }
 
+  // The axes as the figure has them: from end to end where it says so, else what the curves need.
+  function home(graph) {
+    const change = {};
+    for (const name of ["xaxis", "yaxis"]) {
+      const range = graph.given[name].range;
+      change[range ? `${name}.range` : `${name}.autorange`] = range ? [...range] : true;
+    }
+    return change;
+  }
+
   // The same by keyboard: arrows move, plus and minus zoom, 0 goes back.
   function steer(graph, event) {
     const step = { ArrowLeft: [-0.15, 0], ArrowRight: [0.15, 0], ArrowDown: [0, -0.15], ArrowUp: [0, 0.15] }[event.key];
@@ -122,7 +133,7 @@
     if (!step && !half && event.key !== "0") return;
     event.preventDefault();
     if (event.key === "0") {
-      Plotly.relayout(graph, { "xaxis.autorange": true, "yaxis.autorange": true });
+      Plotly.relayout(graph, home(graph));
       return;
     }
     const change = {};
@@ -137,18 +148,32 @@
   }
 
   for (const figure of figures) {
-    for (const button of figure.element.querySelectorAll(".entry")) {
-      button.addEventListener("click", () => {
-        const shown = button.getAttribute("aria-pressed") !== "true";
+    const buttons = [...figure.element.querySelectorAll(".entry")];
+    const isShown = (button) => button.getAttribute("aria-pressed") === "true";
+    function show(wanted) {
+      for (const [button, shown] of buttons.map((one) => [one, wanted(one)])) {
         button.setAttribute("aria-pressed", String(shown));
         figure.hidden[shown ? "delete" : "add"](Number(button.dataset.entry));
-        redraw(figure);
+      }
+      redraw(figure);
+    }
+    // The curves of one engine alone; once more, and all are back.
+    function isolate(chosen) {
+      const own = (button) => button.dataset.kind === chosen.dataset.kind;
+      const alone = buttons.every((button) => isShown(button) === own(button));
+      show((button) => alone || own(button));
+    }
+    for (const button of buttons) {
+      button.addEventListener("click", (event) => {
+        if (event.shiftKey) isolate(button);
+        else show((one) => (one === button ? !isShown(one) : isShown(one)));
       });
+      button.addEventListener("dblclick", () => isolate(button)); // two clicks left all as it was
     }
     figure.element.querySelector(".reset").addEventListener("click", async () => {
       following = true;
       for (const graph of figure.graphs) {
-        if (graph.data) await Plotly.relayout(graph, { "xaxis.autorange": true, "yaxis.autorange": true });
+        if (graph.data) await Plotly.relayout(graph, home(graph));
       }
       following = false;
     });

@@ -43,6 +43,14 @@ async function act() {
   entry.click(); await wait(300);
   seen.shown = [entry.getAttribute("aria-pressed"), first.querySelectorAll(".trace").length];
 
+  const isolate = () => entry.dispatchEvent(new MouseEvent("click", { shiftKey: true }));
+  const pressed = () => [...figure.querySelectorAll(".entry")]
+    .filter((one) => one.getAttribute("aria-pressed") === "true").map((one) => one.dataset.kind);
+  isolate(); await wait(300);
+  seen.alone = [entry.dataset.kind, pressed(), first.querySelectorAll(".trace").length];
+  isolate(); await wait(300);
+  seen.together = [pressed().length, first.querySelectorAll(".trace").length];
+
   const span = (graph) => { const [low, high] = graph._fullLayout.xaxis.range; return high - low; };
   const before = [first, second, third].map(span);
   await Plotly.relayout(first, { "xaxis.range[0]": 0.05, "xaxis.range[1]": 0.1 }); await wait(300);
@@ -143,6 +151,16 @@ def test_no_button_sends_anything_away(wide: dict[str, object]) -> None:
 def test_the_legend_hides_and_shows(wide: dict[str, object]) -> None:
     assert wide["hidden"] == ["false", 2]
     assert wide["shown"] == ["true", 3]
+
+
+def test_an_engine_is_shown_alone_and_again_with_all(wide: dict[str, object]) -> None:
+    alone, together = wide["alone"], wide["together"]
+    assert isinstance(alone, list)
+    assert isinstance(together, list)
+    kind, kinds, traces = alone
+    assert set(kinds) == {kind}
+    assert traces < 3
+    assert together == [len(kinds) + 2, 3]
 
 
 def test_panels_over_the_same_times_zoom_together(wide: dict[str, object]) -> None:
