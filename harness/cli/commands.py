@@ -15,6 +15,7 @@ from harness.cli.cost import cost
 from harness.cli.files import check_motion_file, write_motion, write_text
 from harness.cli.listings import engines_answer, print_engine, print_engines
 from harness.cli.paper import audit, gallery
+from harness.cli.stability import stability
 from harness.cli.three_errors import errors
 from harness.cli.validation import validate
 from harness.cli.words import settings
@@ -38,7 +39,7 @@ app = typer.Typer(
         "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
     ),
 )
-for command in (validate, attribute, errors, check, audit, gallery, benchmark, cost):
+for command in (validate, attribute, errors, check, audit, gallery, benchmark, cost, stability):
     app.command()(command)
 
 SceneName = Annotated[

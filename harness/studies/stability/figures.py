@@ -1,0 +1,150 @@
+"""The stability map, a run a point, coloured by verdict; and the largest usable timesteps."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from harness.artefact import Figure, Panel, Series
+from harness.studies.stability.limits import Limit
+from harness.studies.stability.verdict import Judged, Verdict
+
+_KINDS = {
+    Verdict.ACCURATE: "verdict-2",
+    Verdict.STABLE: "verdict-2",
+    Verdict.INACCURATE: "verdict-4",
+    Verdict.UNRESOLVED: "verdict-1",
+    Verdict.DISSIPATES: "verdict-3",
+    Verdict.FLAT: "verdict-3",
+    Verdict.GAINS: "verdict-5",
+    Verdict.TUNNELS: "verdict-5",
+    Verdict.DIVERGES: "verdict-6",
+    Verdict.REFUSED: "verdict-6",
+}
+"""Verdicts of one colour; two of a colour differ in their marks."""
+
+_WIDE = 18
+"""Cases beside each other in a panel whose names can still be read."""
+
+_PROFILES = ("matched", "default")
+
+
+def map_figures(judged: Sequence[Judged], names: Sequence[str]) -> tuple[Figure, ...]:
+    """Return the stability map of each engine in each profile with a fixed timestep.
+
+    Parameters
+    ----------
+    judged : sequence of Judged
+        Of the map; perturbed releases are left out.
+    names : sequence of str
+        Hard cases, in the order in which they are drawn.
+    """
+    engines = dict.fromkeys(one.simulation.case.engine for one in judged)
+    figures = []
+    for engine in engines:
+        for profile in _PROFILES:
+            own = [
+                one
+                for one in judged
+                if (one.simulation.case.engine, one.simulation.case.profile) == (engine, profile)
+                and one.simulation.case.scene.name in names
+                and one.simulation.timestep is not None
+            ]
+            if own:
+                figures.append(_map(engine, profile, own, names))
+    return tuple(figures)
+
+
+def _map(engine: str, profile: str, own: Sequence[Judged], names: Sequence[str]) -> Figure:
+    """Return one map."""
+    parts = -(-len(names) // _WIDE)
+    size = -(-len(names) // parts)
+    steps = [one.simulation.timestep or np.nan for one in own]
+    ends = (min(steps) / 2.0, max(steps) * 2.0)
+    panels = [
+        Panel(
+            title=f"{engine}, {profile}",
+            x_label="hard case",
+            y_label="timestep [s]",
+            series=tuple(_series(own, names[start : start + size])),
+            log_y=True,
+            x_names=tuple(names[start : start + size]),
+            y_range=ends,
+        )
+        for start in range(0, len(names), size)
+    ]
+    sound = sum(one.sound for one in own)
+    accurate = sum(one.verdict is Verdict.ACCURATE for one in own)
+    return Figure(
+        name=f"map-{engine}-{profile}",
+        title=f"Stability map of {engine}, profile {profile}",
+        seen=(
+            f"Of {len(own)} runs {accurate} follow the exact motion, and in {sound} nothing fails. "
+            "A point is a run: its place says which case and which timestep, its colour and mark "
+            "how it went."
+        ),
+        panels=tuple(panels),
+        columns=1,
+    )
+
+
+def _series(own: Sequence[Judged], names: Sequence[str]) -> Iterator[Series]:
+    """Yield the points of each verdict."""
+    places = {name: place for place, name in enumerate(names)}
+    for verdict, kind in _KINDS.items():
+        points = [
+            one
+            for one in own
+            if one.verdict is verdict and one.simulation.case.scene.name in places
+        ]
+        yield Series(
+            label=verdict.value,
+            kind=kind,
+            mark="points",
+            x=np.array([float(places[one.simulation.case.scene.name]) for one in points]),
+            y=np.array([one.simulation.timestep or np.nan for one in points]),
+            hover=tuple(
+                f"{one.simulation.case.scene.name}: {one.sign.words} {one.sign.number:.3g} "
+                f"at {one.sign.time:.3g} s"
+                for one in points
+            ),
+        )
+
+
+def limit_figure(limits: Sequence[Limit], names: Sequence[str]) -> Figure:
+    """Return the largest timesteps that are accurate and that are sound, a point a release."""
+    panels = []
+    for standard, title in (
+        ("accurate", "Largest timestep that follows the exact motion"),
+        ("sound", "Largest timestep at which nothing fails"),
+    ):
+        series = []
+        for engine in dict.fromkeys(limit.engine for limit in limits):
+            pairs = [
+                (float(names.index(limit.scene)), step)
+                for limit in limits
+                if (limit.engine, limit.standard) == (engine, standard)
+                for step in limit.known
+            ]
+            x, y = np.array(pairs).reshape(-1, 2).T
+            series.append(Series(label=engine, kind=engine, x=x, y=y, mark="points"))
+        panels.append(
+            Panel(
+                title=title,
+                x_label="hard case",
+                y_label="timestep [s]",
+                series=tuple(series),
+                log_y=True,
+                x_names=tuple(names),
+            )
+        )
+    return Figure(
+        name="limits",
+        title="The largest usable timestep",
+        seen=(
+            f"Profile matched, found by bisection for {len(limits[0].usable)} releases that differ "
+            "by a thousandth: where their points lie apart the boundary is ragged. A case without "
+            "a point is not usable at any timestep that was tried."
+        ),
+        panels=tuple(panels),
+        columns=1,
+    )

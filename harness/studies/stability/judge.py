@@ -1,0 +1,122 @@
+"""The verdict on a run: the worst sign of failure that is seen in it, else how accurate it is."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from harness.bounce import PROMINENCE
+from harness.metrics.error import rotation_between
+from harness.metrics.motion import shares
+from harness.runner import Evaluation
+from harness.simulation import Outcome
+from harness.studies.stability.exact import Exact, exact, free_rotation
+from harness.studies.stability.signs import (
+    dissipated,
+    diverged,
+    gained,
+    stuck_flat,
+    tunnelled,
+    unresolved,
+)
+from harness.studies.stability.verdict import Judged, Sign, Verdict
+
+ACCURATE_PHI = 0.01
+"""Of the largest true phi, root mean square over the run."""
+
+ACCURATE_TURN = math.radians(2.0)
+"""rad, of each turn, and of the orientation of a can that flies free: 1 % of a hard bounce's."""
+
+_UNFIT = {Outcome.MISMATCH, Outcome.BROKEN, Outcome.NO_SOLUTION}
+
+
+def judge(e: Evaluation) -> Judged:
+    """Return the verdict on a run."""
+    verdict, sign = _verdict(e)
+    return Judged(simulation=replace(e.simulation, trajectory=None), verdict=verdict, sign=sign)
+
+
+def _verdict(e: Evaluation) -> tuple[Verdict, Sign]:
+    scene, outcome = e.simulation.case.scene, e.simulation.outcome
+    if outcome in _UNFIT:
+        words = e.simulation.note or outcome.value
+        return Verdict.REFUSED, Sign(time=0.0, number=math.nan, words=words)
+    truth = exact(e)
+    # an impact or a rim that slides may lose energy: it is kept where the exact motion is known
+    keeps = math.inf if scene.gravity == 0.0 else 0.0 if truth is None else float(truth.time[-1])
+    for verdict, sign in (
+        (Verdict.DIVERGES, diverged(e)),
+        (Verdict.TUNNELS, tunnelled(e)),
+        (Verdict.GAINS, gained(e)),
+        (Verdict.FLAT, stuck_flat(e, truth)),
+        (Verdict.DISSIPATES, dissipated(e, keeps)),
+    ):
+        if sign is not None:
+            return verdict, sign
+    if e.motion is None or outcome is Outcome.TOO_SLOW:
+        return Verdict.UNRESOLVED, Sign(time=0.0, number=math.nan, words=outcome.value)
+    coarse = None if truth is None or not truth.bounces else unresolved(e)
+    if coarse is not None:
+        return Verdict.UNRESOLVED, coarse
+    return _accuracy(e, truth)
+
+
+def _accuracy(e: Evaluation, truth: Exact | None) -> tuple[Verdict, Sign]:
+    """Return how near a sound run is to the exact motion."""
+    if e.simulation.case.scene.gravity == 0.0:
+        signs = [_free(e)]
+    elif truth is not None:
+        signs = [_phi(e, truth), *_turns(e, truth)]
+    else:
+        end = 0.0 if e.motion is None else float(e.motion.time[-1])
+        words = "no exact motion; the run reached this time, s"
+        return Verdict.STABLE, Sign(time=end, number=end, words=words)
+    worst, allowed = max(signs, key=lambda pair: pair[0].number / pair[1])
+    good = worst.number <= allowed  # false for what is no number
+    return Verdict.ACCURATE if good else Verdict.INACCURATE, worst
+
+
+def _phi(e: Evaluation, truth: Exact) -> tuple[Sign, float]:
+    """Return the error of phi over its largest value, rms."""
+    found = np.empty(0) if e.motion is None else e.motion.angles.phi[: len(truth.time)]
+    off = found - truth.phi
+    share = math.sqrt(float(np.sum(shares(truth.time) * off**2))) / float(truth.phi.max())
+    worst = float(truth.time[np.argmax(np.abs(off))])
+    return Sign(time=worst, number=share, words="error of phi over its largest, rms"), ACCURATE_PHI
+
+
+def _turns(e: Evaluation, truth: Exact) -> list[tuple[Sign, float]]:
+    """Return the worst error of a turn; infinite if a bounce is missing."""
+    # a ripple is no bounce; and one is complete in a record once phi has passed its next maximum
+    low = (1.0 - 2.0 * PROMINENCE) * float(truth.phi.max())
+    known = [bounce for bounce in truth.bounces if bounce.phi_min < low]
+    due = [bounce for bounce in known if bounce.end < _SEEN * float(truth.time[-1])]
+    if len(e.bounces) < len(due):
+        missing = due[len(e.bounces)].time
+        number, words = float(len(due) - len(e.bounces)), "bounces missing"
+        return [(Sign(time=missing, number=number, words=words), 0.5)]
+    pairs = [
+        (abs(found.angle_of_turn - true.angle_of_turn), true.time)
+        for found, true in zip(e.bounces, known, strict=False)
+    ]
+    if not pairs:
+        return []
+    error, time = max(pairs)
+    return [(Sign(time=time, number=error, words="error of a turn, rad"), ACCURATE_TURN)]
+
+
+_SEEN = 0.98
+
+
+def _free(e: Evaluation) -> tuple[Sign, float]:
+    """Return the largest error of the orientation of a can that flies free."""
+    trajectory = e.simulation.trajectory
+    if trajectory is None:
+        return Sign(time=0.0, number=math.inf, words="no motion"), ACCURATE_TURN
+    true = free_rotation(trajectory, e.simulation.case.scene)
+    off = rotation_between(trajectory.quaternion, true)
+    worst = int(np.argmax(off))
+    words = "error of the orientation, rad"
+    return Sign(time=float(trajectory.time[worst]), number=float(off[worst]), words=words), (
+        ACCURATE_TURN
+    )

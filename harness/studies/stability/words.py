@@ -1,0 +1,143 @@
+"""What was found, in words: a summary, and one page an engine."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from harness.artefact import Prose
+from harness.studies.stability.limits import Limit
+from harness.studies.stability.survey import Finding
+from harness.studies.stability.verdict import MEANINGS, Judged, Verdict
+
+_PROFILES = {
+    "default": "As it ships",
+    "matched": "Matched to the scene",
+    "adaptive": "With steps that follow the motion",
+}
+
+
+def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[Finding]) -> Prose:
+    """Return the summary: counts, and how the reference fared."""
+    engines = dict.fromkeys(one.simulation.case.engine for one in judged)
+    solved = sum(not finding.failure and not finding.refusal for finding in hard)
+    refused = sum(bool(finding.refusal) for finding in hard)
+    failed = [finding for finding in hard if finding.failure]
+    wrong = sum(bool(finding.failure) for finding in random)
+    sentences = [
+        f"{len(judged)} runs of {' and '.join(engines)} over {len(hard)} hard cases were judged.",
+        (
+            f"The reference solves {solved} of the hard cases to 1e-9, formula against "
+            f"integration, and refuses {refused} with a sentence."
+        ),
+        *(f"It fails on {finding.scene}: {finding.failure}." for finding in failed),
+        f"Of {len(random)} random scenes it fails on {wrong}.",
+    ]
+    meanings = "; ".join(f"{verdict.value}: {MEANINGS[verdict]}" for verdict in Verdict)
+    text = " ".join(sentences) + f"\n\nThe verdicts are {meanings}."
+    return Prose(name="summary", title="Hard cases stay numerically stable", text=text)
+
+
+def engine_page(
+    engine: str, judged: Sequence[Judged], limits: Sequence[Limit], names: Sequence[str]
+) -> Prose:
+    """Return the one-page verdict on an engine.
+
+    Parameters
+    ----------
+    engine : str
+    judged : sequence of Judged
+        Of the map.
+    limits : sequence of Limit
+    names : sequence of str
+        Of the hard cases.
+    """
+    own = [
+        one
+        for one in judged
+        if one.simulation.case.engine == engine and one.simulation.case.scene.name in names
+    ]
+    paragraphs = [
+        _counted(own, profile, words)
+        for profile, words in _PROFILES.items()
+        if any(one.simulation.case.profile == profile for one in own)
+    ]
+    paragraphs.append(_steps([limit for limit in limits if limit.engine == engine]))
+    paragraphs.append(" ".join(_cures(own, names)))
+    return Prose(
+        name=f"verdict-{engine}", title=f"The verdict on {engine}", text="\n\n".join(paragraphs)
+    )
+
+
+def _counted(own: Sequence[Judged], profile: str, words: str) -> str:
+    """Return how the runs of a profile went, and an example of each failure."""
+    runs = [one for one in own if one.simulation.case.profile == profile]
+    counts = Counter(one.verdict for one in runs)
+    told = ", ".join(f"{verdict.value} {counts[verdict]}" for verdict in Verdict if counts[verdict])
+    examples = []
+    for verdict in Verdict:
+        failed = [one for one in runs if one.verdict is verdict and not one.sound]
+        if failed:
+            # at the finest timestep at which it happens, where it is least to be expected
+            one = min(failed, key=lambda one: one.simulation.timestep or 0.0)
+            step = one.simulation.timestep or 0.0
+            examples.append(
+                f"{verdict.value} in {one.simulation.case.scene.name} down to a timestep of "
+                f"{step:.2g} s ({one.sign.words} {one.sign.number:.2g} at {one.sign.time:.2g} s)"
+            )
+    tail = f" It {'; it '.join(examples)}." if examples else ""
+    return f"{words}, {len(runs)} runs: {told}.{tail}"
+
+
+def _steps(limits: Sequence[Limit]) -> str:
+    """Return between which timesteps its limits lie."""
+    known = sorted(
+        (limit.middle, limit.scene)
+        for limit in limits
+        if limit.standard == "accurate" and limit.middle is not None
+    )
+    if not known:
+        return "No hard case is followed at any timestep that was tried."
+    (least, hardest), (most, easiest) = known[0], known[-1]
+    return (
+        f"Matched, the largest timestep that follows the exact motion lies between {least:.2g} s "
+        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have one."
+    )
+
+
+def _cures(own: Sequence[Judged], names: Sequence[str]) -> list[str]:
+    """Return for each case that fails as shipped what cures it, if anything does."""
+    cured: dict[str, list[str]] = {}
+    for name in names:
+        runs = [one for one in own if one.simulation.case.scene.name == name]
+        shipped = next((one for one in runs if _as_shipped(one)), None)
+        if shipped is None or shipped.accurate:
+            continue
+        cured.setdefault(_cure(runs), []).append(f"{name} ({shipped.verdict.value})")
+    return [f"{cure}: {', '.join(cases)}." for cure, cases in sorted(cured.items())]
+
+
+def _as_shipped(one: Judged) -> bool:
+    case = one.simulation.case
+    return case.profile == "default" and case.timestep is None
+
+
+def _cure(runs: Sequence[Judged]) -> str:
+    """Return the setting that makes a case accurate, the simplest first."""
+    best: Mapping[str, float] = {
+        profile: max(
+            (
+                one.simulation.timestep or 0.0
+                for one in runs
+                if one.simulation.case.profile == profile and one.accurate
+            ),
+            default=0.0,
+        )
+        for profile in _PROFILES
+    }
+    if best["default"]:
+        return "Cured by a shorter timestep alone"
+    if best["matched"]:
+        decade = f"{best['matched']:.0e}"
+        return f"Cured by profile matched at {decade} s"
+    if best["adaptive"]:
+        return "Cured by profile adaptive"
+    return "Cured by nothing that was tried"
