@@ -29,7 +29,7 @@ FEWEST = 3
 _MOST = 9
 """Repeats of a short one."""
 
-_PATIENCE = 0.12
+_PATIENCE = 0.08
 """s by the clock, set-up included, after which the fewest repeats are enough."""
 
 _WARM_STEPS, _WARM_SHARE = 200, 0.02

@@ -13,7 +13,13 @@ from harness.studies.cost.points import Point
 from harness.studies.cost.quantities import COST_HIGH, COST_LOW, QUANTITIES, Quantity
 from harness.studies.cost.results import Cost
 
-_SHOWN = ("phi_rms_rad", "bounce_time_s", "contact_locus_rms_m", "peak_friction_ratio")
+_SHOWN = (
+    "phi_rms_rad",
+    "bounce_time_s",
+    "contact_locus_rms_m",
+    "peak_friction_ratio",
+    "energy_drift",
+)
 """Errors with a panel of their own beside the target's."""
 
 

@@ -26,7 +26,7 @@ _EXPONENTS: Mapping[str, str] = {
     "steps": "Fixed, or following the motion.",
     "exponent": "Of the cost of one degree against epsilon: -1/2 doubles it for a quarter.",
     "confidence": "Half-width of its 95 % interval; empty for two points.",
-    "points": "Hardnesses that it comes from, those whose cost is a bound too.",
+    "points": "Hardnesses that it comes from; bounds count where there are not two others.",
 }
 
 
@@ -58,20 +58,27 @@ def _command(ladder: Sequence[Point], *, reached: bool) -> str:
 
 
 def exponents(cost: Cost) -> dict[tuple[str, str], Exponent]:
-    """Return the exponent of the cost of a degree, by engine and kind of step."""
-    ladders: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    """Return the exponent of the cost of a degree, by engine and kind of step.
+
+    Costs that are but bounds count where there are not two others.
+    """
+    ladders: dict[tuple[str, str], list[tuple[float, float, bool]]] = {}
     for row in hard_rows(cost):
         if row["cost_s_s"] is not None:
-            key = str(row["engine"]), str(row["steps"])
-            ladders.setdefault(key, []).append((float(row["epsilon"]), float(row["cost_s_s"])))  # type: ignore[arg-type]
-    found = {key: exponent(*zip(*pairs, strict=True)) for key, pairs in ladders.items()}
+            seen = float(row["epsilon"]), float(row["cost_s_s"]), bool(row["at_most"])  # type: ignore[arg-type]
+            ladders.setdefault((str(row["engine"]), str(row["steps"])), []).append(seen)
+    found = {}
+    for key, rows in ladders.items():
+        sure = [row for row in rows if not row[2]]
+        used = sure if len(sure) > 1 else rows
+        found[key] = exponent([row[0] for row in used], [row[1] for row in used])
     return {key: value for key, value in found.items() if value is not None}
 
 
 def hardness(cost: Cost) -> Table:
     """Return the table of costs against hardness."""
     return Table(
-        name=f"{cost.plan.scene.name}-hardness",
+        name=f"{cost.plan.scene.name}-degree",
         title="What one degree costs as the bounce gets harder",
         frame=pd.DataFrame(hard_rows(cost), columns=list(_ROWS)),
         columns=_ROWS,

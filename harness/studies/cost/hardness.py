@@ -16,7 +16,7 @@ from scipy.stats import t as student
 from harness.engines.reference import truth
 from models.scene import Horizon, Scene
 
-DECADES = {"quick": (-5, -7, -10), "full": (-4, -5, -6, -7, -8, -9, -10)}
+DECADES = {"quick": (-6, -8, -10), "full": (-4, -5, -6, -7, -8, -9, -10)}
 """Powers of ten of epsilon, from mild to the paper's."""
 
 _ROUNDS = 6

@@ -95,5 +95,5 @@ QUANTITIES = (
     ),
 )
 
-COST_LOW, COST_HIGH = 1e-3, 1e4
+COST_LOW, COST_HIGH = 1e-3, 1e3
 """Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""

@@ -140,7 +140,7 @@ def test_artefacts_are_whole_and_no_price_stands_without_the_contract(found: Cos
             assert set(artefact.frame.columns) == set(artefact.columns)
         if isinstance(artefact, Figure):
             for panel in artefact.panels:
-                assert panel.x_range == (1e-3, 1e4)
+                assert panel.x_range == (1e-3, 1e3)
                 assert all(len(s.hover) == len(s.x) for s in panel.series)
         if isinstance(artefact, Prose):
             assert "nan" not in artefact.text.lower().split()
