@@ -13,7 +13,8 @@ class Bounce:
     Parameters
     ----------
     start, time, end : float
-        Of the maximum before, of the minimum and of the maximum after, s.
+        Of the maximum before, of the minimum and of the maximum after, s. A release that falls
+        counts as the maximum before.
     phi_min : float
         rad.
     angle_of_turn, rotation_turn : float

@@ -30,7 +30,8 @@ def simulate(
         A scene, the name of one in the catalogue, or the path of a scene file.
     engine : str
     profile : str
-        "matched": only what the scene declares; "default": the engine as it ships.
+        "matched": only what the scene declares; "default": the engine as it ships; "adaptive":
+        matched, with timesteps that follow the motion.
     timestep : float, optional
         s; the profile's own if left out.
     settings : mapping, optional

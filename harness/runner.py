@@ -164,7 +164,7 @@ def _until(scene: Scene, own: Truth, end: float) -> Truth:
     The times asked for go up in steps, so that the cases of a scene share a solution.
     """
     seconds = own.ends
-    while seconds < end:
+    while 0.0 < seconds < end:
         seconds *= 1.25
     return own if seconds == own.ends else truth(scene, seconds)
 

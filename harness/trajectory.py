@@ -45,7 +45,8 @@ class Trajectory:
     penetration : ndarray, shape (n,)
         Depth of the deepest contact, m; negative or NaN where there is a gap.
     contact_count : ndarray of int, shape (n,)
-        Number of contact points that bear a force.
+        Number of the engine's contact points while a force is borne, else zero; without those that
+        bear none where the engine tells them apart.
 
     Raises
     ------

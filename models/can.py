@@ -91,6 +91,16 @@ class Can:
         return self.half_height / self.radius
 
     @property
+    def slowness(self) -> float:
+        """The angle chi = slowness psi turns by pi in a hard bounce, dimensionless.
+
+        sqrt(a_p/(a_p + 1)) with a_p = a + h^2: near the flat state phi exp(i chi) moves on a
+        straight line (eq01:inner_problem, eq01:angle_of_turn).
+        """
+        a_p = self.a + self.h**2
+        return math.sqrt(a_p / (a_p + 1.0))
+
+    @property
     def balancing_angle(self) -> float:
         """The tilt phi* = arctan(R/H) at which the can balances on its rim (eq:phistar), rad."""
         return math.atan2(self.radius, self.half_height)

@@ -121,8 +121,7 @@ def _predicted_turn(can: Can, dt: Floats, phi: Floats, phi_dot: Floats, psi_dot:
     Half an interval ahead from its first end and half an interval back from its last, each along
     the straight line of a bounce.
     """
-    a_p = can.a + can.h**2
-    slowness = np.sqrt(a_p / (a_p + 1.0))
+    slowness = can.slowness
     flat = phi == 0.0
     rate = np.divide(phi_dot, phi, out=np.zeros_like(phi), where=~flat)
     growth = rate + 1j * slowness * psi_dot

@@ -34,8 +34,8 @@ app = typer.Typer(
     rich_markup_mode="rich",
     help=(
         "How faithful is an engine's rolling contact? A drinks can, tipped on its rim, rocks down, "
-        "turns by some 209 degrees within microseconds and rises again. The mathematics is exact; "
-        "this runs it in MuJoCo and PyBullet and says how far they are from it.\n\n"
+        "turns by 209 degrees, half of it in 40 microseconds, and rises again. The mathematics is "
+        "exact; this runs it in MuJoCo and PyBullet and says how far they are from it.\n\n"
         "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
     ),
 )
@@ -128,7 +128,7 @@ def run(  # noqa: PLR0917 - a parameter an option
     profile: Annotated[
         str,
         typer.Option(
-            help="default: the engine as it ships; matched: only what the scene declares."
+            help="default: as it ships; matched: only what the scene declares; adaptive: own steps."
         ),
     ] = "matched",
     timestep: Annotated[
@@ -170,7 +170,7 @@ def run(  # noqa: PLR0917 - a parameter an option
         console = printing.out()
         if simulation.parity:
             console.print(printing.parity(simulation.parity))
-        if simulation.trajectory is not None:
+        if simulation.outcome is not Outcome.MISMATCH:
             console.print(*printing.motion(run_answer(evaluation)))
     if simulation.outcome is Outcome.MISMATCH:
         raise ParityError(case.label(), simulation.note)

@@ -10,9 +10,10 @@ import typer
 from typer.exceptions import TyperException
 
 from harness.cli.commands import app
-from harness.errors import HarnessError
+from harness.errors import HarnessError, ParityError
 from models.errors import ModelError
 
+GATE_FAILED = 1
 WRONG_USE = 2
 INTERRUPTED = 130
 
@@ -28,17 +29,19 @@ def code_of(arguments: list[str]) -> int:
     try:
         code = app(arguments, prog_name="rockingcan", standalone_mode=False)
     except (HarnessError, ModelError) as error:
-        return _complain(str(error))
+        failed = isinstance(error, ParityError)
+        return _complain(str(error), GATE_FAILED if failed else WRONG_USE)
     except TyperException as error:
         return _complain(f"{_told(error)} (see: rockingcan --help)")
     except typer.Exit as left:
         return int(left.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        sys.stderr.write("rockingcan: interrupted; nothing half-written is left behind\n")
-        return INTERRUPTED
+        code = INTERRUPTED
     except BrokenPipeError:  # whoever reads our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    if code == INTERRUPTED:
+        return _complain("interrupted; nothing half-written is left behind", INTERRUPTED)
     return int(code or 0)
 
 
@@ -48,10 +51,10 @@ def _told(error: TyperException) -> str:
     return (str(message()) if callable(message) else str(error)).rstrip(".")
 
 
-def _complain(message: str) -> int:
-    """Say on standard error what was wrong."""
+def _complain(message: str, code: int = WRONG_USE) -> int:
+    """Say on standard error what was wrong, and return the exit code."""
     sys.stderr.write(f"rockingcan: {message}\n")
-    return WRONG_USE
+    return code
 
 
 def _keep_standard_output() -> None:

@@ -14,6 +14,9 @@ from models.scene import Scene
 
 GROUP = "rockingcan.engines"
 
+_OURS = frozenset({"harness", "models", "reference"})
+"""Packages that are not to be installed when they are missing: something is wrong with them."""
+
 
 def names() -> tuple[str, ...]:
     """Return the names of the engines that are registered, sorted, importable or not."""
@@ -39,6 +42,8 @@ def engine(name: str) -> Engine:
     try:
         found: Engine = entries[name].load()()
     except ImportError as error:
+        if (error.name or "").partition(".")[0] in _OURS:
+            raise BrokenEngineError(name, entries[name].value, str(error)) from error
         raise MissingPackageError(name, error.name or name, str(error)) from error
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"

@@ -128,8 +128,7 @@ class Adaptive(Schedule):
         self._smallest = min(power_of_two(smallest), self.largest)
         self._limit = limit
         self._eta = eta
-        a_p = can.a + can.h**2
-        self._slowness = math.sqrt(a_p / (a_p + 1.0))
+        self._slowness = can.slowness
         self._time = 0.0
         self._ended = False
 

@@ -1,4 +1,8 @@
-"""How an engine's contact differs from a rolling point: depth, slip, lift-off, several points."""
+"""How an engine's contact differs from a rolling point: depth, slip, lift-off, several points.
+
+Read at the recorded samples, which are dense by angle; a single step between two of them may be
+missed.
+"""
 
 from dataclasses import dataclass
 

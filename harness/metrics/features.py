@@ -111,7 +111,6 @@ def _closest_to_flat(motion: Motion, can: Can, index: int) -> tuple[float, float
     on a straight line at constant speed, and the minimum is the point of the chord nearest to the
     origin. Where the samples lie densely: the zero of phi'.
     """
-    slowness = np.sqrt((can.a + can.h**2) / (can.a + can.h**2 + 1.0))
     angles, time = motion.angles, motion.time
     best = (float(angles.phi[index]), float(time[index]))
     for left in (index - 1, index):
@@ -120,7 +119,7 @@ def _closest_to_flat(motion: Motion, can: Can, index: int) -> tuple[float, float
             continue
         gap = float(time[left + 1] - time[left])
         phi = _cubic(angles.phi, angles.phi_dot, left, share, gap)
-        turn = slowness * (angles.psi[left + 1] - angles.psi[left])
+        turn = can.slowness * (angles.psi[left + 1] - angles.psi[left])
         if _COARSE < abs(turn) < np.pi:
             here, there = complex(angles.phi[left]), angles.phi[left + 1] * np.exp(1j * turn)
             step = there - here

@@ -93,7 +93,9 @@ class Steps:
         p = np.frombuffer(self._points).reshape(-1, _POINT)[keep]
         normal = p[:, 10:11]
         bears = normal[:, 0] > 0.0
-        point = np.where(normal > 0.0, (p[:, 0:3] + p[:, 3:6]) / 2.0, np.nan)
+        # weighted and divided again, as of several points, so that both ways give the same bits
+        weighted = normal * (p[:, 0:3] + p[:, 3:6]) / 2.0
+        point = np.divide(weighted, normal, out=np.full_like(weighted, np.nan), where=normal > 0.0)
         force = normal * p[:, 6:9] + p[:, 11:12] * p[:, 12:15] + p[:, 15:16] * p[:, 16:19]
         force[~bears] = 0.0
         depth, bearing = -p[:, 9], bears.astype(np.int64)

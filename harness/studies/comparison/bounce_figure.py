@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from harness.artefact import Figure, Panel, Series
+from harness.bounce import Bounce
 from harness.metrics.motion import Motion
 from harness.runner import Evaluation
 from harness.studies.comparison.curves import MS, label, longest
 from harness.trajectory import Floats
 
 _WINDOW = 12.0
-"""Half-width of the zoom in 1/(peak precession rate): the turn is complete to 5 %."""
+"""Half-width of the zoom in 1/(peak precession rate): the turn is then 94 % done."""
 
 _FEW = 40
 """Samples in the zoom up to which each is marked by a point."""
@@ -69,13 +70,23 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
         name=f"{scene}-bounce",
         title="The first bounce",
         seen=(
-            f"Within about {_duration(width)} the contact point races round the rim and the can "
-            f"turns by {turn:.2f} degrees, while phi turns back at {true.phi_min:.2g} rad. "
+            f"In {_duration(width)} about the bounce the can turns by {_within(drawn, true):.0f} "
+            f"of its {turn:.2f} degrees, while phi turns back at {true.phi_min:.2g} rad. "
             f"{_turns(drawn, turn)}"
         ),
         panels=tuple(panels),
         scene=scene,
     )
+
+
+def _within(drawn: Sequence[Evaluation], true: Bounce) -> float:
+    """Return how far the exact can turns within 1/(peak precession rate) of the bounce, deg."""
+    exact = longest(drawn).truth
+    if exact is None:
+        return math.nan
+    ends = true.time + np.array((-1.0, 1.0)) / abs(true.peak_psi_dot)
+    first, last = np.interp(ends, exact.time, exact.angles.psi)
+    return math.degrees(float(last - first))
 
 
 def _near(time: Floats, values: Floats, half: float) -> tuple[Floats, Floats]:

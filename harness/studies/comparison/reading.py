@@ -52,6 +52,8 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
                 and e.simulation.case.profile == profile
                 and e.errors is not None
                 and e.errors.angle_of_turn
+                and e.bounces[0].resolved
+                and e.simulation.outcome is Outcome.FINISHED
                 and not e.truth_pulls
             ]
             if not turned:
@@ -61,10 +63,24 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
             extreme = "at worst" if profile == "default" else "at best"
             sentences.append(
                 f"{engine} {words} misses the angle of turn by {extreme} {error:.2g} degrees "
-                f"({e.simulation.case.scene.name}, timestep {e.simulation.timestep:.2g} s)."
+                f"({e.simulation.case.scene.name}, timestep "
+                f"{'up to ' if profile == 'adaptive' else ''}{e.simulation.timestep:.2g} s)."
             )
-    sentences.append(_endings(evaluations))
+    sentences += [_uncounted(evaluations), _endings(evaluations)]
     return Prose(name="summary", title="Summary", text=" ".join(sentences))
+
+
+def _uncounted(evaluations: Sequence[Evaluation]) -> str:
+    """Return a sentence on the runs whose record cannot tell how often psi went round."""
+    names = [
+        f"{e.simulation.case.scene.name} in {e.simulation.case.engine} "
+        f"({e.simulation.case.profile})"
+        for e in evaluations
+        if e.bounces and not e.bounces[0].resolved
+    ]
+    if not names:
+        return "Every record is dense enough to count the turns."
+    return f"Too coarse to count the turns: {', '.join(dict.fromkeys(names))}."
 
 
 def _endings(evaluations: Sequence[Evaluation]) -> str:

@@ -24,8 +24,8 @@ _COLUMNS: Mapping[str, str] = {
 AGREES_TURN = 0.1
 """deg: what a protractor on the table would not show."""
 
-AGREES_PHI = 1e-3
-"""rad, rms, for a scene without a bounce: a thirtieth of a millimetre at the rim."""
+AGREES_PHI = 0.01
+"""Share of the largest true phi, for the rms error of phi: what a figure a hand wide would show."""
 
 
 def scorecard(evaluations: Sequence[Evaluation]) -> Table:
@@ -60,7 +60,7 @@ def _row(scene: str, engine: str, shipped: Evaluation | None, best: Evaluation |
         row[f"{prefix}_verdict"] = verdict(e)
         if e.errors is not None:
             row[f"{prefix}_phi_rms_rad"] = e.errors.phi_rms
-            if e.errors.angle_of_turn:
+            if e.errors.angle_of_turn and e.bounces[0].resolved:
                 row[f"{prefix}_turn_error_deg"] = math.degrees(e.errors.angle_of_turn[0])
     if best is not None:
         simulation = best.simulation
@@ -72,13 +72,19 @@ def _row(scene: str, engine: str, shipped: Evaluation | None, best: Evaluation |
 def verdict(e: Evaluation) -> str:
     """Return in words how faithful a run was, with the number behind it."""
     undecided = _undecided(e)
-    if undecided is not None or e.errors is None:
-        return undecided or "not decidable"
-    if e.true_bounces:
-        excess = abs(math.degrees(e.errors.angle_of_turn[0])) / AGREES_TURN
-    else:
-        excess = e.errors.phi_rms / AGREES_PHI
-    return "agrees" if excess <= 1.0 else f"deviates {excess:.2g} times too far"
+    if undecided is not None:
+        return undecided
+    much = excess(e)
+    return "agrees" if much <= 1.0 else f"deviates {much:.2g} times too far"
+
+
+def excess(e: Evaluation) -> float:
+    """Return the worst error of a run over what agrees: of any turn, or of phi over the run."""
+    if e.errors is None or e.truth is None:
+        return math.inf
+    turns = [abs(math.degrees(turn)) / AGREES_TURN for turn in e.errors.angle_of_turn]
+    largest = float(e.truth.angles.phi.max())
+    return max(*turns, e.errors.phi_rms / (AGREES_PHI * largest), 0.0)
 
 
 def _undecided(e: Evaluation) -> str | None:
@@ -96,11 +102,6 @@ def _undecided(e: Evaluation) -> str | None:
     return None
 
 
-def _badness(e: Evaluation) -> tuple[int, float]:
+def _badness(e: Evaluation) -> tuple[bool, float]:
     """Return what the best run has least of."""
-    if e.errors is None or e.simulation.outcome is not Outcome.FINISHED:
-        return 2, math.inf
-    if e.true_bounces and not e.errors.angle_of_turn:
-        return 1, math.inf
-    measure = e.errors.angle_of_turn[0] if e.true_bounces else e.errors.phi_rms
-    return 0, abs(measure)
+    return _undecided(e) is not None, excess(e)

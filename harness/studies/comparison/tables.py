@@ -106,7 +106,7 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
             ("phi_rms_rad", [e.errors.phi_rms if e.errors else math.nan for e in ladder]),
             ("angle_of_turn_deg", [_turn_error(e) for e in ladder]),
         ):
-            order = observed_order(steps, errors)
+            order = observed_order(steps, [_weighty(errors, error) for error in errors])
             if order.points > 1:
                 smallest = errors[steps.index(min(steps))]
                 rows.append(
@@ -121,6 +121,16 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
                     }
                 )
     return Table(name="orders", title="Observed order", frame=frame(rows, _ORDER), columns=_ORDER)
+
+
+def _weighty(errors: Sequence[float], error: float) -> float:
+    """Return an error that an order can rest on; NaN for round-off and where the sign changes."""
+    signs = {math.copysign(1.0, other) for other in errors if math.isfinite(other)}
+    return error if len(signs) == 1 and abs(error) > _ROUND_OFF else math.nan
+
+
+_ROUND_OFF = 1e-12
+"""rad or deg: below it an error is the sum of roundings, which has no order."""
 
 
 def _turn_error(e: Evaluation) -> float:

@@ -214,5 +214,6 @@ def test_interrupted_it_leaves_nothing_behind(tmp_path: Path, jobs: str) -> None
     said, complained = process.communicate(timeout=30)
     assert process.returncode == 130  # 128 and the number of the signal, as shells have it
     assert said == ""
+    assert "interrupted; nothing half-written is left behind" in complained
     assert "Traceback" not in complained
     assert list(tmp_path.iterdir()) == []
