@@ -236,8 +236,9 @@ def _print(found: Cost, target: float | None) -> None:
         console.print("The rules: the fairness contract in the report. To paste: --target DEGREES.")
         return
     for title, case in _to_paste(found, target).items():
-        console.print(f"\n[bold]{title}[/]\n{escape(case.command())}\n")
-        console.print(escape(paste(case)))
+        # not wrapped: it is to be copied
+        console.print(f"\n[bold]{title}[/]\n{escape(case.command())}\n", soft_wrap=True)
+        console.print(escape(paste(case)), soft_wrap=True)
 
 
 def _to_paste(found: Cost, target: float) -> dict[str, Case]:

@@ -40,7 +40,7 @@ def test_a_price_list_with_what_to_paste(
     monkeypatch.setitem(design.DECADES, "quick", (-5,))
     known = design.variants
     monkeypatch.setattr(design, "variants", lambda name: known(name)[:3])
-    words = ("cost", "gentle-rock", "--engine", "mujoco", "--target", "1")
+    words = ("cost", "gentle-rock", "--engine", "mujoco", "--target", "40")
     out = tmp_path / "out"
     answer = told(*words, "--jobs", "1", "--out", str(out))
     assert answer.code == 0, answer.err
@@ -48,5 +48,5 @@ def test_a_price_list_with_what_to_paste(
     assert (out / "gentle-rock" / "index.html").exists()
     assert any((out / "scenes").glob("*.toml"))
     again = told(*words, "--jobs", "1", "--out", str(out), "--json").json()
-    assert {row["target_deg"] for row in again["prices"]} == {1.0}
+    assert {row["target_deg"] for row in again["prices"]} == {40.0}
     assert any(row["paste"] for row in again["prices"])
