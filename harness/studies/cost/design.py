@@ -30,7 +30,7 @@ SUITES = ("quick", "full")
 _HARD_STEPS = {"quick": (2.0, 0.6, 0.2), "full": (2.0, 0.6, 0.2, 0.06, 0.02)}
 """rad of precession in a step at its fastest: one degree lies within."""
 
-_HARD_SHARES = {"quick": (4.0, 2.0), "full": (16.0, 8.0, 4.0, 2.0, 1.0)}
+_HARD_SHARES = {"quick": (4.0, 2.0, 1.0), "full": (16.0, 8.0, 4.0, 2.0, 1.0)}
 
 _SETUP_STEPS = 3000
 """Compiling, parity and settling take as long as so many steps."""

@@ -128,25 +128,26 @@ def cost(
     )
 
 
-_TUNED_TO = 0.1
-"""deg: the middle one of the targets."""
+_TUNED_TO = (0.1, 1.0)
+"""deg: the middle one of the targets, and where nothing reaches that, the easiest."""
 
 
 def _tuned(ladders: list[tuple[Family, tuple[Point, ...]]], target: str) -> str:
-    """Return the family that reaches a tenth of a degree most cheaply on the scene of the ladders.
+    """Return the family that reaches a tenth of a degree, or a degree, most cheaply.
 
-    Where none does, the one that comes nearest.
+    Where none does, the one that comes nearest. Of families that are as good the first counts.
     """
-    best: list[tuple[float, str]] = []
-    nearest: list[tuple[float, str]] = []
-    for family, ladder in ladders:
-        sold = offers(ladder, target, steps=family.steps)
-        found = price(sold, _TUNED_TO)
-        if found.winners:
-            best.append((found.winners[0].point.cost, family.name))
-        if found.best is not None:
-            nearest.append((found.best.error, family.name))
-    if best:
-        least = min(cost for cost, _ in best)
-        return next(name for cost, name in best if cost <= _TIE * least)
-    return min(nearest)[1] if nearest else ""
+    sold = [(family.name, offers(ladder, target, steps=family.steps)) for family, ladder in ladders]
+    for degrees in _TUNED_TO:
+        prices = [(name, price(own, degrees)) for name, own in sold]
+        reaching = [(p.winners[0].point.cost, name) for name, p in prices if p.winners]
+        if reaching:
+            return _first(reaching)
+    found = [(name, price(own, 0.0).best) for name, own in sold]
+    return _first([(best.error, name) for name, best in found if best is not None])
+
+
+def _first(ranked: list[tuple[float, str]]) -> str:
+    """Return the first name whose number is as good as the least; empty of none."""
+    least = min((number for number, _ in ranked), default=0.0)
+    return next((name for number, name in ranked if number <= _TIE * least), "")
