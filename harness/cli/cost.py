@@ -204,7 +204,7 @@ def _report(found: Cost, folder: Path) -> Path:
             {
                 "digest": point.case.digest(point.version),
                 "label": point.case.label(),
-                "command": point.case.command(),
+                "command": point.command,
                 "engine": point.case.engine,
                 "engine_version": point.version,
                 "outcome": point.outcome.value,

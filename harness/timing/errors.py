@@ -62,8 +62,17 @@ def measured(case: Case) -> Record:
         "cpu_s": cpu,
         "setup_s": simulation.setup_s,
         "errors": {name: _finite(value) for name, value in found.items()},
-        "command": case.command(),
+        "command": _command(simulation),
     }
+
+
+def _command(simulation: Simulation) -> str:
+    """Return what runs a case again and shows its numbers, also where there is no motion to run."""
+    case = simulation.case
+    if case.engine == "reference" and simulation.trajectory is None:
+        words = [f"--{name} {value}" for name, value in case.options]
+        return " ".join(["rockingcan reference", case.scene.name, *words])
+    return case.command()
 
 
 def _of_evaluation(e: Evaluation) -> dict[str, float | None]:

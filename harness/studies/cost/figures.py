@@ -57,7 +57,7 @@ def _panel(cost: Cost, quantity: Quantity) -> Panel:
                 x.append(point.cost if seen else math.nan)
                 # what is exact to round-off is drawn at the foot
                 y.append(max(error, 1.3 * quantity.low) if seen else math.nan)
-                hover.append(f"{family.name}, {_size(point)}: {point.case.command()}")
+                hover.append(f"{family.name}, {_size(point)}: {point.command}")
             x.append(math.nan)
             y.append(math.nan)
             hover.append("")

@@ -21,8 +21,6 @@ class Point:
     ----------
     case : Case
     family : str
-    group : str
-        The family's engine with the profile.
     outcome : Outcome
     version : str
     timestep : float or None
@@ -40,6 +38,9 @@ class Point:
     iterations : float or None
     imposes : str
         What the settings make of the can beyond the scene.
+    note : str
+    command : str
+        Runs the case again.
     """
 
     case: Case
@@ -57,6 +58,7 @@ class Point:
     iterations: float | None = None
     imposes: str = ""
     note: str = ""
+    command: str = ""
 
     @property
     def cost(self) -> float:
@@ -110,4 +112,5 @@ def point(case: Case, family: Family, error: Record, time: Record | None) -> Poi
         iterations=error["solver_iterations"],
         imposes=family.variant.imposes,
         note=error["note"],
+        command=error["command"],
     )

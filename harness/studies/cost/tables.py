@@ -138,7 +138,7 @@ def _offer(offer: Offer) -> dict[str, object]:
         "error_deg": offer.error,
         "cost_s_s": _known(point.cost),
         "cost_median_s_s": _known(point.median),
-        "command": point.case.command(),
+        "command": point.command,
     }
 
 
@@ -206,7 +206,7 @@ def _point(p: Point, *, on_front: bool) -> dict[str, object]:
         "constraint_rows": p.rows,
         "on_front": on_front,
         "imposes": p.imposes,
-        "command": p.case.command(),
+        "command": p.command,
     }
 
 
