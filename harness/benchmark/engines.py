@@ -19,7 +19,7 @@ OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
 GAIN = {"mujoco": 100.0, "pybullet": 10.0}
 """Least ratio of a fixed timestep's cost to that of adaptive steps, at the same error."""
 
-_FIXED = (1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8)
+_FIXED = (1e-5, 3e-6, 1e-6, 5e-7, 3e-7, 2e-7, 1.4e-7, 1e-7, 7e-8, 5e-8, 3e-8)
 
 
 def engine_ratios(names: Sequence[str]) -> Iterator[Ratio]:

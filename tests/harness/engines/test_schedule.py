@@ -1,0 +1,104 @@
+"""Steps that follow the motion: the rule itself, and what it buys in both engines."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.engines.schedule import ETA, Adaptive, Fixed, power_of_two
+from harness.runner import evaluate
+from models import Horizon, Release, load
+from models.kinematics import angular_velocity, quaternion
+
+CAN = load("paper-release").can
+PHI_DOT = 2.0  # rad/s, about that of the paper's release before its bounce
+
+
+def adaptive(*, limit: float = 1.0, eta: float = ETA) -> Adaptive:
+    return Adaptive(CAN, largest=1e-4, smallest=1e-10, limit=limit, eta=eta)
+
+
+def state(phi: float, phi_dot: float, psi_dot: float) -> tuple[list[float], list[float]]:
+    omega = angular_velocity(phi, 0.3, phi_dot, psi_dot, -psi_dot)
+    return quaternion(phi, 0.3, 0.0).tolist(), omega.tolist()
+
+
+@pytest.mark.parametrize("phi", [0.03, 1e-3, 1e-5])
+def test_the_rate_is_that_of_the_tilt_along_its_line(phi: float) -> None:
+    psi_dot = 3.0 / phi
+    rate = adaptive().rate(*state(phi, -PHI_DOT, psi_dot))
+    # the axis' horizontal part is sin phi, not phi: a difference of phi^2, and the spin is smaller
+    expected = math.hypot(PHI_DOT / phi, CAN.slowness * psi_dot)
+    assert rate == pytest.approx(expected, rel=max(phi**2, 1e-9))
+
+
+def test_a_step_moves_the_tilt_by_eta_at_most_and_by_half_of_it_at_least() -> None:
+    for phi in np.geomspace(1e-6, 1e-3, 40):
+        schedule = adaptive()
+        moving = state(float(phi), -PHI_DOT, 0.0)
+        stage = schedule.next(*moving)
+        assert stage is not None
+        share = stage.timestep * schedule.rate(*moving)
+        assert ETA / 2.0 < share <= ETA  # down to the next power of two, no further
+
+
+def test_the_bounds_hold() -> None:
+    still = adaptive().next(*state(0.3, 0.0, 0.0))
+    hard = adaptive().next(*state(1e-12, -PHI_DOT, 0.0))
+    assert still is not None
+    assert hard is not None
+    assert still.timestep == power_of_two(1e-4)
+    assert hard.timestep == power_of_two(1e-10)
+
+
+def test_times_are_exact_sums_and_end_at_the_limit() -> None:
+    schedule, limit = adaptive(limit=0.01), 0.01
+    phis = iter(np.geomspace(1e-2, 1e-4, 10_000))
+    last, step = -1.0, 0.0
+    while (stage := schedule.next(*state(float(next(phis)), -PHI_DOT, 0.0))) is not None:
+        assert stage.times[0] == (last + step if last >= 0.0 else 0.0)  # to the bit
+        last, step = float(stage.times[-1]), stage.timestep
+    assert limit - step <= last <= limit + step
+
+
+def test_fixed_times_are_multiples() -> None:
+    schedule = Fixed(1e-3, 0.01, 4)
+    times: list[float] = []
+    while (stage := schedule.next((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) is not None:
+        times += stage.times.tolist()
+    assert times == [n * 1e-3 for n in range(11)]
+
+
+@pytest.mark.parametrize(("engine", "bound"), [("mujoco", 0.01), ("pybullet", 0.05)])
+def test_the_paper_release_turns_right(engine: str, bound: float) -> None:
+    e = evaluate(Case(scene=load("paper-release"), engine=engine, profile="adaptive"))
+    assert e.errors is not None
+    assert abs(math.degrees(e.errors.angle_of_turn[0])) <= bound
+    assert e.simulation.steps < 10_000  # a fixed timestep with this error takes millions
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_three_gentle_bounces_in_a_row(engine: str) -> None:
+    scene = replace(load("gentle-rock"), horizon=Horizon(bounces=3))
+    e = evaluate(Case(scene=scene, engine=engine, profile="adaptive"))
+    assert e.errors is not None
+    turns = [abs(math.degrees(turn)) for turn in e.errors.angle_of_turn]
+    assert len(turns) == 3
+    assert turns[0] <= 0.02
+    assert max(turns) <= 0.05
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("release", [(0.05, 0.4, -0.38), (0.15, -0.7, 0.68), (0.02, 0.02, -0.021)])
+def test_releases_that_nobody_tuned_on(engine: str, release: tuple[float, float, float]) -> None:
+    phi, psi_dot, theta_dot = release
+    scene = replace(
+        load("paper-release"), release=Release(phi=phi, psi_dot=psi_dot, theta_dot=theta_dot)
+    )
+    e = evaluate(Case(scene=scene, engine=engine, profile="adaptive"))
+    assert e.errors is not None
+    assert (
+        abs(math.degrees(e.errors.angle_of_turn[0])) <= {"mujoco": 0.01, "pybullet": 0.05}[engine]
+    )
