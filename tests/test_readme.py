@@ -44,3 +44,14 @@ def test_the_commands_exist() -> None:
     }
     assert named <= existing
     assert {"scenes", "engines", "reference", "run", "validate", "export"} <= named
+
+
+def test_its_pictures_and_links_are_there() -> None:
+    root = Path(__file__).parent.parent
+    linked = [link for link in re.findall(r"\]\(([^)]+)\)", README) if "://" not in link]
+    assert linked
+    assert [link for link in linked if not (root / link).is_file()] == []
+
+
+def test_no_figure_is_left_open() -> None:
+    assert re.findall(r"^[A-Z_]{5,}$|\| [A-Z]+_[A-Z]+ \|", README, flags=re.MULTILINE) == []
