@@ -116,4 +116,10 @@ def _refined(
         best = np.maximum(best, values[rows, peak])
         left = grid[rows, np.maximum(peak - 1, 0)]
         right = grid[rows, np.minimum(peak + 1, SAMPLES - 1)]
-    return np.sign(sign) * best
+    # the vertex of the parabola through the best sample and its neighbours: fourth order
+    middle = np.clip(peak, 1, SAMPLES - 2)
+    below, top, above = (values[rows, middle + step] for step in (-1, 0, 1))
+    bend = 2 * top - below - above
+    rise = np.divide((above - below) ** 2, 8 * bend, out=np.zeros_like(top), where=bend > 0)
+    inside = (top >= below) & (top >= above) & np.isfinite(rise)
+    return np.sign(sign) * np.where(inside, np.maximum(best, top + rise), best)
