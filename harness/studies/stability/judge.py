@@ -49,15 +49,19 @@ def _verdict(e: Evaluation) -> tuple[Verdict, Sign]:
         (Verdict.TUNNELS, tunnelled(e)),
         (Verdict.GAINS, gained(e)),
         (Verdict.FLAT, stuck_flat(e, truth)),
-        (Verdict.DISSIPATES, dissipated(e, keeps)),
+        *sorted(
+            (
+                (Verdict.UNRESOLVED, None if truth is None else unresolved(e, truth.bounces)),
+                (Verdict.DISSIPATES, dissipated(e, keeps)),
+            ),
+            # energy that is lost in a bounce which the steps pass over is lost to the steps
+            key=lambda pair: math.inf if pair[1] is None else pair[1].time,
+        ),
     ):
         if sign is not None:
             return verdict, sign
     if e.motion is None or outcome is Outcome.TOO_SLOW:
         return Verdict.UNRESOLVED, Sign(time=0.0, number=math.nan, words=outcome.value)
-    coarse = None if truth is None or not truth.bounces else unresolved(e)
-    if coarse is not None:
-        return Verdict.UNRESOLVED, coarse
     return _accuracy(e, truth)
 
 

@@ -6,9 +6,11 @@ share of m g R would see nothing.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from harness.bounce import Bounce
 from harness.engines.horizon import natural_time
 from harness.metrics.conservation import energy
 from harness.runner import Evaluation
@@ -96,11 +98,11 @@ def stuck_flat(e: Evaluation, truth: Exact | None) -> Sign | None:
     return Sign(time=since, number=float(phi[first:].max()), words=words) if flat else None
 
 
-def unresolved(e: Evaluation) -> Sign | None:
-    """Return when the contact point first went round too fast to be counted."""
+def unresolved(e: Evaluation, true: Sequence[Bounce]) -> Sign | None:
+    """Return when the contact point first went round too fast to be counted, in a true bounce."""
     if e.motion is None:
         return None
-    for bounce in e.bounces:
+    for bounce, _ in zip(e.bounces, true, strict=False):
         if not bounce.resolved:
             inside = (e.motion.time >= bounce.start) & (e.motion.time <= bounce.end)
             step = float(np.abs(np.diff(e.motion.angles.psi[inside])).max())

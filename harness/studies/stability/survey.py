@@ -37,6 +37,9 @@ phi_max keeps what sweeps it round at phi to eps (phi_max/phi)^2, in any state t
 _SEED = 20_230_208
 _SAMPLES = 33
 _ROUND_OFFS = 64.0  # of an integration of some hundred steps
+_LEAST = 1e-12
+_UNDECIDED = 1e-3
+_SHORTLY = 1e-3  # of the fall: phi moves by its square and is known to round-off
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +53,8 @@ class Finding:
         How the integrated motion ends.
     disagreement : float
         Largest relative difference of formula and integration: period, turn, rotation, least phi.
+    conditioning : float
+        What round-off alone may do to it, relative: added to what is allowed.
     energy_error : float
         Largest change of energy over what the can has to spend.
     evaluations : int
@@ -63,6 +68,7 @@ class Finding:
     scene: str
     outcome: str = ""
     disagreement: float = 0.0
+    conditioning: float = 0.0
     energy_error: float = 0.0
     evaluations: int = 0
     refusal: str = ""
@@ -161,24 +167,29 @@ def _compared(scene: Scene, formula: Truth, integrated: Truth) -> Finding:
     )
     drift = max(_energy_error(scene, truth) for truth in (formula, integrated))
     ends = integrated.solution.outcome
+    limit = _conditioning(scene, formula)
+    if limit > _UNDECIDED:
+        reason = f"Round-off alone moves this motion by {limit:.0e}: a double cannot hold it."
+        return Finding(scene=scene.name, refusal=reason, conditioning=limit)
     return Finding(
         scene=scene.name,
         outcome=ends.name.lower().replace("_", " "),
         disagreement=off,
         energy_error=drift,
         evaluations=integrated.solution.evaluations,
-        failure=_failure(formula, integrated, off, drift),
+        conditioning=limit,
+        failure=_failure(formula, integrated, off, limit, drift),
     )
 
 
-def _failure(formula: Truth, integrated: Truth, off: float, drift: float) -> str:
+def _failure(formula: Truth, integrated: Truth, off: float, limit: float, drift: float) -> str:
     """Return what is wrong with two solutions that ought to be one."""
     one, other = formula.solution, integrated.solution
     if one.outcome is not other.outcome:
         return f"the formula says {one.outcome.name}, the integration {other.outcome.name}"
     if len(one.bounces) != len(other.bounces):
         return f"the formula has {len(one.bounces)} bounces, the integration {len(other.bounces)}"
-    if not off <= ALLOWED + _conditioning(formula.scene):
+    if not off <= ALLOWED + limit:
         return f"formula and integration differ by {off:.1e}"
     if not drift <= ALLOWED:
         return f"the energy changes by {drift:.1e}"
@@ -187,14 +198,29 @@ def _failure(formula: Truth, integrated: Truth, off: float, drift: float) -> str
     return ""
 
 
-def _conditioning(scene: Scene) -> float:
-    """Return what round-off of the energy does to the time spent near balance, relative.
+def _conditioning(scene: Scene, truth: Truth) -> float:
+    """Return what round-off alone does to a bounce, relative.
 
-    At a distance d from the balancing angle a fall takes log(1/d), and d^2 is what the energy
-    tells of it: a rounding of the energy on the way moves the return by eps/d^2.
+    A rounding of the energy moves the maximum of phi by itself over the force there; beside a fast
+    spin that force may be small. And at a distance d from the balancing angle a fall takes
+    log(1/d), of which the energy tells through d^2.
     """
-    distance = 1.0 - scene.release.phi / scene.can.balancing_angle
-    return _ROUND_OFFS * float(np.finfo(float).eps) / max(distance**2, 1e-12)
+    if not truth.bounces:
+        return 0.0
+    bounce, solution, can = truth.bounces[0], truth.solution, scene.can
+    later = _SHORTLY * (bounce.time - bounce.start) / natural_time(scene)
+    start = float(solution.maxima[0])
+    top, after = start, start + later
+    states = solution.at(np.array((top, after)))
+    inertia = can.a + can.h**2 + 1.0
+    force = inertia * abs(float(states.phi_dot[1] - states.phi_dot[0])) / later
+    reach = force * (float(states.phi[0]) - bounce.phi_min)
+    weight = can.mass * scene.gravity * can.radius
+    total = float(energy(truth.at(np.zeros(1)), scene)[0]) / weight
+    share = total / reach if reach > 0.0 else math.inf
+    distance = 1.0 - float(states.phi[0]) / can.balancing_angle
+    near = 1.0 / max(distance**2, _LEAST)
+    return _ROUND_OFFS * float(np.finfo(float).eps) * (share + near)
 
 
 def _difference(one: Bounce, other: Bounce) -> float:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from harness.artefact import Table
 from harness.studies.stability.limits import Limit
-from harness.studies.stability.survey import Finding
+from harness.studies.stability.survey import ALLOWED, Finding
 from harness.studies.stability.verdict import Judged
 from models.catalogue import load
 
@@ -127,7 +127,8 @@ _SURVEY: Mapping[str, str] = {
     "ends": "How the motion ends.",
     "scenes": "How many random scenes.",
     "failures": "How many of them failed.",
-    "largest_disagreement": "Of formula and integration, relative.",
+    "ill_conditioned": "How many in which round-off alone may do more than 1e-9.",
+    "largest_disagreement": "Of formula and integration, relative, in all others.",
     "largest_energy_error": "Over what the can has to spend.",
     "most_evaluations": "Of the equations, in one bounce.",
 }
@@ -137,13 +138,18 @@ def survey_table(findings: Sequence[Finding]) -> Table:
     """Return how the reference fared on random scenes, by how they end."""
     groups: dict[str, list[Finding]] = {}
     for finding in findings:
-        groups.setdefault(finding.outcome or "crash", []).append(finding)
+        groups.setdefault("refused" if finding.refusal else finding.outcome or "crash", []).append(
+            finding
+        )
     rows = [
         {
             "ends": outcome,
             "scenes": len(group),
             "failures": sum(bool(finding.failure) for finding in group),
-            "largest_disagreement": max(finding.disagreement for finding in group),
+            "ill_conditioned": sum(finding.conditioning > ALLOWED for finding in group),
+            "largest_disagreement": max(
+                (f.disagreement for f in group if f.conditioning <= ALLOWED), default=math.nan
+            ),
             "largest_energy_error": max(finding.energy_error for finding in group),
             "most_evaluations": max(finding.evaluations for finding in group),
         }

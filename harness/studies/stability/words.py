@@ -21,6 +21,7 @@ def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[
     solved = sum(not finding.failure and not finding.refusal for finding in hard)
     refused = sum(bool(finding.refusal) for finding in hard)
     failed = [finding for finding in hard if finding.failure]
+    unsure = sum(bool(finding.refusal) for finding in random)
     wrong = sum(bool(finding.failure) for finding in random)
     sentences = [
         f"{len(judged)} runs of {' and '.join(engines)} over {len(hard)} hard cases were judged.",
@@ -29,7 +30,7 @@ def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[
             f"integration, and refuses {refused} with a sentence."
         ),
         *(f"It fails on {finding.scene}: {finding.failure}." for finding in failed),
-        f"Of {len(random)} random scenes it fails on {wrong}.",
+        f"Of {len(random)} random scenes it refuses {unsure} and fails on {wrong}.",
     ]
     meanings = "; ".join(f"{verdict.value}: {MEANINGS[verdict]}" for verdict in Verdict)
     text = " ".join(sentences) + f"\n\nThe verdicts are {meanings}."

@@ -1,0 +1,66 @@
+"""The detectors on real engines: a case of each failure, which must keep being recognised."""
+
+import pytest
+
+from harness.case import Case
+from harness.runner import evaluate
+from harness.studies.stability import Judged, Verdict, judge
+from models import load
+
+
+def run(scene: str, engine: str, profile: str, timestep: float | None) -> Judged:
+    return judge(
+        evaluate(Case(scene=load(scene), engine=engine, profile=profile, timestep=timestep))
+    )
+
+
+@pytest.mark.parametrize(
+    ("scene", "engine", "profile", "timestep", "verdict", "least"),
+    [
+        # the stock contact gives way by a tenth of the radius when the can lands
+        ("drop-1-cm", "mujoco", "default", None, Verdict.TUNNELS, 0.1),
+        # a needle's spin is stirred by friction until it carries many times the energy
+        ("needle-moments", "pybullet", "matched", 2e-3, Verdict.GAINS, 1.0),
+        # a step is longer than the bounce: the can lands flat and stays
+        ("epsilon-1e-12", "mujoco", "matched", 2e-3, Verdict.FLAT, 1e-3),
+        ("epsilon-1e-12", "pybullet", "matched", 2e-3, Verdict.FLAT, 1e-3),
+        # the stock damping of a multibody, in free flight
+        ("free-axial", "pybullet", "default", None, Verdict.DISSIPATES, 0.3),
+        # ERP takes a depth of a millimetre away in a step: the can is shot up
+        ("start-in-penetration", "pybullet", "matched", 2e-6, Verdict.DIVERGES, 10.0),
+        # the bounce is survived, but its turns cannot be counted
+        ("epsilon-1e-08", "pybullet", "matched", 2e-4, Verdict.UNRESOLVED, 1.5),
+    ],
+)
+def test_a_failure_is_recognised(  # noqa: PLR0917 - a parameter a column
+    scene: str,
+    engine: str,
+    profile: str,
+    timestep: float | None,
+    verdict: Verdict,
+    least: float,
+) -> None:
+    found = run(scene, engine, profile, timestep)
+    assert found.verdict is verdict, found.sign
+    assert found.sign.number >= least
+    seconds = load(scene).horizon.seconds
+    assert seconds is not None
+    assert 0.0 <= found.sign.time <= seconds
+
+
+def test_a_probe_that_the_engine_fails_is_a_refusal_in_words() -> None:
+    found = run("hundred-g", "mujoco", "default", None)
+    assert found.verdict is Verdict.REFUSED
+    assert "friction" in found.sign.words
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_what_is_easy_is_accurate(engine: str) -> None:
+    assert run("thin-disk", engine, "matched", 1e-3).verdict is Verdict.ACCURATE
+
+
+def test_a_failure_does_not_poison_the_next_case() -> None:
+    before = run("tall-can", "pybullet", "matched", 2e-3)
+    run("start-in-penetration", "pybullet", "matched", 2e-6)
+    after = run("tall-can", "pybullet", "matched", 2e-3)
+    assert (after.verdict, after.sign) == (before.verdict, before.sign)

@@ -1,0 +1,184 @@
+"""Signs of failure on motions made by hand: each is seen when it comes, and by how much."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.engines.reference import truth
+from harness.runner import Evaluation, measure
+from harness.simulation import Outcome, Simulation
+from harness.studies.stability.exact import free_rotation
+from harness.studies.stability.judge import judge
+from harness.studies.stability.verdict import Verdict
+from harness.trajectory import Trajectory, take
+from models import Horizon, Scene, angular_velocity, load, quaternion, to_body
+
+Change = Callable[[dict[str, np.ndarray], np.ndarray], None]
+
+
+def scene_of(seconds: float = 0.3) -> Scene:
+    return replace(load("gentle-rock"), horizon=Horizon(seconds=seconds))
+
+
+def exact_trajectory(scene: Scene) -> Trajectory:
+    own = truth(scene)
+    return own.at(own.grid())
+
+
+def evaluated(
+    scene: Scene, trajectory: Trajectory | None, outcome: Outcome = Outcome.FINISHED
+) -> Evaluation:
+    return measure(
+        Simulation(
+            case=Case(scene=scene, engine="mujoco", timestep=1e-4),
+            outcome=outcome,
+            trajectory=trajectory,
+            engine_version="0",
+            model="by hand",
+            timestep=1e-4,
+        )
+    )
+
+
+def changed(trajectory: Trajectory, change: Change) -> Trajectory:
+    fields = {name: np.array(getattr(trajectory, name)) for name in trajectory.__slots__}
+    change(fields, fields["time"])
+    return Trajectory(**fields)
+
+
+def verdict(change: Change, scene: Scene | None = None) -> tuple[Verdict, float, float]:
+    scene = scene_of() if scene is None else scene
+    found = judge(evaluated(scene, changed(exact_trajectory(scene), change)))
+    assert found.simulation.trajectory is None
+    return found.verdict, found.sign.time, found.sign.number
+
+
+def test_the_exact_motion_is_accurate() -> None:
+    found, _, number = verdict(lambda _f, _t: None)
+    assert found is Verdict.ACCURATE
+    assert number < 1e-9  # round-off of quaternions, there and back
+
+
+def test_a_can_that_sinks_tunnels_from_the_moment_that_it_is_too_deep() -> None:
+    def sink(fields: dict[str, np.ndarray], time: np.ndarray) -> None:
+        fields["position"][:, 2] -= 0.02 * time  # a tenth of 37 mm after 0.185 s
+
+    found, when, number = verdict(sink)
+    assert found is Verdict.TUNNELS
+    assert when == pytest.approx(0.185, abs=2e-3)  # the next sample
+    assert number == pytest.approx(0.02 * 0.3 / 0.037, rel=1e-6)
+
+
+@pytest.mark.parametrize(("sign", "name"), [(1.0, Verdict.GAINS), (-1.0, Verdict.DISSIPATES)])
+def test_energy_that_comes_or_goes_is_weighed_by_what_there_is_to_spend(
+    sign: float, name: Verdict
+) -> None:
+    scene = scene_of()
+    can = scene.can
+    high = can.radius * math.sin(0.4) + can.half_height * math.cos(0.4) - can.half_height
+
+    def lift(fields: dict[str, np.ndarray], time: np.ndarray) -> None:
+        fields["position"][:, 2] += sign * 0.1 * high * time / 0.3
+
+    found, when, number = verdict(lift)
+    assert found is name
+    # the spin of the release, some per mille of it, counts as well
+    assert when == pytest.approx(0.15, rel=0.05)
+    assert number == pytest.approx(0.1, rel=0.05)
+
+
+def test_a_can_that_lies_down_for_good_sticks_flat() -> None:
+    scene = scene_of(0.33)
+
+    def lie(fields: dict[str, np.ndarray], time: np.ndarray) -> None:
+        flat = time > 0.16
+        fields["quaternion"][flat] = quaternion(1e-3, 0.0, 0.0)
+        fields["velocity"][flat] = fields["angular_velocity"][flat] = 0.0
+        fields["position"][flat, 2] = scene.can.half_height
+
+    found, when, number = verdict(lie, scene)
+    assert found is Verdict.FLAT
+    assert when == pytest.approx(0.16, abs=2e-3)
+    assert number == pytest.approx(1e-3)
+
+
+def test_steps_too_long_to_count_the_turns_are_unresolved() -> None:
+    scene = replace(load("paper-release"), horizon=Horizon(seconds=0.07))
+    whole = exact_trajectory(scene)
+    # six samples a millisecond apart are left of the bounce, which lasts a microsecond
+    sparse = np.unique(np.searchsorted(whole.time, np.arange(0.0, whole.time[-1], 1e-3)))
+    found = judge(evaluated(scene, take(whole, sparse)))
+    assert found.verdict is Verdict.UNRESOLVED
+    assert found.sign.time == pytest.approx(0.031, abs=1e-3)
+
+
+def test_another_motion_is_inaccurate_and_says_by_how_much() -> None:
+    def slow(fields: dict[str, np.ndarray], _time: np.ndarray) -> None:
+        fields["time"] *= 1.02
+
+    found, _, number = verdict(slow)
+    assert found is Verdict.INACCURATE
+    assert 0.01 < number < 0.1
+
+
+def test_broken_numbers_diverge_even_where_nothing_was_recorded() -> None:
+    scene = scene_of()
+    for trajectory in (None, exact_trajectory(scene)):
+        found = judge(evaluated(scene, trajectory, Outcome.DIVERGED))
+        assert found.verdict is Verdict.DIVERGES
+    assert not found.sound
+
+
+@pytest.mark.parametrize("outcome", [Outcome.MISMATCH, Outcome.BROKEN])
+def test_what_did_not_run_is_refused(outcome: Outcome) -> None:
+    assert judge(evaluated(scene_of(), None, outcome)).verdict is Verdict.REFUSED
+
+
+def test_without_an_exact_motion_a_run_in_which_nothing_fails_is_stable() -> None:
+    scene = load("drop-1-cm")
+    own = exact_trajectory(replace(scene, release=replace(scene.release, height=0.0)))
+    found = judge(evaluated(scene, own))
+    assert found.verdict is Verdict.STABLE
+    assert found.accurate
+
+
+def test_a_free_can_turns_as_eulers_equations_say() -> None:
+    # the closed form against its definition, by differences: the body's rate is L/A + ..., and
+    # the angular momentum stays
+    scene = load("free-tumbling")
+    time = np.linspace(0.0, 0.02, 2001)
+    start = scene.release
+    ones = np.ones((len(time), 1))
+    omega = angular_velocity(start.phi, start.psi, 0.0, start.psi_dot, start.theta_dot)
+    q0 = quaternion(start.phi, start.psi, start.theta)
+    record = Trajectory(
+        time=time,
+        position=0.0 * ones * np.ones(3),
+        quaternion=ones * q0,
+        velocity=0.0 * ones * np.ones(3),
+        angular_velocity=ones * omega,
+        contact_point=np.nan * ones * np.ones(3),
+        contact_force=0.0 * ones * np.ones(3),
+        penetration=np.full(len(time), np.nan),
+        contact_count=np.zeros(len(time), dtype=np.int64),
+    )
+    q = free_rotation(record, scene)
+    step = time[1] - time[0]
+    rate = (q[2:] - q[:-2]) / (2.0 * step)
+    middle = q[1:-1]
+    # angular velocity 2 q' q*, in the world
+    w, v = middle[:, :1], middle[:, 1:]
+    dw, dv = rate[:, :1], rate[:, 1:]
+    world = 2.0 * (-dw * v + w * dv - np.cross(dv, v))
+    moments = np.array((scene.can.transverse_inertia,) * 2 + (scene.can.axial_inertia,))
+    body = to_body(middle, world)
+    inverse = middle * np.array((1.0, -1.0, -1.0, -1.0))
+    momentum = to_body(inverse, moments * body)
+    # the first difference is of the second sample, by when the rate has turned by 40 rad/s 1e-5 s
+    assert np.linalg.norm(world[0] - omega) < 1e-3 * np.linalg.norm(omega)
+    # a central difference over 1e-5 s at 40 rad/s is off by (40e-5)^2/6, relative
+    assert np.abs(momentum - momentum[0]).max() < 1e-6 * np.linalg.norm(momentum[0])
