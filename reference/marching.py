@@ -107,6 +107,10 @@ def march(problem: Problem, *, locus: bool) -> Run:
     watch = Watch(problem)
     length = inf
     while not watch.ended():
+        if state.pieces and watch.t_end - state.time <= 8 * np.spacing(watch.t_end):
+            # an extremum fell on the horizon: what is left is shorter than a step can be
+            watch.end(state.time, Outcome.FINISHED)
+            break
         length = _step(equations, state, watch, length)
         if not length > 0:
             watch.end(state.time, Outcome.STALLED)

@@ -70,7 +70,8 @@ def turning_points(well: Well) -> TurningPoints:
     # at the release itself its own values are exact
     b = np.where(high == release, well.b, top.b[0])
     spin = np.where(high == release, well.spin, top.spin[0])
-    based = well_at(well.can, well.series, phi=high, b=b, spin=spin, excess=np.zeros_like(high))
+    none = np.zeros_like(high)
+    based = well_at(well.can, well.series, phi=high, b=b, spin=spin, excess=none, B=well.B)
     low, bottom = _lower(based)
     code = np.full(release.shape, OUTCOMES.index(Outcome.FINISHED), dtype=np.int8)
     code[~bottom] = OUTCOMES.index(Outcome.FELL_FLAT)

@@ -58,10 +58,22 @@ class Well:
 
 
 def well_at(
-    can: Can, series: Series, *, phi: Floats, b: Floats, spin: Floats, excess: Floats
+    can: Can,
+    series: Series,
+    *,
+    phi: Floats,
+    b: Floats,
+    spin: Floats,
+    excess: Floats,
+    B: Floats | None = None,
 ) -> Well:
-    """Return the well that passes through (b, s, g) at nutation phi, all of shape (n,)."""
-    B = b * horner(series.s1, phi) - spin * horner(series.b1, phi)
+    """Return the well that passes through (b, s, g) at nutation phi, all of shape (n,).
+
+    The first integral B may be given where it is known better: of a can that moves near the flat
+    state and rises far above it, B is a small difference of what b and s are up there.
+    """
+    if B is None:
+        B = b * horner(series.s1, phi) - spin * horner(series.b1, phi)
     # the constant that multiplies (b1, s1) when the logarithm is that of phi/r
     K = spin * horner(series.b2, phi) - b * horner(series.s2, phi)
     part_b = K * series.b1 + B * series.b2
