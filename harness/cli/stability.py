@@ -86,7 +86,7 @@ def stability(
     )
     console = printing.out()
     for artefact in artefacts:
-        if isinstance(artefact, Table) and artefact.name in {"limits", "random-scenes"}:
+        if isinstance(artefact, Table) and artefact.name in {"largest-timesteps", "random-scenes"}:
             console.print(printing.data(artefact, tuple(artefact.columns)))
         if isinstance(artefact, Prose):
             console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")

@@ -84,7 +84,7 @@ def limit_table(limits: Sequence[Limit]) -> Table:
             "coarsest_s": limit.coarsest,
         }
     return Table(
-        name="limits",
+        name="largest-timesteps",
         title="The largest usable timestep",
         frame=pd.DataFrame(list(rows.values()), columns=list(_LIMITS)),
         columns=_LIMITS,

@@ -35,7 +35,7 @@ def test_the_report_has_the_map_a_page_for_each_engine_and_the_counts(report: Pa
     for engine in ("mujoco", "pybullet"):
         for profile in ("matched", "default"):
             assert f"map-{engine}-{profile}.svg" in files
-    assert {"limits.csv", "hard-cases.csv", "random-scenes.csv", "verdicts.csv"} <= files
+    assert {"largest-timesteps.csv", "hard-cases.csv", "random-scenes.csv", "verdicts.csv"} <= files
     page = (report / "index.html").read_text(encoding="utf-8")
     assert "The verdict on pybullet" in page
     assert "Of 3 random scenes" in page
@@ -43,7 +43,7 @@ def test_the_report_has_the_map_a_page_for_each_engine_and_the_counts(report: Pa
     assert set(verdicts["verdict"]) <= {verdict.value for verdict in Verdict}
     manifest = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
     assert len(manifest["cases"]) == len(verdicts)
-    limits = pd.read_csv(report / "tables" / "limits.csv").set_index(["scene", "engine"])
+    limits = pd.read_csv(report / "tables" / "largest-timesteps.csv").set_index(["scene", "engine"])
     assert limits["sound_timestep_s"]["thin-disk", "mujoco"] >= 1e-3
 
 
