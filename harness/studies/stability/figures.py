@@ -56,8 +56,6 @@ def map_figures(judged: Sequence[Judged], names: Sequence[str]) -> tuple[Figure,
 
 def _map(engine: str, profile: str, own: Sequence[Judged], names: Sequence[str]) -> Figure:
     """Return one map."""
-    parts = -(-len(names) // _WIDE)
-    size = -(-len(names) // parts)
     steps = [one.simulation.timestep or np.nan for one in own]
     ends = (min(steps) / 2.0, max(steps) * 2.0)
     panels = [
@@ -65,12 +63,12 @@ def _map(engine: str, profile: str, own: Sequence[Judged], names: Sequence[str])
             title=f"{engine}, {profile}",
             x_label="hard case",
             y_label="timestep [s]",
-            series=tuple(_series(own, names[start : start + size])),
+            series=tuple(_series(own, part)),
             log_y=True,
-            x_names=tuple(names[start : start + size]),
+            x_names=tuple(part),
             y_range=ends,
         )
-        for start in range(0, len(names), size)
+        for part in _parts(names)
     ]
     sound = sum(one.sound for one in own)
     accurate = sum(one.verdict is Verdict.ACCURATE for one in own)
@@ -110,33 +108,31 @@ def _series(own: Sequence[Judged], names: Sequence[str]) -> Iterator[Series]:
         )
 
 
+def _parts(names: Sequence[str]) -> list[Sequence[str]]:
+    """Return names in as many parts as there must be panels, about as long each."""
+    size = -(-len(names) // -(-len(names) // _WIDE))
+    return [names[start : start + size] for start in range(0, len(names), size)]
+
+
 def limit_figure(limits: Sequence[Limit], names: Sequence[str]) -> Figure:
     """Return the largest timesteps that are accurate and that are sound, a point a release."""
-    panels = []
-    for standard, title in (
-        ("accurate", "Largest timestep that follows the exact motion"),
-        ("sound", "Largest timestep at which nothing fails"),
-    ):
-        series = []
-        for engine in dict.fromkeys(limit.engine for limit in limits):
-            pairs = [
-                (float(names.index(limit.scene)), step)
-                for limit in limits
-                if (limit.engine, limit.standard) == (engine, standard)
-                for step in limit.known
-            ]
-            x, y = np.array(pairs).reshape(-1, 2).T
-            series.append(Series(label=engine, kind=engine, x=x, y=y, mark="points"))
-        panels.append(
-            Panel(
-                title=title,
-                x_label="hard case",
-                y_label="timestep [s]",
-                series=tuple(series),
-                log_y=True,
-                x_names=tuple(names),
-            )
+    ends = (min(limit.finest for limit in limits), 2.0 * max(limit.coarsest for limit in limits))
+    panels = [
+        Panel(
+            title=title,
+            x_label="hard case",
+            y_label="timestep [s]",
+            series=tuple(_limits_of(limits, standard, part)),
+            log_y=True,
+            x_names=tuple(part),
+            y_range=ends,
         )
+        for standard, title in (
+            ("accurate", "Largest timestep that follows the exact motion"),
+            ("sound", "Largest timestep at which nothing fails"),
+        )
+        for part in _parts(names)
+    ]
     return Figure(
         name="limits",
         title="The largest usable timestep",
@@ -148,3 +144,16 @@ def limit_figure(limits: Sequence[Limit], names: Sequence[str]) -> Figure:
         panels=tuple(panels),
         columns=1,
     )
+
+
+def _limits_of(limits: Sequence[Limit], standard: str, names: Sequence[str]) -> Iterator[Series]:
+    """Yield the points of each engine."""
+    for engine in dict.fromkeys(limit.engine for limit in limits):
+        pairs = [
+            (float(names.index(limit.scene)), step)
+            for limit in limits
+            if (limit.engine, limit.standard) == (engine, standard) and limit.scene in names
+            for step in limit.known
+        ]
+        x, y = np.array(pairs).reshape(-1, 2).T
+        yield Series(label=engine, kind=engine, x=x, y=y, mark="points")
