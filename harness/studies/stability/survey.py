@@ -203,7 +203,8 @@ def _conditioning(scene: Scene, truth: Truth) -> float:
 
     A rounding of the energy moves the maximum of phi by itself over the force there; beside a fast
     spin that force may be small. And at a distance d from the balancing angle a fall takes
-    log(1/d), of which the energy tells through d^2.
+    log(1/d), of which the energy tells through d^2. What sweeps a can round that is thrown up from
+    phi is a share (phi/phi_max)^2 of what an integrator carries at the top.
     """
     if not truth.bounces:
         return 0.0
@@ -220,7 +221,8 @@ def _conditioning(scene: Scene, truth: Truth) -> float:
     share = total / reach if reach > 0.0 else math.inf
     distance = 1.0 - float(states.phi[0]) / can.balancing_angle
     near = 1.0 / max(distance**2, _LEAST)
-    return _ROUND_OFFS * float(np.finfo(float).eps) * (share + near)
+    thrown = (float(states.phi[0]) / scene.release.phi) ** 2
+    return _ROUND_OFFS * float(np.finfo(float).eps) * (share + near + thrown)
 
 
 def _difference(one: Bounce, other: Bounce) -> float:
