@@ -1,4 +1,4 @@
-"""What a study hands to the report: tables, figures and prose. Nothing here knows of files.
+"""What a study hands to the report: tables, figures, replays, prose. Nothing here knows of files.
 
 A figure is data and the wish how to look at it; which library draws it is the report's business.
 """
@@ -91,6 +91,8 @@ class Figure:
         Panels in a row on a wide screen.
     scene : str
         Scene whose section it belongs to; empty for a figure over all scenes.
+    cases : tuple of str
+        Digests of the cases whose curves are drawn.
     """
 
     name: str
@@ -99,6 +101,7 @@ class Figure:
     panels: tuple[Panel, ...]
     columns: int = 2
     scene: str = ""
+    cases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -115,6 +118,9 @@ class Table:
         Columns that the page shows, in this order; the files have all.
     scene : str
         As for `Figure`.
+    verdicts, cases : mapping of str to str
+        For a column of numbers, the column with their verdicts in words, and the one with the
+        digests of the cases that made them.
     """
 
     name: str
@@ -123,6 +129,8 @@ class Table:
     columns: Mapping[str, str]
     shown: tuple[str, ...] = field(default=())
     scene: str = ""
+    verdicts: Mapping[str, str] = field(default_factory=dict)
+    cases: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,4 +143,54 @@ class Prose:
     scene: str = ""
 
 
-Artefact = Figure | Table | Prose
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Body:
+    """One can in a replay, an angle and a contact point for each frame.
+
+    Parameters
+    ----------
+    label, kind : str
+        As for `Series`.
+    phi, psi, theta : ndarray, shape (n,)
+        rad, without jumps.
+    contact : ndarray, shape (n, 2)
+        Lowest point of the rim, from above, m.
+    """
+
+    label: str
+    kind: str
+    phi: Floats
+    psi: Floats
+    theta: Floats
+    contact: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Replay:
+    """Cans that roll side by side, frame by frame.
+
+    Parameters
+    ----------
+    name, title, seen, scene : str
+        As for `Figure`.
+    radius, height : float
+        Of the can, m.
+    time : ndarray, shape (n,)
+        Of the frames, s; dense where much happens, so that playing them is slow there.
+    bodies : tuple of Body
+    tilt : float
+        By how much phi is drawn larger than it is, so that it can be seen.
+    """
+
+    name: str
+    title: str
+    seen: str
+    radius: float
+    height: float
+    time: Floats
+    bodies: tuple[Body, ...]
+    tilt: float = 1.0
+    scene: str = ""
+
+
+Artefact = Figure | Table | Prose | Replay

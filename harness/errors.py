@@ -88,3 +88,7 @@ class TrajectoryError(HarnessError, ValueError):
 
 class OutputError(HarnessError, OSError):
     """A result cannot be written where it was asked for."""
+
+
+class ReportError(HarnessError, OSError):
+    """A report that was written earlier cannot be read."""
