@@ -1,8 +1,17 @@
 """What is simulated: the can, its release, its effects, and the models that engines open."""
 
+from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can
 from models.catalogue import hard_names, load, names
-from models.effects import IDEAL, NO_SLIP_FRICTION, Effects, Slip
+from models.contact_effects import (
+    Compliance,
+    Drilling,
+    Restitution,
+    RollingResistance,
+    RoundedRim,
+    Slip,
+)
+from models.effects import IDEAL, KINDS, NO_SLIP_FRICTION, Effects
 from models.errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
 from models.kinematics import (
     angle_rates,
@@ -31,20 +40,30 @@ __all__ = [
     "DEPTH_SENSOR",
     "GROUND_FRICTION",
     "IDEAL",
+    "KINDS",
     "NET_SENSOR",
     "NO_SLIP_FRICTION",
     "RESOLVED_STEP",
     "Angles",
     "Can",
+    "Compliance",
+    "Damping",
+    "Drilling",
     "Effects",
     "Horizon",
     "InvalidValueError",
     "ModelError",
+    "PointMass",
     "Pose",
     "Release",
+    "Restitution",
+    "RollingResistance",
+    "RoundedRim",
     "Scene",
     "SceneFileError",
+    "Shake",
     "Slip",
+    "Tilt",
     "Twist",
     "UnknownSceneError",
     "angle_rates",

@@ -1,13 +1,26 @@
 """What a scene adds to the ideal can: each effect is present, or is None, its ideal limit.
 
 The ideal can is rigid, rolls without slipping, loses nothing, and stands on a level plane at rest.
-An effect is a small frozen class that holds the constants of its law, in SI units.
+An effect is a small frozen class that holds the constants of its law, in SI units: those of the
+contact are in `models.contact_effects`, those of the can and its surroundings in
+`models.body_effects`.
 """
 
 from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Any
 
-from models.errors import InvalidValueError
-from models.quantity import not_negative
+from models.body_effects import Damping, PointMass, Shake, Tilt
+from models.can import Can
+from models.contact_effects import (
+    Compliance,
+    Drilling,
+    Restitution,
+    RollingResistance,
+    RoundedRim,
+    Slip,
+)
+from models.errors import InvalidValueError, ModelError
 
 NO_SLIP_FRICTION = 2.0
 """Coefficient of friction of an engine model whose scene declares no slip.
@@ -20,28 +33,6 @@ needs 0.508. With 1 that scene slips. More changes little: from 2 to 5, psi afte
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Slip:
-    """Coulomb friction: the rim slips where the rolling can would need |F| > mu N.
-
-    Parameters
-    ----------
-    mu : float
-        Coefficient of friction of the pair of can and plane; zero is a frictionless plane.
-
-    Raises
-    ------
-    InvalidValueError
-        If `mu` is negative or not finite.
-    """
-
-    mu: float
-
-    def __post_init__(self) -> None:
-        """Refuse friction that would drive the can."""
-        object.__setattr__(self, "mu", not_negative("mu", self.mu))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Effects:
     """The effects of a scene; what is left out is the ideal limit.
 
@@ -49,19 +40,108 @@ class Effects:
     ----------
     slip : Slip, optional
         Coulomb friction; left out, the can never slips.
+    compliance : Compliance, optional
+        A contact that gives way; left out, it is rigid.
+    restitution : Restitution, optional
+        How much an impact gives back; left out, nothing: the rim stays on the plane.
+    drilling : Drilling, optional
+        Friction against turning about the normal; left out, none.
+    rolling_resistance : RollingResistance, optional
+        Friction against rolling; left out, none.
+    damping : Damping, optional
+        Drag; left out, none.
+    rim : RoundedRim, optional
+        A rim that is an arc; left out, it is sharp.
+    tilt : Tilt, optional
+        A plane that is not level.
+    shake : Shake, optional
+        A plane that moves.
+    point_mass : PointMass, optional
+        A mass beside the can's own.
+
+    Raises
+    ------
+    InvalidValueError
+        If something is not the effect that its name says.
+    ModelError
+        If two effects contradict each other.
     """
 
     slip: Slip | None = None
+    compliance: Compliance | None = None
+    restitution: Restitution | None = None
+    drilling: Drilling | None = None
+    rolling_resistance: RollingResistance | None = None
+    damping: Damping | None = None
+    rim: RoundedRim | None = None
+    tilt: Tilt | None = None
+    shake: Shake | None = None
+    point_mass: PointMass | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is not an effect."""
-        if self.slip is not None and not isinstance(self.slip, Slip):
-            raise InvalidValueError("slip", self.slip, "a Slip or None")
+        """Refuse what is not an effect, and effects of which one excludes the other."""
+        for name, kind in KINDS.items():
+            found = getattr(self, name)
+            if found is not None and not isinstance(found, kind):
+                raise InvalidValueError(name, found, f"a {kind.__name__} or None")
+        if self.slip is not None and self.slip.mu == 0.0:
+            for name in ("drilling", "rolling_resistance"):
+                if getattr(self, name) is not None:
+                    raise ModelError(
+                        f"effects `slip` with mu 0 and `{name}` contradict each other: "
+                        "a plane without friction resists neither drilling nor rolling"
+                    )
+        if self.compliance is not None and self.restitution is not None:
+            raise ModelError(
+                "effects `compliance` and `restitution` contradict each other: "
+                "what a compliant contact gives back follows from its damping"
+            )
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the effects that are present, in the order of the fields."""
         return tuple(field.name for field in fields(self) if getattr(self, field.name) is not None)
 
 
+KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
+    {
+        "slip": Slip,
+        "compliance": Compliance,
+        "restitution": Restitution,
+        "drilling": Drilling,
+        "rolling_resistance": RollingResistance,
+        "damping": Damping,
+        "rim": RoundedRim,
+        "tilt": Tilt,
+        "shake": Shake,
+        "point_mass": PointMass,
+    }
+)
+"""The effects there are, by their keys in a scene file."""
+
 IDEAL = Effects()
 """No effect at all: rigid, no slip, no loss, level, at rest."""
+
+
+def check_fits(effects: Effects, can: Can) -> None:
+    """Refuse effects that do not fit into a can.
+
+    Raises
+    ------
+    InvalidValueError
+        A point mass outside the can, or a rim rounded by more than the can has; the key is the
+        effect's and the quantity's, such as ``point_mass.z``.
+    """
+    rim, mass = effects.rim, effects.point_mass
+    if rim is not None and rim.radius >= min(can.radius, can.half_height):
+        allowed = f"less than the can's radius {can.radius:g} and half height {can.half_height:g}"
+        raise InvalidValueError("rim.radius", rim.radius, allowed)
+    if mass is None:
+        return
+    if abs(mass.z) > can.half_height:
+        allowed = f"inside the can: at most {can.half_height:g} from its centre"
+        raise InvalidValueError("point_mass.z", mass.z, allowed)
+    for name, other in (("x", mass.y), ("y", mass.x)):
+        value = getattr(mass, name)
+        if value * value + other * other > can.radius**2:
+            allowed = f"inside the can: at most {can.radius:g} from its axis"
+            raise InvalidValueError(f"point_mass.{name}", value, allowed)

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from models.can import Can
-from models.effects import Effects
+from models.effects import Effects, check_fits
 from models.errors import InvalidValueError
 from models.quantity import not_negative, positive
 from models.state import Release
@@ -110,6 +110,10 @@ class Scene:
         ):
             if not isinstance(getattr(self, key), kind):
                 raise InvalidValueError(key, getattr(self, key), f"a {kind.__name__}")
+        try:
+            check_fits(self.effects, self.can)
+        except InvalidValueError as error:
+            raise InvalidValueError(f"effects.{error.key}", error.value, error.allowed) from None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as a scene file says it: plain, nested, in SI units.

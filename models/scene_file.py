@@ -7,17 +7,19 @@ scene themselves. What is wrong is reported together, one line each, naming the 
 import tomllib
 from collections.abc import Callable
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from models.can import Can
-from models.effects import Effects, Slip
+from models.effects import KINDS, Effects
 from models.errors import InvalidValueError, ModelError, SceneFileError, shown
 from models.quantity import positive
 from models.scene import Horizon, Scene
+from models.scene_tables import CanTable, FileTable, HorizonTable, Table
 from models.state import Release
 
 LARGEST_FILE = 1_000_000
@@ -27,56 +29,6 @@ MOST_PROBLEMS = 10
 """Problems of shape that are listed; a file with more is no scene file at all."""
 
 T = TypeVar("T")
-
-
-class _Table(BaseModel):
-    """A table of a scene file: no key beyond those named, no conversion of types."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class _Can(_Table):
-    mass: float
-    radius: float
-    a: float | None = None
-    A: float | None = None
-    c: float | None = None
-    C: float | None = None
-    h: float | None = None
-    H: float | None = None
-
-
-class _Release(_Table):
-    phi: float
-    psi: float = 0.0
-    theta: float = 0.0
-    phi_dot: float = 0.0
-    psi_dot: float = 0.0
-    theta_dot: float = 0.0
-    height: float = 0.0
-
-
-class _Horizon(_Table):
-    bounces: int | None = None
-    seconds: float | None = None
-
-
-class _Slip(_Table):
-    mu: float
-
-
-class _Effects(_Table):
-    slip: _Slip | None = None
-
-
-class _File(_Table):
-    name: str
-    cite: str = ""
-    gravity: float
-    can: _Can
-    release: _Release
-    horizon: _Horizon
-    effects: _Effects = _Effects()
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -99,7 +51,7 @@ def read_scene(path: str | Path) -> Scene:
     path = Path(path)
     text = _text(path)
     try:
-        file = _File.model_validate(tomllib.loads(text))
+        file = FileTable.model_validate(tomllib.loads(text))
     except ValidationError as error:
         problems = [_sentence(detail) for detail in error.errors()]
         if len(problems) > MOST_PROBLEMS:
@@ -179,7 +131,7 @@ def _found(value: object) -> str:
 
 def _table(location: list[str]) -> type[BaseModel]:
     """Return the model of the table at this place of the file."""
-    table: type[BaseModel] = _File
+    table: type[BaseModel] = FileTable
     for key in location:
         annotation: Any = table.model_fields[key].annotation
         table = next(
@@ -190,7 +142,7 @@ def _table(location: list[str]) -> type[BaseModel]:
     return table
 
 
-def _scene(path: Path, file: _File) -> Scene:
+def _scene(path: Path, file: FileTable) -> Scene:
     """Build the scene that the file describes."""
     problems: list[str] = []
 
@@ -207,10 +159,13 @@ def _scene(path: Path, file: _File) -> Scene:
     can = built("can.", lambda: _can(file.can))
     release = built("release.", lambda: Release(**file.release.model_dump()))
     horizon = built("horizon.", lambda: _horizon(file.horizon))
-    slip = file.effects.slip
-    effects = built(
-        "effects.slip.", lambda: Effects(slip=None if slip is None else Slip(mu=slip.mu))
-    )
+    declared = {
+        name: built(f"effects.{name}.", partial(_effect, name, constants))
+        for name, constants in file.effects.model_dump(exclude_none=True).items()
+    }
+    if None in declared.values():
+        raise SceneFileError(path, problems)
+    effects = built("effects.", lambda: Effects(**declared))
     if can is None or release is None or horizon is None or effects is None:
         raise SceneFileError(path, problems)
     scene = built(
@@ -230,7 +185,7 @@ def _scene(path: Path, file: _File) -> Scene:
     return scene
 
 
-def _can(table: _Can) -> Can:
+def _can(table: CanTable) -> Can:
     """Build the can; each length and moment is given as a group or in SI units, never both."""
     mass, radius = positive("mass", table.mass), positive("radius", table.radius)
     given: dict[str, tuple[str, float]] = {}
@@ -249,12 +204,17 @@ def _can(table: _Can) -> Can:
         raise InvalidValueError(*given[error.key], error.allowed) from None
 
 
-def _horizon(table: _Horizon) -> Horizon:
+def _effect(name: str, constants: dict[str, float]) -> Any:  # noqa: ANN401 - of any kind
+    """Build the effect of that name."""
+    return KINDS[name](**constants)
+
+
+def _horizon(table: HorizonTable) -> Horizon:
     _given(table, "horizon", "bounces", "seconds")
     return Horizon(bounces=table.bounces, seconds=table.seconds)
 
 
-def _given(table: _Table, name: str, *alternatives: str) -> str:
+def _given(table: Table, name: str, *alternatives: str) -> str:
     """Return the one key of the alternatives that is given."""
     keys = [key for key in alternatives if getattr(table, key) is not None]
     if len(keys) == 1:

@@ -1,0 +1,150 @@
+"""What a scene may add at the contact: the laws of a rim on a plane that is not ideal.
+
+Each class holds the constants of one law, in SI units. N is the normal force of the plane on the
+can, v_c the velocity of the can's material at the contact relative to the plane.
+"""
+
+from dataclasses import dataclass
+
+from models.errors import InvalidValueError
+from models.quantity import finite, not_negative, positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slip:
+    """Coulomb friction: the rim sticks while |F| <= mu N, else F = -mu N v_c/|v_c|.
+
+    Parameters
+    ----------
+    mu : float
+        Coefficient of friction of the pair of can and plane; zero is a frictionless plane.
+
+    Raises
+    ------
+    InvalidValueError
+        If `mu` is negative or not finite.
+    """
+
+    mu: float
+
+    def __post_init__(self) -> None:
+        """Refuse friction that would drive the can."""
+        object.__setattr__(self, "mu", not_negative("mu", self.mu))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compliance:
+    """A contact that gives way: N = max(0, k d + b d') at the depth d of the rim in the plane.
+
+    Parameters
+    ----------
+    stiffness : float
+        k, N/m, greater than zero; rigid is its limit at infinity.
+    damping : float
+        b, N s/m, zero or greater.
+
+    Raises
+    ------
+    InvalidValueError
+        If a constant is out of its range.
+    """
+
+    stiffness: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a contact that pulls or drives."""
+        object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
+        object.__setattr__(self, "damping", not_negative("damping", self.damping))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Restitution:
+    """Newton's impact law: the normal velocity of the contact after an impact is -e times before.
+
+    Parameters
+    ----------
+    coefficient : float
+        e, from 0 (what a rim does that stays on the plane) to 1 (nothing is lost).
+
+    Raises
+    ------
+    InvalidValueError
+        If the coefficient lies outside [0, 1].
+    """
+
+    coefficient: float
+
+    def __post_init__(self) -> None:
+        """Refuse an impact that makes energy."""
+        allowed = "a number from 0 to 1: no impact gives back more than it got"
+        value = finite("coefficient", self.coefficient, allowed)
+        if not 0.0 <= value <= 1.0:
+            raise InvalidValueError("coefficient", value, allowed)
+        object.__setattr__(self, "coefficient", value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drilling:
+    """Torsional friction: a moment of at most `length` N about the normal, against drilling.
+
+    Parameters
+    ----------
+    length : float
+        Radius of the patch times its coefficient of friction, m, greater than zero.
+
+    Raises
+    ------
+    InvalidValueError
+        If the length is not positive and finite.
+    """
+
+    length: float
+
+    def __post_init__(self) -> None:
+        """Refuse friction that would drive the can."""
+        object.__setattr__(self, "length", positive("length", self.length))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollingResistance:
+    """A moment of at most `length` N in the plane, against the angular velocity in the plane.
+
+    Parameters
+    ----------
+    length : float
+        Arm of rolling resistance, m, greater than zero.
+
+    Raises
+    ------
+    InvalidValueError
+        If the length is not positive and finite.
+    """
+
+    length: float
+
+    def __post_init__(self) -> None:
+        """Refuse resistance that would drive the can."""
+        object.__setattr__(self, "length", positive("length", self.length))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoundedRim:
+    """A rim rounded to an arc: the outline keeps its radius R and half height H.
+
+    Parameters
+    ----------
+    radius : float
+        Of the arc, m, greater than zero, less than R and H.
+
+    Raises
+    ------
+    InvalidValueError
+        If the radius is not positive and finite; against the can it is checked by the scene.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Refuse a rim that is no arc."""
+        object.__setattr__(self, "radius", positive("radius", self.radius))
