@@ -93,7 +93,7 @@ class _Entry:
         return Toy
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def toy() -> Iterator[str]:
     """Register the toy engine and return its name."""
     known = registry._entries  # noqa: SLF001 - where an installed package would be found
@@ -109,7 +109,7 @@ def toy() -> Iterator[str]:
 Studied = Callable[[Path], tuple[Cost, list[Any]]]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def study(toy: str) -> Studied:
     """Return a function that runs the study of the toy with a folder to keep things in."""
     scene: Scene = load("gentle-rock")
@@ -138,7 +138,7 @@ def study(toy: str) -> Studied:
     return run_it
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def found(study: Studied, tmp_path_factory: pytest.TempPathFactory) -> Cost:
     """Return the study of the toy."""
     return study(tmp_path_factory.mktemp("kept"))[0]
