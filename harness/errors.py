@@ -92,3 +92,11 @@ class OutputError(HarnessError, OSError):
 
 class ReportError(HarnessError, OSError):
     """A report that was written earlier cannot be read."""
+
+
+class StoreError(HarnessError, ValueError):
+    """An entry of a store is not what was written there."""
+
+
+class ClusterError(HarnessError, OSError):
+    """A cluster cannot be reached, or is not fit to run cases."""

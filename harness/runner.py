@@ -4,62 +4,35 @@ A case is evaluated where it runs, so that what travels back is small: the recor
 truth at the same instants, and the numbers.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
 
 import numpy as np
 
-from harness.bounce import Bounce
+from harness.campaign import Listener, complete
 from harness.case import Case
 from harness.engines.base import resolve
 from harness.engines.reference import Truth, refusal, sampled, truth
 from harness.engines.registry import check_effects, engine
 from harness.engines.soundness import fault
 from harness.errors import HarnessError, TrajectoryError
+from harness.evaluation import Evaluation
 from harness.executors import Serial
+from harness.isolation import Loss, LostTaskError
+from harness.kept import evaluations
+from harness.keys import version_of
 from harness.metrics.conservation import energy_drift
-from harness.metrics.contact import ContactQuality, contact_quality
-from harness.metrics.error import Errors, errors
+from harness.metrics.contact import contact_quality
+from harness.metrics.error import errors
 from harness.metrics.features import bounces
-from harness.metrics.motion import Motion, motion
+from harness.metrics.motion import motion
 from harness.simulation import Outcome, Simulation
+from harness.store import Store
 from harness.trajectory import take
 from models.scene import Scene
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Evaluation:
-    """A simulation with what was measured of it.
-
-    Parameters
-    ----------
-    simulation : Simulation
-    motion : Motion or None
-        None if there is no trajectory.
-    bounces : tuple of Bounce
-    energy_drift : float or None
-        Over m g R.
-    contact : ContactQuality or None
-    truth : Motion or None
-        The exact motion at the instants of `motion` up to where it is defined.
-    true_bounces : tuple of Bounce
-    errors : Errors or None
-        None for a scene that the reference cannot carry.
-    truth_pulls : bool
-        True if the exact motion asks the plane to pull: no engine whose contact only pushes can
-        follow it, and the errors say how the can leaves it.
-    """
-
-    simulation: Simulation
-    motion: Motion | None = None
-    bounces: tuple[Bounce, ...] = ()
-    energy_drift: float | None = None
-    contact: ContactQuality | None = None
-    truth: Motion | None = None
-    true_bounces: tuple[Bounce, ...] = ()
-    errors: Errors | None = None
-    truth_pulls: bool = False
+__all__ = ["Evaluation", "check", "evaluate", "lost", "measure", "run"]
 
 
 def check(case: Case) -> None:
@@ -173,6 +146,9 @@ def run(
     cases: Sequence[Case],
     executor: Executor | None = None,
     on_done: Callable[[Evaluation], None] | None = None,
+    *,
+    store: Store | None = None,
+    on_kept: Callable[[int, int], None] | None = None,
 ) -> tuple[Evaluation, ...]:
     """Evaluate cases, each once, and return them in the order given.
 
@@ -183,6 +159,11 @@ def run(
         Where they run; here and one by one if left out.
     on_done : callable, optional
         Is told of each evaluation as it is ready.
+    store : Store, optional
+        Where evaluations are kept. What is there is not run again, and has the same bits as if it
+        were; times are those that were measured when it ran.
+    on_kept : callable, optional
+        Is told, before anything runs, how many cases are in the store and how many there are.
 
     Raises
     ------
@@ -191,43 +172,31 @@ def run(
     """
     for case in cases:
         check(case)
-    executor = Serial() if executor is None else executor
-    if isinstance(executor, Serial):
-        return tuple(_told(evaluate(case), on_done) for case in cases)
-    pending = {_submitted(executor, case): index for index, case in enumerate(cases)}
-    done: dict[int, Evaluation] = {}
-    for future in as_completed(pending):
-        index = pending[future]
-        done[index] = _told(_result(future, cases[index]), on_done)
-    return tuple(_in_order(done))
+    listener: Listener[Case, Evaluation] = Listener(
+        kept=on_kept or (lambda *_: None),
+        done=(lambda _, evaluation: on_done(evaluation)) if on_done else (lambda *_: None),
+    )
+    return tuple(
+        complete(
+            cases,
+            evaluate,
+            Serial() if executor is None else executor,
+            lost=lost,
+            shelf=None if store is None else evaluations(store),
+            listener=listener,
+        )
+    )
 
 
-def _submitted(executor: Executor, case: Case) -> Future[Evaluation]:
-    """Return the future of a case, which may have failed already where an executor is broken."""
-    try:
-        return executor.submit(evaluate, case)
-    except BrokenExecutor as error:
-        failed: Future[Evaluation] = Future()
-        failed.set_exception(error)
-        return failed
+_OUTCOMES = {
+    Loss.CRASHED: Outcome.CRASHED,
+    Loss.HUNG: Outcome.HUNG,
+    Loss.OUT_OF_MEMORY: Outcome.OUT_OF_MEMORY,
+    Loss.STOPPED: Outcome.STOPPED,
+}
 
 
-def _result(future: Future[Evaluation], case: Case) -> Evaluation:
-    """Return what came of a case, even if an engine took its whole process with it."""
-    try:
-        return future.result()
-    except BrokenExecutor as error:
-        reason = f"its process died, or one beside it, before it was done: {error}"
-        return Evaluation(simulation=_broken(case, reason, "unknown"))
-
-
-def _told(evaluation: Evaluation, on_done: Callable[[Evaluation], None] | None) -> Evaluation:
-    """Pass an evaluation on, telling whoever listens."""
-    if on_done is not None:
-        on_done(evaluation)
-    return evaluation
-
-
-def _in_order(done: dict[int, Evaluation]) -> Iterator[Evaluation]:
-    """Return the evaluations by the place of their case."""
-    return (done[index] for index in sorted(done))
+def lost(case: Case, error: LostTaskError) -> Evaluation:
+    """Return what came of a case whose process died or was stopped."""
+    nothing = _broken(case, error.reason, version_of(case.engine))
+    return Evaluation(simulation=replace(nothing, outcome=_OUTCOMES[error.loss]))

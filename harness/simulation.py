@@ -22,6 +22,10 @@ class Outcome(Enum):
     MISMATCH = "mismatch: the engine's model is not the scene's; see the parity table"
     NO_SOLUTION = "no solution: the exact equations end before the horizon"
     BROKEN = "broken: the engine's adapter did not keep its contract; see the note"
+    CRASHED = "crashed: the engine took its process with it; see the note"
+    HUNG = "hung: the engine was stopped at the time allowed for a case; see the note"
+    OUT_OF_MEMORY = "out of memory: the engine was stopped at the memory allowed; see the note"
+    STOPPED = "stopped: the process of the case was ended from outside; see the note"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

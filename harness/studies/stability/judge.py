@@ -27,7 +27,15 @@ ACCURATE_PHI = 0.01
 ACCURATE_TURN = math.radians(2.0)
 """rad, of each turn, and of the orientation of a can that flies free: 1 % of a hard bounce's."""
 
-_UNFIT = {Outcome.MISMATCH, Outcome.BROKEN, Outcome.NO_SOLUTION}
+_UNFIT = {
+    Outcome.MISMATCH,
+    Outcome.BROKEN,
+    Outcome.NO_SOLUTION,
+    Outcome.CRASHED,
+    Outcome.HUNG,
+    Outcome.OUT_OF_MEMORY,
+    Outcome.STOPPED,
+}
 
 
 def judge(e: Evaluation) -> Judged:

@@ -159,7 +159,7 @@ def test_a_process_that_dies_leaves_a_named_outcome_and_what_was_done(brief: Sce
     case = Case(scene=brief, engine="reference")
     done = run([case, case, case], Dying())
     outcomes = [e.simulation.outcome for e in done]
-    assert outcomes == [Outcome.FINISHED, Outcome.BROKEN, Outcome.BROKEN]
+    assert outcomes == [Outcome.FINISHED, Outcome.STOPPED, Outcome.STOPPED]
     assert "terminated abruptly" in done[1].simulation.note
     assert "no process is left" in done[2].simulation.note
 

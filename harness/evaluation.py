@@ -1,0 +1,43 @@
+"""A simulation with what was measured of it."""
+
+from dataclasses import dataclass
+
+from harness.bounce import Bounce
+from harness.metrics.contact import ContactQuality
+from harness.metrics.error import Errors
+from harness.metrics.motion import Motion
+from harness.simulation import Simulation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Evaluation:
+    """A simulation with what was measured of it.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    motion : Motion or None
+        None if there is no trajectory.
+    bounces : tuple of Bounce
+    energy_drift : float or None
+        Over m g R.
+    contact : ContactQuality or None
+    truth : Motion or None
+        The exact motion at the instants of `motion` up to where it is defined.
+    true_bounces : tuple of Bounce
+    errors : Errors or None
+        None for a scene that the reference cannot carry.
+    truth_pulls : bool
+        True if the exact motion asks the plane to pull: no engine whose contact only pushes can
+        follow it, and the errors say how the can leaves it.
+    """
+
+    simulation: Simulation
+    motion: Motion | None = None
+    bounces: tuple[Bounce, ...] = ()
+    energy_drift: float | None = None
+    contact: ContactQuality | None = None
+    truth: Motion | None = None
+    true_bounces: tuple[Bounce, ...] = ()
+    errors: Errors | None = None
+    truth_pulls: bool = False

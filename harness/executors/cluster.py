@@ -1,0 +1,142 @@
+"""Running on a cluster of Dask: its scheduler places the tasks, and repeats those of lost workers.
+
+A worker of the cluster does each task in a process beside it, within limits. So an engine that
+crashes or hangs is the outcome of its case here as on one machine, and when a worker of the cluster
+is lost, that is the machine's doing and the task is done elsewhere.
+"""
+
+import importlib
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Executor, Future
+from importlib.metadata import version
+from types import TracebackType
+from typing import Any, ParamSpec, TypeVar
+
+from harness.errors import ClusterError, MissingPackageError
+from harness.isolation import Limits, Loss, LostTaskError, inside
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_PATIENCE = 10.0
+"""s for a scheduler to answer."""
+
+_TASKS_A_THREAD = 2
+"""One that runs and one that has arrived: the network's delay does not show."""
+
+
+def cluster(address: str, limits: Limits) -> "Cluster":
+    """Return an executor of the Dask cluster whose scheduler is at an address.
+
+    Parameters
+    ----------
+    address : str
+        Such as "tcp://host:8786".
+    limits : Limits
+        Of each task.
+
+    Raises
+    ------
+    MissingPackageError
+        If `distributed` is not installed.
+    ClusterError
+        If no scheduler answers, it has no workers, or they have another rockingcan.
+    """
+    try:
+        dask: Any = importlib.import_module("distributed")  # an extra: most runs need no cluster
+    except ImportError as error:
+        raise MissingPackageError("--on", "rockingcan[cluster]", str(error)) from error
+    try:
+        client = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ClusterError(
+            f"no Dask scheduler answers at '{address}' ({error}); start one with: dask scheduler, "
+            "and workers with: dask worker ADDRESS"
+        ) from error
+    try:
+        _check(client, address)
+    except BaseException:
+        client.close()
+        raise
+    return Cluster(client, limits)
+
+
+def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package ships no types
+    """Refuse a cluster that cannot run cases as they would run here."""
+    found: dict[str, str] = client.run(_version)
+    if not found:
+        raise ClusterError(f"the cluster at '{address}' has no workers; start: dask worker ADDRESS")
+    other = sorted({told for told in found.values() if told != _version()})
+    if other:
+        raise ClusterError(
+            f"workers of the cluster at '{address}' have rockingcan {', '.join(other)}, and this "
+            f"is {_version()}: their results would not be the same; install one version"
+        )
+
+
+def _version() -> str:
+    return version("rockingcan")
+
+
+class Cluster(Executor):
+    """Runs tasks on the workers of a Dask cluster.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Is closed with the executor.
+    limits : Limits
+        Of each task.
+    """
+
+    def __init__(self, client: Any, limits: Limits) -> None:  # noqa: ANN401 - it ships no types
+        self._client = client
+        self._limits = limits
+        self._futures: set[Any] = set()
+
+    @property
+    def window(self) -> int:
+        """How many tasks keep it busy."""
+        threads: dict[str, int] = self._client.nthreads()
+        return _TASKS_A_THREAD * max(1, sum(threads.values()))
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
+        """Have a task done; its exception, if any, is in the future."""
+        future: Future[T] = Future()
+        future.set_running_or_notify_cancel()
+        # not pure: two tasks alike are two tasks
+        theirs = self._client.submit(inside, self._limits, fn, *args, pure=False, **kwargs)
+        self._futures.add(theirs)
+        theirs.add_done_callback(lambda done: self._settle(future, done))
+        return future
+
+    def _settle(self, future: "Future[T]", done: Any) -> None:  # noqa: ANN401 - it ships no types
+        """Hand on what the cluster answered."""
+        dask: Any = importlib.import_module("distributed")
+        try:
+            future.set_result(done.result())
+        except dask.KilledWorker as error:
+            future.set_exception(LostTaskError(Loss.STOPPED, f"killed: with its worker, {error}"))
+        except CancelledError:
+            lost = "the scheduler let go of a task, or is gone; start again to go on"
+            future.set_exception(ClusterError(lost))
+        except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+            future.set_exception(error)
+        finally:
+            self._futures.discard(done)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
+        """Let go of the cluster, which goes on."""
+        if cancel_futures or not wait:
+            self._client.cancel(list(self._futures))
+        self._client.close()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Let go of the cluster; after an error, with what it was to do."""
+        del error, trace
+        self.shutdown(cancel_futures=kind is not None)

@@ -1,0 +1,8 @@
+"""Tasks in processes of their own, within limits; a task that dies takes nothing with it."""
+
+from harness.isolation.inside import inside
+from harness.isolation.limits import NO_LIMITS, Limits
+from harness.isolation.loss import Loss, LostTaskError
+from harness.isolation.pool import Isolated
+
+__all__ = ["NO_LIMITS", "Isolated", "Limits", "Loss", "LostTaskError", "inside"]

@@ -1,0 +1,39 @@
+"""What names a result of a case in a store: everything that decides it."""
+
+from harness.case import Case
+from harness.engines.registry import engine
+from harness.store import About
+from harness.store.code import fingerprint
+from harness.store.entry import checksum
+
+
+def key_of(case: Case, *modules: str) -> str:
+    """Return what names a result of a case: the case, its engine's version, and the program.
+
+    Parameters
+    ----------
+    case : Case
+    modules : str
+        Names of modules that decide the result besides those that make an evaluation.
+    """
+    digest = case.digest(version_of(case.engine))
+    return checksum(f"{digest} {code_of(case.engine, *modules)}".encode())[:32]
+
+
+def about(case: Case, *modules: str) -> About:
+    """Return where a result of a case comes from."""
+    code = code_of(case.engine, *modules)
+    return About(label=case.label(), command=case.command(), code=code)
+
+
+def code_of(name: str, *modules: str) -> str:
+    """Return the fingerprint of the program behind results of an engine."""
+    return fingerprint(type(engine(name)).__module__, *modules)
+
+
+def version_of(name: str) -> str:
+    """Return the version of an engine, or "unknown" if its adapter cannot tell."""
+    try:
+        return engine(name).version
+    except Exception:  # noqa: BLE001 - an adapter is somebody's program
+        return "unknown"

@@ -1,0 +1,65 @@
+"""A fingerprint of the program that makes a result: another program, another result.
+
+Versions do not change while somebody edits a checkout; sources do. So what decides a result goes
+into the fingerprint as text, and the numerical packages with their versions.
+"""
+
+import hashlib
+import sys
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+_PACKAGES = ("numpy", "scipy")
+"""Besides the engine's own, whose version is part of a case's digest."""
+
+_ROOT = Path(__file__).parents[2]
+
+_DECIDING = (
+    "models",
+    "reference",
+    "harness/engines",
+    "harness/metrics",
+    "harness/bounce.py",
+    "harness/case.py",
+    "harness/evaluation.py",
+    "harness/kept.py",
+    "harness/runner.py",
+    "harness/simulation.py",
+    "harness/trajectory.py",
+)
+"""What an evaluation is made with, scene to numbers; reports and command line decide nothing."""
+
+
+@cache
+def fingerprint(*modules: str) -> str:
+    """Return 16 hexadecimal digits that name the program behind a result.
+
+    Parameters
+    ----------
+    modules : str
+        Names of imported modules that decide as well; each stands for all sources of its folder if
+        it is part of a package.
+    """
+    digest = hashlib.sha256()
+    for name in _PACKAGES:
+        digest.update(f"{name} {version(name)}\n".encode())
+    for place in _DECIDING:
+        _add(digest, _ROOT / place)
+    for name in sorted(set(modules)):
+        file = getattr(sys.modules.get(name), "__file__", None)
+        if file is None or Path(file).suffix != ".py":
+            continue
+        whole = Path(file).parent if "." in name or Path(file).stem == "__init__" else Path(file)
+        if not any(whole.is_relative_to(_ROOT / place) for place in _DECIDING):
+            _add(digest, whole)
+    return digest.hexdigest()[:16]
+
+
+def _add(digest: "hashlib._Hash", place: Path) -> None:
+    """Add a source file, or those of a folder in the order of their names."""
+    for file in [place] if place.is_file() else sorted(place.rglob("*.py")):
+        name = file.relative_to(place.parent).as_posix()
+        content = file.read_bytes()
+        digest.update(f"{name} {len(content)}\n".encode())
+        digest.update(content)
