@@ -8,21 +8,26 @@ from harness.trajectory import Floats, Integers, Trajectory
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Chunk:
-    """Consecutive steps: the states before each of them with the contacts that they solved.
+    """Consecutive steps: the states before them with the contacts that they solved.
+
+    An engine that pays for each reading may look at some of the steps only; each of those then
+    stands for the steps up to the next.
 
     Parameters
     ----------
     times : ndarray, shape (n,)
-        Of the states before each step, s.
+        Of the states that were read, each before its step, s.
     quaternions : ndarray, shape (m, 4)
         Of the first m states, scalar first; fewer than n if the engine's numbers broke.
     constraint_rows : ndarray of int, shape (n,)
-        Rows that each step solved for.
+        Rows that each of those steps solved for.
     sound : bool
         False if the engine's numbers broke within or right after these steps.
     read : callable
         Takes indices of the first m states and returns those states as a trajectory: most steps of
         a run are never looked at again.
+    spans : ndarray of int, shape (n,), or None
+        Steps that each reading stands for, its own the first; None where every step was read.
     """
 
     times: Floats
@@ -30,3 +35,4 @@ class Chunk:
     constraint_rows: Integers
     sound: bool
     read: Callable[[Integers], Trajectory]
+    spans: Integers | None = None

@@ -3,10 +3,13 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+
 from harness.engines.chunk import Chunk
 from harness.engines.horizon import Watch
 from harness.engines.recorder import Recorder
 from harness.simulation import Outcome, Simulation
+from harness.trajectory import Integers
 
 _MOST_STEPS = 100_000_000
 """Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
@@ -31,9 +34,11 @@ def record(prepared: Simulation, chunks: Iterable[Chunk]) -> Simulation:
         outcome = None if kept is None else watch.over(kept)
         if outcome is None and not chunk.sound:
             outcome = Outcome.DIVERGED
-        taken = chunk.times <= watch.ended_at
-        steps += int(taken.sum())
-        rows += int(chunk.constraint_rows[taken].sum())
+        taken = int(np.searchsorted(chunk.times, watch.ended_at, side="right"))
+        spans = _spans(chunk, taken, ended=watch.ended_at < np.inf)
+        steps += taken if spans is None else int(spans.sum())
+        worked = chunk.constraint_rows[:taken]
+        rows += int(worked.sum()) if spans is None else int(worked @ spans)
         if outcome is None and steps >= _MOST_STEPS:
             outcome = Outcome.TOO_SLOW
         if outcome is not None:
@@ -47,3 +52,11 @@ def record(prepared: Simulation, chunks: Iterable[Chunk]) -> Simulation:
         steps=steps,
         constraint_rows=rows,
     )
+
+
+def _spans(chunk: Chunk, taken: int, *, ended: bool) -> Integers | None:
+    """Return the steps that the first readings stand for; where a run ended, the last for one."""
+    if chunk.spans is None:
+        return None
+    spans = chunk.spans[:taken]
+    return np.append(spans[:-1], 1) if ended and taken else spans

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.engines.base import Setting
+from harness.engines.looks import Looks
 from harness.trajectory import Floats
 from models.can import Can
 
@@ -51,16 +52,36 @@ _LONGEST_STAGE = 256
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stage:
-    """Steps of one length: the timestep, s, and the times before each of them, shape (n,), s."""
+    """Steps of one length.
+
+    Parameters
+    ----------
+    timestep : float
+        s.
+    times : ndarray, shape (n,)
+        Before each of the steps, s.
+    ahead : int
+        Steps of this length that are known to come, those of the stage among them.
+    """
 
     timestep: float
     times: Floats
+    ahead: int
 
 
 class Schedule(ABC):
-    """Gives stage after stage until the limit is reached."""
+    """Gives stage after stage until the limit is reached.
+
+    Parameters
+    ----------
+    largest : float
+        Timestep, s.
+    looks : Looks or None
+        Says to an engine that pays for each reading which steps to look at; None is every step.
+    """
 
     largest: float
+    looks: Looks | None = None
 
     @abstractmethod
     def next(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> Stage | None:
@@ -103,8 +124,9 @@ class Fixed(Schedule):
         count = min(self._size, self._total - self._done)
         # counted, not summed: an engine's own clock drifts by round-off
         times = np.arange(self._done, self._done + count) * np.float64(self.largest)
+        ahead = self._total - self._done
         self._done += count
-        return Stage(timestep=self.largest, times=times)
+        return Stage(timestep=self.largest, times=times, ahead=ahead)
 
 
 class Adaptive(Schedule):
@@ -151,7 +173,7 @@ class Adaptive(Schedule):
             count, self._ended = left, True
         times = self._time + np.float64(timestep) * np.arange(count)
         self._time += timestep * count
-        return Stage(timestep=timestep, times=times)
+        return Stage(timestep=timestep, times=times, ahead=count)
 
     def rate(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> float:
         """Return the rate that a step must resolve, 1/s: of the tilt's direction, or of the body.

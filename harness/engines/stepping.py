@@ -14,7 +14,9 @@ from harness.case import Case, Value
 from harness.engines.base import Capabilities, Effort, Gap, Setting, World, resolve
 from harness.engines.chunk import Chunk
 from harness.engines.horizon import longest_time, natural_time
+from harness.engines.looks import Looks
 from harness.engines.parity import parity
+from harness.engines.recorder import SAMPLES_IN_TIME
 from harness.engines.recording import record
 from harness.engines.schedule import (
     LARGEST_SHARE,
@@ -154,8 +156,11 @@ class PhysicsEngine(ABC, Generic[W]):
         case, timestep = prepared.case, self.timestep(prepared.case)
         scene, limit = case.scene, longest_time(case.scene)
         size = min(max(round(natural_time(scene) / timestep * _LOOK_SHARE), _FEWEST), _MOST)
+        looks = Looks(natural_time(scene) / SAMPLES_IN_TIME)
         if case.profile != "adaptive":
-            return Fixed(timestep, limit, size), size
+            fixed = Fixed(timestep, limit, size)
+            fixed.looks = looks
+            return fixed, size
         adaptive = Adaptive(
             scene.can,
             largest=timestep,
@@ -163,4 +168,5 @@ class PhysicsEngine(ABC, Generic[W]):
             limit=limit,
             eta=float(prepared.settings["eta"]),  # type: ignore[arg-type]
         )
+        adaptive.looks = looks
         return adaptive, max(size, _ADAPTIVE_LOOK)

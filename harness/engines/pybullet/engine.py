@@ -1,17 +1,16 @@
 """PyBullet as an engine: open a world of its own, compare, settle, then step and read.
 
-There is no batched stepping: each step is a call, and so is each of the three readings. The
-contacts that a step leaves are paired with the state before it.
+There is no batched stepping: each step is a call, and so is each of the three readings, so that
+states are read no oftener than the recorder needs them.
 """
 
 from collections.abc import Iterator
 from importlib.metadata import version
 
-import numpy as np
 import pybullet
 
 from harness.case import Case
-from harness.engines.base import Capabilities, Floats
+from harness.engines.base import Capabilities
 from harness.engines.chunk import Chunk
 from harness.engines.pybullet.gaps import EFFORTS, GAPS
 from harness.engines.pybullet.settings import (
@@ -63,25 +62,18 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
         stage = _next(schedule, world)
         while stage is not None:
-            times: list[Floats] = []
-            steps = Steps()
-            while stage is not None and len(steps) < size:
+            steps = Steps(schedule.looks)
+            while stage is not None and not steps.reach(size):
                 world.set_timestep(stage.timestep)
-                steps.take(world, len(stage.times))
-                times.append(stage.times)
+                steps.take(world, stage)
                 stage = _next(schedule, world)
-            yield steps.chunk(np.concatenate(times))
+            yield steps.chunk()
 
     def leanest(self, world: PybulletWorld, steps: int) -> None:
-        """Step so many times and keep what PyBullet says of each, as it says it."""
-        client, can, ground = world.client, world.can, world.ground
-        kept = []
+        """Step so many times and do nothing else: no reading, no record."""
+        step, client = pybullet.stepSimulation, world.client
         for _ in range(steps):
-            pose = pybullet.getBasePositionAndOrientation(can, client)
-            twist = pybullet.getBaseVelocity(can, client)
-            pybullet.stepSimulation(client)
-            contacts = pybullet.getContactPoints(can, ground, physicsClientId=client)
-            kept.append((pose, twist, contacts))
+            step(client)
 
 
 def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:

@@ -1,73 +1,102 @@
-"""Consecutive steps of PyBullet: read in the leanest way there is, understood when looked at.
+"""Consecutive steps of PyBullet: looked at as often as the recorder needs it, and no more.
 
-There is no batched stepping: each step is a call, and so is each of the three readings. Their
-numbers go into flat arrays at once, since millions of tuples kept alive would keep the garbage
-collector busy; the contacts that a step leaves are paired with the state before it.
+There is no batched stepping: each step is a call, and so is each of the three readings, which
+together cost more than the step. So most steps of a slow motion are taken without a look; `Looks`
+says which. What PyBullet says is kept as it says it, and understood chunk by chunk; the contacts
+that a step leaves are paired with the state before it.
 """
 
-from array import array
-from typing import Any
+from collections.abc import Sequence
+from itertools import chain, repeat
+from typing import TypeAlias
 
 import numpy as np
 import pybullet
 
 from harness.engines.chunk import Chunk
-from harness.engines.pybullet.world import PybulletWorld, resultant
+from harness.engines.looks import Looks
+from harness.engines.pybullet.world import ContactPoint, PybulletWorld, resultant
+from harness.engines.schedule import Stage
 from harness.trajectory import Floats, Integers, Trajectory
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
 _STATE = 13  # numbers of a state: position, quaternion, velocity, angular velocity
 _POINT = 19  # numbers of a contact point that matter, in PyBullet's order
 _NONE = (0.0,) * _POINT
+_State: TypeAlias = tuple[tuple[float, ...], ...]
 
 
 class Steps:
-    """The states before consecutive steps, and the contacts that the steps solved."""
+    """The states before consecutive steps that were looked at, and the contacts that they solved.
 
-    def __init__(self) -> None:
-        self._states = array("d")
-        self._points = array("d")
-        self._counts = array("q")
-        self._several: dict[int, tuple[tuple[Any, ...], ...]] = {}
+    Parameters
+    ----------
+    looks : Looks or None
+        Of the run; None looks at every step.
+    """
 
-    def __len__(self) -> int:
-        """Return the number of steps."""
-        return len(self._counts)
+    def __init__(self, looks: Looks | None) -> None:
+        self._looks = looks
+        self._times: list[Floats] = []
+        self._taken = 0
+        self._places: list[int] = []
+        self._spans: list[int] = []
+        self._states: list[_State] = []
+        self._contacts: list[tuple[ContactPoint, ...]] = []
 
-    def take(self, world: PybulletWorld, count: int) -> None:
-        """Step so many times, reading the state before each step and the contacts after it."""
+    def reach(self, size: int) -> bool:
+        """Whether so many steps are taken, and any of them was looked at."""
+        return self._taken >= size and len(self._places) > 0
+
+    def take(self, world: PybulletWorld, stage: Stage) -> None:
+        """Take the steps of a stage, looking at the state before a step and the contacts after."""
         client, can, ground = world.client, world.can, world.ground
         step, pose_of = pybullet.stepSimulation, pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-        state, points, counts = self._states.extend, self._points.extend, self._counts.append
-        for _ in range(count):
+        state, touch = self._states.append, self._contacts.append
+        here, stand = self._places.append, self._spans.append
+        timestep, count, last = stage.timestep, len(stage.times), stage.ahead - 1
+        looks, place, left = self._looks, 0, 0
+        sparing = looks is not None and looks.spare(timestep)
+        if looks is not None:
+            place, left = min(looks.left, count), max(looks.left - count, 0)
+        for _ in repeat(None, place):
+            step(client)
+        while place < count:
             position, quaternion = pose_of(can, client)
             velocity, spin = velocity_of(can, client)
             step(client)
-            contacts = contacts_of(can, ground, physicsClientId=client)
-            state(position)
-            state(quaternion)
-            state(velocity)
-            state(spin)
-            if len(contacts) == 1:
-                (p,) = contacts
-                points((*p[5], *p[6], *p[7], p[8], p[9], p[10], *p[11], p[12], *p[13]))
-            else:
-                self._several[len(self._counts)] = contacts
-                points(_NONE)
-            counts(len(contacts))
+            touch(contacts_of(can, ground, physicsClientId=client))
+            state((position, quaternion, velocity, spin))
+            here(self._taken + place)
+            after = place + 1
+            if sparing and place < last:
+                # the last step of all is looked at, whatever the motion
+                after = min(place + looks.pause(quaternion, spin, timestep), last)  # type: ignore[union-attr]
+            stand(after - place)
+            if after > count:
+                left = after - count
+            for _ in repeat(None, min(after, count) - place - 1):
+                step(client)
+            place = after
+        if looks is not None:
+            looks.left = left
+        self._times.append(stage.times)
+        self._taken += count
 
-    def chunk(self, times: Floats) -> Chunk:
-        """Return the steps as a chunk, with the times before each of them."""
-        states = np.frombuffer(self._states).reshape(-1, _STATE)
+    def chunk(self) -> Chunk:
+        """Return what was looked at as a chunk."""
+        times = np.concatenate(self._times)[self._places]
+        numbers = chain.from_iterable(self._states)
+        states = np.fromiter(chain.from_iterable(numbers), np.float64).reshape(-1, _STATE)
         quaternions = states[:, [6, 3, 4, 5]]
         good = np.isfinite(states).all(axis=1)
-        count = len(self) if np.all(good) else int(np.argmin(good))
-        contacts = np.array(self._counts, dtype=np.int64)
+        count = len(states) if np.all(good) else int(np.argmin(good))
+        contacts = np.fromiter(map(len, self._contacts), np.int64)
         contacts[count:] = 0
 
         def read(keep: Integers) -> Trajectory:
-            point, force, depth, bearing = self._contacts(keep)
+            point, force, depth, bearing = _resultants([self._contacts[n] for n in keep.tolist()])
             return Trajectory(
                 time=times[keep],
                 position=states[keep, :3],
@@ -84,24 +113,34 @@ class Steps:
             times=times,
             quaternions=quaternions[:count],
             constraint_rows=contacts * _ROWS_PER_CONTACT,
-            sound=count == len(self),
+            spans=np.array(self._spans),
+            sound=count == len(states),
             read=read,
         )
 
-    def _contacts(self, keep: Integers) -> tuple[Floats, Floats, Floats, Integers]:
-        """Return point (n, 3), force (n, 3), depth (n,) and bearing points (n,) of some steps."""
-        p = np.frombuffer(self._points).reshape(-1, _POINT)[keep]
-        normal = p[:, 10:11]
-        bears = normal[:, 0] > 0.0
-        # weighted and divided again, as of several points, so that both ways give the same bits
-        weighted = normal * (p[:, 0:3] + p[:, 3:6]) / 2.0
-        point = np.divide(weighted, normal, out=np.full_like(weighted, np.nan), where=normal > 0.0)
-        force = normal * p[:, 6:9] + p[:, 11:12] * p[:, 12:15] + p[:, 15:16] * p[:, 16:19]
-        force[~bears] = 0.0
-        depth, bearing = -p[:, 9], bears.astype(np.int64)
-        for row, place in enumerate(keep.tolist()):
-            if place in self._several:
-                x, y, z, f_x, f_y, f_z, deepest, number, _ = resultant(self._several[place])
-                point[row], force[row] = (x, y, z), (f_x, f_y, f_z)
-                depth[row], bearing[row] = deepest, int(number)
-        return point, force, depth, bearing
+
+def _resultants(
+    contacts: Sequence[tuple[ContactPoint, ...]],
+) -> tuple[Floats, Floats, Floats, Integers]:
+    """Return point (n, 3), force (n, 3), depth (n,) and bearing points (n,) of some steps."""
+    single = [_numbers(*points) if len(points) == 1 else _NONE for points in contacts]
+    p = np.array(single).reshape(-1, _POINT)
+    normal = p[:, 10:11]
+    bears = normal[:, 0] > 0.0
+    # weighted and divided again, as of several points, so that both ways give the same bits
+    weighted = normal * (p[:, 0:3] + p[:, 3:6]) / 2.0
+    point = np.divide(weighted, normal, out=np.full_like(weighted, np.nan), where=normal > 0.0)
+    force = normal * p[:, 6:9] + p[:, 11:12] * p[:, 12:15] + p[:, 15:16] * p[:, 16:19]
+    force[~bears] = 0.0
+    depth, bearing = -p[:, 9], bears.astype(np.int64)
+    for row, points in enumerate(contacts):
+        if len(points) != 1:
+            x, y, z, f_x, f_y, f_z, deepest, number, _ = resultant(points)
+            point[row], force[row] = (x, y, z), (f_x, f_y, f_z)
+            depth[row], bearing[row] = deepest, int(number)
+    return point, force, depth, bearing
+
+
+def _numbers(p: ContactPoint) -> tuple[float, ...]:
+    """Return the numbers of a contact point that matter, in PyBullet's order."""
+    return (*p[5], *p[6], *p[7], p[8], p[9], p[10], *p[11], p[12], *p[13])
