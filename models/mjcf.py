@@ -2,16 +2,19 @@
 
 The model says what the scene says and no more; how the engine is to solve it (integrator, cone,
 solref, ...) is handed in by whoever runs it. MuJoCo meets a cylinder and a plane analytically, so
-the ground is a plane. The body frame has the centre of mass at its origin and z along the symmetry
-axis.
+the ground is a plane. The body frame has the centre of the can at its origin and z along the
+symmetry axis; a point mass moves the centre of mass, not the frame. What MJCF has no word for, the
+shaking of the plane, is said in a comment and applied by whoever steps the model.
 """
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from models.effects import NO_SLIP_FRICTION
+from models.effects import NO_SLIP_FRICTION, Effects
+from models.gravity import gravity_vector
 from models.kinematics import to_body
+from models.mass import body as rigid_body
 from models.rim import release_state
 from models.scene import Scene
 
@@ -65,17 +68,15 @@ def mjcf(
     can = scene.can
     pose, twist = release_state(can, scene.release)
     root = ET.Element("mujoco", model=scene.name)
-    options = ET.SubElement(
-        root, "option", {"gravity": numbers(0.0, 0.0, -scene.gravity)} | dict(option)
-    )
+    for sentence in _beyond_mjcf(scene.effects):
+        root.append(ET.Comment(f" {sentence} "))
+    gravity = numbers(*gravity_vector(scene).tolist())
+    options = ET.SubElement(root, "option", {"gravity": gravity} | dict(option))
     if flag:
         ET.SubElement(options, "flag", dict(flag))
 
     world = ET.SubElement(root, "worldbody")
-    slip = scene.effects.slip
-    mu = NO_SLIP_FRICTION if slip is None else slip.mu
-    surface = {"friction": numbers(mu, 0.005, 0.0001), "condim": "3" if mu > 0.0 else "1"}
-    surface |= dict(geom)
+    surface = _surface(scene.effects) | dict(geom)
     ET.SubElement(world, "geom", {"name": "ground", "type": "plane", "size": "0 0 1"} | surface)
     body = ET.SubElement(
         world,
@@ -85,13 +86,7 @@ def mjcf(
         quat=numbers(*pose.quaternion),
     )
     ET.SubElement(body, "freejoint", name="can")
-    ET.SubElement(
-        body,
-        "inertial",
-        pos="0 0 0",
-        mass=numbers(can.mass),
-        diaginertia=numbers(can.transverse_inertia, can.transverse_inertia, can.axial_inertia),
-    )
+    ET.SubElement(body, "inertial", _inertial(scene))
     size = numbers(can.radius, can.half_height)
     ET.SubElement(body, "geom", {"name": "can", "type": "cylinder", "size": size} | surface)
 
@@ -112,6 +107,52 @@ def mjcf(
 def numbers(*values: float) -> str:
     """Return numbers as an attribute, each to its last digit."""
     return " ".join(repr(float(value)) for value in values)
+
+
+def contact_dimension(effects: Effects) -> int:
+    """Return MuJoCo's `condim`: 1 normal, 3 friction, 4 drilling too, 6 rolling resistance too."""
+    if effects.slip is not None and effects.slip.mu == 0.0:
+        return 1
+    if effects.rolling_resistance is not None:
+        return 6
+    return 3 if effects.drilling is None else 4
+
+
+def _surface(effects: Effects) -> dict[str, str]:
+    """Return the attributes of both geoms; lengths of effects that are off have no part in it."""
+    slip, drilling, rolling = effects.slip, effects.drilling, effects.rolling_resistance
+    mu = NO_SLIP_FRICTION if slip is None else slip.mu
+    condim = contact_dimension(effects)
+    # MuJoCo's own where the contact has no such row; a row that is only a neighbour's gets none
+    torsion, roll = (0.0, 0.0) if condim > 3 else (0.005, 0.0001)  # noqa: PLR2004 - a condim
+    torsion = torsion if drilling is None else drilling.length
+    roll = roll if rolling is None else rolling.length
+    return {"friction": numbers(mu, torsion, roll), "condim": str(condim)}
+
+
+def _inertial(scene: Scene) -> dict[str, str]:
+    """Return the attributes of `inertial`: the can's, or of the can and its point mass."""
+    can, whole = scene.can, rigid_body(scene)
+    if scene.effects.point_mass is None:
+        A, C = can.transverse_inertia, can.axial_inertia
+        return {"pos": "0 0 0", "mass": numbers(can.mass), "diaginertia": numbers(A, A, C)}
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = whole.inertia.tolist()
+    return {
+        "pos": numbers(*whole.centre.tolist()),
+        "mass": numbers(whole.mass),
+        "fullinertia": numbers(xx, yy, zz, xy, xz, yz),
+    }
+
+
+def _beyond_mjcf(effects: Effects) -> Iterator[str]:
+    """Yield what a file cannot say, in sentences."""
+    shake = effects.shake
+    if shake is not None:
+        yield (
+            f"The plane is shaken at {shake.frequency!r} Hz, by {shake.horizontal!r} m along "
+            f"the direction {shake.direction!r} rad and {shake.vertical!r} m vertically, phase "
+            f"{shake.phase!r} rad: the harness applies it, as a force on the centre of mass."
+        )
 
 
 def _add_sensors(root: ET.Element) -> None:

@@ -1,13 +1,20 @@
 """The scene as URDF, for PyBullet: a pure function from a scene to the text of its can.
 
 URDF has no world: where the can is released, gravity and the solver are the caller's business; the
-ground is a true plane in a file of its own. The frame of the link has the centre of mass at its
-origin and z along the symmetry axis.
+ground is a true plane in a file of its own. The frame of the link has the centre of the can at its
+origin and z along the symmetry axis; a point mass moves the frame of `inertial`, whose axes are
+then the principal ones, since PyBullet finds those of a full tensor to six digits only.
 """
 
+import math
 import xml.etree.ElementTree as ET
 
+import numpy as np
+from numpy.typing import NDArray
+
 from models.effects import NO_SLIP_FRICTION
+from models.mass import body
+from models.mjcf import numbers
 from models.scene import Scene
 
 GROUND_FRICTION = 1.0
@@ -30,10 +37,14 @@ def urdf(scene: Scene) -> str:
     can, slip = scene.can, scene.effects.slip
     root, link = _robot(scene.name, "can", NO_SLIP_FRICTION if slip is None else slip.mu)
     inertial = ET.SubElement(link, "inertial")
-    ET.SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0")
-    ET.SubElement(inertial, "mass", value=repr(can.mass))
-    A, C = repr(can.transverse_inertia), repr(can.axial_inertia)
-    ET.SubElement(inertial, "inertia", ixx=A, ixy="0", ixz="0", iyy=A, iyz="0", izz=C)
+    whole, origin = body(scene), {"xyz": "0 0 0", "rpy": "0 0 0"}
+    moments, axes = whole.principal()
+    if scene.effects.point_mass is not None:
+        origin = {"xyz": numbers(*whole.centre.tolist()), "rpy": numbers(*_roll_pitch_yaw(axes))}
+    ET.SubElement(inertial, "origin", origin)
+    ET.SubElement(inertial, "mass", value=repr(whole.mass))
+    ixx, iyy, izz = map(repr, moments.tolist())
+    ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
     for role in ("visual", "collision"):
         shape = ET.SubElement(link, role, name="can")
         ET.SubElement(shape, "origin", xyz="0 0 0", rpy="0 0 0")
@@ -56,6 +67,16 @@ def ground_urdf() -> str:
     collision = ET.SubElement(link, "collision", name="ground")
     ET.SubElement(ET.SubElement(collision, "geometry"), "plane", normal="0 0 1")
     return _text(root)
+
+
+def _roll_pitch_yaw(axes: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the angles of a rotation about fixed x, then y, then z, rad; pitch short of pi/2."""
+    R = axes.tolist()
+    return (
+        math.atan2(R[2][1], R[2][2]),
+        math.atan2(-R[2][0], math.hypot(R[2][1], R[2][2])),
+        math.atan2(R[1][0], R[0][0]),
+    )
 
 
 def _robot(name: str, link_name: str, friction: float) -> tuple[ET.Element, ET.Element]:

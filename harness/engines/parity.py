@@ -8,37 +8,27 @@ of the pair by a can that slides. The probes know a `World` and no engine.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from harness.engines.base import World
+from harness.engines.base import Floats, World
+from harness.engines.parity_finding import Finding
+from harness.engines.parity_flight import free_flight, shaken_flight
 from harness.simulation import ParityRow
 from models.effects import NO_SLIP_FRICTION
 from models.kinematics import quaternion
+from models.mass import body
 from models.rim import contact_offset
 from models.scene import Scene
 from models.state import Pose, Twist
 
-_UPRIGHT = np.array((1.0, 0.0, 0.0, 0.0))
-_ALOFT = 10.0  # m, and as many reaches of the can: no contact within any engine's reach
-_FAST = 1e4  # rad/s and m/s: beyond what a scene of a metre reaches short of 1 mm cans
 _SLIDING = 10.0  # m/s, at least
 _TILTS = (0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5)  # rad
 # of the radius, in small steps: just past an engine's slop, since a force that stops the can within
 # the step needs less friction than there is
 _DEPTHS = tuple(1e-6 * 1.2**step for step in range(39))
 _SPINS = (0.0, 0.05, 0.1, 1.0)  # rad: corners of a polygon with 32 sides lie 0.2 rad apart
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Finding:
-    quantity: str
-    unit: str
-    declared: float
-    found: float
-    tolerance: float  # in the unit
-    how: str
 
 
 def parity(
@@ -59,7 +49,8 @@ def parity(
     """
     findings = [
         *_mass_properties(world, scene),
-        *_free_flight(world, scene, timestep),
+        *free_flight(world, scene, timestep),
+        *(() if scene.effects.shake is None else shaken_flight(world, scene)),  # type: ignore[arg-type]
         *_collider(world, scene),
         _friction(world, scene, timestep),
     ]
@@ -80,86 +71,58 @@ def parity(
     return tuple(rows)
 
 
-def _mass_properties(world: World, scene: Scene) -> Iterator[_Finding]:
+class WeighedWorld(World, Protocol):
+    """A world whose engine honours a point mass: it tells the whole tensor, and where it lies."""
+
+    @property
+    def centre_of_mass(self) -> Floats:
+        """From the centre of the can in the body's axes, shape (3,), m."""
+        ...
+
+    @property
+    def inertia_tensor(self) -> Floats:
+        """About the centre of mass in the body's axes, shape (3, 3), kg m^2."""
+        ...
+
+
+def _mass_properties(world: World, scene: Scene) -> Iterator[Finding]:
     """Read mass and moments back."""
-    can = scene.can
-    A1, A2, C = world.inertia
-    for quantity, unit, declared, found in (
-        ("mass", "kg", can.mass, world.mass),
-        ("transverse inertia A", "kg m^2", can.transverse_inertia, (A1 + A2) / 2.0),
-        ("inertia asymmetry", "kg m^2", 0.0, A1 - A2),
-        ("axial inertia C", "kg m^2", can.axial_inertia, C),
-    ):
-        # decimal text and a change of frame cost a few roundings
-        scale = can.mass if unit == "kg" else can.transverse_inertia
-        yield _Finding(
+    can, found_mass = scene.can, ("mass", "kg", body(scene).mass, world.mass)
+    if scene.effects.point_mass is not None:
+        rows = [found_mass, *_off_centre(world, scene)]  # type: ignore[arg-type]
+    else:
+        A1, A2, C = world.inertia
+        rows = [
+            found_mass,
+            ("transverse inertia A", "kg m^2", can.transverse_inertia, (A1 + A2) / 2.0),
+            ("inertia asymmetry", "kg m^2", 0.0, A1 - A2),
+            ("axial inertia C", "kg m^2", can.axial_inertia, C),
+        ]
+    # decimal text and a change of frame cost a few roundings
+    scales = {"kg": can.mass, "m": can.bounding_radius, "kg m^2": can.transverse_inertia}
+    for quantity, unit, declared, found in rows:
+        yield Finding(
             quantity=quantity,
             unit=unit,
             declared=declared,
             found=float(found),
-            tolerance=1e-12 * scale,
+            tolerance=1e-12 * scales[unit],
             how="read back",
         )
 
 
-def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[_Finding]:
-    """Probe gravity, time, damping and clamps in one step of flight without contact."""
-    height = _ALOFT * (1.0 + scene.can.bounding_radius)
-    pose = Pose(position=np.array((0.0, 0.0, height)), quaternion=_UPRIGHT)
-    unit_x, unit_z = np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, 1.0))
-    world.place(pose, Twist(velocity=unit_x, angular_velocity=unit_z))
-    world.step()
-    after, twist = world.pose(), world.twist()
-    speed, spin = float(twist.velocity[0]), float(twist.angular_velocity[2])
-    # a velocity of 1 is known to an ulp, 2e-16, and a position of 0 likewise once it has moved
-    ulp = 4.0 * 2.0**-52 / timestep
-    # engines advance with the new velocity
-    advance = float(after.position[0]) / speed if speed else math.nan
-    how = "one step of free flight"
-    yield _Finding(
-        quantity="timestep",
-        unit="s",
-        declared=timestep,
-        found=advance,
-        tolerance=1e-9 * timestep + 1e-15,
-        how=how,
-    )
-    yield _Finding(
-        quantity="gravity",
-        unit="m/s^2",
-        declared=scene.gravity,
-        found=-float(twist.velocity[2]) / timestep,
-        tolerance=1e-9 * scene.gravity + ulp,
-        how=how,
-    )
-    for quantity, left in (("linear damping", speed), ("angular damping", spin)):
-        yield _Finding(
-            quantity=quantity,
-            unit="1/s",
-            declared=0.0,
-            found=-math.log(left) / timestep if left > 0.0 else math.inf,
-            tolerance=ulp,
-            how=how,
-        )
-    for quantity, unit, twist in (
-        ("speed kept", "m/s", Twist(velocity=_FAST * unit_x, angular_velocity=0.0 * unit_z)),
-        ("spin kept", "rad/s", Twist(velocity=0.0 * unit_x, angular_velocity=_FAST * unit_z)),
-    ):
-        world.place(pose, twist)
-        world.step()
-        kept = world.twist()
-        found = kept.velocity[0] if unit == "m/s" else kept.angular_velocity[2]
-        yield _Finding(
-            quantity=quantity,
-            unit=unit,
-            declared=_FAST,
-            found=float(found),
-            tolerance=1e-9 * _FAST,
-            how="one step of free flight at this rate",
-        )
+def _off_centre(world: WeighedWorld, scene: Scene) -> Iterator[tuple[str, str, float, float]]:
+    """Yield where the centre of mass lies, and the six moments about it."""
+    whole, centre, tensor = body(scene), world.centre_of_mass, world.inertia_tensor
+    for place, axis in enumerate("xyz"):
+        yield (f"centre of mass {axis}", "m", float(whole.centre[place]), float(centre[place]))
+    for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+        name = f"inertia {'xyz'[row]}{'xyz'[column]}"
+        declared = float(whole.inertia[row, column])
+        yield name, "kg m^2", declared, float(tensor[row, column])
 
 
-def _collider(world: World, scene: Scene) -> Iterator[_Finding]:
+def _collider(world: World, scene: Scene) -> Iterator[Finding]:
     """Probe the rim: how low the collider reaches below the centre at each tilt."""
     can = scene.can
     still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
@@ -180,7 +143,7 @@ def _collider(world: World, scene: Scene) -> Iterator[_Finding]:
         ("half height H", can.half_height, float(half_height), "the same fit"),
         ("rim deviation", 0.0, worst, "largest distance from the ideal rim over all tilts"),
     ):
-        yield _Finding(
+        yield Finding(
             quantity=quantity,
             unit="m",
             declared=declared,
@@ -191,7 +154,7 @@ def _collider(world: World, scene: Scene) -> Iterator[_Finding]:
         )
 
 
-def _friction(world: World, scene: Scene, timestep: float) -> _Finding:
+def _friction(world: World, scene: Scene, timestep: float) -> Finding:
     """Probe the friction of the pair: a can that slides fast takes all of it."""
     slip = scene.effects.slip
     declared = NO_SLIP_FRICTION if slip is None else slip.mu
@@ -214,7 +177,7 @@ def _friction(world: World, scene: Scene, timestep: float) -> _Finding:
         if force[2] > 0.0:
             found = math.hypot(force[0], force[1]) / float(force[2])
             break
-    return _Finding(
+    return Finding(
         quantity="friction of the pair",
         unit="1",
         declared=declared,

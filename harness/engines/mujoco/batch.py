@@ -14,7 +14,7 @@ import numpy as np
 from mujoco import rollout
 
 from harness.case import Case
-from harness.engines.mujoco.chunks import STATE, chunk_of
+from harness.engines.mujoco.chunks import STATE, chunk_of, control
 from harness.engines.mujoco.world import MujocoWorld
 from harness.engines.recording import record
 from harness.engines.settling import settle
@@ -56,8 +56,8 @@ def run_batch(
         mujoco.mj_getState(model, data, states[row], STATE)
         depths.append(depth)
     mujoco.mj_resetData(model, data)
-    after, sensors = rollout.rollout(model, data, states, nstep=steps)
     times = np.arange(steps) * np.float64(world.timestep)
+    after, sensors = rollout.rollout(model, data, states, **control(world, times))
     done: list[Simulation | None] = []
     for row, case in enumerate(cases):
         before = np.vstack((states[row], after[row, :-1]))

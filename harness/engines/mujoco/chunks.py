@@ -4,6 +4,8 @@
 calls has put both at the same instant.
 """
 
+from typing import Any
+
 import mujoco
 import numpy as np
 
@@ -14,6 +16,14 @@ from harness.trajectory import Integers, Trajectory
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 """Which state of MuJoCo: time, qpos and qvel, 14 numbers for a can."""
+
+
+def control(world: MujocoWorld, times: Floats) -> dict[str, Any]:
+    """Return what `mujoco.rollout` is told of the steps from these times (n,) on."""
+    forces = world.forces(times)
+    if forces is None:
+        return {"nstep": len(times)}
+    return {"control": forces[None], "control_spec": mujoco.mjtState.mjSTATE_XFRC_APPLIED}
 
 
 def chunk_of(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Chunk:

@@ -15,7 +15,7 @@ from harness.case import Case, Value
 from harness.engines.base import Capabilities, Floats
 from harness.engines.chunk import Chunk
 from harness.engines.mujoco.batch import LARGEST, MOST_STEPS, run_batch, steps_for
-from harness.engines.mujoco.chunks import STATE, chunk_of
+from harness.engines.mujoco.chunks import STATE, chunk_of, control
 from harness.engines.mujoco.gaps import EFFORTS, GAPS
 from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
 from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
@@ -38,7 +38,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     paste = staticmethod(paste)
     counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
-        honours=frozenset({"slip"}),
+        honours=frozenset({"slip", "tilt", "shake", "point_mass"}),
         imposes={
             "compliance": "contact is soft: it yields by solref and solimp, and so does friction",
             "rebound": "a stiff contact gives a part of an impact back, as its damping leaves it",
@@ -91,7 +91,8 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         world.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)
-        rollout.rollout(world.model, world.data, state[None], nstep=steps)
+        times = np.arange(steps) * np.float64(world.timestep)
+        rollout.rollout(world.model, world.data, state[None], **control(world, times))
 
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases; those that differ in their release alone are stepped together, in C."""
@@ -130,7 +131,7 @@ def _roll(world: MujocoWorld, stage: Stage, state: Floats) -> tuple[Floats, Floa
         world.model,
         world.data,
         state[None],
-        nstep=steps,
+        **control(world, stage.times),
         initial_warmstart=world.data.qacc_warmstart.copy()[None],
         state=states[:, 1:],
     )

@@ -3,6 +3,9 @@
 After a step qpos and qvel are new, while contacts and sensors belong to the state before it. The
 angular velocity of a free joint is in the body's frame; everything here is handed over in the
 world's.
+
+A shaken plane is a force on the centre of mass, `xfrc_applied`: gravity is the same all over the
+can, and unlike `opt.gravity` a force may change from step to step within one call of MuJoCo.
 """
 
 from dataclasses import replace
@@ -14,6 +17,7 @@ from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
 from harness.engines.mujoco.settings import attributes, matched_solref
 from harness.errors import RefusedModelError
+from models.gravity import shaking
 from models.kinematics import to_body
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
 from models.state import Pose, Release, Twist
@@ -56,24 +60,37 @@ class MujocoWorld:
         self.data = mujoco.MjData(self.model)
         self._tied = case.profile != "default" and "solref" not in dict(case.options)
         self._body = self.model.body("can").id
+        self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
         self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)
         self._net = self.model.sensor(NET_SENSOR).adr[0]
         self._depth = self.model.sensor(DEPTH_SENSOR).adr[0]
 
     @property
     def mass(self) -> float:
-        """Mass of the can, kg."""
+        """Mass of the can with all that is fixed to it, kg."""
         return float(self.model.body_mass[self._body])
 
     @property
     def inertia(self) -> Floats:
-        """Moments about the body's axes, shape (3,), kg m^2."""
+        """Moments about the body's axes through the centre of mass, shape (3,), kg m^2."""
+        moments: Floats = np.diagonal(self.inertia_tensor).copy()
+        return moments
+
+    @property
+    def inertia_tensor(self) -> Floats:
+        """About the centre of mass in the body's axes, shape (3, 3), kg m^2."""
         principal = self.model.body_inertia[self._body]
         R_BP = np.empty(9)
         mujoco.mju_quat2Mat(R_BP, self.model.body_iquat[self._body])
         R = R_BP.reshape(3, 3)
-        moments: Floats = np.diagonal(R @ np.diag(principal) @ R.T).copy()
-        return moments
+        tensor: Floats = R @ np.diag(principal) @ R.T
+        return tensor
+
+    @property
+    def centre_of_mass(self) -> Floats:
+        """From the centre of the can in the body's axes, shape (3,), m."""
+        centre: Floats = self.model.body_ipos[self._body].copy()
+        return centre
 
     @property
     def timestep(self) -> float:
@@ -103,7 +120,21 @@ class MujocoWorld:
 
     def step(self) -> None:
         """Advance by one timestep."""
+        forces = self.forces(np.array([self.data.time]))
+        if forces is not None:
+            self.data.xfrc_applied[:] = forces.reshape(-1, 6)
         mujoco.mj_step(self.model, self.data)
+
+    def forces(self, times: Floats) -> Floats | None:
+        """Return `xfrc_applied` of the steps from these times (n,) on, shape (n, 6 bodies).
+
+        None where the plane is at rest and nothing is applied.
+        """
+        if not self._shaken:
+            return None
+        applied = np.zeros((len(times), self.model.nbody, 6))
+        applied[:, self._body, :3] = self.mass * shaking(self._scene, times, self.timestep)
+        return applied.reshape(len(times), -1)
 
     def pose(self) -> Pose:
         """Return where the can is."""

@@ -7,7 +7,7 @@ states are read no oftener than the recorder needs them.
 from collections.abc import Iterator
 from importlib.metadata import version
 
-import pybullet
+import numpy as np
 
 from harness.case import Case
 from harness.engines.base import Capabilities
@@ -39,7 +39,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     paste = staticmethod(paste)
     counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
-        honours=frozenset({"slip"}),
+        honours=frozenset({"slip", "tilt", "shake", "point_mass"}),
         imposes={
             "stabilisation": "penetration is taken away by ERP, which adds energy",
             "gyroscopic term": "taken explicitly, and a free spin gains energy",
@@ -71,13 +71,13 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
     def leanest(self, world: PybulletWorld, steps: int) -> None:
         """Step so many times and do nothing else: no reading, no record."""
-        step, client = pybullet.stepSimulation, world.client
+        times = np.arange(steps) * np.float64(world.timestep)
+        step, client = world.stepper(times), world.client
         for _ in range(steps):
             step(client)
 
 
 def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:
     """Return the stage that the world's state calls for."""
-    _, (x, y, z, w) = pybullet.getBasePositionAndOrientation(world.can, world.client)
-    _, spin = pybullet.getBaseVelocity(world.can, world.client)
+    _, (x, y, z, w), _, spin = world.state()
     return schedule.next((w, x, y, z), spin)

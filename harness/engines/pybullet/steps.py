@@ -51,8 +51,9 @@ class Steps:
     def take(self, world: PybulletWorld, stage: Stage) -> None:
         """Take the steps of a stage, looking at the state before a step and the contacts after."""
         client, can, ground = world.client, world.can, world.ground
-        step, pose_of = pybullet.stepSimulation, pybullet.getBasePositionAndOrientation
+        step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
+        centred = world.reading
         state, touch = self._states.append, self._contacts.append
         here, stand = self._places.append, self._spans.append
         timestep, count, last = stage.timestep, len(stage.times), stage.ahead - 1
@@ -65,6 +66,8 @@ class Steps:
         while place < count:
             position, quaternion = pose_of(can, client)
             velocity, spin = velocity_of(can, client)
+            if centred is not None:
+                position, quaternion, velocity, spin = centred(position, quaternion, velocity, spin)
             step(client)
             touch(contacts_of(can, ground, physicsClientId=client))
             state((position, quaternion, velocity, spin))

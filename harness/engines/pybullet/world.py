@@ -1,14 +1,16 @@
 """A PyBullet world of a scene that can be placed, stepped and read.
 
 The contact points that a step leaves behind belong to the state before it. Quaternions are scalar
-last in PyBullet and scalar first here; `getBaseVelocity` is in world coordinates already. Every
-call names its client, so that worlds do not meet.
+last in PyBullet and scalar first here; `getBaseVelocity` is in world coordinates already. What
+PyBullet moves is the centre of mass; what is handed over is the centre of the can. The shaking of a
+plane is a gravity that is set anew before each step. Every call names its client, so that worlds do
+not meet.
 """
 
 import math
 import tempfile
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -17,7 +19,9 @@ import pybullet
 
 from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
+from harness.engines.pybullet.frames import Frames, Reading, State
 from harness.engines.pybullet.settings import DYNAMICS, PROCESS_WIDE, SOLVER, URDF_FLAGS
+from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
 
@@ -44,7 +48,9 @@ class PybulletWorld:
         self._finalizer = weakref.finalize(self, pybullet.disconnect, self.client)
         self._timestep = timestep
         here = {"physicsClientId": self.client}
-        pybullet.setGravity(0.0, 0.0, -case.scene.gravity, **here)
+        self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
+        self._gravity, self._time = gravity_vector(case.scene), 0.0
+        pybullet.setGravity(*self._gravity.tolist(), **here)
         pybullet.setTimeStep(timestep, **here)
         solver = {s.name: chosen[s.name] for s in SOLVER if chosen[s.name] is not None}
         pybullet.setPhysicsEngineParameter(**(dict(PROCESS_WIDE) | solver), **here)
@@ -61,6 +67,10 @@ class PybulletWorld:
                 flags=flags,
                 useMaximalCoordinates=bool(chosen["useMaximalCoordinates"]),
             )
+        # as it is loaded, with the frame of its link at the origin of the world
+        centre, axes = pybullet.getBasePositionAndOrientation(self.can, self.client)
+        self._frames = Frames(centre, axes)
+        self.off_centre = case.scene.effects.point_mass is not None
         dynamics = {s.name: chosen[s.name] for s in DYNAMICS if chosen[s.name] is not None}
         if dynamics:
             pybullet.changeDynamics(self.can, -1, **dynamics, **here)
@@ -76,13 +86,28 @@ class PybulletWorld:
 
     @property
     def mass(self) -> float:
-        """Mass of the can, kg."""
+        """Mass of the can with all that is fixed to it, kg."""
         return float(self._dynamics()[0])
 
     @property
     def inertia(self) -> Floats:
-        """Moments about the body's axes, shape (3,), kg m^2."""
-        return np.array(self._dynamics()[2], dtype=np.float64)
+        """Moments about the body's axes through the centre of mass, shape (3,), kg m^2."""
+        if not self.off_centre:
+            return np.array(self._dynamics()[2], dtype=np.float64)
+        moments: Floats = np.diagonal(self.inertia_tensor).copy()
+        return moments
+
+    @property
+    def inertia_tensor(self) -> Floats:
+        """About the centre of mass in the body's axes, shape (3, 3), kg m^2."""
+        R_BI = self._frames.rotation
+        tensor: Floats = R_BI @ np.diag(self._dynamics()[2]) @ R_BI.T
+        return tensor
+
+    @property
+    def centre_of_mass(self) -> Floats:
+        """From the centre of the can in the body's axes, shape (3,), m."""
+        return np.array(self._frames.centre)
 
     @property
     def timestep(self) -> float:
@@ -100,33 +125,64 @@ class PybulletWorld:
         return info
 
     def place(self, pose: Pose, twist: Twist) -> None:
-        """Put the can somewhere, moving."""
+        """Put the can somewhere, moving, at the time zero."""
         w, x, y, z = pose.quaternion.tolist()
-        pybullet.resetBasePositionAndOrientation(
-            self.can, pose.position.tolist(), (x, y, z, w), physicsClientId=self.client
-        )
-        pybullet.resetBaseVelocity(
-            self.can,
+        state: State = (
+            pose.position.tolist(),
+            (x, y, z, w),
             twist.velocity.tolist(),
             twist.angular_velocity.tolist(),
-            physicsClientId=self.client,
         )
+        if self.off_centre:
+            state = self._frames.principal(*state)
+        position, quaternion, velocity, spin = state
+        pybullet.resetBasePositionAndOrientation(
+            self.can, position, quaternion, physicsClientId=self.client
+        )
+        pybullet.resetBaseVelocity(self.can, velocity, spin, physicsClientId=self.client)
+        self._time = 0.0
 
     def step(self) -> None:
         """Advance by one timestep."""
-        pybullet.stepSimulation(physicsClientId=self.client)
+        self.stepper(np.array([self._time]))(self.client)
+        self._time += self._timestep
+
+    def stepper(self, times: Floats) -> Callable[[int], object]:
+        """Return what takes the steps from these times on, call by call, given the client."""
+        if not self._shaken:
+            step: Callable[[int], object] = pybullet.stepSimulation
+            return step
+        gravities = (self._gravity + shaking(self._scene, times, self._timestep)).tolist()
+        coming = iter(gravities)
+
+        def shaken_step(client: int) -> None:
+            pybullet.setGravity(*next(coming), client)
+            pybullet.stepSimulation(client)
+
+        return shaken_step
+
+    def state(self) -> State:
+        """Return position, quaternion (scalar last), velocity and angular velocity of the can."""
+        position, quaternion = pybullet.getBasePositionAndOrientation(self.can, self.client)
+        velocity, spin = pybullet.getBaseVelocity(self.can, self.client)
+        if self.off_centre:
+            return self._frames.can(position, quaternion, velocity, spin)
+        return position, quaternion, velocity, spin
+
+    @property
+    def reading(self) -> Reading | None:
+        """What turns PyBullet's frame into the can's; None where they are the same."""
+        return self._frames.can if self.off_centre else None
 
     def pose(self) -> Pose:
         """Return where the can is."""
-        position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(
-            self.can, physicsClientId=self.client
-        )
-        return Pose(position=position, quaternion=np.array((w, x, y, z)))
+        position, (x, y, z, w), _, _ = self.state()
+        return Pose(position=np.array(position), quaternion=np.array((w, x, y, z)))
 
     def twist(self) -> Twist:
         """Return how the can moves."""
-        velocity, angular_velocity = pybullet.getBaseVelocity(self.can, physicsClientId=self.client)
-        return Twist(velocity=velocity, angular_velocity=angular_velocity)
+        _, _, velocity, spin = self.state()
+        return Twist(velocity=np.array(velocity), angular_velocity=np.array(spin))
 
     def contact(self) -> Contact:
         """Return the contact that the last step solved: that of the state before it."""
