@@ -1,0 +1,178 @@
+"""Accepted results as one file, a line a case, so that a change of them can be reviewed.
+
+The file lies beside whatever else a baseline's folder holds, and is replaced in one move.
+"""
+
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from harness.errors import OutputError
+from harness.gate.ensemble import SIZES
+from harness.gate.errors import BaselineError
+from harness.gate.identity import told_identity
+from harness.gate.scores import Number, Score, Scores
+
+FILE = "accepted.json"
+FORMAT, VERSION = "rockingcan-baseline", 1
+
+_DIGITS = 3
+"""Of a spread: it is a largest departure of a few, known to a digit at best."""
+
+
+_TINY = 1e-300
+"""Far below every floor, and above where a double loses its digits."""
+
+
+def write_baseline(scores: Scores, folder: Path) -> Path:
+    """Write accepted results into a folder, whole or not at all, and return the file.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    path, draft = folder / FILE, None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=f".{FILE}.", delete=False) as file:
+            draft = Path(file.name)
+            file.write(_text(scores).encode())
+            file.flush()
+            os.fsync(file.fileno())
+        draft.chmod(0o644)  # a temporary file is for its owner only
+        draft.replace(path)
+    except OSError as error:
+        raise OutputError(
+            f"cannot write accepted results to '{path}': {error.strerror or error}; "
+            "name a folder that you may write to with --baseline"
+        ) from error
+    finally:
+        if draft is not None:
+            draft.unlink(missing_ok=True)
+    return path
+
+
+def check_place(folder: Path) -> None:
+    """Refuse at once a place that `write_baseline` would refuse at the end of a long run.
+
+    Raises
+    ------
+    OutputError
+        If it is a file, or cannot be written to.
+    """
+    place = next(p for p in (folder.absolute(), *folder.absolute().parents) if p.exists())
+    if not place.is_dir() or not os.access(place, os.W_OK):
+        raise OutputError(
+            f"cannot write accepted results to '{folder}': '{place}' is no folder that you may "
+            "write to; name another with --baseline"
+        )
+
+
+def read_baseline(folder: Path) -> Scores:
+    """Return the accepted results of a folder.
+
+    Raises
+    ------
+    BaselineError
+        If it holds none, or what it holds is not what was written.
+    """
+    path = folder / FILE
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise BaselineError(
+            f"'{folder}' holds no accepted results ('{FILE}'); write some with: "
+            f"rockingcan validate --accept --baseline {folder}"
+        ) from error
+    except (OSError, ValueError) as error:
+        raise BaselineError(f"accepted results '{path}' cannot be read: {error}") from error
+    try:
+        if (told["format"], told["version"]) != (FORMAT, VERSION):
+            raise BaselineError(
+                f"'{path}' is no file of accepted results of version {VERSION}; write it anew with "
+                "--accept"
+            )
+        scores = [_score(case) for case in told["cases"]]
+        return Scores(
+            suite=str(told["suite"]),
+            scores=MappingProxyType({score.identity: score for score in scores}),
+            versions=MappingProxyType(_words(told["versions"])),
+            made=MappingProxyType(dict(told["made"])),
+            place=str(folder),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, BaselineError):
+            raise
+        reason = f"{type(error).__name__}: {error}"
+        raise BaselineError(f"accepted results '{path}' are damaged ({reason})") from error
+
+
+def _text(scores: Scores) -> str:
+    """Return the file: its head, then a line a case."""
+    head = {
+        "format": FORMAT,
+        "version": VERSION,
+        "suite": scores.suite,
+        "versions": dict(scores.versions),
+        "made": dict(scores.made),
+        "perturbed_by": list(SIZES),
+    }
+    lines = [f" {json.dumps(key)}: {_json(value)},\n" for key, value in head.items()]
+    cases = ",\n".join(f"  {_json(_told(score))}" for score in scores.scores.values())
+    return f'{{\n{"".join(lines)} "cases": [\n{cases}\n ]\n}}\n'
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+
+def _told(score: Score) -> dict[str, Any]:
+    return {
+        **score.identity.to_dict(),
+        "scene_digest": score.scene_digest,
+        "digest": score.digest,
+        "outcome": score.outcome,
+        "truth_pulls": score.truth_pulls,
+        "values": dict(score.values),
+        "members": score.members,
+        "spread": {k: _rounded_up(v) for k, v in score.spread.items()},
+        "endings": dict(score.endings),
+    }
+
+
+def _rounded_up(spread: Number) -> Number:
+    """Return a spread in few digits, none of them smaller than it was."""
+    if spread is None or spread == 0.0:
+        return spread
+    spread = max(spread, _TINY)
+    unit = 10.0 ** (math.floor(math.log10(spread)) - _DIGITS + 1)
+    return float(f"{math.ceil(spread / unit) * unit:.{_DIGITS - 1}e}")
+
+
+def _score(told: Mapping[str, Any]) -> Score:
+    return Score(
+        identity=told_identity(told),
+        scene_digest=str(told["scene_digest"]),
+        digest=str(told["digest"]),
+        outcome=str(told["outcome"]),
+        truth_pulls=bool(told["truth_pulls"]),
+        values=MappingProxyType({str(k): float(v) for k, v in told["values"].items()}),
+        members=int(told["members"]),
+        spread=MappingProxyType(dict(_widths(told["spread"]))),
+        endings=MappingProxyType({str(k): int(v) for k, v in told["endings"].items()}),
+    )
+
+
+def _widths(told: Mapping[str, Any]) -> Iterator[tuple[str, Number]]:
+    for key, value in told.items():
+        yield str(key), None if value is None else float(value)
+
+
+def _words(told: Mapping[str, Any]) -> dict[str, str]:
+    return {str(key): str(value) for key, value in told.items()}

@@ -1,0 +1,229 @@
+"""Two sets of scores held against each other, quantity by quantity.
+
+A quantity is larger in one of them if it exceeds the other by more than the tolerance and by more
+than a factor. The tolerance is what the quantity moves when nothing has changed, measured; the
+factor is what one cares for. The rule is the same whichever of the two is called the first.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from harness.gate.identity import Identity
+from harness.gate.quantities import QUANTITIES, Kind, Quantity
+from harness.gate.scores import Number, Score, Scores
+
+SPREADS = 4.0
+"""Spreads in a tolerance: with few members the largest departure seen is not the largest there is.
+Of a thousand departures of random members, none exceeded three (see CONTRIBUTING.md)."""
+
+FACTOR = 1.1
+"""Below a tenth more or less no reader of a report draws another conclusion."""
+
+OUTCOME = "outcome"
+"""What the ending of a run is called among the quantities."""
+
+
+class Change(Enum):
+    """What has become of a quantity, from the first scores to the second."""
+
+    LARGER = "larger"
+    SMALLER = "smaller"
+    SAME = "same"
+    UNDECIDABLE = "undecidable"
+    ONLY_FIRST = "only in the first"
+    ONLY_SECOND = "only in the second"
+    INFORMATION = "information"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Difference:
+    """One quantity of one case in both.
+
+    Parameters
+    ----------
+    identity : Identity
+    quantity : str
+        A column of `QUANTITIES`, or `OUTCOME`.
+    first, second : float or None
+        Magnitudes; None for an outcome and for what is unknown.
+    spread, tolerance : float or None
+        What was measured, and how much may differ; None where nothing can be decided.
+    change : Change
+    note : str
+        What the numbers do not say; may be empty.
+    digest : str
+        Of the second's case, or of the first's where there is no second.
+    """
+
+    identity: Identity
+    quantity: str
+    first: Number = None
+    second: Number = None
+    spread: Number = None
+    tolerance: Number = None
+    change: Change
+    note: str = ""
+    digest: str = ""
+
+    @property
+    def factor(self) -> Number:
+        """Second over first; infinite where the first is zero."""
+        if self.first is None or self.second is None:
+            return None
+        if self.first == 0.0:
+            return 1.0 if self.second == 0.0 else math.inf
+        return self.second / self.first
+
+    @property
+    def severity(self) -> float:
+        """How far it has changed, either way: the larger over the smaller; infinite if lost."""
+        factor = self.factor
+        if factor is None or factor == 0.0:
+            return math.inf
+        return max(factor, 1.0 / factor)
+
+
+def differences(
+    first: Scores,
+    second: Scores,
+    *,
+    expected: Iterable[Identity] | None = None,
+    spreads: Scores | None = None,
+) -> tuple[Difference, ...]:
+    """Return all differences, case by case in the order of the second, then what it lacks.
+
+    Parameters
+    ----------
+    first, second : Scores
+    expected : iterable of Identity, optional
+        Cases of the first that the second should have; all of them if left out.
+    spreads : Scores, optional
+        Whose spreads count too, where the two were measured without.
+    """
+    known = first.scores if expected is None else {i: first.scores[i] for i in expected}
+    found: list[Difference] = []
+    for name, score in second.scores.items():
+        accepted = first.scores.get(name)
+        borrowed = None if spreads is None else spreads.scores.get(name)
+        if accepted is None:
+            found.append(_alone(score, Change.ONLY_SECOND))
+        else:
+            found += _case(accepted, score, borrowed)
+    found += [
+        _alone(score, Change.ONLY_FIRST)
+        for name, score in known.items()
+        if name not in second.scores
+    ]
+    return tuple(found)
+
+
+def _alone(score: Score, change: Change) -> Difference:
+    return Difference(identity=score.identity, quantity=OUTCOME, change=change, digest=score.digest)
+
+
+def _case(first: Score, second: Score, borrowed: Score | None) -> Iterator[Difference]:
+    """Yield the differences of a case that both have."""
+    if first.scene_digest != second.scene_digest:
+        note = "the scene has changed: they are two motions"
+        yield Difference(
+            identity=second.identity,
+            quantity=OUTCOME,
+            change=Change.INFORMATION,
+            note=note,
+            digest=second.digest,
+        )
+        return
+    yield _ending(first, second, borrowed)
+    if not (first.finished and second.finished):
+        return  # numbers of runs of other lengths
+    measured = [s.spread for s in (first, second, borrowed) if s is not None and s.members]
+    for quantity in QUANTITIES:
+        a, b = (s.values.get(quantity.column) for s in (first, second))
+        if a is not None or b is not None:
+            pulled = first.truth_pulls or second.truth_pulls
+            yield _quantity(second, quantity, a, b, measured, pulled=pulled)
+
+
+def _ending(first: Score, second: Score, borrowed: Score | None) -> Difference:
+    """Return what has become of the ending of a run."""
+    note, change = "", Change.SAME
+    if first.outcome != second.outcome:
+        note = f"{_word(first.outcome)}, then {_word(second.outcome)}"
+        change = Change.INFORMATION
+    if first.finished != second.finished:
+        all_three = [s for s in (first, second, borrowed) if s is not None]
+        swings = any(s.may_finish and s.may_fail for s in all_three)
+        change = Change.SMALLER if second.finished else Change.LARGER
+        if swings:
+            change = Change.UNDECIDABLE
+            note += ": some releases that differ by 1e-9 or less finish and others do not"
+    return Difference(
+        identity=second.identity,
+        quantity=OUTCOME,
+        change=change,
+        note=note,
+        digest=second.digest,
+    )
+
+
+def _word(outcome: str) -> str:
+    return outcome.lower().replace("_", " ")
+
+
+def _quantity(
+    second: Score,
+    quantity: Quantity,
+    a: Number,
+    b: Number,
+    measured: list[Mapping[str, Number]],
+    *,
+    pulled: bool,
+) -> Difference:
+    """Return the difference of one quantity that at least one of the two has."""
+    known = [spread[quantity.column] for spread in measured if quantity.column in spread]
+    widths = [width for width in known if width is not None]
+    spread = None if len(widths) < len(known) else max(widths, default=0.0)
+    tolerance = None if spread is None else SPREADS * spread + quantity.floor
+    first, then = (None if value is None else abs(value) for value in (a, b))
+    change, note = judge(first, then, tolerance)
+    if quantity.kind is Kind.TIME:
+        change, note = Change.INFORMATION, "machines are noisy: times are not judged"
+    elif quantity.kind is Kind.ERROR and pulled:
+        change, note = Change.INFORMATION, "the exact motion asks the plane to pull: not judged"
+    return Difference(
+        identity=second.identity,
+        quantity=quantity.column,
+        first=first,
+        second=then,
+        spread=spread,
+        tolerance=tolerance,
+        change=change,
+        note=note,
+        digest=second.digest,
+    )
+
+
+def judge(first: Number, second: Number, tolerance: Number) -> tuple[Change, str]:
+    """Return what has become of a magnitude, and what is to be said of it.
+
+    Parameters
+    ----------
+    first, second : float or None
+        Not negative; None for what is unknown.
+    tolerance : float or None
+        None where releases that no one can tell apart do not agree whether it can be known.
+    """
+    if tolerance is None:
+        return Change.UNDECIDABLE, "some releases that differ by 1e-9 or less do not show it at all"
+    if second is None:
+        return Change.ONLY_FIRST, "can no longer be told from the record"
+    if first is None:
+        return Change.ONLY_SECOND, "could not be told from the record"
+    low, high = sorted((first, second))
+    if not high > low + tolerance:
+        return Change.SAME, ""
+    if not high > FACTOR * low:
+        return Change.SAME, "moved by less than a tenth"
+    return (Change.LARGER if second > first else Change.SMALLER), ""
