@@ -46,6 +46,29 @@ class Series:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Heat:
+    """A quantity over a rectangle of cells, told by colour.
+
+    Parameters
+    ----------
+    label : str
+        Of the quantity, with the unit in brackets.
+    x, y : ndarray, shape (columns + 1,), (rows + 1,)
+        Edges of the cells, increasing.
+    z : ndarray, shape (rows, columns)
+        NaN leaves a cell blank.
+    signed : bool
+        The sign matters: colours part at zero.
+    """
+
+    label: str
+    x: Floats
+    y: Floats
+    z: Floats
+    signed: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Panel:
     """One pair of axes.
 
@@ -61,6 +84,8 @@ class Panel:
         What stands at the places 0, 1, 2, ... of the horizontal axis instead of numbers.
     x_range, y_range : tuple of 2 floats, optional
         Ends of the axes, for figures whose axes are to be alike; from the data if left out.
+    heat : Heat, optional
+        Lies below the series.
     """
 
     title: str
@@ -73,6 +98,7 @@ class Panel:
     x_names: tuple[str, ...] = ()
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
+    heat: Heat | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

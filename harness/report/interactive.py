@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from plotly.offline import get_plotlyjs
 
-from harness.artefact import Figure, Floats, Panel, Series
+from harness.artefact import Figure, Floats, Heat, Panel, Series
+from harness.report.heat import PLAIN, SIGNED, span
 from harness.report.legend import BAR_WIDTH, Entry, entries
 from harness.report.palette import Ink
 from harness.report.thinning import plottable
@@ -55,9 +56,14 @@ def description(figure: Figure, inks: Mapping[str, Ink]) -> list[dict[str, Any]]
     return [
         {
             "data": [
-                _trace(series, panel, *legend[series.label], inks[series.kind])
-                # the truth lies below
-                for series in sorted(panel.series, key=lambda series: series.kind != "reference")
+                *(() if panel.heat is None else (_cells(panel.heat),)),
+                *(
+                    _trace(series, panel, *legend[series.label], inks[series.kind])
+                    # the truth lies below
+                    for series in sorted(
+                        panel.series, key=lambda series: series.kind != "reference"
+                    )
+                ),
             ],
             "layout": _layout(panel),
             "linked": group,
@@ -117,6 +123,21 @@ def _bars(series: Series, panel: Panel, number: int, entry: Entry) -> dict[str, 
         trace["hovertext"] = [_text(text) for text in series.hover]
         trace["hovertemplate"] = f"%{{hovertext}}<br>%{{customdata:.6g}}<extra>{label}</extra>"
     return trace
+
+
+def _cells(heat: Heat) -> dict[str, Any]:
+    low, high = span(heat)
+    return {
+        "type": "heatmap",
+        "x": _packed(heat.x),
+        "y": _packed(heat.y),
+        "z": {**_packed(heat.z.ravel()), "shape": f"{heat.z.shape[0]},{heat.z.shape[1]}"},
+        "zmin": low,
+        "zmax": high,
+        "colorscale": SIGNED[1] if heat.signed else PLAIN[1],
+        "colorbar": {"title": {"text": _text(heat.label), "side": "right"}, "thickness": 12},
+        "hovertemplate": "%{x:.6g}, %{y:.6g}: %{z:.6g}<extra></extra>",
+    }
 
 
 def _layout(panel: Panel) -> dict[str, Any]:

@@ -20,7 +20,8 @@ from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from harness.artefact import Figure, Panel, Series
+from harness.artefact import Figure, Heat, Panel, Series
+from harness.report.heat import PLAIN, SIGNED, span
 from harness.report.legend import BAR_WIDTH, Entry, entries
 from harness.report.palette import Ink
 from harness.report.thinning import plottable
@@ -100,6 +101,8 @@ def _sheet(figure: Figure, inks: Mapping[str, Ink]) -> Sheet:
         for series in panel.series:
             _draw(axes, series, panel, legend[series.label], inks[series.kind])
         _label(axes, panel)
+        if panel.heat is not None:
+            _colour(sheet, axes, panel.heat)
     keys = [_key(entry, inks[entry.kind]) for entry in legend.values()]
     if keys:
         box = sheet.legend(
@@ -154,6 +157,30 @@ def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: Ink) -> N
     axes.add_line(Line2D(x, y, zorder=below, **look))  # type: ignore[arg-type]
 
 
+def _colour(sheet: Sheet, axes: Axes, heat: Heat) -> None:
+    """Lay cells below the curves, and their scale beside the axes."""
+    low, high = span(heat)
+    cells = axes.pcolormesh(
+        heat.x,
+        heat.y,
+        np.ma.masked_invalid(heat.z),
+        cmap=SIGNED[0] if heat.signed else PLAIN[0],
+        vmin=low,
+        vmax=high,
+        rasterized=True,  # in an SVG one picture, not a path for each cell
+        zorder=0.5,
+    )
+    axes.grid(visible=False)
+    axes.set_xlim(heat.x[0], heat.x[-1])
+    axes.set_ylim(heat.y[0], heat.y[-1])
+    there = heat.z[np.isfinite(heat.z)]
+    beyond = (bool((there < low).any()), bool((there > high).any()))
+    ends = {(False, False): "neither", (True, False): "min", (False, True): "max"}
+    bar = sheet.colorbar(cells, ax=axes, extend=ends.get(beyond, "both"))
+    bar.set_label(heat.label, parse_math=False)
+    bar.outline.set_visible(False)
+
+
 def _label(axes: Axes, panel: Panel) -> None:
     """Write the words, scale the axes to what is drawn."""
     if panel.log_x:
@@ -178,7 +205,8 @@ def _label(axes: Axes, panel: Panel) -> None:
         )
         axes.set_xlim(-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH)
         axes.grid(visible=False, axis="x")
-    if not any(np.isfinite(plottable(series, panel)[1]).any() for series in panel.series):
+    drawn = panel.heat is not None and np.isfinite(panel.heat.z).any()
+    if not drawn and not any(np.isfinite(plottable(s, panel)[1]).any() for s in panel.series):
         axes.text(0.5, 0.5, "nothing to draw", ha="center", va="center", transform=axes.transAxes)
 
 

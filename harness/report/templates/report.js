@@ -39,6 +39,7 @@
     });
     return {
       data: panel.data.map((trace) => {
+        if (trace.type === "heatmap") return trace;
         const color = value(kinds[trace.meta.kind]);
         return {
           ...trace,

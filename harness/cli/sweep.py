@@ -1,0 +1,181 @@
+"""Many scenes that differ in a few parameters: solved or run, to Parquet, with a curve or a map."""
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from harness.artefact import Table
+from harness.cli import printing
+from harness.cli.answers import spell
+from harness.cli.words import settings
+from harness.errors import InvalidSettingError
+from harness.executors import Serial, cluster, local
+from harness.interruption import Interrupted
+from harness.isolation.limits import sensible
+from harness.provenance import provenance
+from harness.report import check_writable, write_report
+from harness.studies.sweep import Overview, artefacts, overview
+from harness.sweep import Folder, Part, Plan, opened, plan, read_axis
+from harness.sweep import sweep as carry_out
+from models.catalogue import load
+
+REPORT = "report"
+
+
+def sweep(  # noqa: PLR0917 - a parameter an option
+    scene: Annotated[
+        str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
+    ],
+    over: Annotated[
+        list[str],
+        typer.Option(
+            metavar="NAME=LOW:HIGH:COUNT",
+            help="A parameter to vary, such as release.psi_dot=-1:1:401 or can.h=log:0.1:10:50; "
+            "repeat it. Without :COUNT for a sample.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder of the sweep; goes on with one begun there.")],
+    sample: Annotated[str, typer.Option(help="grid, random, sobol or halton.")] = "grid",
+    count: Annotated[int | None, typer.Option(help="Scenes of a sample.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Of a sample; 0 if left out.")] = None,
+    engine: Annotated[str, typer.Option(help="Which engine (see: engines).")] = "reference",
+    profile: Annotated[str, typer.Option(help="default, matched or adaptive.")] = "matched",
+    timestep: Annotated[
+        float | None, typer.Option(help="In seconds; the profile's own if left out.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the engine; repeat it."),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(help="A column, such as angle_of_turn_deg or epsilon; repeat it."),
+    ] = None,
+    against: Annotated[
+        str | None, typer.Option(help="A quantity to draw the others against, such as epsilon.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
+    ] = None,
+    on: Annotated[
+        str | None, typer.Option(help="Run on a Dask cluster, such as tcp://host:8786.")
+    ] = None,
+    json: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
+    ] = False,
+) -> None:
+    """Vary parameters of a scene and write a row for each: a map of the turn, say.
+
+    For example: rockingcan sweep paper-release --over release.psi_dot=-1:1:401
+    --over release.theta_dot=-1:1:401 --out reports/signs
+    """
+    asked = list(quantity or ())
+    if against is not None and quantity and against not in asked:
+        asked.append(against)
+    chosen = plan(
+        load(scene),
+        [read_axis(text) for text in over],
+        sample=sample,
+        count=count,
+        seed=seed,
+        engine=engine,
+        profile=profile,
+        timestep=timestep,
+        options=settings(set_ or []),
+        quantities=asked,
+    )
+    if against is not None and against not in chosen.quantities:
+        raise InvalidSettingError("--against", against, ", ".join(chosen.quantities))
+    with opened(out, chosen) as folder:
+        check_writable(out / REPORT)
+        _complete(folder, jobs or len(os.sched_getaffinity(0)), on)
+        found = overview(chosen, folder.read(), against)
+    page = write_report(
+        artefacts(found),
+        out / REPORT,
+        title=f"rockingcan, sweep of {chosen.scene.name}",
+        cases=(),
+        provenance=provenance(),
+    )
+    if json:
+        typer.echo(spell(_answer(found, folder)))
+        return
+    console = printing.out()
+    for artefact in artefacts(found):
+        if isinstance(artefact, Table):
+            console.print(printing.data(artefact, tuple(artefact.columns)))
+    console.print(escape(f"\nThe table: {folder.parts}\nThe report: {page}"))
+
+
+def _complete(folder: Folder, jobs: int, on: str | None) -> None:
+    """Make what is missing beside a progress bar, and say how to go on if it is stopped."""
+    chosen, missing = folder.plan, folder.missing()
+    left = sum(len(chosen.span(index)) for index in missing)
+    for path in folder.damaged:
+        typer.echo(f"set aside a damaged partition, to be made again: {path}", err=True)
+    if left < chosen.rows:
+        there = chosen.rows - left
+        typer.echo(f"{there} of {chosen.rows} scenes are there, {left} to go", err=True)
+    if not left:
+        return
+    done = 0
+    try:
+        with printing.progress() as bar, _executor(chosen, jobs, on) as executor:
+            # of what is left alone: what was there before took no time
+            task = bar.add_task(chosen.scene.name, total=left)
+
+            def show(part: Part) -> None:
+                nonlocal done
+                done += len(part.rows)
+                bar.update(task, completed=done)
+
+            window = jobs + 1 if isinstance(executor, ThreadPoolExecutor) else None
+            carry_out(folder, executor, show, window=window)
+    except (KeyboardInterrupt, Interrupted):
+        there = chosen.rows - left + done
+        typer.echo(
+            f"{there} of {chosen.rows} scenes are written; the same command goes on", err=True
+        )
+        raise
+
+
+@contextmanager
+def _executor(chosen: Plan, jobs: int, on: str | None) -> Iterator[Executor]:
+    """Open what carries out a plan."""
+    made: Executor
+    if on is not None:
+        made = cluster(on, sensible(1))
+    elif jobs == 1:
+        made = Serial()
+    elif chosen.exact:
+        # arrays in compiled loops: threads run them side by side, in the memory of one process
+        made = ThreadPoolExecutor(jobs)
+    else:
+        made = local(jobs)
+    with made:
+        yield made
+
+
+def _answer(found: Overview, folder: Folder) -> dict[str, Any]:
+    """Return a sweep as `--json` says it."""
+    return {
+        "scene": found.plan.scene.name,
+        "engine": found.plan.engine,
+        "exact": found.plan.exact,
+        "over": [axis.text() for axis in found.plan.axes],
+        "scenes": found.plan.rows,
+        "partitions": found.plan.partitions,
+        "digest": found.plan.digest(),
+        "parts": str(folder.parts),
+        "outcomes": dict(found.outcomes),
+        "quantities": {
+            name: {"scenes": e.count, "least": e.low, "mean": e.mean, "largest": e.high}
+            for name, e in found.extents.items()
+        },
+    }

@@ -1,0 +1,98 @@
+"""The figure of a sweep: a curve over one parameter, a map over two."""
+
+import numpy as np
+
+from harness.artefact import Figure, Floats, Heat, Panel, Series
+from harness.studies.sweep.cells import Cells
+from harness.studies.sweep.points import Points
+from harness.sweep import QUANTITIES, Plan
+
+MOST_PANELS = 6
+"""Quantities that are drawn; the table has all."""
+
+_DECADES = 100.0
+"""Ratio of largest to least from which an axis is logarithmic."""
+
+_FIRST_TWO = 2
+
+
+def maps(plan: Plan, cells: Cells) -> Figure:
+    """Return the map of each quantity over the first two parameters."""
+    across, up = plan.axes[:_FIRST_TWO]
+    x, y = cells.edges()
+    panels = []
+    for name in plan.quantities[:MOST_PANELS]:
+        known, z = QUANTITIES[name], cells.image(name)
+        there = z[np.isfinite(z)]
+        signed = bool(there.size and there.min() < 0.0 < there.max())
+        panels.append(
+            Panel(
+                title=known.label.partition(" [")[0],
+                x_label=across.label,
+                y_label=up.label,
+                series=(),
+                log_x=across.log,
+                log_y=up.log,
+                heat=Heat(label=known.label, x=x, y=y, z=z, signed=signed),
+            )
+        )
+    return Figure(
+        name="sweep",
+        title=f"{plan.scene.name} over {across.name} and {up.name}",
+        seen=_seen(plan),
+        panels=tuple(panels),
+        columns=1 if len(panels) == 1 else 2,
+    )
+
+
+def curves(plan: Plan, points: Points, against: str | None) -> Figure:
+    """Return the curve of each quantity over the parameter, or against another quantity."""
+    axis = plan.axes[0]
+    label = QUANTITIES[against].label if against else axis.label
+    panels = []
+    for name in [name for name in plan.quantities if name != against][:MOST_PANELS]:
+        known, (x, y) = QUANTITIES[name], points.curve(name)
+        series = Series(
+            label=plan.engine,
+            kind=plan.engine,
+            x=x,
+            y=y,
+            mark="line" if plan.sample == "grid" and len(plan.axes) == 1 else "points",
+        )
+        panels.append(
+            Panel(
+                title=known.label.partition(" [")[0],
+                x_label=label,
+                y_label=known.label,
+                series=(series,),
+                log_x=axis.log if against is None else _wide(x),
+                log_y=_wide(y),
+            )
+        )
+    over = f"against {against}" if against else f"over {axis.name}"
+    return Figure(
+        name="sweep",
+        title=f"{plan.scene.name} {over}",
+        seen=_seen(plan),
+        panels=tuple(panels),
+        columns=1 if len(panels) == 1 else 2,
+    )
+
+
+def _wide(values: Floats) -> bool:
+    """Whether numbers span so much that a logarithm shows them better."""
+    there = values[np.isfinite(values) & (values != 0.0)]
+    return bool(there.size and there.min() > 0.0 and there.max() > _DECADES * there.min())
+
+
+def _seen(plan: Plan) -> str:
+    """Return what stands below the figure."""
+    how = "the exact bounce" if plan.exact else plan.engine
+    words = [f"{plan.rows} scenes by {how}; blank is a scene without the quantity."]
+    further = plan.axes[_FIRST_TWO:]
+    if further and plan.sample == "grid":
+        fixed = (f"{axis.name} = {axis.grid()[(axis.count or 1) // 2]:.6g}" for axis in further)
+        words.append(f"Drawn is the plane {', '.join(fixed)}; the table has all.")
+    elif further:
+        words.append("The further parameters vary from cell to cell; the table has all.")
+    return " ".join(words)

@@ -1,0 +1,28 @@
+"""Sweeps: many scenes that differ in a few parameters, a row of a table each."""
+
+from harness.sweep.axes import Axis, read_axis
+from harness.sweep.folder import Folder, PlanMismatchError, opened
+from harness.sweep.parameters import PARAMETERS, Parameter
+from harness.sweep.partition import Part, compute
+from harness.sweep.plan import SAMPLES, Plan, plan
+from harness.sweep.quantities import DEFAULT, QUANTITIES, Quantity
+from harness.sweep.run import sweep
+
+__all__ = [
+    "DEFAULT",
+    "PARAMETERS",
+    "QUANTITIES",
+    "SAMPLES",
+    "Axis",
+    "Folder",
+    "Parameter",
+    "Part",
+    "Plan",
+    "PlanMismatchError",
+    "Quantity",
+    "compute",
+    "opened",
+    "plan",
+    "read_axis",
+    "sweep",
+]

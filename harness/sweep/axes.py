@@ -1,0 +1,111 @@
+"""One direction of a sweep: a parameter of the scene from one end to the other."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.errors import InvalidSettingError
+from harness.sweep.parameters import PARAMETERS, Floats, check_range
+
+_FORM = "NAME=LOW:HIGH:COUNT for a grid, NAME=LOW:HIGH for a sample, log:LOW:HIGH for decades"
+_ENDS = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """A parameter and its range.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter.
+    low, high : float
+        In the parameter's unit; both ends are part of a grid.
+    count : int or None
+        Values of a grid; None for a sample.
+    log : bool
+        Spaced by ratio and not by difference.
+
+    Raises
+    ------
+    InvalidSettingError
+        If there is no such parameter, or it cannot have such values.
+    """
+
+    name: str
+    low: float
+    high: float
+    count: int | None = None
+    log: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what no scene can have."""
+        check_range(self.name, self.low, self.high)
+        if self.log and not (self.low > 0.0 and self.high > 0.0):
+            raise InvalidSettingError(
+                f"--over {self.name}",
+                f"log:{self.low:g}:{self.high:g}",
+                "two ends greater than zero: a logarithm has no others",
+            )
+        if self.count is not None and self.count < 1:
+            raise InvalidSettingError(f"--over {self.name}", self.count, "a count of 1 or more")
+
+    @property
+    def column(self) -> str:
+        """Its column in the table, unit last."""
+        return PARAMETERS[self.name].column
+
+    @property
+    def label(self) -> str:
+        """Its label in a figure, with the unit in brackets."""
+        unit = PARAMETERS[self.name].unit
+        return f"{self.name} [{unit}]" if unit else self.name
+
+    def grid(self) -> Floats:
+        """Return the values of a grid, shape (count,)."""
+        count = self.count or 1
+        make = np.geomspace if self.log else np.linspace
+        return np.asarray(make(self.low, self.high, count), dtype=np.float64)
+
+    def at(self, share: Floats) -> Floats:
+        """Return the values at shares in [0, 1] of the way, shape of `share`."""
+        if not self.log:
+            return self.low + (self.high - self.low) * share
+        return np.asarray(self.low * (self.high / self.low) ** share, dtype=np.float64)
+
+    def share(self, value: Floats) -> Floats:
+        """Return where values lie on the way from low to high, shape of `value`."""
+        if self.low == self.high:
+            return np.zeros_like(value)
+        if self.log:
+            way = np.log(value / self.low) / math.log(self.high / self.low)
+        else:
+            way = (value - self.low) / (self.high - self.low)
+        return np.asarray(way, dtype=np.float64)
+
+    def text(self) -> str:
+        """Return the axis as it is typed."""
+        count = "" if self.count is None else f":{self.count}"
+        return f"{self.name}={'log:' if self.log else ''}{self.low!r}:{self.high!r}{count}"
+
+
+def read_axis(text: str) -> Axis:
+    """Return the axis that a text such as ``release.psi_dot=-1:1:401`` stands for.
+
+    Raises
+    ------
+    InvalidSettingError
+        If it is of another form, or no scene can have such values.
+    """
+    name, equals, rest = text.partition("=")
+    log = rest.startswith("log:")
+    parts = rest.removeprefix("log:").split(":")
+    if not equals or len(parts) not in {_ENDS, _ENDS + 1}:
+        raise InvalidSettingError("--over", text, _FORM)
+    try:
+        low, high = (float(part) for part in parts[:_ENDS])
+        count = int(parts[_ENDS]) if len(parts) > _ENDS else None
+    except ValueError:
+        raise InvalidSettingError("--over", text, _FORM) from None
+    return Axis(name=name, low=low, high=high, count=count, log=log)

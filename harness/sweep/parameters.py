@@ -1,0 +1,177 @@
+"""What of a scene a sweep may vary: names as in a scene file, units, ranges, and how to set them.
+
+A can whose mass or radius varies keeps its groups a, c and h: it is the same can in another size.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import InvalidSettingError
+from models.can import Can
+from models.effects import KINDS, Effects
+from models.scene import Scene
+
+Floats = NDArray[np.float64]
+Number = TypeVar("Number", float, Floats)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """A number of a scene.
+
+    Parameters
+    ----------
+    name : str
+        As a scene file has it, tables and keys joined by dots.
+    column : str
+        As the columns of a sweep have it, unit last.
+    unit : str
+        As axes are labelled; empty for a ratio.
+    low, high : float
+        Between which, both exclusive, it has to lie.
+    """
+
+    name: str
+    column: str
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+
+
+_UNITS = {"rad_s": "rad/s", "m_s2": "m/s^2", "kg_m2": "kg m^2", "n_m": "N/m", "ns_m": "N s/m"}
+_POSITIVE = {"low": 0.0}
+_NOT_NEGATIVE = {"low": -math.ulp(0.0)}
+_NAMED = {
+    "gravity": ("m_s2", _NOT_NEGATIVE),
+    "can.mass": ("kg", _POSITIVE),
+    "can.radius": ("m", _POSITIVE),
+    "can.a": ("", _POSITIVE),
+    "can.c": ("", _POSITIVE),
+    "can.h": ("", _POSITIVE),
+    "can.A": ("kg_m2", _POSITIVE),
+    "can.C": ("kg_m2", _POSITIVE),
+    "can.H": ("m", _POSITIVE),
+    "release.phi": ("rad", {"low": 0.0, "high": math.pi / 2.0}),
+    "release.psi": ("rad", {}),
+    "release.theta": ("rad", {}),
+    "release.phi_dot": ("rad_s", {}),
+    "release.psi_dot": ("rad_s", {}),
+    "release.theta_dot": ("rad_s", {}),
+    "release.height": ("m", {}),
+}
+_OF_EFFECTS = {
+    "compliance.stiffness": "n_m",
+    "compliance.damping": "ns_m",
+    "drilling.length": "m",
+    "rolling_resistance.length": "m",
+    "rim.radius": "m",
+    "damping.linear": "per_s",
+    "damping.angular": "per_s",
+    "tilt.angle": "rad",
+    "tilt.direction": "rad",
+    "shake.frequency": "hz",
+    "shake.horizontal": "m",
+    "shake.vertical": "m",
+    "shake.direction": "rad",
+    "shake.phase": "rad",
+    "point_mass.mass": "kg",
+    "point_mass.x": "m",
+    "point_mass.y": "m",
+    "point_mass.z": "m",
+}
+_SPOKEN = _UNITS | {"per_s": "1/s", "hz": "Hz"}
+
+
+def _parameter(name: str, suffix: str, bounds: Mapping[str, float]) -> Parameter:
+    stem = name.replace(".", "_")
+    return Parameter(
+        name=name,
+        column=f"{stem}_{suffix}" if suffix else stem,
+        unit=_SPOKEN.get(suffix, suffix),
+        **bounds,
+    )
+
+
+PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {name: _parameter(name, suffix, bounds) for name, (suffix, bounds) in _NAMED.items()}
+    | {
+        f"effects.{effect}.{field.name}": _parameter(
+            f"effects.{effect}.{field.name}", _OF_EFFECTS.get(f"{effect}.{field.name}", ""), {}
+        )
+        for effect, kind in KINDS.items()
+        for field in fields(kind)
+        if field.type in {float, "float"}
+    }
+)
+"""What may be varied, by name."""
+
+
+def check_range(name: str, low: float, high: float) -> None:
+    """Refuse a parameter that there is not, or a range that reaches where no scene is.
+
+    Raises
+    ------
+    InvalidSettingError
+    """
+    if name not in PARAMETERS:
+        raise InvalidSettingError("--over", name, ", ".join(PARAMETERS))
+    known = PARAMETERS[name]
+    for end in (low, high):
+        if not (math.isfinite(end) and known.low < end < known.high):
+            above = "zero or greater" if -1.0 < known.low < 0.0 else f"greater than {known.low:g}"
+            allowed = "a finite number" if math.isinf(known.low) else above
+            if math.isfinite(known.high):
+                allowed += f" and less than {known.high:.6g}"
+            raise InvalidSettingError(f"--over {name}", end, allowed)
+
+
+def dimensions(can: Can, values: Mapping[str, Number]) -> dict[str, Number | float]:
+    """Return mass, radius, a, c and h of a can with some of its parameters replaced."""
+    found: dict[str, Number | float] = {}
+    mass = found["mass"] = values.get("can.mass", can.mass)
+    radius = found["radius"] = values.get("can.radius", can.radius)
+    for group, si in (("a", "A"), ("c", "C"), ("h", "H")):
+        found[group] = values.get(f"can.{group}", getattr(can, group))
+        if f"can.{si}" in values:
+            unit = radius if group == "h" else mass * radius * radius
+            found[group] = values[f"can.{si}"] / unit
+    return found
+
+
+def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """Return a scene with some of its parameters replaced.
+
+    Raises
+    ------
+    ModelError
+        If no scene has these values together.
+    """
+    parts: dict[str, dict[str, float]] = {"can": {}, "release": {}}
+    effects = scene.effects
+    for name, value in values.items():
+        table, _, key = name.partition(".")
+        if table == "effects":
+            effect, _, constant = key.partition(".")
+            effects = _with(effects, effect, constant, value)
+        elif key:
+            parts[table][key] = value
+    return replace(
+        scene,
+        gravity=values.get("gravity", scene.gravity),
+        can=Can.from_groups(**dimensions(scene.can, values)) if parts["can"] else scene.can,
+        release=replace(scene.release, **parts["release"]),
+        effects=effects,
+    )
+
+
+def _with(effects: Effects, name: str, key: str, value: float) -> Effects:
+    """Return effects with one constant of one of them replaced; an absent effect gets it alone."""
+    declared = getattr(effects, name)
+    changed = KINDS[name](**{key: value}) if declared is None else replace(declared, **{key: value})
+    return replace(effects, **{name: changed})

@@ -1,0 +1,258 @@
+"""The plan of a sweep: which scenes, in what, and what of them; cut into partitions.
+
+Every row follows from the plan and its own number, so that any process can make any partition, in
+any order, and the sweep is the same to the bit. A partition's size is part of the plan.
+"""
+
+import hashlib
+import json
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from harness.case import Case, Value
+from harness.engines.registry import engine as engine_named
+from harness.errors import InvalidSettingError
+from harness.runner import check
+from harness.sweep.axes import Axis
+from harness.sweep.parameters import Floats, scene_at
+from harness.sweep.quantities import DEFAULT, QUANTITIES
+from models.errors import ModelError
+from models.scene import Scene
+
+SAMPLES = ("grid", "random", "sobol", "halton")
+"""How the scenes are chosen."""
+
+MOST_ROWS = 1_000_000_000
+"""Beyond the points that a Sobol sequence of doubles tells apart."""
+
+EXACT_ROWS = 32_768
+"""Of a partition by the exact bounce: half a second, two megabytes."""
+
+ENGINE_ROWS = 256
+"""Of a partition of runs: what an engine's batch takes at once, about a second."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """All that decides what a sweep contains; made by `plan`, which checks it.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is not varied.
+    axes : tuple of Axis
+    sample : str
+        One of `SAMPLES`.
+    count, seed : int
+        Of a sample; zero for a grid.
+    engine, profile, timestep, options
+        As for a `Case`.
+    engine_version : str
+    quantities : tuple of str
+    exact : bool
+        By the exact bounce alone.
+    """
+
+    scene: Scene
+    axes: tuple[Axis, ...]
+    sample: str
+    count: int
+    seed: int
+    engine: str
+    profile: str
+    timestep: float | None
+    options: tuple[tuple[str, Value], ...]
+    engine_version: str
+    quantities: tuple[str, ...]
+    exact: bool
+
+    @property
+    def rows(self) -> int:
+        """Scenes in all."""
+        if self.sample == "grid":
+            return math.prod(axis.count or 1 for axis in self.axes)
+        return self.count
+
+    @property
+    def rows_per_partition(self) -> int:
+        """Scenes in a partition but the last."""
+        return EXACT_ROWS if self.exact else ENGINE_ROWS
+
+    @property
+    def partitions(self) -> int:
+        """How many there are."""
+        return math.ceil(self.rows / self.rows_per_partition)
+
+    def span(self, index: int) -> range:
+        """Return the rows of a partition."""
+        start = index * self.rows_per_partition
+        return range(start, min(start + self.rows_per_partition, self.rows))
+
+    def values(self, rows: range) -> dict[str, Floats]:
+        """Return the parameters of consecutive rows, each of shape (n,), by their names.
+
+        The last axis of a grid varies fastest.
+        """
+        if self.sample == "grid":
+            shape = tuple(axis.count or 1 for axis in self.axes)
+            places = np.unravel_index(np.arange(rows.start, rows.stop), shape)
+            return {
+                axis.name: axis.grid()[place] for axis, place in zip(self.axes, places, strict=True)
+            }
+        shares = _shares(self.sample, self.seed, len(self.axes), rows)
+        return {axis.name: axis.at(shares[:, n]) for n, axis in enumerate(self.axes)}
+
+    def case(self, scene: Scene) -> Case:
+        """Return the case of one of the scenes."""
+        return Case(
+            scene=scene,
+            engine=self.engine,
+            profile=self.profile,
+            timestep=self.timestep,
+            options=self.options,
+        )
+
+    def told(self) -> dict[str, Any]:
+        """Return the plan in JSON's own types; equal plans say the same."""
+        return {
+            "scene": self.scene.to_dict(),
+            "over": [axis.text() for axis in self.axes],
+            "sample": self.sample,
+            "count": self.count,
+            "seed": self.seed,
+            "engine": self.engine,
+            "engine_version": self.engine_version,
+            "profile": self.profile,
+            "timestep_s": self.timestep,
+            "settings": {name: repr(value) for name, value in self.options},
+            "quantities": list(self.quantities),
+            "rows_per_partition": self.rows_per_partition,
+        }
+
+    def digest(self) -> str:
+        """Return 16 hexadecimal digits that name the plan."""
+        text = json.dumps(self.told(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def plan(
+    scene: Scene,
+    axes: Sequence[Axis],
+    *,
+    sample: str = "grid",
+    count: int | None = None,
+    seed: int | None = None,
+    engine: str = "reference",
+    profile: str = "matched",
+    timestep: float | None = None,
+    options: tuple[tuple[str, Value], ...] = (),
+    quantities: Sequence[str] = (),
+) -> Plan:
+    """Return a plan that can be carried out.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use, before anything runs; the message says what is allowed.
+    """
+    _check_axes(scene, axes)
+    _check_sample(axes, sample, count, seed)
+    asked = tuple(dict.fromkeys(quantities)) or DEFAULT
+    for name in asked:
+        if name not in QUANTITIES:
+            raise InvalidSettingError("--quantity", name, ", ".join(QUANTITIES))
+        if engine == "reference" and QUANTITIES[name].source == "error":
+            raise InvalidSettingError(
+                "--quantity", name, "of an engine's runs only: the reference has no such error"
+            )
+    ends = scene_at(scene, {axis.name: axis.low for axis in axes if _of_effects(axis)})
+    for name in asked:
+        if QUANTITIES[name].source == "error" and ends.effects.declared():
+            raise InvalidSettingError("--quantity", name, "of scenes without effects only")
+    case = Case(scene=ends, engine=engine, profile=profile, timestep=timestep, options=options)
+    check(case)
+    formula = all(QUANTITIES[name].source == "exact" for name in asked)
+    chosen = Plan(
+        scene=scene,
+        axes=tuple(axes),
+        sample=sample,
+        count=count or 0,
+        seed=seed or 0,
+        engine=engine,
+        profile=profile,
+        timestep=case.timestep,
+        options=case.options,
+        engine_version=engine_named(engine).version,
+        quantities=asked,
+        exact=engine == "reference"
+        and formula
+        and set(case.options) <= {("model", "auto"), ("model", "exact")}
+        and not ends.effects.declared(),
+    )
+    if not 1 <= chosen.rows <= MOST_ROWS:
+        raise InvalidSettingError("--over", chosen.rows, f"at most {MOST_ROWS} scenes in all")
+    return chosen
+
+
+def _of_effects(axis: Axis) -> bool:
+    return axis.name.startswith("effects.")
+
+
+def _check_axes(scene: Scene, axes: Sequence[Axis]) -> None:
+    """Refuse no axis, one parameter twice, and constants that no effect has."""
+    names = [axis.name for axis in axes]
+    if not names:
+        raise InvalidSettingError("--over", "nothing", "at least one parameter to vary")
+    for name in names:
+        group = f"can.{name[-1].lower()}" if name in {"can.A", "can.C", "can.H"} else ""
+        if names.count(name) > 1 or group in names:
+            raise InvalidSettingError("--over", name, "each parameter once, as group or in SI")
+    for axis in filter(_of_effects, axes):
+        for end in (axis.low, axis.high):
+            try:
+                scene_at(scene, {axis.name: end})
+            except (ModelError, TypeError) as error:
+                raise InvalidSettingError(f"--over {axis.name}", end, str(error)) from None
+
+
+def _check_sample(axes: Sequence[Axis], sample: str, count: int | None, seed: int | None) -> None:
+    """Refuse a grid without counts on its axes, and a sample with them."""
+    if sample not in SAMPLES:
+        raise InvalidSettingError("--sample", sample, ", ".join(SAMPLES))
+    for axis in axes:
+        if sample == "grid" and axis.count is None:
+            raise InvalidSettingError("--over", axis.text(), "NAME=LOW:HIGH:COUNT in a grid")
+        if sample != "grid" and axis.count is not None:
+            raise InvalidSettingError(
+                "--over", axis.text(), f"NAME=LOW:HIGH in a {sample} sample; --count says how many"
+            )
+    if sample == "grid" and (count is not None or seed is not None):
+        raise InvalidSettingError(
+            "--sample", sample, "random, sobol or halton beside --count and --seed"
+        )
+    if sample != "grid" and (count is None or count < 1):
+        raise InvalidSettingError("--count", count, f"how many scenes the {sample} sample has")
+    if seed is not None and seed < 0:
+        raise InvalidSettingError("--seed", seed, "zero or greater")
+
+
+def _shares(sample: str, seed: int, dimensions: int, rows: range) -> Floats:
+    """Return consecutive points of a sequence in the unit cube, shape (n, dimensions)."""
+    if sample == "random":
+        # a double takes one number of the sequence: any row can be reached without those before
+        bits = np.random.PCG64(seed).advance(rows.start * dimensions)
+        return np.random.Generator(bits).random((len(rows), dimensions))
+    kind = qmc.Sobol if sample == "sobol" else qmc.Halton
+    sequence = kind(d=dimensions, scramble=True, rng=np.random.default_rng(seed))
+    with warnings.catch_warnings():
+        # of a count that is no power of two: a plot or a mean needs no perfect balance
+        warnings.filterwarnings("ignore", message="The balance properties")
+        if rows.start:  # none at all overflows in it
+            sequence.fast_forward(rows.start)
+        return np.asarray(sequence.random(len(rows)), dtype=np.float64)

@@ -1,0 +1,157 @@
+"""A partition by whole motions: each scene run in an engine, or solved by the reference."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+
+import numpy as np
+
+from harness.bounce import Bounce
+from harness.case import Case
+from harness.engines.reference import solved
+from harness.engines.registry import engine
+from harness.engines.soundness import fault
+from harness.errors import HarnessError
+from harness.metrics.conservation import energy_drift
+from harness.metrics.features import bounces
+from harness.metrics.motion import motion
+from harness.simulation import Outcome, Simulation
+from harness.sweep.found import Found
+from harness.sweep.parameters import Floats
+from harness.sweep.plan import Plan
+from harness.sweep.quantities import QUANTITIES
+from models.scene import Scene
+
+UNRESOLVED = "unresolved: the record is too coarse to tell how often psi went round"
+INCOMPLETE = "no bounce: the run ended before phi had a maximum on either side of a minimum"
+
+ERRORS = {
+    "angle_of_turn_error_deg": "angle_of_turn_deg",
+    "period_error_s": "period_s",
+    "phi_min_error_rad": "phi_min_rad",
+}
+"""Of which quantity each error is."""
+
+Numbers = dict[str, float]
+_Together = Callable[[Sequence[Case]], list[Simulation]]
+
+
+def run_each(plan: Plan, scenes: Sequence[Scene | str], exact: Mapping[str, Floats]) -> Found:
+    """Run scenes; return their quantities and how each ended.
+
+    Parameters
+    ----------
+    plan : Plan
+    scenes : sequence of Scene or str
+        A sentence stands for a scene that there is not.
+    exact : mapping of str to ndarray, shape (n,)
+        Exact quantities, to hold the runs against.
+    """
+    found = {name: np.full(len(scenes), np.nan) for name in QUANTITIES}
+    outcomes = [scene if isinstance(scene, str) else "" for scene in scenes]
+    there = [place for place, scene in enumerate(scenes) if isinstance(scene, Scene)]
+    cases = [plan.case(scene) for scene in scenes if isinstance(scene, Scene)]
+    for place, case, simulation in zip(there, cases, _simulations(cases), strict=True):
+        numbers, outcomes[place] = _measured(case, simulation)
+        for name, value in numbers.items():
+            if math.isfinite(value):
+                found[name][place] = value
+    for name, of in ERRORS.items():
+        if of in exact:
+            found[name] = found[of] - exact[of]
+    if "epsilon" in exact:
+        found["epsilon"] = exact["epsilon"]
+    return Found(numbers={name: found[name] for name in plan.quantities}, outcomes=outcomes)
+
+
+def _simulations(cases: Sequence[Case]) -> Iterator[Simulation]:
+    """Yield what comes of cases: as many at once as a motion's length allows in memory."""
+    for start in range(0, len(cases), size := _at_once(cases)):
+        yield from _family(cases[start : start + size])
+
+
+def _at_once(cases: Sequence[Case]) -> int:
+    """Return how many motions to hold at once: a bounce is some hundred samples."""
+    horizon = cases[0].scene.horizon if cases else None
+    if horizon is None or horizon.bounces is None:
+        return 16
+    return max(1, 256 // horizon.bounces)
+
+
+def _family(cases: Sequence[Case]) -> Sequence[Simulation]:
+    """Run cases together where their engine can; one by one where that breaks."""
+    if not cases:
+        return ()
+    chosen = engine(cases[0].engine)
+    together: _Together | None = getattr(chosen, "simulate_many", None)
+    if together is not None:
+        # whatever goes wrong: one by one, below, says which case it was and why
+        with suppress(Exception):
+            done = together(cases)
+            if len(done) == len(cases) and not any(map(fault, done, cases)):
+                return done
+    return [_alone(case) for case in cases]
+
+
+def _alone(case: Case) -> Simulation:
+    """Run one case; whatever its adapter raises or returns instead of a simulation is its note."""
+    chosen = engine(case.engine)
+    outcome, note = Outcome.BROKEN, ""
+    try:
+        answer = chosen.simulate(case)
+        note = fault(answer, case)
+        if not note:
+            return answer
+    except HarnessError as error:  # wrong use that only this scene's own values reveal
+        outcome, note = Outcome.NO_SOLUTION, str(error)
+    except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
+        note = f"`simulate` raised {type(error).__name__}: {error}"
+    return Simulation(
+        case=case,
+        outcome=outcome,
+        note=note,
+        trajectory=None,
+        engine_version=chosen.version,
+        model=case.engine,
+    )
+
+
+def _measured(case: Case, simulation: Simulation) -> tuple[Numbers, str]:
+    """Return the quantities of a run and the sentence of its outcome."""
+    said = simulation.outcome.value + (f" ({simulation.note})" if simulation.note else "")
+    found: Numbers = {"steps": float(simulation.steps)}
+    trajectory = simulation.trajectory
+    drift = None if trajectory is None else energy_drift(trajectory, case.scene)
+    if drift is not None:
+        found["energy_drift"] = drift
+    first = _first_bounce(case, simulation)
+    if first is None:
+        finished = simulation.outcome is Outcome.FINISHED
+        return found, INCOMPLETE if finished else said
+    return found | _of_bounce(first), said if first.resolved else UNRESOLVED
+
+
+def _first_bounce(case: Case, simulation: Simulation) -> Bounce | None:
+    """Return the first bounce of a run; of the reference, to its last digit."""
+    if simulation.outcome is Outcome.NO_SOLUTION and simulation.trajectory is None:
+        return None
+    if case.engine == "reference":
+        return next(iter(solved(case).bounces), None)
+    if simulation.trajectory is None:
+        return None
+    found = motion(simulation.trajectory, case.scene)
+    return next(iter(bounces(found, case.scene.can)), None)
+
+
+def _of_bounce(first: Bounce) -> Numbers:
+    """Return what a bounce has; without the turns if they cannot be counted."""
+    found = {
+        "period_s": first.end - first.start,
+        "phi_min_rad": first.phi_min,
+        "peak_psi_dot_rad_s": first.peak_psi_dot,
+        "peak_friction_ratio": first.peak_friction_ratio,
+    }
+    if first.resolved:
+        found["angle_of_turn_deg"] = math.degrees(first.angle_of_turn)
+        found["rotation_turn_deg"] = math.degrees(first.rotation_turn)
+    return found
