@@ -120,6 +120,8 @@ def _judged(
         return Verdict.IMPOSED, f"It cannot be removed: {able.imposes[name]}."
     if name not in able.honours:
         return Verdict.UNSUPPORTED, f"{mover} cannot represent it."
+    if evaluation(made, found, mover, own) is None:
+        return Verdict.UNSUPPORTED, f"{mover} cannot represent what the scene declares."
     if not changes:
         return Verdict.CONTRADICTED, "It cannot be there together with what the scene declares."
     matters = Verdict.NEEDED if name in own else Verdict.MISSING

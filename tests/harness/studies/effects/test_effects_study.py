@@ -1,0 +1,133 @@
+"""Which effects a scene calls for: the design, the verdicts on real engines, the accounts."""
+
+from dataclasses import replace
+
+import pytest
+
+from harness.artefact import Prose, Table
+from harness.errors import InvalidSettingError
+from harness.runner import run
+from harness.studies.effects import Plan, Study, design, plan, read, study
+from harness.studies.effects.plan import subsets
+from harness.studies.effects.verdict import Effect, Verdict
+from models.body_effects import Damping, Tilt
+from models.catalogue import load
+from models.contact_effects import Drilling, RoundedRim, Slip
+from models.effects import KINDS, Effects
+from models.scene import Scene
+
+GENTLE = load("gentle-rock")
+COARSE = 1e-3
+
+
+def with_effects(**declared: object) -> Scene:
+    return replace(GENTLE, effects=Effects(**declared))  # type: ignore[arg-type]
+
+
+def studied(made: Plan) -> Study:
+    return study(made, run(design(made)), {})
+
+
+def of(found: Study, mover: str, name: str) -> Effect:
+    return next(one for one in found.effects if (one.mover, one.name) == (mover, name))
+
+
+def test_every_subset_of_few_effects_is_run_and_each_other_effect_once() -> None:
+    scene = with_effects(slip=Slip(mu=0.3), tilt=Tilt(angle=0.01))
+    found = list(subsets(plan(scene, ("mujoco",))))
+    assert found[0] == {"slip", "tilt"}
+    assert set(found[1:4]) == {frozenset(), frozenset({"slip"}), frozenset({"tilt"})}
+    added = [subset - {"slip", "tilt"} for subset in found[4:]]
+    assert added == [{name} for name in KINDS if name not in {"slip", "tilt"}]
+
+
+def test_many_effects_are_varied_one_at_a_time_from_both_ends() -> None:
+    scene = with_effects(
+        slip=Slip(mu=0.3),
+        tilt=Tilt(angle=0.01),
+        drilling=Drilling(length=1e-4),
+        damping=Damping(linear=0.1),
+    )
+    made = plan(scene, ("mujoco",))
+    own = made.declared
+    found = list(subsets(made))
+    assert not made.factorial
+    assert frozenset() in found
+    assert all({name} in found and own - {name} in found for name in own)
+    assert len(found) == 2 + 2 * 4 + len(KINDS) - 4
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        (("slide.mu", 0.3), "slip, compliance"),
+        (("slip.nu", 0.3), "slip.mu"),
+        (("slip.mu", -0.3), "zero or greater"),
+    ],
+)
+def test_an_assumption_that_makes_no_sense_is_refused(word: tuple[str, float], said: str) -> None:
+    with pytest.raises(InvalidSettingError, match=said):
+        plan(GENTLE, ("mujoco",), words=(word,))
+
+
+def test_a_slippery_plane_is_missing_where_the_rim_would_slip_and_else_harmless() -> None:
+    slippery = plan(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.mu", 0.1),))
+    assert of(studied(slippery), "mujoco", "slip").verdict is Verdict.MISSING
+    rough = plan(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.mu", 5.0),))
+    found = of(studied(rough), "mujoco", "slip")
+    assert found.verdict is Verdict.HARMLESS
+    assert abs(found.changes["turn_deg"] or 0.0) < 0.1
+
+
+def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it() -> None:
+    for mu, verdict in ((0.1, Verdict.NEEDED), (5.0, Verdict.HARMLESS)):
+        made = plan(with_effects(slip=Slip(mu=mu)), ("mujoco",), timestep=COARSE)
+        assert of(studied(made), "mujoco", "slip").verdict is verdict
+
+
+def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
+    found = studied(plan(GENTLE, ("reference", "mujoco"), timestep=COARSE))
+    assert of(found, "reference", "compliance").verdict is not Verdict.IMPOSED
+    imposed = [one for one in found.effects if one.verdict is Verdict.IMPOSED]
+    assert all(one.why.startswith("It cannot be removed: ") and not one.changes for one in imposed)
+
+
+def test_an_effect_that_contradicts_the_scene_is_said_to() -> None:
+    made = plan(with_effects(slip=Slip(mu=0.0)), ("mujoco", "pybullet"), timestep=COARSE)
+    drilling = [one for one in studied(made).effects if one.name == "drilling"]
+    assert {one.verdict for one in drilling} <= {Verdict.CONTRADICTED, Verdict.UNSUPPORTED}
+
+
+def test_the_changes_of_two_factors_add_up() -> None:
+    scene = with_effects(slip=Slip(mu=0.2), tilt=Tilt(angle=0.02))
+    found = studied(plan(scene, ("mujoco",), timestep=COARSE))
+    slip, tilt = of(found, "mujoco", "slip"), of(found, "mujoco", "tilt")
+    for key in ("turn_deg", "bounce_time_s", "x_end_m"):
+        first, last = slip.alone[key], tilt.changes[key]
+        other, end = tilt.alone[key], slip.changes[key]
+        assert first is not None
+        assert last is not None
+        assert other is not None
+        assert end is not None
+        # from ideal to declared, whichever comes first; sums of doubles of like size
+        assert first + last == pytest.approx(other + end, abs=1e-9)
+        assert slip.mean[key] == pytest.approx((first + end) / 2.0, abs=1e-9)
+
+
+def test_the_artefacts_name_every_effect_and_every_column() -> None:
+    made = plan(with_effects(slip=Slip(mu=0.2)), ("mujoco",), timestep=COARSE)
+    artefacts = read(studied(made))
+    tables = {one.name: one for one in artefacts if isinstance(one, Table)}
+    assert set(tables) == {f"gentle-rock-{name}" for name in ("effects", "factors", "runs")}
+    for table in tables.values():
+        assert set(table.columns) == set(table.frame.columns)
+    assert list(tables["gentle-rock-effects"].frame["effect"]) == list(KINDS)
+    words = next(one.text for one in artefacts if isinstance(one, Prose))
+    assert "slip is needed" in words
+
+
+def test_an_engine_that_cannot_carry_the_scene_says_so_of_every_effect() -> None:
+    made = plan(with_effects(rim=RoundedRim(radius=0.01)), ("mujoco",), timestep=COARSE)
+    assert all("rim" not in case.scene.effects.declared() for case in design(made))
+    found = {one.verdict for one in studied(made).effects}
+    assert found <= {Verdict.UNSUPPORTED, Verdict.IMPOSED}
