@@ -1,6 +1,8 @@
 """What a report looks like: artefacts in, one folder out."""
 
+from harness.report.chapter import Chapter
 from harness.report.folder import check_writable
-from harness.report.write import write_report
+from harness.report.stored import read_report
+from harness.report.write import write_chapters, write_report
 
-__all__ = ["check_writable", "write_report"]
+__all__ = ["Chapter", "check_writable", "read_report", "write_chapters", "write_report"]

@@ -1,6 +1,6 @@
 """A table as the page shows it: headings with units, cells with what they sort by and link to."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +12,7 @@ from harness.report.tables import is_numeric, rows, shown
 Tone = Literal["", "good", "fair", "bad", "none"]
 
 CASE = "case"  # the column whose digests link to the cases
+COMMAND = "command"  # the column with what runs a row again
 _LONG = 36  # letters; longer texts break into lines
 _JUDGED = ("verdict", "outcome")
 _TONES: dict[str, Tone] = {
@@ -51,13 +52,18 @@ class Head:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cell:
-    """A cell: what is read, what it sorts by, all its digits, where it leads, how it is judged."""
+    """A cell: what is read, what it sorts by, all its digits, where it leads, how it is judged.
+
+    A verdict that stands beside a number has words of its own.
+    """
 
     text: str
     sort: str
     exact: str
     link: str
     tone: Tone
+    verdict: str
+    code: bool
     numeric: bool
     long: bool
 
@@ -84,15 +90,15 @@ def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
     digests : collection of str
         Cases that the page lists; a cell in the column `case` that names one links to it.
     """
-    columns = shown(table)
-    heads = tuple(_head(table, column) for column in columns)
+    heads = tuple(_head(table, column) for column in _on_page(table))
+    names = [str(column) for column in table.frame.columns]
     return Grid(
         name=name,
         title=table.title,
         heads=heads,
         rows=tuple(
-            tuple(_cell(value, head, digests) for value, head in zip(row, heads, strict=True))
-            for row in rows(table.frame[list(columns)])
+            tuple(_cell(head, dict(zip(names, row, strict=True)), table, digests) for head in heads)
+            for row in rows(table.frame)
         ),
         meanings=tuple((str(c), table.columns.get(str(c), "")) for c in table.frame.columns),
     )
@@ -109,18 +115,37 @@ def _head(table: Table, column: str) -> Head:
     )
 
 
-def _cell(value: object, head: Head, digests: Collection[str]) -> Cell:
+def _on_page(table: Table) -> tuple[str, ...]:
+    """Return the columns that the page shows: those chosen, and what leads to the case."""
+    chosen = shown(table)
+    if CASE in chosen or COMMAND in chosen or table.cases:
+        return chosen
+    way = next((name for name in (CASE, COMMAND) if name in table.frame.columns), None)
+    return chosen if way is None else (*chosen, way)
+
+
+def _cell(head: Head, row: Mapping[str, object], table: Table, digests: Collection[str]) -> Cell:
+    value = row[head.name]
     missing = is_missing(value)
     number = is_number(value) and not missing
     text = readable(value)
-    words = text.lower().split() or [""]
     judged = head.name in _JUDGED or head.name.endswith(tuple(f"_{word}" for word in _JUDGED))
+    verdict = row.get(table.verdicts.get(head.name, ""))
+    digest = text if head.name == CASE else str(row.get(table.cases.get(head.name, "")))
     return Cell(
         text=text,
         sort="" if missing else (repr(float(str(value))) if number else text.lower()),
         exact=repr(value) if number else "",
-        link=f"case-{slug(text)}" if head.name == CASE and text in digests else "",
+        link=f"case-{slug(digest)}" if digest in digests else "",
         long=len(text) > _LONG,
-        tone=_TONES.get(words[0].strip(":,.;"), "") if judged else "",
+        tone=tone(text if verdict is None else str(verdict)) if judged or verdict else "",
+        verdict="" if is_missing(verdict) else str(verdict),
+        code=head.name == COMMAND and not missing,
         numeric=head.numeric,
     )
+
+
+def tone(verdict: str) -> Tone:
+    """Return how a verdict is coloured, which repeats what its first word says."""
+    words = verdict.lower().split() or [""]
+    return _TONES.get(words[0].strip(":,.;"), "")

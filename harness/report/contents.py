@@ -1,16 +1,22 @@
-"""A report before it is written: what there is, what opens it, and what belongs to which scene."""
+"""A report before it is written: what there is, what opens it, and what stands together.
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+The first chapter is told scene by scene, every further one in a section of its own.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.artefact import Figure, Prose, Table
+from harness.artefact import Artefact, Figure, Prose, Replay, Table
 from harness.provenance import Provenance
+from harness.report.chapter import Chapter
+from harness.report.naming import slugs
 from harness.report.palette import Ink
 from harness.report.printed import Printed
 
 SUMMARY = "summary"
 SCORECARD = "scorecard"
+_OWN_NAME = "rockingcan, "  # what the titles of reports begin with, and sections need not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -22,62 +28,136 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Report:
-    """Everything that a report says, in reading order; the keys name files and anchors."""
+class Part:
+    """What stands together in one section; the keys name files and anchors.
+
+    What leads comes before the figures.
+    """
 
     title: str
-    figures: Mapping[str, Picture]
+    leading_texts: Mapping[str, Prose]
+    leading_tables: Mapping[str, Table]
+    replays: Mapping[str, Replay]
+    figures: Mapping[str, Figure]
     tables: Mapping[str, Table]
     texts: Mapping[str, Prose]
-    inks: Mapping[str, Ink]
-    cases: tuple[Mapping[str, Any], ...]
-    provenance: Provenance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Part:
-    """What stands together in one section: the headline, a scene, or what is over all scenes."""
+class Report:
+    """Everything that a report says."""
 
-    scene: str
-    figures: Mapping[str, Picture]
+    title: str
+    opening: Part
+    parts: tuple[Part, ...]
+    pictures: Mapping[str, Picture]
     tables: Mapping[str, Table]
-    texts: Mapping[str, Prose]
+    inks: Mapping[str, Ink]
+    cases: tuple[Mapping[str, Any], ...]
+    provenance: Provenance
+    chapters: tuple[Chapter, ...]
 
 
-def headline(report: Report) -> Part:
-    """Return what opens the report: the texts named summary and the scorecard.
+Named = Mapping[str, Artefact]
 
-    Without a scorecard, the first table that is over all scenes, or else the first one of all.
+
+def named(
+    derived: Sequence[Artefact], chapters: Sequence[Chapter]
+) -> tuple[Named, tuple[Named, ...]]:
+    """Return what was derived, and each chapter's artefacts, under names unique in the report."""
+    groups = [tuple(derived), *(chapter.artefacts for chapter in chapters)]
+    given = iter(slugs(artefact.name for group in groups for artefact in group))
+    first, *others = [{next(given): artefact for artefact in group} for group in groups]
+    return first, tuple(others)
+
+
+def arranged(
+    derived: Named, chapters: Sequence[tuple[str, Named]]
+) -> tuple[Part, tuple[Part, ...]]:
+    """Return what opens the report, and its sections.
+
+    Parameters
+    ----------
+    derived : mapping
+        Tables made from several chapters: those of no scene open the report, the others lead the
+        section of their scene.
+    chapters : sequence of (str, mapping)
+        Title and artefacts.
     """
-    texts = {n: t for n, t in report.texts.items() if t.name == SUMMARY}
-    chosen = [n for n, t in report.tables.items() if t.name == SCORECARD]
-    chosen = chosen or [n for n, t in report.tables.items() if not t.scene][:1]
-    chosen = chosen or list(report.tables)[:1]
-    return Part(scene="", figures={}, tables={n: report.tables[n] for n in chosen}, texts=texts)
+    opening = _opening(derived, chapters[0][1])
+    used = {*opening.leading_texts, *opening.leading_tables}
+    first = {name: artefact for name, artefact in chapters[0][1].items() if name not in used}
+    scenes = dict.fromkeys(a.scene for a in (*derived.values(), *first.values()) if a.scene)
+    sections = [_part(scene, _of(first, scene), leading=_of(derived, scene)) for scene in scenes]
+    sections.append(_part("Over all scenes", _of(first, "")))
+    for title, artefacts in chapters[1:]:
+        leading = _before(artefacts)
+        others = {name: artefact for name, artefact in artefacts.items() if name not in leading}
+        sections.append(_part(title.removeprefix(_OWN_NAME), _with_scene(others), leading=leading))
+    return opening, tuple(part for part in sections if _filled(part))
 
 
-def parts(report: Report) -> tuple[Part, ...]:
-    """Return the sections after the headline: a scene each, then what is over all scenes."""
-    opening = headline(report)
-    named = [
-        *(picture.figure.scene for picture in report.figures.values()),
-        *(table.scene for table in report.tables.values()),
-        *(text.scene for text in report.texts.values()),
-    ]
-    scenes = [*dict.fromkeys(scene for scene in named if scene), ""]
-    found = [
-        Part(
-            scene=scene,
-            figures={n: p for n, p in report.figures.items() if p.figure.scene == scene},
-            tables={
-                n: t
-                for n, t in report.tables.items()
-                if t.scene == scene and n not in opening.tables
-            },
-            texts={
-                n: t for n, t in report.texts.items() if t.scene == scene and n not in opening.texts
-            },
-        )
-        for scene in scenes
-    ]
-    return tuple(part for part in found if part.figures or part.tables or part.texts)
+def _before(artefacts: Named) -> Named:
+    """Return the texts that a study puts before everything else, its summary among them."""
+    first = next(
+        (n for n, artefact in enumerate(artefacts.values()) if not isinstance(artefact, Prose)), 0
+    )
+    return {
+        name: artefact
+        for place, (name, artefact) in enumerate(artefacts.items())
+        if isinstance(artefact, Prose) and (place < first or artefact.name == SUMMARY)
+    }
+
+
+def _with_scene(artefacts: Named) -> Named:
+    """Return artefacts whose titles say their scene, where a section has several."""
+    if len({artefact.scene for artefact in artefacts.values() if artefact.scene}) <= 1:
+        return artefacts
+    return {
+        name: replace(artefact, title=f"{artefact.title}, {artefact.scene}")
+        if artefact.scene
+        else artefact
+        for name, artefact in artefacts.items()
+    }
+
+
+def _opening(derived: Named, first: Named) -> Part:
+    """Return the summary and the scorecards, or, where there are none, the first table."""
+    tables: Named = {
+        **_of({n: a for n, a in derived.items() if isinstance(a, Table)}, ""),
+        **{n: a for n, a in first.items() if isinstance(a, Table) and a.name == SCORECARD},
+    }
+    if not tables:
+        every = {n: a for n, a in first.items() if isinstance(a, Table)}
+        chosen = list(_of(every, ""))[:1] or list(every)[:1]
+        tables = {name: every[name] for name in chosen}
+    texts = {n: a for n, a in first.items() if isinstance(a, Prose) and a.name == SUMMARY}
+    return _part("Summary", {}, leading={**texts, **tables})
+
+
+def _of(artefacts: Named, scene: str) -> Named:
+    return {name: artefact for name, artefact in artefacts.items() if artefact.scene == scene}
+
+
+def _part(title: str, artefacts: Named, *, leading: Named | None = None) -> Part:
+    leading = leading or {}
+    return Part(
+        title=title,
+        leading_texts={n: a for n, a in leading.items() if isinstance(a, Prose)},
+        leading_tables={n: a for n, a in leading.items() if isinstance(a, Table)},
+        replays={n: a for n, a in artefacts.items() if isinstance(a, Replay)},
+        figures={n: a for n, a in artefacts.items() if isinstance(a, Figure)},
+        tables={n: a for n, a in artefacts.items() if isinstance(a, Table)},
+        texts={n: a for n, a in artefacts.items() if isinstance(a, Prose)},
+    )
+
+
+def _filled(part: Part) -> bool:
+    return bool(
+        part.leading_texts
+        or part.leading_tables
+        or part.replays
+        or part.figures
+        or part.tables
+        or part.texts
+    )

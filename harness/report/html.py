@@ -6,22 +6,24 @@ own content policy forbids it to load anything.
 """
 
 import base64
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from harness.artefact import Prose
+from harness.artefact import Prose, Replay
 from harness.provenance import Provenance
 from harness.report.cells import Grid, grid
-from harness.report.contents import Part, Picture, Report, headline, parts
+from harness.report.chapter import Chapter
+from harness.report.contents import Part, Picture, Report
 from harness.report.interactive import description, plotly_packed
 from harness.report.legend import Entry, entries
 from harness.report.naming import slug, slugs
 from harness.report.palette import PAPER_DARK, PAPER_LIGHT, Ink
+from harness.report.replaying import frames
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -38,14 +40,31 @@ class Drawing:
     described: tuple[Mapping[str, Any], ...]
     legend: tuple[Entry, ...]
     still: str
+    cases: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Screen:
+    """A replay as the template needs it."""
+
+    name: str
+    title: str
+    seen: str
+    bodies: tuple[tuple[str, str], ...]
+    frames: int
+    told: str
+    described: Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Section:
-    """A section of the page with its anchor."""
+    """A section of the page with its anchor; what leads comes first."""
 
     anchor: str
     title: str
+    leading_texts: Mapping[str, Prose]
+    leading_grids: tuple[Grid, ...]
+    screens: tuple[Screen, ...]
     drawings: tuple[Drawing, ...]
     grids: tuple[Grid, ...]
     texts: Mapping[str, Prose]
@@ -53,8 +72,7 @@ class Section:
 
 def page(report: Report) -> str:
     """Return the whole page as HTML."""
-    found = parts(report)
-    anchors = slugs(part.scene or "all-scenes" for part in found)
+    anchors = slugs(part.title for part in report.parts)
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
         autoescape=True,
@@ -67,34 +85,56 @@ def page(report: Report) -> str:
     environment.filters["slug"] = slug
     return environment.get_template("index.html").render(
         title=report.title,
-        opening=_section(report, headline(report), anchor="summary", title="Summary"),
+        opening=_section(report, report.opening, anchor="summary"),
         sections=[
-            _section(report, part, anchor=f"part-{anchor}", title=part.scene or "Over all scenes")
-            for part, anchor in zip(found, anchors, strict=True)
+            _section(report, part, anchor=f"part-{anchor}")
+            for part, anchor in zip(report.parts, anchors, strict=True)
         ],
         cases=report.cases,
-        provenance=_told(report.provenance),
+        provenance=_made(report.chapters, report.provenance),
         written=report.provenance.written,
         face=_face(report.inks),
         style=_asset("report.css"),
         script=_asset("report.js"),
-        plotly=plotly_packed() if report.figures else "",
+        replays=_asset("replay.js") if any(part.replays for part in report.parts) else "",
+        plotly=plotly_packed() if report.pictures else "",
         kinds={kind: f"--kind-{number}" for number, kind in enumerate(report.inks)},
     )
 
 
-def _section(report: Report, part: Part, *, anchor: str, title: str) -> Section:
+def _section(report: Report, part: Part, *, anchor: str) -> Section:
     digests = {str(case["digest"]) for case in report.cases if "digest" in case}
     return Section(
         anchor=anchor,
-        title=title,
-        drawings=tuple(_drawing(n, picture, report.inks) for n, picture in part.figures.items()),
+        title=part.title,
+        leading_texts=part.leading_texts,
+        leading_grids=tuple(grid(n, table, digests) for n, table in part.leading_tables.items()),
+        screens=tuple(_screen(n, replay) for n, replay in part.replays.items()),
+        drawings=tuple(
+            replace(_drawing(n, report.pictures[n], report.inks, digests), title=figure.title)
+            for n, figure in part.figures.items()
+        ),
         grids=tuple(grid(n, table, digests) for n, table in part.tables.items()),
         texts=part.texts,
     )
 
 
-def _drawing(name: str, picture: Picture, inks: Mapping[str, Ink]) -> Drawing:
+def _screen(name: str, replay: Replay) -> Screen:
+    names = ", ".join(body.label for body in replay.bodies)
+    return Screen(
+        name=name,
+        title=replay.title,
+        seen=replay.seen,
+        bodies=tuple((body.label, body.kind) for body in replay.bodies),
+        frames=len(replay.time),
+        told=f"The can rolling, seen from above at a slant: {names}",
+        described=frames(replay),
+    )
+
+
+def _drawing(
+    name: str, picture: Picture, inks: Mapping[str, Ink], digests: Collection[str]
+) -> Drawing:
     figure = picture.figure
     still = base64.b64encode(picture.printed.svg.encode("utf-8")).decode("ascii")
     return Drawing(
@@ -113,7 +153,16 @@ def _drawing(name: str, picture: Picture, inks: Mapping[str, Ink]) -> Drawing:
         described=tuple(description(figure, inks)),
         legend=entries(figure),
         still=f"data:image/svg+xml;base64,{still}",
+        cases=tuple(digest for digest in figure.cases if digest in digests),
     )
+
+
+def _made(chapters: Sequence[Chapter], made: Provenance) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return provenance by study: of each, unless all were made as the page was."""
+    own = _told(made)
+    return [
+        (chapter.title, told) for chapter in chapters if (told := _told(chapter.provenance)) != own
+    ] + [("This page", own)]
 
 
 def _told(made: Provenance) -> list[tuple[str, str]]:

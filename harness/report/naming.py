@@ -7,8 +7,10 @@ from collections.abc import Iterable
 _UNITS = {
     "rad_s2": "rad/s²",
     "m_s2": "m/s²",
+    "s_s": "s/s",
     "rad_s": "rad/s",
     "deg_s": "°/s",
+    "mm_s": "mm/s",
     "m_s": "m/s",
     "kg_m2": "kg m²",
     "percent": "%",

@@ -1,16 +1,16 @@
 """The headline in Markdown, for pasting into a pull request."""
 
-from harness.report.contents import Report, headline
+from harness.report.contents import Report
 from harness.report.tables import markdown, plain_text
 
 
 def summary(report: Report) -> str:
     """Return title, headline texts and tables, and one line of provenance."""
-    opening = headline(report)
+    opening = report.opening
     parts = [f"# {plain_text(report.title)}\n"]
-    for text in opening.texts.values():
+    for text in opening.leading_texts.values():
         parts += [plain_text(paragraph) + "\n" for paragraph in text.text.split("\n\n")]
-    for table in opening.tables.values():
+    for table in opening.leading_tables.values():
         parts.append(f"## {plain_text(table.title)}\n")
         parts.append(markdown(table))
     parts.append(_made_by(report) + "\n")

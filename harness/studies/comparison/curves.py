@@ -15,17 +15,26 @@ MM = 1e3
 """Millimetres in a metre."""
 
 
+def finest(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
+    """Return of each scene and engine the run of each profile with the smallest timestep."""
+    best: dict[tuple[str, str, str], Evaluation] = {}
+    for e in evaluations:
+        case, step = e.simulation.case, e.simulation.timestep or math.inf
+        name = (case.scene.name, case.engine, case.profile)
+        kept = best.get(name)
+        if kept is None or step < (kept.simulation.timestep or math.inf):
+            best[name] = e
+    return tuple(best.values())
+
+
 def drawn_runs(evaluations: Sequence[Evaluation]) -> Iterator[Evaluation]:
     """Yield of each engine the run of each profile with the smallest timestep, as shipped last."""
-    best: dict[tuple[str, str], Evaluation] = {}
-    for e in evaluations:
-        case, step = e.simulation.case, e.simulation.timestep
-        if e.motion is None or e.truth is None or step is None:
-            continue
-        kept = best.get((case.engine, case.profile))
-        if kept is None or step < (kept.simulation.timestep or math.inf):
-            best[case.engine, case.profile] = e
-    yield from sorted(best.values(), key=lambda e: e.simulation.case.profile == "default")
+    known = finest([e for e in evaluations if _comparable(e)])
+    yield from sorted(known, key=lambda e: e.simulation.case.profile == "default")
+
+
+def _comparable(e: Evaluation) -> bool:
+    return e.motion is not None and e.truth is not None and e.simulation.timestep is not None
 
 
 def label(e: Evaluation) -> str:

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from harness.artefact import Artefact, Prose
 from harness.runner import Evaluation
 from harness.simulation import Outcome
+from harness.studies.comparison.fidelity import fidelity
 from harness.studies.comparison.figures import scene_figures
+from harness.studies.comparison.replay import replay
 from harness.studies.comparison.results import results
 from harness.studies.comparison.scorecard import scorecard
 from harness.studies.comparison.tables import bounces, orders, parity
@@ -18,9 +20,10 @@ def read(evaluations: Sequence[Evaluation]) -> tuple[Artefact, ...]:
     artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations)]
     for scene in scenes:
         own = [e for e in evaluations if e.simulation.case.scene.name == scene]
-        artefacts += scene_figures(scene, own)
+        artefacts += [*replay(scene, own), *scene_figures(scene, own)]
         artefacts.append(Prose(name=f"{scene}-cite", title="Source", text=_cite(own), scene=scene))
     artefacts += [
+        fidelity(evaluations),
         results(evaluations),
         orders(evaluations),
         bounces(evaluations),

@@ -75,7 +75,20 @@ def verdict(e: Evaluation) -> str:
     if undecided is not None:
         return undecided
     much = excess(e)
-    return "agrees" if much <= 1.0 else f"deviates {much:.2g} times too far"
+    return "agrees" if much <= 1.0 else deviation(much)
+
+
+_WHOLE = 10.0
+"""Factors from here on are told without decimals."""
+
+
+def deviation(factor: float) -> str:
+    """Return in words by what factor something exceeds what is allowed."""
+    return (
+        f"deviates by a factor {factor:.0f}"
+        if factor >= _WHOLE
+        else (f"deviates by a factor {factor:.2g}")
+    )
 
 
 def excess(e: Evaluation) -> float:

@@ -13,7 +13,16 @@ from harness.errors import OutputError
 from harness.provenance import Provenance
 from harness.report import write_report
 
-TOP = {"index.html", "summary.md", "columns.md", "manifest.json", "figures", "tables"}
+TOP = {
+    "index.html",
+    "summary.md",
+    "artefacts.json",
+    "columns.md",
+    "junit.xml",
+    "manifest.json",
+    "figures",
+    "tables",
+}
 
 
 def names(folder: Path) -> list[str]:
