@@ -47,7 +47,7 @@ def bars(made: Plan, found: Mapping[Case, Evaluation], effects: tuple[Effect, ..
         )
     )
     return Figure(
-        name=f"{made.scene.name}-effects",
+        name=f"{made.scene.name}-effect-changes",
         title="What each effect changes",
         seen=_seen(made, effects),
         panels=(

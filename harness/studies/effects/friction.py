@@ -1,0 +1,213 @@
+"""The angle of turn against the coefficient of friction, with the phases of stick and slip.
+
+From a frictionless plane to one that holds whatever rolling asks for: where the curves of all
+engines meet the no-slip value, slip is no longer called for.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from harness.artefact import Figure, Panel, Series, Table
+from harness.case import Case
+from harness.engines.registry import check_effects
+from harness.errors import UnsupportedEffectError
+from harness.runner import Evaluation
+from harness.trajectory import Floats
+from models.contact_effects import Slip
+from models.errors import ModelError
+from models.scene import Scene
+
+COEFFICIENTS = (0.0, 0.05, *(round(0.1 * n, 2) for n in range(1, 11)))
+"""Of friction: ten of equal distance up to one, and one more where little friction does most."""
+
+_SLIDES = 1e-6
+"""Slip speed, over sqrt(g R), above which the rim of an exact motion slides: far above round-off,
+far below any slip that moves the can."""
+
+_COLUMNS: Mapping[str, str] = {
+    "scene": "Name of the scene.",
+    "engine": "Name of the engine.",
+    "model": "What was solved.",
+    "mu": "Coefficient of friction.",
+    "turn_deg": "First angle of turn, where the record can count it.",
+    "slipping_share": "Share of the time in which the rim slides, by the motion itself.",
+    "slip_phases": "Phases of slip; for the reference alone, whose contact knows no creep.",
+    "outcome": "How the run ended.",
+    "note": "What else is to be known of it.",
+    "case": "Names the case in this version of its engine.",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ladder:
+    """Runs of a scene that differ in friction alone.
+
+    Parameters
+    ----------
+    scene : Scene
+    cases : mapping of str to mapping of float to Case
+        By engine and coefficient.
+    """
+
+    scene: Scene
+    cases: Mapping[str, Mapping[float, Case]]
+
+    @property
+    def design(self) -> tuple[Case, ...]:
+        """The cases, each once."""
+        return tuple(
+            dict.fromkeys(case for rungs in self.cases.values() for case in rungs.values())
+        )
+
+
+def ladder(scene: Scene, engines: tuple[str, ...], timestep: float | None) -> Ladder:
+    """Return the ladder of friction for a scene, in each engine that can represent it."""
+    found: dict[str, dict[float, Case]] = {}
+    for name in engines:
+        rungs = {}
+        for mu in COEFFICIENTS:
+            try:
+                slippery = replace(scene, effects=replace(scene.effects, slip=Slip(mu=mu)))
+                check_effects(name, slippery)
+            except (ModelError, UnsupportedEffectError):
+                continue
+            step = None if name == "reference" else timestep
+            rungs[mu] = Case(scene=slippery, engine=name, timestep=step)
+        found[name] = rungs
+    return Ladder(scene=scene, cases=found)
+
+
+def friction(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Figure, Table]:
+    """Return the figure of turn and phases against friction, and its table."""
+    frame = _frame(made, found)
+    turns = tuple(
+        Series(
+            label=name,
+            kind=name,
+            x=np.array(list(rungs)),
+            y=np.array([_turn(found[case]) for case in rungs.values()]),
+            mark="both",
+        )
+        for name, rungs in made.cases.items()
+        if rungs
+    )
+    figure = Figure(
+        name=f"{made.scene.name}-friction",
+        title="Turn against friction, and when the rim slides",
+        seen=_seen(frame),
+        panels=(
+            Panel(
+                title="First angle of turn",
+                x_label="coefficient of friction mu []",
+                y_label="angle of turn [deg]",
+                series=turns,
+            ),
+            Panel(
+                title="Phases of slip in the exact motion",
+                x_label="time [s]",
+                y_label="coefficient of friction mu []",
+                series=_phases(made, found),
+            ),
+        ),
+        scene=made.scene.name,
+    )
+    table = Table(
+        name=f"{made.scene.name}-friction-runs",
+        title="Every run of the ladder of friction",
+        frame=frame,
+        columns=_COLUMNS,
+        shown=tuple(name for name in _COLUMNS if name not in {"scene", "case"}),
+        scene=made.scene.name,
+    )
+    return figure, table
+
+
+def _turn(e: Evaluation) -> float:
+    """Return the first angle of turn, deg; NaN where there is none to count."""
+    if not e.bounces or not e.bounces[0].resolved:
+        return math.nan
+    return math.degrees(e.bounces[0].angle_of_turn)
+
+
+def _sliding(e: Evaluation) -> tuple[Floats, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+    """Return the instants of a motion and whether the rim slides there."""
+    if e.motion is None:
+        return np.empty(0), np.empty(0, dtype=np.bool_)
+    scene = e.simulation.case.scene
+    least = _SLIDES * math.sqrt(scene.gravity * scene.can.radius)
+    return e.motion.time, np.nan_to_num(e.motion.slip) > least
+
+
+def _phases(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Series, ...]:
+    """Return a line at each coefficient, drawn where the rim sticks and where it slides."""
+    series = []
+    for label, wanted, kind in (("slides", True, "pybullet"), ("sticks", False, "reference")):
+        xs: list[Floats] = []
+        ys: list[Floats] = []
+        for mu, case in made.cases.get("reference", {}).items():
+            time, slides = _sliding(found[case])
+            xs += [time, np.array([np.nan])]
+            ys += [np.where(slides == wanted, mu, np.nan), np.array([np.nan])]
+        if xs:
+            x, y = np.concatenate(xs), np.concatenate(ys)
+            series.append(Series(label=label, kind=kind, x=x, y=y, dashed=not wanted))
+    return tuple(series)
+
+
+def _frame(made: Ladder, found: Mapping[Case, Evaluation]) -> pd.DataFrame:
+    """Return every run in a row."""
+    rows = []
+    for name, rungs in made.cases.items():
+        for mu, case in rungs.items():
+            e = found[case]
+            time, slides = _sliding(e)
+            turn = _turn(e)
+            exact = name == "reference" and len(time) > 1
+            rows.append(
+                {
+                    "scene": made.scene.name,
+                    "engine": name,
+                    "model": e.simulation.model,
+                    "mu": mu,
+                    "turn_deg": None if math.isnan(turn) else turn,
+                    "slipping_share": float(np.sum(np.diff(time) * slides[1:]) / time[-1])
+                    if exact
+                    else None,
+                    "slip_phases": int(np.sum(np.diff(slides.astype(int), prepend=0) > 0))
+                    if exact
+                    else None,
+                    "outcome": e.simulation.outcome.value,
+                    "note": e.simulation.note,
+                    "case": case.digest(e.simulation.engine_version),
+                }
+            )
+    return pd.DataFrame(rows, columns=list(_COLUMNS))
+
+
+def _seen(frame: pd.DataFrame) -> str:
+    """Return in two sentences from which friction on the rim holds, and how engines follow."""
+    exact = frame[(frame["engine"] == "reference") & frame["slipping_share"].notna()]
+    holds = exact[exact["slipping_share"] == 0.0]["mu"]
+    first = (
+        f"In the exact motion the rim never slides from mu = {holds.min():g} on. "
+        if len(holds)
+        else "The rim slides at every coefficient that was tried. "
+    )
+    if exact.empty:
+        first = "The reference does not solve this scene with friction. "
+    wide = frame.pivot_table(index="mu", columns="engine", values="turn_deg")
+    told = [
+        f"{name} by at most {off.max():.2g} degrees"
+        for name in wide.columns
+        if name != "reference" and "reference" in wide
+        if len(off := (wide[name] - wide["reference"]).abs().dropna())
+    ]
+    return first + (
+        f"Engines differ from it: {', '.join(told)}."
+        if told
+        else "No engine has a turn to compare."
+    )
