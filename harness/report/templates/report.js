@@ -18,7 +18,7 @@
   const figures = [...document.querySelectorAll(".figure")].map((element) => ({
     element,
     graphs: [...element.querySelectorAll(".graph")],
-    panels: JSON.parse(element.querySelector(".described").textContent),
+    panels: undefined, // read when it is drawn: the page answers sooner
     hidden: new Set(),
     state: "waiting",
   }));
@@ -78,6 +78,7 @@
     figure.state = "drawing";
     try {
       await (library ??= unpack());
+      figure.panels = JSON.parse(figure.element.querySelector(".described").textContent);
       for (const [index, graph] of figure.graphs.entries()) {
         const { data, layout } = coloured(figure.panels[index], figure.hidden);
         graph.given = figure.panels[index].layout;
@@ -187,10 +188,11 @@
     { rootMargin: "400px" },
   );
   figures.forEach((figure) => watcher.observe(figure.element));
+  const idle = window.requestIdleCallback ?? ((go) => setTimeout(go, 20));
   async function drawRest() {
     for (const figure of figures) {
+      await new Promise((go) => idle(go, { timeout: 1000 })); // let the page answer in between
       await draw(figure);
-      await new Promise((go) => setTimeout(go)); // let the page answer in between
     }
     document.documentElement.dataset.drawn = "all";
   }
@@ -217,6 +219,17 @@
     const head = button.parentElement;
     button.addEventListener("click", () => sort(head, head.getAttribute("aria-sort") !== "ascending"));
   }
+
+  // A link to a case opens the list that it stands in.
+  const cases = document.querySelector(".all-cases");
+  function unfold() {
+    const target = location.hash.startsWith("#case-") && document.getElementById(location.hash.slice(1));
+    if (!target || !cases) return;
+    cases.open = true;
+    target.scrollIntoView();
+  }
+  addEventListener("hashchange", unfold);
+  unfold();
 
   // ---- contents ----------------------------------------------------
 
