@@ -1,6 +1,9 @@
 """The library face: simulate a scene, compare engines on it, run the suite; DataFrames out."""
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from dataclasses import replace
 
 import pandas as pd
 
@@ -9,6 +12,7 @@ from harness.case import Case, Value
 from harness.engines.registry import names
 from harness.executors import local
 from harness.runner import Evaluation, evaluate, run
+from harness.store import Store
 from harness.studies.comparison import SUITES, design, read, results
 from models.catalogue import load
 from models.scene import Scene
@@ -94,22 +98,67 @@ def compare(
         return results(run(cases, executor)).frame
 
 
-def suite(name: str, engines: Sequence[str] | None = None) -> tuple[Case, ...]:
-    """Return the cases of a suite, "quick" or "full", for some or all engines."""
+def suite(
+    name: str,
+    engines: Sequence[str] | None = None,
+    settings: Mapping[str, Mapping[str, Value]] | None = None,
+) -> tuple[Case, ...]:
+    """Return the cases of a suite.
+
+    Parameters
+    ----------
+    name : str
+        "quick" or "full".
+    engines : sequence of str, optional
+        All but the reference if left out.
+    settings : mapping, optional
+        By engine, settings to put on top of every case of it.
+    """
     scenes = {scene: load(scene) for scene in SUITES[name]}
-    return design(name, stepping_engines(engines), scenes)
+    on_top = {engine: tuple(own.items()) for engine, own in (settings or {}).items()}
+    return tuple(
+        replace(case, options=case.options + on_top.get(case.engine, ()))
+        for case in design(name, stepping_engines(engines), scenes)
+    )
 
 
 def validate(
     name: str = "quick",
     engines: Sequence[str] | None = None,
     *,
+    settings: Mapping[str, Mapping[str, Value]] | None = None,
     jobs: int = 1,
+    executor: Executor | None = None,
+    store: Store | None = None,
     on_done: Callable[[Evaluation], None] | None = None,
+    on_kept: Callable[[int, int], None] | None = None,
 ) -> tuple[tuple[Evaluation, ...], tuple[Artefact, ...]]:
-    """Run a suite; return its evaluations and the artefacts that a report is made of."""
-    with local(jobs) as executor:
-        evaluations = run(suite(name, engines), executor, on_done)
+    """Run a suite; return its evaluations and the artefacts that a report is made of.
+
+    Parameters
+    ----------
+    name : str
+        "quick" or "full".
+    engines : sequence of str, optional
+        All but the reference if left out.
+    settings : mapping, optional
+        By engine, settings to put on top of every case of it.
+    jobs : int
+        Processes.
+    executor : Executor, optional
+        Where to run instead; stays open.
+    store : Store, optional
+        Where evaluations are kept and found.
+    on_done : callable, optional
+        Is told of each evaluation as it is ready.
+    on_kept : callable, optional
+        Is told, before anything runs, how many cases are in the store and how many there are.
+    """
+    with ExitStack() as stack:
+        chosen = stack.enter_context(local(jobs)) if executor is None else executor
+        evaluations = run(
+            suite(name, engines, settings), chosen, on_done, store=store, on_kept=on_kept
+        )
     return evaluations, read(evaluations)
 
 

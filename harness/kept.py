@@ -8,6 +8,7 @@ from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.bounce import Bounce
 from harness.campaign import Shelf
@@ -100,11 +101,10 @@ def _arrays(simulation: Simulation) -> dict[str, Array]:
     return {field.name: getattr(trajectory, field.name) for field in fields(Trajectory)}
 
 
-def _padded(array: Array, like: Array) -> Array:
+def _padded(array: NDArray[Any], like: NDArray[Any]) -> NDArray[Any]:
     """Return an array with zeros at its end, as many samples long as another."""
     short = [(0, len(like) - len(array))] + [(0, 0)] * (array.ndim - 1)
-    padded: Array = np.pad(array, short)
-    return padded
+    return np.pad(array, short)
 
 
 def _trajectory(

@@ -1,7 +1,7 @@
 """What names a result of a case in a store: everything that decides it."""
 
 from harness.case import Case
-from harness.engines.registry import engine
+from harness.engines.registry import engine, names
 from harness.store import About
 from harness.store.code import fingerprint
 from harness.store.entry import checksum
@@ -22,13 +22,27 @@ def key_of(case: Case, *modules: str) -> str:
 
 def about(case: Case, *modules: str) -> About:
     """Return where a result of a case comes from."""
-    code = code_of(case.engine, *modules)
-    return About(label=case.label(), command=case.command(), code=code)
+    return About(
+        label=case.label(),
+        command=case.command(),
+        engine=case.engine,
+        engine_version=version_of(case.engine),
+        code=code_of(case.engine, *modules),
+        modules=(_module_of(case.engine), *modules),
+    )
+
+
+def is_current(told: About) -> bool:
+    """Whether a result that is kept can still be found: program and engine are what they were."""
+    if told.engine and told.engine not in names():
+        return False
+    same = not told.engine or version_of(told.engine) == told.engine_version
+    return same and fingerprint(*told.modules) == told.code
 
 
 def code_of(name: str, *modules: str) -> str:
     """Return the fingerprint of the program behind results of an engine."""
-    return fingerprint(type(engine(name)).__module__, *modules)
+    return fingerprint(_module_of(name), *modules)
 
 
 def version_of(name: str) -> str:
@@ -37,3 +51,8 @@ def version_of(name: str) -> str:
         return engine(name).version
     except Exception:  # noqa: BLE001 - an adapter is somebody's program
         return "unknown"
+
+
+def _module_of(name: str) -> str:
+    """Return the module that an engine comes from."""
+    return type(engine(name)).__module__

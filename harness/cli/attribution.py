@@ -1,6 +1,5 @@
 """Which of an engine's gaps causes which part of its discrepancy."""
 
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from harness.artefact import Artefact, Prose, Table
 from harness.case import Case
 from harness.cli import printing
 from harness.cli.answers import spell
-from harness.executors import local
+from harness.cli.running import Running, runs
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
 from harness.runner import Evaluation, run
@@ -24,6 +23,7 @@ from models.catalogue import load
 _SHOWN = ("place", "gap", "quantity", "in_order", "alone", "left_open", "interaction")
 
 
+@runs
 def attribute(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -36,13 +36,12 @@ def attribute(  # noqa: PLR0917 - a parameter an option
         list[str] | None,
         typer.Option(help="A gap to close before the others; repeat it. Such as: timestep."),
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
-    ] = None,
     out: Annotated[Path | None, typer.Option(help="Write a report into this folder.")] = None,
     json: Annotated[  # noqa: FBT002 - a switch of the command line
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
+    *,
+    running: Running,
 ) -> None:
     """Say who is to blame: close the gaps from default to matched one at a time, and each alone.
 
@@ -51,7 +50,7 @@ def attribute(  # noqa: PLR0917 - a parameter an option
     way = path(load(scene), engine, timestep, first or ())
     if out is not None:
         check_writable(out)
-    found = attributed(way, evaluations(design(way), jobs))
+    found = attributed(way, evaluations(design(way), running))
     artefacts = read(found)
     page = (
         None if out is None else report(artefacts, found.evaluations.values(), out, "attribution")
@@ -71,18 +70,15 @@ def attribute(  # noqa: PLR0917 - a parameter an option
         console.print(f"\nThe report: {page}")
 
 
-def evaluations(cases: Sequence[Case], jobs: int | None) -> tuple[Evaluation, ...]:
+def evaluations(cases: Sequence[Case], running: Running) -> tuple[Evaluation, ...]:
     """Run cases beside a progress bar."""
-    with (
-        printing.progress() as bar,
-        local(jobs or len(os.sched_getaffinity(0))) as executor,
-    ):
+    with printing.progress() as bar, running.executor() as executor:
         task = bar.add_task("starting the engines", total=len(cases))
 
         def show(evaluation: Evaluation) -> None:
             bar.update(task, advance=1, description=evaluation.simulation.case.label())
 
-        return run(cases, executor, show)
+        return run(cases, executor, show, store=running.store, on_kept=running.kept)
 
 
 def report(

@@ -16,6 +16,7 @@ from harness.cli.files import check_motion_file, write_motion, write_text
 from harness.cli.listings import engines_answer, print_engine, print_engines
 from harness.cli.paper import audit, gallery
 from harness.cli.stability import stability
+from harness.cli.store import app as store
 from harness.cli.three_errors import errors
 from harness.cli.validation import validate
 from harness.cli.words import settings
@@ -41,6 +42,8 @@ app = typer.Typer(
 )
 for command in (validate, attribute, errors, check, audit, gallery, benchmark, cost, stability):
     app.command()(command)
+
+app.add_typer(store, name="store")
 
 SceneName = Annotated[
     str,

@@ -1,38 +1,54 @@
 """Run a command, and turn what went wrong into a message and a code.
 
-0 done; 1 a fidelity gate failed; 2 wrong use or bad input, with one message; 130 interrupted.
+0 done; 1 a fidelity gate failed; 2 wrong use or bad input, with one message; 130 and 143 stopped by
+Ctrl-C and by SIGTERM, with what is done and how to go on.
 """
 
 import os
+import shlex
 import sys
+import warnings
+from collections.abc import Callable, Sequence
+from typing import TextIO
 
 import typer
 from typer.exceptions import TyperException
 
 from harness.cli.commands import app
-from harness.errors import HarnessError, ParityError
+from harness.errors import ClusterError, HarnessError, OutputError, ParityError
+from harness.interruption import Interrupted, listen
+from harness.store import StoreWarning
 from models.errors import ModelError
 
 GATE_FAILED = 1
 WRONG_USE = 2
 INTERRUPTED = 130
 
+Show = Callable[[Warning | str, type[Warning], str, int, TextIO | None, str | None], None]
+
 
 def main() -> None:
     """Run the command line and leave with its exit code."""
+    listen()
     _keep_standard_output()
     sys.exit(code_of(sys.argv[1:]))
 
 
 def code_of(arguments: list[str]) -> int:
     """Run a command and return its exit code."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", StoreWarning)
+        warnings.showwarning = _shown(warnings.showwarning)  # type: ignore[assignment]
+        return _code_of(arguments)
+
+
+def _code_of(arguments: list[str]) -> int:
     try:
         code = app(arguments, prog_name="rockingcan", standalone_mode=False)
-    except (HarnessError, ModelError) as error:
-        failed = isinstance(error, ParityError)
-        return _complain(str(error), GATE_FAILED if failed else WRONG_USE)
-    except TyperException as error:
-        return _complain(f"{_told(error)} (see: rockingcan --help)")
+    except Interrupted as error:
+        return _complain(_stopped(error, arguments), error.exit_code)
+    except (HarnessError, ModelError, TyperException) as error:
+        return _refused(error)
     except typer.Exit as left:
         return int(left.exit_code)
     except (KeyboardInterrupt, typer.Abort):
@@ -43,6 +59,49 @@ def code_of(arguments: list[str]) -> int:
     if code == INTERRUPTED:
         return _complain("interrupted; nothing half-written is left behind", INTERRUPTED)
     return int(code or 0)
+
+
+def _refused(error: Exception) -> int:
+    """Say what was wrong with what was asked, and return the exit code."""
+    if isinstance(error, TyperException):
+        return _complain(f"{_told(error)} (see: rockingcan --help)")
+    # where a result cannot be kept, or a cluster is gone, what is done counts
+    notes = _notes(error) if isinstance(error, OutputError | ClusterError) else []
+    failed = isinstance(error, ParityError)
+    return _complain(" ".join([str(error), *notes]), GATE_FAILED if failed else WRONG_USE)
+
+
+def _stopped(error: Interrupted, arguments: Sequence[str]) -> str:
+    """Return what is done when a run is stopped, and the command that goes on with it."""
+    # what --fresh was to replace is replaced as far as the run came
+    again = shlex.join(["rockingcan", *(word for word in arguments if word != "--fresh")])
+    notes = _notes(error)
+    told = ["interrupted; nothing half-written is left behind.", *notes]
+    return " ".join([*told, f"To go on: {again}" if notes else f"To start again: {again}"])
+
+
+def _notes(error: BaseException) -> list[str]:
+    """Return what was added to an error on its way: how much is kept."""
+    return list(getattr(error, "__notes__", ()))
+
+
+def _shown(usual: Show) -> Show:
+    """Return what shows a warning: those of the store in one line, others as usual."""
+
+    def show(  # noqa: PLR0917 - as `warnings` calls it
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if issubclass(category, StoreWarning):
+            sys.stderr.write(f"rockingcan: warning: {message}\n")
+        else:
+            usual(message, category, filename, lineno, file, line)
+
+    return show
 
 
 def _told(error: TyperException) -> str:

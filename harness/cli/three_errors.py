@@ -10,6 +10,7 @@ from harness.artefact import Table
 from harness.cli import printing
 from harness.cli.answers import spell
 from harness.cli.attribution import evaluations, report
+from harness.cli.running import Running, runs
 from harness.cli.words import settings
 from harness.report import check_writable
 from harness.studies.errors import ThreeErrors, design, plan, read, three_errors
@@ -32,6 +33,7 @@ _SHOWN = {
 }
 
 
+@runs
 def errors(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -46,13 +48,12 @@ def errors(  # noqa: PLR0917 - a parameter an option
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="A setting on all runs; repeat it."),
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
-    ] = None,
     out: Annotated[Path | None, typer.Option(help="Write a report into this folder.")] = None,
     json: Annotated[  # noqa: FBT002 - a switch of the command line
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
+    *,
+    running: Running,
 ) -> None:
     """Tell model form, discretisation and solver error apart, and what is not decidable.
 
@@ -61,7 +62,7 @@ def errors(  # noqa: PLR0917 - a parameter an option
     chosen = plan(load(scene), engine, profile, timestep=timestep, options=settings(set_ or []))
     if out is not None:
         check_writable(out)
-    found = three_errors(chosen, evaluations(design(chosen), jobs))
+    found = three_errors(chosen, evaluations(design(chosen), running))
     artefacts = read(found)
     page = (
         None if out is None else report(artefacts, found.evaluations.values(), out, "three errors")

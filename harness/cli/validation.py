@@ -1,6 +1,5 @@
 """The main job: run the suite, write the report, show the summary."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +10,7 @@ from rich.markup import escape
 from harness import face
 from harness.artefact import Prose, Table
 from harness.cli import printing
+from harness.cli.running import Running, runs
 from harness.errors import InvalidSettingError
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
@@ -31,6 +31,7 @@ _SHOWN = (
 )
 
 
+@runs
 def validate(
     suite: Annotated[
         str, typer.Option(help="quick: a minute or so; full: every scene on a long ladder.")
@@ -41,9 +42,8 @@ def validate(
     out: Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")] = Path(
         "reports/latest"
     ),
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
-    ] = None,
+    *,
+    running: Running,
 ) -> None:
     """Run the validation suite in every engine and write the report: the main job."""
     if suite not in SUITES:
@@ -52,14 +52,19 @@ def validate(
     for case in cases:
         check(case)
     check_writable(out)
-    with printing.progress() as bar:
+    with printing.progress() as bar, running.executor() as executor:
         task = bar.add_task("starting the engines", total=len(cases))
 
         def show(evaluation: Evaluation) -> None:
             bar.update(task, advance=1, description=evaluation.simulation.case.label())
 
         evaluations, artefacts = face.validate(
-            suite, engine, jobs=jobs or len(os.sched_getaffinity(0)), on_done=show
+            suite,
+            engine,
+            executor=executor,
+            store=running.store,
+            on_done=show,
+            on_kept=running.kept,
         )
     page = write_report(
         artefacts,

@@ -8,6 +8,7 @@ import hashlib
 import sys
 from functools import cache
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 _PACKAGES = ("numpy", "scipy")
@@ -38,8 +39,8 @@ def fingerprint(*modules: str) -> str:
     Parameters
     ----------
     modules : str
-        Names of imported modules that decide as well; each stands for all sources of its folder if
-        it is part of a package.
+        Names of modules that decide as well; each stands for all sources of its folder if it is
+        part of a package.
     """
     digest = hashlib.sha256()
     for name in _PACKAGES:
@@ -47,13 +48,26 @@ def fingerprint(*modules: str) -> str:
     for place in _DECIDING:
         _add(digest, _ROOT / place)
     for name in sorted(set(modules)):
-        file = getattr(sys.modules.get(name), "__file__", None)
-        if file is None or Path(file).suffix != ".py":
+        file = _source(name)
+        if file is None:
+            digest.update(f"{name} has no source\n".encode())
             continue
-        whole = Path(file).parent if "." in name or Path(file).stem == "__init__" else Path(file)
+        whole = file.parent if "." in name or file.stem == "__init__" else file
         if not any(whole.is_relative_to(_ROOT / place) for place in _DECIDING):
             _add(digest, whole)
     return digest.hexdigest()[:16]
+
+
+def _source(module: str) -> Path | None:
+    """Return the source of a module, imported or not; None if it has none that can be found."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    if file is None:
+        try:
+            spec = find_spec(module)
+        except (ImportError, ValueError):
+            spec = None
+        file = None if spec is None else spec.origin
+    return Path(file) if file is not None and Path(file).suffix == ".py" else None
 
 
 def _add(digest: "hashlib._Hash", place: Path) -> None:

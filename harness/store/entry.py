@@ -35,8 +35,11 @@ class About:
         The case in a few words.
     command : str
         What runs it again.
+    engine, engine_version : str
     code : str
         Fingerprint of the program that made it.
+    modules : tuple of str
+        Whose sources are in the fingerprint besides those that are in all.
     kept : str
         When, UTC, ISO 8601.
     machine : str
@@ -45,7 +48,10 @@ class About:
 
     label: str
     command: str = ""
+    engine: str = ""
+    engine_version: str = ""
     code: str = ""
+    modules: tuple[str, ...] = ()
     kept: str = ""
     machine: str = ""
 
@@ -104,7 +110,7 @@ def write_record(
         "version": VERSION,
         "kind": kind,
         "key": key,
-        "about": asdict(about),
+        "about": plain(asdict(about)),
         "record": plain(content.record),
         "arrays": None
         if arrays_file is None
@@ -151,7 +157,7 @@ def read_record(content: bytes, kind: str, key: str) -> Record:
             raise StoreError("it is the entry of another case")
         arrays = told["arrays"] or {"file": None, "sha256": "", "widths": {}}
         return Record(
-            about=About(**told["about"]),
+            about=About(**restored(told["about"])),
             record=restored(told["record"]),
             arrays_file=arrays["file"],
             arrays_sha256=arrays["sha256"],

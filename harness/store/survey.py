@@ -3,7 +3,7 @@
 import os
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 
@@ -73,22 +73,21 @@ def survey(store: Store, *, thoroughly: bool = False) -> Iterator[Found]:
         yield Found(kind=kind, key=key, state=state, about=about, size=size, reason=reason)
 
 
-def prune(store: Store, code: frozenset[str], *, everything: bool = False) -> tuple[int, int]:
-    """Remove what no run will read again; return how many entries went, and how many bytes.
+def prune(store: Store, keep: Callable[[About], bool]) -> tuple[int, int]:
+    """Remove what is not to be kept; return how many entries went, and how many bytes in all.
+
+    Broken entries go as well, and what programs left over that did not come to their end.
 
     Parameters
     ----------
     store : Store
-    code : frozenset of str
-        Fingerprints of today's program: entries of others are never found by it.
-    everything : bool
-        True to remove every entry.
+    keep : callable
+        Whether an entry is kept, from where it comes from.
     """
     before = _bytes(store)
     removed = 0
     for found in list(survey(store)):
-        old = found.about is None or found.about.code not in code
-        if everything or old or found.state is State.BROKEN:
+        if found.state is State.BROKEN or found.about is None or not keep(found.about):
             path = store.path(found.kind, found.key)
             path.unlink(missing_ok=True)
             for arrays in path.parent.glob(f"{found.key}-*.parquet"):
