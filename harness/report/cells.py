@@ -11,7 +11,7 @@ from harness.report.tables import is_numeric, rows, shown
 
 Tone = Literal["", "good", "fair", "bad", "none"]
 
-CASE = "case"  # the column whose digests link to the cases
+CASE = ("case", "digest")  # columns whose digests link to the cases
 COMMAND = "command"  # the column with what runs a row again
 _LONG = 36  # letters; longer texts break into lines
 _JUDGED = ("verdict", "outcome")
@@ -118,9 +118,9 @@ def _head(table: Table, column: str) -> Head:
 def _on_page(table: Table) -> tuple[str, ...]:
     """Return the columns that the page shows: those chosen, and what leads to the case."""
     chosen = shown(table)
-    if CASE in chosen or COMMAND in chosen or table.cases:
+    if table.cases or any(name in chosen for name in (*CASE, COMMAND)):
         return chosen
-    way = next((name for name in (CASE, COMMAND) if name in table.frame.columns), None)
+    way = next((name for name in (*CASE, COMMAND) if name in table.frame.columns), None)
     return chosen if way is None else (*chosen, way)
 
 
@@ -131,7 +131,7 @@ def _cell(head: Head, row: Mapping[str, object], table: Table, digests: Collecti
     text = readable(value)
     judged = head.name in _JUDGED or head.name.endswith(tuple(f"_{word}" for word in _JUDGED))
     verdict = row.get(table.verdicts.get(head.name, ""))
-    digest = text if head.name == CASE else str(row.get(table.cases.get(head.name, "")))
+    digest = text if head.name in CASE else str(row.get(table.cases.get(head.name, "")))
     return Cell(
         text=text,
         sort="" if missing else (repr(float(str(value))) if number else text.lower()),

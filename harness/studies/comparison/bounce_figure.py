@@ -1,4 +1,4 @@
-"""The figure that the project is about: phi and psi through the first bounce."""
+"""What the project is about: the first bounce, its angles and the friction in it."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -9,7 +9,7 @@ from harness.artefact import Figure, Panel, Series
 from harness.bounce import Bounce
 from harness.metrics.motion import Motion
 from harness.runner import Evaluation
-from harness.studies.comparison.curves import MS, label, longest
+from harness.studies.comparison.curves import MS, digests, label, longest
 from harness.trajectory import Floats
 
 _WINDOW = 12.0
@@ -24,47 +24,25 @@ _ENDS = 2
 _QUANTITIES: tuple[tuple[str, str, str, Callable[[Motion], Floats]], ...] = (
     ("phi", "Nutation phi", "phi [deg]", lambda motion: np.degrees(motion.angles.phi)),
     ("psi", "Precession psi", "psi [deg]", lambda motion: np.degrees(motion.angles.psi)),
+    ("theta", "Rotation theta", "theta [deg]", lambda motion: np.degrees(motion.angles.theta)),
 )
 
 
 def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
-    """Return phi and psi in the first bounce, each run against its own time of bounce."""
-    true = next((e.true_bounces[0] for e in drawn if e.true_bounces), None)
-    if true is None or true.peak_psi_dot == 0.0:
+    """Return the angles in the first bounce, each run against its own time of bounce."""
+    true = first_bounce(drawn)
+    if true is None:
         return None
-    half = _WINDOW / abs(true.peak_psi_dot)
-
-    panels: list[Panel] = []
-    for name, title, y_label, values in _QUANTITIES:
-        series: list[Series] = []
-        exact = longest(drawn).truth
-        if exact is not None:
-            x, y = _near(exact.time - true.time, values(exact), half)
-            series.append(Series(label="exact", kind="reference", x=x, y=y))
-        for e in drawn:
-            if e.motion is None or not e.bounces:
-                continue
-            shipped = e.simulation.case.profile == "default"
-            x, y = _near(e.motion.time - e.bounces[0].time, values(e.motion), half)
-            series.append(
-                Series(
-                    label=label(e),
-                    kind=e.simulation.case.engine,
-                    x=x,
-                    y=y,
-                    dashed=shipped,
-                    mark="both" if _ENDS < len(x) < _FEW else "line",
-                )
-            )
-        panels.append(
-            Panel(
-                title=title,
-                x_label="time from the bounce [ms]",
-                y_label=y_label,
-                series=tuple(series),
-                log_y=name == "phi",
-            )
+    panels = [
+        Panel(
+            title=title,
+            x_label="time from the bounce [ms]",
+            y_label=y_label,
+            series=in_bounce(drawn, true, values),
+            log_y=name == "phi",
         )
+        for name, title, y_label, values in _QUANTITIES
+    ]
     turn, width = math.degrees(true.angle_of_turn), 2.0 / abs(true.peak_psi_dot)
     return Figure(
         name=f"{scene}-bounce",
@@ -75,8 +53,43 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
             f"{_turns(drawn, turn)}"
         ),
         panels=tuple(panels),
+        columns=3,
         scene=scene,
+        cases=digests(drawn),
     )
+
+
+def first_bounce(drawn: Sequence[Evaluation]) -> Bounce | None:
+    """Return the first exact bounce, or None where there is none to look into."""
+    true = next((e.true_bounces[0] for e in drawn if e.true_bounces), None)
+    return None if true is None or true.peak_psi_dot == 0.0 else true
+
+
+def in_bounce(
+    drawn: Sequence[Evaluation], true: Bounce, values: Callable[[Motion], Floats]
+) -> tuple[Series, ...]:
+    """Return a quantity of all runs in the first bounce, each by its own clock."""
+    half = _WINDOW / abs(true.peak_psi_dot)
+    series: list[Series] = []
+    exact = longest(drawn).truth
+    if exact is not None:
+        x, y = _near(exact.time - true.time, values(exact), half)
+        series.append(Series(label="exact", kind="reference", x=x, y=y))
+    for e in drawn:
+        if e.motion is None or not e.bounces:
+            continue
+        x, y = _near(e.motion.time - e.bounces[0].time, values(e.motion), half)
+        series.append(
+            Series(
+                label=label(e),
+                kind=e.simulation.case.engine,
+                x=x,
+                y=y,
+                dashed=e.simulation.case.profile == "default",
+                mark="both" if _ENDS < len(x) < _FEW else "line",
+            )
+        )
+    return tuple(series)
 
 
 def _within(drawn: Sequence[Evaluation], true: Bounce) -> float:

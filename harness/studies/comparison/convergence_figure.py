@@ -6,7 +6,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from harness.artefact import Figure, Panel, Series
+from harness.metrics.order import observed_order
 from harness.runner import Evaluation
+from harness.studies.comparison.curves import digests
 
 
 def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure | None:
@@ -47,12 +49,24 @@ def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure 
     return Figure(
         name=f"{scene}-convergence",
         title="Errors against the timestep",
-        seen=(
-            "A line that falls by a decade for each decade of the timestep is of first order. "
-            "Where an engine as it ships stands alone, that is what its own timestep gives."
-        ),
+        seen=" ".join(_told(*ladder) for ladder in ladders.items()),
         panels=tuple(panels),
         scene=scene,
+        cases=digests(evaluations),
+    )
+
+
+def _told(name: tuple[str, str], ladder: Sequence[Evaluation]) -> str:
+    """Return a sentence on how the error of phi falls."""
+    engine, profile = name
+    points = sorted((e.simulation.timestep or math.nan, _phi(e)) for e in ladder)
+    (finest, least), (coarsest, most) = points[0], points[-1]
+    if len(points) == 1:
+        return f"{engine}, {profile}, has one timestep, with an error of phi of {least:.2g} rad."
+    order = observed_order([step for step, _ in points], [error for _, error in points])
+    return (
+        f"From {coarsest:.2g} s to {finest:.2g} s the error of phi in {engine}, {profile}, goes "
+        f"from {most:.2g} to {least:.2g} rad, an order of {order.order:.2g}."
     )
 
 

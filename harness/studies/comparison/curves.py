@@ -45,6 +45,11 @@ def label(e: Evaluation) -> str:
     return f"{case.engine}, {case.profile}, {e.simulation.timestep:.2g} s"
 
 
+def digests(drawn: Sequence[Evaluation]) -> tuple[str, ...]:
+    """Return the names of the cases that are drawn."""
+    return tuple(e.simulation.case.digest(e.simulation.engine_version) for e in drawn)
+
+
 def longest(drawn: Sequence[Evaluation]) -> Evaluation:
     """Return the run with the densest truth, to draw the truth from."""
     return max(drawn, key=lambda e: len(e.truth.time) if e.truth else 0)

@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from harness.artefact import Figure, Panel, Series
 from harness.metrics.motion import Motion
 from harness.runner import Evaluation
-from harness.studies.comparison.bounce_figure import bounce_figure
+from harness.studies.comparison.bounce_figure import bounce_figure, first_bounce, in_bounce
 from harness.studies.comparison.convergence_figure import convergence_figure
-from harness.studies.comparison.curves import MM, MS, drawn_runs, label, longest, overlaid
+from harness.studies.comparison.curves import MM, MS, digests, drawn_runs, label, longest, overlaid
 from harness.trajectory import Floats
 
 _ANGLES: tuple[tuple[str, str, Callable[[Motion], tuple[Floats, Floats]]], ...] = (
@@ -69,6 +70,7 @@ def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         panels=panels,
         columns=3,
         scene=scene,
+        cases=digests(drawn),
     )
 
 
@@ -96,6 +98,7 @@ def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         ),
         columns=1,
         scene=scene,
+        cases=digests(drawn),
     )
 
 
@@ -109,15 +112,26 @@ def _friction(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         if drawn[0].truth_pulls
         else f"Rolling without slipping asks for a friction coefficient of {peak:.3f} here."
     )
+    panels = [Panel(title="The whole run", x_label="time [ms]", y_label="|F|/N [1]", series=series)]
+    true = first_bounce(drawn)
+    if true is not None:
+        panels.append(
+            Panel(
+                title="The first bounce (inner region)",
+                x_label="time from the bounce [ms]",
+                y_label="|F|/N [1]",
+                series=in_bounce(drawn, true, lambda m: m.friction_ratio),
+            )
+        )
+        panels[0] = replace(panels[0], title="The whole run (outer region)")
     return Figure(
         name=f"{scene}-friction",
         title="The friction ratio",
         seen=f"|F|/N from each engine's own contact forces against the exact ratio. {second}",
-        panels=(
-            Panel(title="Friction ratio", x_label="time [ms]", y_label="|F|/N [1]", series=series),
-        ),
-        columns=1,
+        panels=tuple(panels),
+        columns=len(panels),
         scene=scene,
+        cases=digests(drawn),
     )
 
 
@@ -145,11 +159,7 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     return Figure(
         name=f"{scene}-residuals",
         title="Errors over time",
-        seen=(
-            "The distance of each run from the exact motion at the same instant, on a logarithmic "
-            "scale. Where a curve steps up, at a bounce or at the start, the error is made; "
-            "elsewhere it is carried along."
-        ),
+        seen=_told(drawn),
         panels=(
             Panel(
                 title="Nutation",
@@ -167,4 +177,27 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
             ),
         ),
         scene=scene,
+        cases=digests(drawn),
     )
+
+
+def _told(drawn: Sequence[Evaluation]) -> str:
+    """Return where the errors of the farthest run are made, and how small they can be."""
+    known = [e for e in drawn if e.errors is not None]
+    worst = max(known, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
+    best = min(known, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
+    first = (
+        f"The distance from the exact motion at the same instant: {label(best)} stays within "
+        f"{_most(best)} rad in phi, {label(worst)} within {_most(worst)} rad."
+    )
+    if worst.errors is None or not math.isfinite(worst.errors.phi_rms_after):
+        return f"{first} There is no bounce at which an error could be made."
+    before, after = worst.errors.phi_rms_before, worst.errors.phi_rms_after
+    return (
+        f"{first} Of the latter, {before:.2g} rad rms are made before the first bounce, "
+        f"{after:.2g} rad after it."
+    )
+
+
+def _most(e: Evaluation) -> str:
+    return f"{e.errors.phi_max:.2g}" if e.errors else "no"

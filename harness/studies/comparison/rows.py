@@ -31,3 +31,12 @@ def key(e: Evaluation) -> Row:
 def frame(rows: list[Row], columns: Mapping[str, str]) -> pd.DataFrame:
     """Return rows as a frame with just these columns, in this order."""
     return pd.DataFrame(rows, columns=list(columns))
+
+
+LINK: Mapping[str, str] = {"case": "Digest of the case; its command is in the list of cases."}
+"""The column that leads to the case behind a row."""
+
+
+def link(e: Evaluation) -> Row:
+    """Return what leads to the case behind a row."""
+    return {"case": e.simulation.case.digest(e.simulation.engine_version)}

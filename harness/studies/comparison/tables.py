@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from harness.artefact import Table
 from harness.metrics.order import observed_order
 from harness.runner import Evaluation
-from harness.studies.comparison.rows import CASE, frame, key
+from harness.studies.comparison.rows import CASE, LINK, frame, key, link
 
 _BOUNCES: Mapping[str, str] = {
     **CASE,
@@ -19,6 +19,7 @@ _BOUNCES: Mapping[str, str] = {
     "peak_psi_dot_rad_s": "Precession rate of largest magnitude.",
     "peak_friction_ratio": "Largest |F|/N.",
     "resolved": "Whether the record is dense enough to count the turns of psi.",
+    **LINK,
 }
 
 
@@ -42,6 +43,7 @@ def bounces(evaluations: Sequence[Evaluation]) -> Table:
                     "peak_psi_dot_rad_s": bounce.peak_psi_dot,
                     "peak_friction_ratio": bounce.peak_friction_ratio,
                     "resolved": bounce.resolved,
+                    **link(e),
                 }
             )
     return Table(name="bounces", title="All bounces", frame=frame(rows, _BOUNCES), columns=_BOUNCES)
@@ -55,6 +57,7 @@ _PARITY: Mapping[str, str] = {
     "found": "What the compiled engine has.",
     "verdict": "equal; imposed: the profile is known to differ here; mismatch: the run stopped.",
     "how": "How it was read or probed.",
+    **LINK,
 }
 
 
@@ -70,7 +73,7 @@ def parity(evaluations: Sequence[Evaluation]) -> Table:
             continue
         seen.add(model)
         rows += [
-            {**key(e), **{name: getattr(row, name) for name in row.__slots__}}
+            {**key(e), **{name: getattr(row, name) for name in row.__slots__}, **link(e)}
             for row in e.simulation.parity
         ]
     return Table(
