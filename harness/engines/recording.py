@@ -1,6 +1,6 @@
 """From chunks to a simulation: record, watch, count, and stop where the run is over."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +9,17 @@ from harness.engines.chunk import Chunk
 from harness.engines.horizon import Watch
 from harness.engines.recorder import Recorder
 from harness.simulation import Outcome, Simulation
-from harness.trajectory import Integers
+from harness.trajectory import Integers, Trajectory
 
 _MOST_STEPS = 100_000_000
 """Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
 
 
-def record(prepared: Simulation, chunks: Iterable[Chunk]) -> Simulation:
+def record(
+    prepared: Simulation,
+    chunks: Iterable[Chunk],
+    seen: Callable[[Trajectory], object] = lambda _: None,
+) -> Simulation:
     """Take chunks until the watch or the horizon ends the run; return what was prepared, completed.
 
     Parameters
@@ -24,6 +28,8 @@ def record(prepared: Simulation, chunks: Iterable[Chunk]) -> Simulation:
         Everything but outcome, trajectory and counts.
     chunks : iterable of Chunk
         Of consecutive steps, up to the horizon in time.
+    seen : callable
+        Is shown the samples that are kept of each chunk, before the next one is stepped.
     """
     scene = prepared.case.scene
     recorder, watch = Recorder(scene), Watch(scene)
@@ -43,6 +49,8 @@ def record(prepared: Simulation, chunks: Iterable[Chunk]) -> Simulation:
             outcome = Outcome.TOO_SLOW
         if outcome is not None:
             break
+        if kept is not None:
+            seen(kept)
     if outcome is None:
         outcome = Outcome.FINISHED if scene.horizon.seconds else Outcome.TIMED_OUT
     return replace(

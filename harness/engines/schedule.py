@@ -106,12 +106,12 @@ class Fixed(Schedule):
     limit : float
         s; the last state is the last before or at it.
     size : int
-        Steps in a stage.
+        Steps in a stage; may be changed between two stages.
     """
 
     def __init__(self, timestep: float, limit: float, size: int) -> None:
         self.largest = timestep
-        self._size = size
+        self.size = size
         self._done = 0
         # both ends are recorded; the share absorbs the round-off of the division
         self._total = int(limit / timestep * (1.0 + 1e-12)) + 1
@@ -121,7 +121,7 @@ class Fixed(Schedule):
         del quaternion, angular_velocity
         if self._done >= self._total:
             return None
-        count = min(self._size, self._total - self._done)
+        count = min(self.size, self._total - self._done)
         # counted, not summed: an engine's own clock drifts by round-off
         times = np.arange(self._done, self._done + count) * np.float64(self.largest)
         ahead = self._total - self._done

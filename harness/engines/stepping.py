@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 from harness.case import Case, Value
 from harness.engines.base import Capabilities, Effort, Gap, Setting, World, resolve
 from harness.engines.chunk import Chunk
+from harness.engines.foresight import Foresight
 from harness.engines.horizon import longest_time, natural_time
 from harness.engines.looks import Looks
 from harness.engines.parity import parity
@@ -28,17 +29,15 @@ from harness.engines.schedule import (
 )
 from harness.engines.settling import settle
 from harness.simulation import Outcome, ParityRow, Simulation
+from harness.trajectory import Trajectory
 from models.errors import InvalidValueError
 from models.rim import release_state
 from models.state import Pose, Twist
 
 W = TypeVar("W", bound=World)
 
-_LOOK_SHARE = 0.25
-"""Natural times sqrt(R/g) between two looks at the horizon, so that little is stepped in vain."""
-
-_FEWEST, _MOST = 16, 4096
-"""Steps in a chunk: enough to pay for the look, few enough to stay in the cache."""
+_FEWEST, _MOST = 16, 16384
+"""Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
 _ADAPTIVE_LOOK = 1024
 """Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
@@ -146,8 +145,15 @@ class PhysicsEngine(ABC, Generic[W]):
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
         schedule, size = self._schedule(prepared)
+        foresight = Foresight(prepared.case.scene)
+
+        def seen(kept: Trajectory) -> None:
+            foresight.see(kept)
+            if isinstance(schedule, Fixed):
+                schedule.size = _size(foresight, schedule.largest)
+
         wall, cpu = time.perf_counter(), time.process_time()
-        done = record(prepared, self.chunks(world, schedule, size))
+        done = record(prepared, self.chunks(world, schedule, size), seen)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         return replace(done, wall_s=wall, cpu_s=cpu)
 
@@ -155,12 +161,12 @@ class PhysicsEngine(ABC, Generic[W]):
         """Return the schedule of a case, and how many steps to take between two looks."""
         case, timestep = prepared.case, self.timestep(prepared.case)
         scene, limit = case.scene, longest_time(case.scene)
-        size = min(max(round(natural_time(scene) / timestep * _LOOK_SHARE), _FEWEST), _MOST)
+        size = _size(Foresight(scene), timestep)
         looks = Looks(natural_time(scene) / SAMPLES_IN_TIME)
         if case.profile != "adaptive":
             fixed = Fixed(timestep, limit, size)
             fixed.looks = looks
-            return fixed, size
+            return fixed, 1  # a stage is a chunk
         adaptive = Adaptive(
             scene.can,
             largest=timestep,
@@ -170,3 +176,8 @@ class PhysicsEngine(ABC, Generic[W]):
         )
         adaptive.looks = looks
         return adaptive, max(size, _ADAPTIVE_LOOK)
+
+
+def _size(foresight: Foresight, timestep: float) -> int:
+    """Return the steps to take before looking at the horizon."""
+    return int(min(max(foresight.ahead() / timestep, _FEWEST), _MOST))

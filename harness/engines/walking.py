@@ -37,12 +37,12 @@ def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
     schedule : Schedule
     size : int
     """
-    stage = _next(world, schedule)
-    while stage is not None:
+    # the schedule is asked after a chunk was seen: what is seen may change what comes
+    sound = True
+    while sound and (stage := _next(world, schedule)) is not None:
         times: list[float] = []
         rows: list[Floats] = []
-        sound = True
-        while stage is not None and sound and len(rows) < size:
+        while stage is not None:
             world.set_timestep(stage.timestep)
             for time in stage.times.tolist():
                 row = _step(world)
@@ -51,10 +51,8 @@ def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
                     sound = False
                     break
                 rows.append(row)
-            stage = _next(world, schedule)
+            stage = _next(world, schedule) if sound and len(rows) < size else None
         yield _chunk(np.array(times), np.array(rows).reshape(len(rows), _WIDTH), sound=sound)
-        if not sound:
-            return
 
 
 def _next(world: World, schedule: Schedule) -> Stage | None:

@@ -72,18 +72,18 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)
-        stage = _next(schedule, state)
-        while stage is not None:
+        # the schedule is asked after a chunk was seen: what is seen may change what comes
+        while (stage := _next(schedule, state)) is not None:
             befores, sensors, times = [], [], []
             count = 0
-            while stage is not None and count < size:
+            while stage is not None:
                 states, seen = _roll(world, stage, state)
                 befores.append(states[:-1])
                 sensors.append(seen)
                 times.append(stage.times)
                 count += len(stage.times)
                 state = states[-1]
-                stage = _next(schedule, state)
+                stage = _next(schedule, state) if count < size else None
             yield chunk_of(world, _joined(times), _joined(befores), _joined(sensors))
 
     def leanest(self, world: MujocoWorld, steps: int) -> None:

@@ -60,13 +60,13 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
     def chunks(self, world: PybulletWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
-        stage = _next(schedule, world)
-        while stage is not None:
+        # the schedule is asked after a chunk was seen: what is seen may change what comes
+        while (stage := _next(schedule, world)) is not None:
             steps = Steps(schedule.looks)
-            while stage is not None and not steps.reach(size):
+            while stage is not None:
                 world.set_timestep(stage.timestep)
                 steps.take(world, stage)
-                stage = _next(schedule, world)
+                stage = None if steps.reach(size) else _next(schedule, world)
             yield steps.chunk()
 
     def leanest(self, world: PybulletWorld, steps: int) -> None:

@@ -1,0 +1,94 @@
+"""What is foreseen of a run's end saves looks at it and steps past it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.engines.chunk import Chunk
+from harness.engines.foresight import SHORTEST, Foresight
+from harness.engines.horizon import natural_time
+from harness.engines.registry import engine
+from harness.trajectory import Trajectory
+from models import Horizon, load, quaternion
+
+GENTLE = load("gentle-rock")
+SHORT = SHORTEST * natural_time(GENTLE)
+Made = Callable[..., Trajectory]
+
+STEP = 1e-5
+"""s: fine enough for a bounce to give back what it takes, so that a rise is as long as its fall."""
+
+
+def rock(made: Made, start: float, end: float) -> Trajectory:
+    """Return samples of a tilt that falls for a second and rises for a second."""
+    time = np.linspace(start, end, 21)
+    phi = GENTLE.release.phi * (0.1 + 0.9 * (time - 1.0) ** 2)
+    return made(21, time=time, quaternion=quaternion(phi, np.zeros(21), np.zeros(21)))
+
+
+def test_of_nothing_the_shortest_is_foreseen() -> None:
+    assert Foresight(GENTLE).ahead() == SHORT
+
+
+def test_while_it_falls_the_rise_is_still_to_come(made: Made) -> None:
+    foresight = Foresight(GENTLE)
+    foresight.see(rock(made, 0.0, 0.2))
+    assert foresight.ahead() == pytest.approx(0.2)
+    foresight.see(rock(made, 0.21, 0.8))
+    assert foresight.ahead() == pytest.approx(0.8)
+
+
+def test_a_rise_takes_as_long_as_the_fall(made: Made) -> None:
+    foresight = Foresight(GENTLE)
+    foresight.see(rock(made, 0.0, 0.8))
+    foresight.see(rock(made, 0.9, 1.3))  # a sample lies at the valley itself
+    # 0.7 s are left, and a little more of the whole fall to be sure
+    assert 0.7 < foresight.ahead() < 0.75
+    foresight.see(rock(made, 1.31, 1.9))
+    assert 0.1 < foresight.ahead() < 0.15
+    foresight.see(rock(made, 1.91, 2.5))  # it rises longer than it fell
+    assert foresight.ahead() == SHORT
+
+
+def test_the_fall_after_a_rise_counts_from_the_top(made: Made) -> None:
+    foresight = Foresight(GENTLE)
+    foresight.see(rock(made, 0.0, 1.5))
+    falling = rock(made, 0.0, 1.0)
+    foresight.see(made(21, time=falling.time + 2.0, quaternion=falling.quaternion))
+    foresight.see(made(21, time=falling.time + 3.01, quaternion=falling.quaternion[::-1]))
+    assert foresight.ahead() <= 1.02 * 1.1  # not the whole run since the release
+
+
+def test_an_end_in_time_needs_no_foresight() -> None:
+    assert Foresight(replace(GENTLE, horizon=Horizon(seconds=1.0))).ahead() == np.inf
+
+
+@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("scene", ["gentle-rock", "paper-release", "wobble"])
+def test_few_chunks_and_few_steps_in_vain(
+    name: str, scene: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = engine(name)
+    case = Case(scene=load(scene), engine=name, timestep=STEP)
+    taken: list[int] = []
+    original = chosen.chunks  # type: ignore[attr-defined]
+
+    def counted(*given: object) -> object:
+        for chunk in original(*given):
+            taken.append(steps(chunk))
+            yield chunk
+
+    monkeypatch.setattr(chosen, "chunks", counted)
+    run = chosen.simulate(case)
+    # less than a tenth of a run in vain, or than the shortest look
+    assert sum(taken) - run.steps <= max(0.1 * run.steps, 1.1 * SHORT / STEP)
+    # a fall is cut at each doubling, a rise in two; then it is looked for the end
+    assert len(taken) <= 12 + 8 * (case.scene.horizon.bounces or 1)
+
+
+def steps(chunk: Chunk) -> int:
+    """Return the steps of a chunk."""
+    return len(chunk.times) if chunk.spans is None else int(chunk.spans.sum())
