@@ -15,7 +15,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from harness.artefact import Artefact, Body, Figure, Floats, Panel, Prose, Replay, Series, Table
+from harness.artefact import (
+    Artefact,
+    Body,
+    Figure,
+    Floats,
+    Heat,
+    Panel,
+    Prose,
+    Replay,
+    Series,
+    Table,
+)
 from harness.errors import ReportError
 from harness.provenance import Commit, Provenance
 from harness.report.chapter import Chapter
@@ -32,7 +43,9 @@ _KINDS: Mapping[str, type[Artefact]] = {
     "prose": Prose,
     "replay": Replay,
 }
-_NESTED: Mapping[str, type[Panel | Series | Body]] = {
+_Part = Panel | Series | Body | Heat
+
+_NESTED: Mapping[str, type[_Part]] = {
     "panels": Panel,
     "series": Series,
     "bodies": Body,
@@ -111,7 +124,7 @@ def _artefact(artefact: Artefact) -> dict[str, Any]:
     return {"kind": kind} | _fields(artefact)
 
 
-def _fields(item: Artefact | Panel | Series | Body) -> dict[str, Any]:
+def _fields(item: Artefact | _Part) -> dict[str, Any]:
     return {field.name: _spelled(getattr(item, field.name)) for field in fields(item)}
 
 
@@ -121,7 +134,7 @@ def _spelled(value: object) -> object:
         return {"shape": list(value.shape), "f8": data}
     if isinstance(value, pd.DataFrame):
         return {str(name): _column(value[name]) for name in value.columns}
-    if isinstance(value, Panel | Series | Body):
+    if isinstance(value, Panel | Series | Body | Heat):
         return _fields(value)
     if isinstance(value, tuple):
         return [_spelled(inner) for inner in value]
@@ -154,6 +167,8 @@ def _value(name: str, told: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
         return tuple(
             made(**{f.name: _value(f.name, one[f.name]) for f in fields(made)}) for one in told
         )
+    if name == "heat" and told is not None:
+        return Heat(**{f.name: _value(f.name, told[f.name]) for f in fields(Heat)})
     if name == "frame":
         return pd.DataFrame({key: _series(column) for key, column in told.items()})
     if isinstance(told, dict) and "f8" in told:
