@@ -7,7 +7,7 @@ CSV follows RFC 4180. A text that a spreadsheet would run as a formula gets an a
 import csv
 import io
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -55,9 +55,19 @@ def markdown(table: Table) -> str:
         _line(plain_text(title) for title in titles),
         _line("---:" if right else "---" for right in numeric),
     ]
-    frame = table.frame[list(columns)]
-    lines += [_line(plain_text(readable(value)) for value in row) for row in rows(frame)]
+    names = [str(name) for name in table.frame.columns]
+    for row in rows(table.frame):
+        told = dict(zip(names, row, strict=True))
+        lines.append(_line(plain_text(_judged(told, name, table)) for name in columns))
     return "\n".join(lines) + "\n"
+
+
+def _judged(row: Mapping[str, object], name: str, table: Table) -> str:
+    """Return a cell in words, with the verdict on it where there is one."""
+    verdict = row.get(table.verdicts.get(name, ""))
+    if is_missing(verdict):
+        return readable(row[name])
+    return str(verdict) if is_missing(row[name]) else f"{readable(row[name])}, {verdict}"
 
 
 def dictionary(tables: Iterable[Table]) -> str:

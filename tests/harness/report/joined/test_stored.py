@@ -1,0 +1,110 @@
+"""A report can be read back, made again, and joined with others; nothing is lost on the way."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from harness.artefact import Figure, Heat, Panel, Table
+from harness.errors import ReportError
+from harness.provenance import Provenance
+from harness.report import Chapter, read_report, write_chapters, write_report
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+@pytest.mark.parametrize("name", ["joined", "hostile_joined"])
+def test_what_is_read_back_makes_the_same_report(
+    name: str, request: pytest.FixtureRequest, made: Provenance, tmp_path: Path
+) -> None:
+    folder: Path = request.getfixturevalue(name)
+    title = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["title"]
+    write_chapters(read_report(folder), tmp_path / "again", title=title, provenance=made)
+    assert contents(tmp_path / "again") == contents(folder)
+
+
+def test_joining_what_was_written_apart_is_the_same_as_writing_it_together(
+    studies: list[Chapter], joined: Path, made: Provenance, tmp_path: Path
+) -> None:
+    for number, chapter in enumerate(studies):
+        write_report(
+            chapter.artefacts,
+            tmp_path / str(number),
+            title=chapter.title,
+            cases=chapter.cases,
+            provenance=chapter.provenance,
+        )
+    parts = [
+        chapter for number in range(len(studies)) for chapter in read_report(tmp_path / str(number))
+    ]
+    write_chapters(parts, tmp_path / "together", title="All studies", provenance=made)
+    assert contents(tmp_path / "together") == contents(joined)
+
+
+def test_every_kind_of_cell_comes_back(made: Provenance, tmp_path: Path) -> None:
+    frame = pd.DataFrame(
+        {
+            "float": [0.1 + 0.2, np.nan, np.inf, -np.inf],
+            "whole": [1, 2, 3, 2**53 + 1],
+            "holes": [1, None, 3, 4],
+            "truth": [True, False, True, False],
+            "perhaps": pd.Series([True, None, False, None], dtype=object),
+            "text": ["a", None, "", "ünï"],
+            "mixed": pd.Series([1, "one", None, 1.5], dtype=object),
+        }
+    )
+    heat = Heat(label="h", x=np.arange(3.0), y=np.arange(4.0), z=np.arange(6.0).reshape(3, 2))
+    panel = Panel(title="p", x_label="x", y_label="y", series=(), heat=heat, x_range=(0.0, 1.0))
+    figure = Figure(name="f", title="f", seen="", panels=(panel,))
+    write_report(
+        (Table(name="t", title="t", frame=frame, columns={}), figure),
+        tmp_path / "report",
+        title="t",
+        cases=(),
+        provenance=made,
+    )
+    (chapter,) = read_report(tmp_path / "report")
+    table, drawn = chapter.artefacts
+    assert isinstance(table, Table)
+    assert isinstance(drawn, Figure)
+    pd.testing.assert_frame_equal(table.frame, frame, check_exact=True)
+    assert drawn.panels[0].x_range == (0.0, 1.0)
+    assert drawn.panels[0].heat is not None
+    np.testing.assert_array_equal(drawn.panels[0].heat.z, heat.z)
+    assert chapter.provenance.to_dict() == made.to_dict()
+
+
+def test_a_folder_without_a_report_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReportError, match=r"cannot read .*name the folder of a report"):
+        read_report(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text", ["no json", "[]", "{}", '{"version": 1}', '{"version": 1, "chapters": [3]}']
+)
+def test_a_broken_record_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "artefacts.json").write_text(text)
+    with pytest.raises(ReportError, match="it is no record of a report"):
+        read_report(tmp_path)
+
+
+def test_a_later_version_is_refused(joined: Path, tmp_path: Path) -> None:
+    told = json.loads((joined / "artefacts.json").read_text(encoding="utf-8"))
+    (tmp_path / "artefacts.json").write_text(json.dumps(told | {"version": 2}))
+    with pytest.raises(ReportError, match="of version 2, this reads 1"):
+        read_report(tmp_path)
+
+
+def test_a_case_of_two_studies_is_listed_once(joined: Path, studies: list[Chapter]) -> None:
+    manifest = json.loads((joined / "manifest.json").read_text(encoding="utf-8"))
+    digests = [case["digest"] for case in manifest["cases"]]
+    assert len(digests) == len(set(digests)) == 3
+    assert sum(len(chapter.cases) for chapter in studies) == 4
