@@ -89,20 +89,22 @@ def report(
         [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts],
         out,
         title=f"rockingcan, {study}",
-        cases=[
-            {
-                "digest": e.simulation.case.digest(e.simulation.engine_version),
-                "label": e.simulation.case.label(),
-                "command": e.simulation.case.command(),
-                "engine": e.simulation.case.engine,
-                "engine_version": e.simulation.engine_version,
-                "outcome": e.simulation.outcome.value,
-                "settings": dict(e.simulation.settings),
-            }
-            for e in found
-        ],
+        cases=[told(e) for e in found],
         provenance=provenance(),
     )
+
+
+def told(e: Evaluation) -> dict[str, Any]:
+    """Return a case as the manifest says it."""
+    return {
+        "digest": e.simulation.case.digest(e.simulation.engine_version),
+        "label": e.simulation.case.label(),
+        "command": e.simulation.case.command(),
+        "engine": e.simulation.case.engine,
+        "engine_version": e.simulation.engine_version,
+        "outcome": e.simulation.outcome.value,
+        "settings": dict(e.simulation.settings),
+    }
 
 
 def _answer(found: Attribution) -> dict[str, Any]:
