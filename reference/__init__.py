@@ -1,5 +1,8 @@
 """What is true: the mathematics of the rocking can, dimensionless."""
 
+from reference.choice import Choice, carries, smallest
+from reference.contact_modes import Kind, Phase
+from reference.effects import EffectError, Effects, Gravity, Mass
 from reference.exact import Cycles, exact_bounces
 from reference.integrate import METHODS, MODELS, SolverError, solve
 from reference.outcome import Outcome
@@ -13,15 +16,24 @@ __all__ = [
     "MODELS",
     "PAPER_CAN",
     "Bounce",
+    "Choice",
     "Cycles",
+    "EffectError",
+    "Effects",
+    "Gravity",
+    "Kind",
+    "Mass",
     "Outcome",
     "ParameterError",
     "Parameters",
+    "Phase",
     "Problem",
     "ProblemError",
     "Solution",
     "SolverError",
     "States",
+    "carries",
     "exact_bounces",
+    "smallest",
     "solve",
 ]

@@ -49,18 +49,26 @@ def contact_force(states: States, parameters: Parameters) -> tuple[Floats, Float
 
 
 def contact_force_in_world(states: States, parameters: Parameters) -> Floats:
-    """Force of the plane on the can in the global frame, shape (n, 3), in m g."""
+    """Force of the plane on the can in the global frame, shape (n, 3), in m g.
+
+    That of rolling, unless the states bring their own.
+    """
+    if states.force is not None:
+        return states.force
     F_x, F_y, N = contact_force(states, parameters)
     cos, sin = np.cos(states.psi), np.sin(states.psi)
     return np.stack([F_x * cos - F_y * sin, F_x * sin + F_y * cos, N], axis=-1)
 
 
 def friction_ratio(states: States, parameters: Parameters) -> Floats:
-    """|F|/N, the friction coefficient needed to roll (eq01:friction_short), shape (n,).
+    """|F|/N, of a rolling can the friction coefficient it needs (eq01:friction_short), shape (n,).
 
     Infinite where N is not positive: there the plane would have to pull.
     """
-    F_x, F_y, N = contact_force(states, parameters)
+    if states.force is None:
+        F_x, F_y, N = contact_force(states, parameters)
+    else:
+        F_x, F_y, N = states.force.T
     friction = np.hypot(F_x, F_y)
     return np.divide(friction, N, out=np.full_like(friction, np.inf), where=N > 0)
 

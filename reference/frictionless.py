@@ -1,6 +1,6 @@
 """The can on a plane without friction.
 
-No force acts sideways, so the centre of mass only rises and falls, and both momenta of
+No force acts sideways, so the centre of mass keeps its horizontal velocity v, and both momenta of
 `reference.momenta` are conserved: Psi = (H_G - C H_B)/(a S^2). What is left is
 
     (a + (C - h S)^2) Phi' = (C - h S)(S + h C) Phi^2 + (a - c) S C Psi^2 - c S Theta Psi - (C - h
@@ -9,19 +9,26 @@ No force acts sideways, so the centre of mass only rises and falls, and both mom
 The paper's equation of motion in its appendix on slipping prints Psi for Psi^2 in the second term.
 For small nutation (app01:Phi_reduced_slip) the repulsion is alpha_3 epsilon/phi^3 with
 alpha_3 = (zeta - 1)^2/(a (a + 1)), and the angle of turn pi sqrt((a + 1)/a).
+
+Like every release, this one has its contact at rest, which sets v; the centre is over v t.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.contact import contact_from_centre
+from reference.contact import centre_velocity, contact_from_centre
+from reference.contact_modes import Contact, Kind, Mode, Phase
 from reference.momenta import axial_momentum, vertical_momentum
 from reference.parameters import Parameters
+from reference.phases import Follower, PhasedRun
 from reference.problem import Problem
+from reference.rows import LEAN, PSI, ROWS, TIME, TOTAL, W2, Angles, Index
 from reference.run import Path, Run
 from reference.states import Floats, States, initial_states
 from reference.time_stepping import follow
+
+CORE = np.array([LEAN, W2])
 
 
 def nutation_acceleration_without_friction(
@@ -45,36 +52,118 @@ def leading_turn_without_friction(parameters: Parameters) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionlessEquations:
+    """One degree of freedom, in the time of `reference.rows`.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    axial, apart : float
+        H_B, and H_G - H_B, which is all that a bounce has to turn on.
+    """
+
+    parameters: Parameters
+    axial: float
+    apart: float
+
+    @property
+    def mu(self) -> float:
+        """No cone to leave: where the rim slips follows from the angles."""
+        return np.inf
+
+    @property
+    def drilling(self) -> float:
+        """No arm."""
+        return 0.0
+
+    @property
+    def pulls(self) -> bool:
+        """Whether the plane may pull: it may not."""
+        return False
+
+    def core(self, mode: Mode) -> Index:
+        """Phi and its rate."""
+        del mode
+        return CORE
+
+    def turning(self, y: Floats) -> Floats:
+        """Return the angular velocity about the normal, shape (n,)."""
+        at = Angles.of(y[LEAN])
+        w1, w3 = self.momenta(at)
+        return np.asarray(at.S * w1 + at.C * w3)
+
+    def contact(self, y: Floats, mode: Mode) -> Contact:
+        """Return the normal force, times S."""
+        del mode
+        p, at, w2 = self.parameters, Angles.of(y[LEAN]), y[W2]
+        w1, w3 = self.momenta(at)
+        reach, height = at.C - p.h * at.S, at.S + p.h * at.C
+        own = ((p.c / p.a) * at.S * w3 - at.C * w1) * w1
+        grip = 1 + reach * reach / p.a
+        N = (at.S - reach * own - at.S * height * w2 * w2) / grip
+        zero = np.zeros_like(w2)
+        return Contact(
+            force=np.stack([zero, zero, N]),
+            moment=np.stack([zero, zero, zero]),
+            # of frame B too, which turns with it
+            turning=np.stack([zero, own + reach * N / p.a, zero]),
+            slipping=np.stack([zero, zero]),
+            grip=grip,
+        )
+
+    def rates(self, y: Floats, mode: Mode) -> Floats:
+        """Rates of all rows in sigma, shape (13, n)."""
+        at = Angles.of(y[LEAN])
+        w1, w3 = self.momenta(at)
+        out = np.zeros((ROWS, y.shape[1]))
+        out[LEAN] = -y[W2]
+        out[W2] = self.contact(y, mode).turning[1]
+        out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
+        return out
+
+    def momenta(self, at: Angles) -> tuple[Floats, float]:
+        """W1 and w3."""
+        return (self.apart / at.S + at.T * self.axial) / self.parameters.a, (
+            self.axial / self.parameters.c
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SlidingPath:
-    """A path with the centre of mass over (0, 0): the contact point follows from the angles."""
+    """A path with the centre of mass over v t: the contact point follows from the angles."""
 
     inner: Path
-    parameters: Parameters
-    H_B: float
-    H_G: float
+    equations: FrictionlessEquations
+    drift: Floats
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
-        return self._with_contact(self.inner.at(times))
+        return self._with_contact(np.asarray(times, dtype=float), self.inner.at(times))
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states the solver itself has."""
         times, states = self.inner.nodes()
-        return times, self._with_contact(states)
+        return times, self._with_contact(times, states)
 
-    def _with_contact(self, states: States) -> States:
-        p, S, C = self.parameters, np.sin(states.phi), np.cos(states.phi)
+    def _with_contact(self, times: Floats, states: States) -> States:
+        p = self.equations.parameters
+        lean = np.log(np.tan(states.phi / 2))
+        at = Angles.of(lean)
+        w1, w3 = self.equations.momenta(at)
+        psi_dot = w1 / at.S
+        states = replace(
+            states, psi_dot=psi_dot, theta_dot=w3 - psi_dot * at.C, spin=w3 + w1 * at.T
+        )
         contact = contact_from_centre(states, p)
-        psi_dot = (self.H_G - C * self.H_B) / (p.a * S**2)
-        theta_dot = self.H_B / p.c - psi_dot * C
-        spin = self.H_B / p.c + psi_dot * 2 * np.sin(states.phi / 2) ** 2
+        y = np.zeros((ROWS, lean.size))
+        y[LEAN], y[W2] = lean, -states.phi_dot
+        normal = self.equations.contact(y, Mode()).force[2] / at.S
         return replace(
             states,
-            psi_dot=psi_dot,
-            theta_dot=theta_dot,
-            spin=spin,
-            x=contact[:, 0],
-            y=contact[:, 1],
+            x=contact[:, 0] + self.drift[0] * times,
+            y=contact[:, 1] + self.drift[1] * times,
+            slip=self.drift - centre_velocity(states, p)[:, :2],
+            force=np.stack([0 * normal, 0 * normal, normal], axis=-1),
         )
 
 
@@ -87,12 +176,35 @@ def energy_without_friction(states: States, parameters: Parameters) -> Floats:
     return np.asarray((turning + axial + rising) / 2 + S + p.h * C)
 
 
-def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> Run:
+def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedRun:
     """Integrate the can without friction, with the rates of psi and theta from the two momenta."""
     p = problem.parameters
     release = initial_states(problem)
     H_B = float(axial_momentum(release, p)[0])
-    H_G = float(vertical_momentum(release, p)[0])
+    tilt = 2 * np.sin(problem.phi / 2) ** 2
+    apart = p.a * problem.psi_dot * np.sin(problem.phi) ** 2 - tilt * H_B
+    equations = FrictionlessEquations(parameters=p, axial=H_B, apart=float(apart))
+    if method == "regular":
+        run: Run = Follower(problem, equations).run()
+    else:
+        run = _step_in_time(problem, H_B, method=method, rtol=rtol)
+    drift = centre_velocity(release, p)[0, :2]
+    path = SlidingPath(inner=run.path, equations=equations, drift=drift)
+    there = path.at(run.track.times)
+    extrema = replace(run.track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+    return PhasedRun(
+        path=path,
+        track=replace(run.track, extrema=extrema),
+        steps=run.steps,
+        evaluations=run.evaluations,
+        phases=(Phase(kind=Kind.SLIP, start=0.0, end=run.track.t_end),),
+    )
+
+
+def _step_in_time(problem: Problem, H_B: float, *, method: str, rtol: float) -> Run:
+    """Integrate with one of scipy's methods in the raw variables."""
+    p = problem.parameters
+    H_G = float(vertical_momentum(initial_states(problem), p)[0])
 
     def field(_t: float, y: Floats) -> Floats:
         phi, Phi = y[:2].tolist()
@@ -106,5 +218,4 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> Run:
         return np.array([Phi, Phi_dot, Psi_dot, Theta_dot, Psi, Theta])
 
     start = [problem.phi, problem.phi_dot, problem.psi_dot, problem.theta_dot]
-    run = follow(problem, field, [*start, problem.psi, problem.theta], method=method, rtol=rtol)
-    return replace(run, path=SlidingPath(inner=run.path, parameters=p, H_B=H_B, H_G=H_G))
+    return follow(problem, field, [*start, problem.psi, problem.theta], method=method, rtol=rtol)

@@ -4,11 +4,16 @@ from collections.abc import Callable
 from collections.abc import Set as AbstractSet
 
 from reference.asymptotic_path import solve_asymptotically
+from reference.choice import carries, equations_of, smallest
+from reference.contact_modes import Kind, Phase
+from reference.coulomb import CoulombEquations
 from reference.exact_path import solve_exactly
 from reference.frictionless import solve_frictionless
 from reference.marching import march
 from reference.measure import measure_bounces
+from reference.newton_euler import GeneralEquations
 from reference.pendulum import solve_pendulum
+from reference.phases import Follower, PhasedRun
 from reference.problem import Problem
 from reference.reduced import solve_reduced
 from reference.run import Run
@@ -17,10 +22,19 @@ from reference.time_stepping import SCIPY_METHODS, step_in_time
 
 OUTPUTS = frozenset({"contact_locus"})
 METHODS = ("regular", *SCIPY_METHODS)
-MODELS = ("auto", "exact", "rolling", "reduced", "asymptotic", "pendulum", "frictionless")
-
-
-WITH_LOCUS = ("auto", "exact", "rolling", "frictionless")
+MODELS = (
+    "auto",
+    "pendulum",
+    "frictionless",
+    "rolling",
+    "coulomb",
+    "general",
+    "exact",
+    "reduced",
+    "asymptotic",
+)
+WITH_LOCUS = ("auto", "pendulum", "frictionless", "rolling", "coulomb", "general", "exact")
+WITHOUT_SLIP = ("pendulum", "rolling", "exact")
 
 
 class SolverError(ValueError):
@@ -41,9 +55,9 @@ def solve(
     ----------
     problem : Problem
     model : str
-        One of `MODELS`. "exact" takes the closed solution of the full equations where the can
-        bounces, and integrates them where it does not; "auto" does the same; "rolling" always
-        integrates.
+        One of `MODELS`. "auto" takes the smallest that carries the problem (`reference.choice`),
+        and where that is "rolling" the same as "exact": the closed solution of the full equations
+        where the can bounces, integrated where it does not. "rolling" always integrates.
     method : str
         How to integrate: "regular", the default (`reference.marching`), or one of scipy's methods
         in the raw variables.
@@ -60,8 +74,9 @@ def solve(
     Raises
     ------
     SolverError
-        If a choice does not exist.
+        If a choice does not exist, or the model is too small for the effects of the problem.
     """
+    choice = smallest(problem)
     if model not in MODELS:
         raise SolverError(f"unknown `model` {model!r}; there are {', '.join(MODELS)}")
     if method not in METHODS:
@@ -73,14 +88,21 @@ def solve(
     locus = "contact_locus" in outputs
     if locus and model not in WITH_LOCUS:
         raise SolverError(f"`model` {model!r} has no contact locus; {', '.join(WITH_LOCUS)} have")
+    if model != "auto" and problem.effects.declared() and not carries(model, problem):
+        raise SolverError(
+            f"`model` {model!r} is too small; the smallest that carries this is {choice.model!r}"
+        )
     run, solved_by, used = _dispatch(problem, model=model, method=method, rtol=rtol, locus=locus)
+    phases = run.phases if isinstance(run, PhasedRun) else ()
+    if solved_by in WITHOUT_SLIP:
+        phases = (Phase(kind=Kind.STICK, start=0.0, end=run.track.t_end),)
     return Solution(
         problem=problem,
         model=solved_by,
         method=used,
         outcome=run.track.outcome,
         bounces=measure_bounces(
-            run.path, run.track, problem.parameters, sliding=model == "frictionless"
+            run.path, run.track, problem.parameters, sliding=solved_by == "frictionless"
         ),
         t_end=run.track.t_end,
         maxima=run.track.maxima,
@@ -88,6 +110,9 @@ def solve(
         steps=run.steps,
         evaluations=run.evaluations,
         path=run.path,
+        equations=equations_of(solved_by, problem),
+        why=choice.why,
+        phases=phases,
     )
 
 
@@ -96,11 +121,18 @@ def _dispatch(
 ) -> tuple[Run, str, str]:
     """Return the run, the model that was solved in the end, and how."""
     stepped = "DOP853" if method == "regular" else method
+    needed = smallest(problem).model
+    if model == "auto" and needed != "rolling" and (method == "regular" or needed != "pendulum"):
+        model = needed
+    if model in {"coulomb", "general"} and method != "regular":
+        raise SolverError(f"`method` of model {model!r} is 'regular' alone, not {method!r}")
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (solve_pendulum(problem), "closed form"),
         "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),
         "reduced": lambda: (solve_reduced(problem, method=stepped, rtol=rtol), stepped),
-        "frictionless": lambda: (solve_frictionless(problem, method=stepped, rtol=rtol), stepped),
+        "frictionless": lambda: (solve_frictionless(problem, method=method, rtol=rtol), method),
+        "coulomb": lambda: (_follow_with_friction(problem), method),
+        "general": lambda: (_follow_with_everything(problem), method),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -112,3 +144,13 @@ def _dispatch(
     if method == "regular":
         return march(problem, locus=locus), "rolling", method
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
+
+
+def _follow_with_friction(problem: Problem) -> Run:
+    mu = float("inf") if problem.effects.mu is None else problem.effects.mu
+    return Follower(problem, CoulombEquations(parameters=problem.parameters, mu=mu)).run()
+
+
+def _follow_with_everything(problem: Problem) -> Run:
+    equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
+    return Follower(problem, equations).run()

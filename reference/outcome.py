@@ -13,4 +13,6 @@ class Outcome(Enum):
         "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
     )
     NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
+    LIFTED = "The plane would have to pull: the can leaves it, and rolling on it ends."
+    JAMMED = "The rim jams: for a rigid can, sliding has no solution, or several (Painleve)."
     STALLED = "The integrator could not advance: the step fell below what a double resolves."

@@ -18,12 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ellipj, ellipkinc, ellipkm1, elliprf
 
+from reference.contact import contact_from_centre
 from reference.elliptic import squared_sn_cn
 from reference.outcome import Outcome
 from reference.parameters import Parameters
 from reference.problem import Problem
 from reference.run import Run
-from reference.states import Floats, States, states_of
+from reference.states import Floats, States, initial_states, states_of
 from reference.track import Track
 
 SAMPLES = 200
@@ -110,7 +111,7 @@ def planar_motion(parameters: Parameters, phi: float, phi_dot: float = 0.0) -> P
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanarPath:
-    """The planar motion as states: psi and theta stay what they were."""
+    """The planar motion as states: psi, theta and the contact point stay what they were."""
 
     problem: Problem
     pendulum: Pendulum
@@ -120,6 +121,8 @@ class PlanarPath:
         """States at the given times, shape (n,)."""
         phi, phi_dot = self.pendulum.nutation(times)
         zero = np.zeros_like(phi)
+        release = initial_states(self.problem)
+        point = contact_from_centre(release, self.problem.parameters)[0]
         return States(
             phi=phi,
             phi_dot=phi_dot,
@@ -128,6 +131,8 @@ class PlanarPath:
             theta=zero + self.problem.theta,
             theta_dot=zero,
             spin=zero,
+            x=zero + point[0],
+            y=zero + point[1],
         )
 
     def nodes(self) -> tuple[Floats, States]:

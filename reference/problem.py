@@ -6,6 +6,7 @@ Everything is dimensionless: angles in rad, times in sqrt(R/g), rates in sqrt(g/
 import math
 from dataclasses import dataclass, fields
 
+from reference.effects import IDEAL, Effects
 from reference.parameters import Parameters
 
 
@@ -30,6 +31,8 @@ class Problem:
         Stop at the maximum of phi that closes this many bounces.
     duration : float or None
         Stop after this time; give exactly one of the two.
+    effects : Effects
+        What is added to the ideal can; nothing unless given.
 
     Raises
     ------
@@ -47,6 +50,7 @@ class Problem:
     theta_dot: float = 0.0
     bounces: int | None = None
     duration: float | None = None
+    effects: Effects = IDEAL
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""

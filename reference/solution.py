@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from reference.contact_modes import Phase
 from reference.outcome import Outcome
 from reference.problem import Problem
 from reference.run import Path
@@ -55,6 +56,12 @@ class Solution:
     steps, evaluations : int
         Solver work; neither depends on the machine.
     path : Path
+    equations : int
+        That were integrated together, quadratures apart; none for a closed form.
+    why : str
+        Why these: what the smallest model that carries the problem is, in a sentence.
+    phases : tuple of Phase
+        Intervals in which the rim sticks or slips, in order; none of a model without a contact.
     """
 
     problem: Problem
@@ -68,6 +75,9 @@ class Solution:
     steps: int
     evaluations: int
     path: Path = field(repr=False)
+    equations: int = 0
+    why: str = ""
+    phases: tuple[Phase, ...] = ()
 
     def at(self, times: Floats) -> States:
         """States at the given times.

@@ -20,6 +20,9 @@ class States:
     each of the two rates is huge and their sum is not, so it is carried by itself; formulas that
     need the sum must use it and not add the rates. `x`, `y` locate the contact point, with the
     centre of mass above (0, 0) at release; they are None unless the contact locus was asked for.
+    `slip`, shape (n, 2), is the velocity of the rim's material at the contact, and `force`, shape
+    (n, 3), what the plane exerts on the can, in m g, both in the world; they are None where the rim
+    never slips and the force follows from the angles (`reference.contact`).
     """
 
     phi: Floats
@@ -31,6 +34,8 @@ class States:
     spin: Floats
     x: Floats | None = None
     y: Floats | None = None
+    slip: Floats | None = None
+    force: Floats | None = None
 
 
 def initial_states(problem: Problem) -> States:
@@ -97,4 +102,6 @@ def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.b
         spin=states.spin[index],
         x=None if states.x is None else states.x[index],
         y=None if states.y is None else states.y[index],
+        slip=None if states.slip is None else states.slip[index],
+        force=None if states.force is None else states.force[index],
     )

@@ -59,21 +59,23 @@ class Track:
 class Watch:
     """Collects the extrema of phi and decides the ending.
 
-    A release that falls, or rests where phi'' < 0, counts as a maximum at t = 0.
+    A release that falls, or rests where phi'' < 0, counts as a maximum at t = 0. Of a can that does
+    not simply roll, phi'' there is given as `fall`.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, fall: float | None = None) -> None:
         self._problem = problem
         self._outcome: Outcome | None = None
         self.t_end = np.inf if problem.duration is None else problem.duration
         self._ripples = 0
         self._last = 0.0
         self._closed = 0
-        self._still = stands_still(problem)
+        self._still = fall is None and stands_still(problem)
         self._extrema: list[tuple[float, Snapshot, bool]] = []
         release = initial_states(problem)
-        fall = problem.phi_dot
-        if fall == 0:
+        if problem.phi_dot != 0:
+            fall = problem.phi_dot
+        elif fall is None:
             fall = float(
                 nutation_acceleration(
                     release.phi, release.psi_dot, release.spin, problem.parameters

@@ -1,0 +1,126 @@
+"""What a problem adds to the ideal can, dimensionless; what is left out is the ideal limit.
+
+Lengths are in R, times in sqrt(R/g), masses in that of the can, accelerations in g. The world is
+the frame of the plane, z along its normal: a tilted plane is a tilted gravity, a shaken plane a
+gravity that changes with time.
+"""
+
+import math
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class EffectError(ValueError):
+    """An effect that makes no sense."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mass:
+    """A point mass fixed to the can, in axes fixed to it.
+
+    Parameters
+    ----------
+    share : float
+        Its mass over that of the can.
+    x, y, z : float
+        Where, from the centre of the can: z along the symmetry axis away from the rim it rolls on,
+        x away from the contact point where theta is zero.
+    """
+
+    share: float
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gravity:
+    """Gravity in the frame of the plane: constant + amplitude sin(rate t + phase), in g.
+
+    Parameters
+    ----------
+    constant : tuple of float
+        Three components, of length 1.
+    amplitude : tuple of float
+        Three components of what the shaking adds.
+    rate, phase : float
+    """
+
+    constant: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    amplitude: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rate: float = 0.0
+    phase: float = 0.0
+
+    @property
+    def tilted(self) -> bool:
+        """Whether it pulls along the plane."""
+        return self.constant[:2] != (0.0, 0.0)
+
+    @property
+    def shaken(self) -> bool:
+        """Whether it changes with time."""
+        return self.amplitude != (0.0, 0.0, 0.0)
+
+    def shaking(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what the shaking adds, shape (3, n)."""
+        wave = np.sin(self.rate * np.asarray(times) + self.phase)
+        return np.asarray(self.amplitude)[:, None] * wave
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effects:
+    """The effects of a problem.
+
+    Parameters
+    ----------
+    mu : float or None
+        Coefficient of Coulomb friction; None is a rim that never slips.
+    drilling, rolling_resistance : float
+        Arms of the moments, in R, that the normal force makes about the normal and in the plane.
+    linear_damping, angular_damping : float
+        Rates: force -rate M v, moment -rate I omega, both at the centre of mass.
+    rim : float
+        Radius of the arc that the rim is, in R.
+    gravity : Gravity
+    mass : Mass or None
+
+    Raises
+    ------
+    EffectError
+        If a number is negative or not finite.
+    """
+
+    mu: float | None = None
+    drilling: float = 0.0
+    rolling_resistance: float = 0.0
+    linear_damping: float = 0.0
+    angular_damping: float = 0.0
+    rim: float = 0.0
+    gravity: Gravity = field(default_factory=Gravity)
+    mass: Mass | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no sense."""
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, float) and not (math.isfinite(value) and value >= 0):
+                raise EffectError(f"`{each.name}` must be finite and not negative, got {value!r}")
+
+    def declared(self) -> tuple[str, ...]:
+        """Return the names of the effects that are there."""
+        present = {
+            "slip": self.mu is not None,
+            "drilling": self.drilling > 0,
+            "rolling_resistance": self.rolling_resistance > 0,
+            "damping": self.linear_damping > 0 or self.angular_damping > 0,
+            "rim": self.rim > 0,
+            "tilt": self.gravity.tilted,
+            "shake": self.gravity.shaken,
+            "point_mass": self.mass is not None,
+        }
+        return tuple(name for name, there in present.items() if there)
+
+
+IDEAL = Effects()

@@ -1,0 +1,307 @@
+"""Newton and Euler for a can with every effect of a rigid contact.
+
+The can and its point mass are one rigid body of mass M (in that of the can), its centre of mass G
+at d from the can's centre, with the inertia I about G. The contact is at p from G, the contact
+point moves through the body with velocity k, so that dp/dt = k + w x p, and u is the velocity of
+the body's material at the contact. With the force F and the moment Q of the plane, gravity g(t) in
+the plane's frame, and drag,
+
+    M a_G = F + M g - M lambda v_G              v_G = u - w x p
+    I w'  = p x F + Q - w x I w - nu I w        u'  = a_G + w' x p + w x dp/dt
+
+hence (w', u') = (w', u')_free + D (Q, F) with a matrix D that is symmetric and positive definite:
+what is held (u_z always; u while the rim sticks; the turning about the normal while drilling
+friction holds it) fixes as many components of (Q, F), and what slides has a moment or force that is
+proportional to the normal force:
+
+    F = -mu N u/|u|,    Q_z = -l_d N sign(w_z),    Q_h = -l_r N w_h/|w_h|.
+
+A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - r z from the can's
+centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
+S, in the time of `reference.rows`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.contact_modes import Contact, Mode
+from reference.effects import Effects
+from reference.parameters import Parameters
+from reference.rows import (
+    DISSIPATED,
+    LEAN,
+    PSI,
+    ROWS,
+    SUPPLIED,
+    TIME,
+    TOTAL,
+    TURN,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    Index,
+    X,
+    Y,
+)
+from reference.states import Floats
+
+# Components of (w', u') and of (Q, F) along (cos psi, sin psi, 0), (-sin psi, cos psi, 0), z.
+TURNING_Z, SLIP_1, SLIP_2, NORMAL = 2, 3, 4, 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """Where the body is and how it moves, in frame B; vectors of shape (3, n)."""
+
+    at: Angles
+    mass: float
+    inertia: Floats
+    centre: Floats
+    arm: Floats
+    turning: Floats
+    velocity: Floats
+    arm_rate: Floats
+    gravity: Floats
+    shaking: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GeneralEquations:
+    """The vector fields of one can and its effects.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    effects : Effects
+    """
+
+    parameters: Parameters
+    effects: Effects
+
+    @property
+    def mu(self) -> float:
+        """Coefficient of friction; infinite for a rim that never slips."""
+        return np.inf if self.effects.mu is None else self.effects.mu
+
+    @property
+    def drilling(self) -> float:
+        """Arm of the moment against turning about the normal."""
+        return self.effects.drilling
+
+    @property
+    def pulls(self) -> bool:
+        """Whether the plane may pull: where no law needs the normal force, it is not asked."""
+        e = self.effects
+        return e.mu is None and not e.drilling and not e.rolling_resistance
+
+    def turning(self, y: Floats) -> Floats:
+        """Return the angular velocity about the normal, shape (n,)."""
+        at = Angles.of(y[LEAN])
+        return np.asarray(at.S * y[W1] + at.C * y[W3])
+
+    def core(self, mode: Mode) -> Index:
+        """Rows that the rates depend on; the others are quadratures."""
+        e = self.effects
+        rows = [LEAN, W1, W2, W3]
+        if e.mass is not None or e.gravity.tilted or e.gravity.shaken:
+            rows += [PSI, TOTAL]
+        if e.gravity.shaken:
+            rows += [TIME]
+        if mode.slips:
+            rows += [U1, U2]
+        return np.array(rows)
+
+    def contact(self, y: Floats, mode: Mode) -> Contact:
+        """Return what happens at the contact, from states of shape (13, n)."""
+        return self._contact(y, mode, self._setting(y, mode))
+
+    def rates(self, y: Floats, mode: Mode) -> Floats:
+        """Rates of all rows in sigma, shape (13, n)."""
+        e, here = self.effects, self._setting(y, mode)
+        at, found = here.at, self._contact(y, mode, here)
+        w1, w2, w3 = y[TURN]
+        rotation = at.S * w3 - at.C * w1
+        out = np.zeros((ROWS, y.shape[1]))
+        out[LEAN] = -w2
+        out[TURN] = found.turning + rotation * np.stack([-w2, w1, np.zeros_like(w1)])
+        out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
+        radius = 1 - e.rim + e.rim * at.S
+        ahead, aside = at.S * e.rim * w2, radius * rotation
+        if mode.slips:
+            u1, u2 = y[U1], y[U2]
+            out[U1] = found.slipping[0] + w1 * u2
+            out[U2] = found.slipping[1] - w1 * u1
+            ahead, aside = ahead + at.S * u1, aside + at.S * u2
+            out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        out[X], out[Y] = ahead * cos - aside * sin, ahead * sin + aside * cos
+        out[DISSIPATED] -= _dot(found.moment, _level(here.turning, at))
+        if e.linear_damping or e.angular_damping:
+            drag = e.linear_damping * here.mass * _dot(here.velocity, here.velocity)
+            drag += e.angular_damping * _dot(here.turning, _times(here.inertia, here.turning))
+            out[DISSIPATED] += at.S * drag
+        out[SUPPLIED] = at.S * here.mass * _dot(here.shaking, here.velocity)
+        return out
+
+    def energy(self, y: Floats, mode: Mode) -> Floats:
+        """Kinetic and potential energy, without the shaking, over m g R, shape (n,)."""
+        here = self._setting(y, mode)
+        turning = _dot(here.turning, _times(here.inertia, here.turning))
+        kinetic = (here.mass * _dot(here.velocity, here.velocity) + turning) / 2
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        up = _level(-here.arm, here.at)
+        place = np.stack(
+            [y[X] + up[0] * cos - up[1] * sin, y[Y] + up[0] * sin + up[1] * cos, up[2]]
+        )
+        gravity = np.asarray(self.effects.gravity.constant)
+        return np.asarray(kinetic - here.mass * gravity @ place)
+
+    def _setting(self, y: Floats, mode: Mode) -> Setting:
+        p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])
+        zero = np.zeros_like(at.S)
+        mass, centre, inertia = _body(p, e, y[TOTAL] - y[PSI])
+        point = np.stack(
+            [zero - (1 - e.rim) - e.rim * at.S, zero, zero - (p.h - e.rim) - e.rim * at.C]
+        )
+        arm = point - centre
+        turning = y[TURN]
+        slip = np.stack([y[U1], y[U2], zero]) if mode.slips else np.zeros((3, zero.size))
+        rotation = at.S * y[W3] - at.C * y[W1]
+        through = np.stack(
+            [
+                e.rim * at.S * at.C * y[W2],
+                (1 - e.rim + e.rim * at.S) * rotation,
+                -e.rim * at.S * at.S * y[W2],
+            ]
+        )
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        constant = np.asarray(e.gravity.constant)[:, None] + np.zeros_like(zero)
+        shaking = e.gravity.shaking(y[TIME])
+        shaking = _upright(_turned(shaking, cos, sin), at)
+        return Setting(
+            at=at,
+            mass=mass,
+            inertia=inertia,
+            centre=centre,
+            arm=arm,
+            turning=turning,
+            velocity=_upright(slip, at) - _cross(turning, arm),
+            arm_rate=through + at.S * _cross(turning, arm),
+            gravity=_upright(_turned(constant, cos, sin), at) + shaking,
+            shaking=shaking,
+        )
+
+    def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
+        e, at, w = self.effects, here.at, here.turning
+        inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)), dtype=float)
+        momentum = _times(here.inertia, w)
+        torque = -at.S * (_cross(w, momentum) + e.angular_damping * momentum)
+        free = np.einsum("nij,jn->in", inverse, torque)
+        fall = at.S * (here.gravity - e.linear_damping * here.velocity)
+        slide = fall + _cross(free, here.arm) + _cross(w, here.arm_rate)
+        mobility = _mobility(inverse, here, at)
+        held = [NORMAL]
+        if not mode.slips:
+            held = [SLIP_1, SLIP_2, NORMAL]
+        if e.drilling and not mode.turns:
+            held = [TURNING_Z, *held]
+        # what a unit of normal force brings with it
+        law = np.zeros((6, at.S.size))
+        law[NORMAL] = 1.0
+        if mode.slips:
+            law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / np.hypot(y[U1], y[U2])
+        if e.drilling and mode.turns:
+            law[TURNING_Z] = -e.drilling * mode.turns
+        if e.rolling_resistance:
+            level = _level(w, at)[:2]
+            law[:2] = -e.rolling_resistance * level / np.hypot(*level)
+        start = np.concatenate([_level(free, at), _level(slide, at)])
+        answer = np.einsum("nij,jn->in", mobility, law)
+        columns = np.moveaxis(mobility[:, :, held], 0, -1)
+        columns[:, -1] = answer
+        matrix = np.moveaxis(columns[held], -1, 0)
+        share = np.linalg.solve(matrix, -start[held].T[..., None])[..., 0].T
+        wrench = law * share[-1]
+        for row, index in enumerate(held[:-1]):
+            wrench[index] += share[row]
+        both = start + np.einsum("nij,jn->in", mobility, wrench)
+        both[held] = 0.0
+        return Contact(
+            force=wrench[3:],
+            moment=wrench[:3],
+            turning=_upright(both[:3], at),
+            slipping=both[[SLIP_1, SLIP_2]],
+            grip=answer[NORMAL] * here.mass,
+        )
+
+
+def _body(p: Parameters, e: Effects, theta: Floats) -> tuple[float, Floats, Floats]:
+    """Mass, centre of mass (3, n) from the can's centre, and inertia (3, 3, n), in frame B."""
+    n = theta.size
+    inertia = np.repeat(np.diag([p.a, p.a, p.c])[..., None], n, axis=2)
+    if e.mass is None:
+        return 1.0, np.zeros((3, n)), inertia
+    share, x, y, z = e.mass.share, e.mass.x, e.mass.y, e.mass.z
+    cos, sin = np.cos(theta), np.sin(theta)
+    place = np.stack([x * cos - y * sin, x * sin + y * cos, z + 0 * cos])
+    square = np.eye(3)[..., None] * _dot(place, place) - place[:, None] * place[None]
+    return 1 + share, share / (1 + share) * place, inertia + share / (1 + share) * square
+
+
+def _mobility(inverse: Floats, here: Setting, at: Angles) -> Floats:
+    """D in level directions, shape (n, 6, 6)."""
+    n = at.S.size
+    x, y, z = here.arm
+    zero = np.zeros_like(x)
+    arm = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+    lever = inverse @ arm
+    level = np.zeros((n, 3, 3))
+    level[:, 0, 0], level[:, 0, 2] = at.C, -at.S
+    level[:, 2, 0], level[:, 2, 2] = at.S, at.C
+    level[:, 1, 1] = 1.0
+    back = np.swapaxes(level, 1, 2)
+    D = np.empty((n, 6, 6))
+    D[:, :3, :3] = level @ inverse @ back
+    D[:, :3, 3:] = level @ lever @ back
+    D[:, 3:, :3] = np.swapaxes(D[:, :3, 3:], 1, 2)
+    D[:, 3:, 3:] = np.eye(3) / here.mass - level @ arm @ lever @ back
+    return D
+
+
+def _times(matrix: Floats, vector: Floats) -> Floats:
+    return np.asarray(np.einsum("ijn,jn->in", matrix, vector))
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray((a * b).sum(axis=0))
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.stack(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+def _level(vector: Floats, at: Angles) -> Floats:
+    """From frame B to (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical."""
+    return np.stack(
+        [at.C * vector[0] - at.S * vector[2], vector[1], at.S * vector[0] + at.C * vector[2]]
+    )
+
+
+def _upright(vector: Floats, at: Angles) -> Floats:
+    """Back from those directions to frame B."""
+    return np.stack(
+        [at.C * vector[0] + at.S * vector[2], vector[1], at.C * vector[2] - at.S * vector[0]]
+    )
+
+
+def _turned(vector: Floats, cos: Floats, sin: Floats) -> Floats:
+    """From the world to (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical."""
+    return np.stack(
+        [cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0], vector[2]]
+    )

@@ -1,0 +1,258 @@
+"""Following a can through its phases: it sticks while it may, slips beyond, and is seen to the end.
+
+The motion is smooth between switches. Each switch is found to round-off on the polynomial of the
+step in which it falls (`reference.events`), the step is cut there, and the next one begins with the
+other law.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.contact_modes import Equations, Kind, Mode, Phase
+from reference.events import STOPPED, Event, What, events
+from reference.incipient import Onset, onset, slack
+from reference.outcome import Outcome
+from reference.pieces import Piece, PiecesPath
+from reference.problem import Problem
+from reference.radau import STAGES, basis, coefficients, integrator, points, step
+from reference.rows import LEAN, ROWS, SLIP, TIME, U1, U2, W2, Index, released, sizes, snapshot_of
+from reference.run import Run
+from reference.states import Floats
+from reference.track import Watch
+
+# Chebyshev coefficients of a step fall geometrically: the last two below this leave no error that
+# the roundings of the step itself would not.
+RESOLVED = 3e-14
+NOISE = 2e-15
+LONGEST = 2.0
+FIRST = 0.05
+# A step shorter than this no longer moves a double.
+SHORTEST = 1e-15
+# Where slip is about to stop a step covers this share of what is left of it.
+SHARE = 0.8
+MOST_PIECES = 20_000
+# Coefficients of a step by which the next one is guessed.
+EXTRAPOLATED = 8
+EXTREMA = (What.MAXIMUM, What.MINIMUM)
+ENDINGS = {
+    What.HORIZON: Outcome.FINISHED,
+    What.OVERTURNED: Outcome.OVERTURNED,
+    What.FLAT: Outcome.FELL_FLAT,
+    What.LIFTS: Outcome.LIFTED,
+    What.JAMS: Outcome.JAMMED,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PhasedRun(Run):
+    """A finished integration and the phases of its contact."""
+
+    phases: tuple[Phase, ...]
+
+
+class Follower:
+    """One integration."""
+
+    def __init__(self, problem: Problem, equations: Equations) -> None:
+        self._equations = equations
+        self._y = released(problem)
+        self._length = FIRST
+        self._evaluations = 0
+        self._pieces: list[Piece] = []
+        self._onset: Onset | None = None
+        self._mode = self._turning(Mode())
+        falls = equations.rates(self._y[:, None], self._mode)[W2, 0]
+        self.watch = Watch(problem, fall=-float(falls))
+        self._settle()
+
+    def run(self) -> PhasedRun:
+        """Follow the can to its end."""
+        while not self.watch.ended():
+            piece = self._step()
+            if piece is None or len(self._pieces) > MOST_PIECES:
+                self.watch.end(float(self._y[TIME]), Outcome.STALLED)
+                break
+            self._see(piece)
+        path = PiecesPath(self._pieces or [self._standing()], self._equations)
+        track = self.watch.track()
+        there = path.at(track.times)
+        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        return PhasedRun(
+            path=path,
+            track=replace(track, extrema=extrema),
+            steps=len(self._pieces),
+            evaluations=self._evaluations,
+            phases=tuple(self._phases()),
+        )
+
+    def _step(self) -> Piece | None:
+        """Take the longest step that is resolved."""
+        length = min(self._length, LONGEST, self._left_of_slip())
+        rows = self._equations.core(self._mode)
+        while length > SHORTEST:
+            taken = step(
+                lambda core: self._rates(core, rows)[rows],
+                self._y[rows],
+                length,
+                self._guess(length)[rows],
+                lambda core: sizes(rows, core),
+            )
+            if taken is None:
+                length /= 4
+                continue
+            self._evaluations += taken.evaluations * STAGES
+            series = self._completed(taken.change, rows, length)
+            tail = self._tail(series)
+            if tail > RESOLVED:
+                length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
+                continue
+            # a tail of round-off says only that more is to be had
+            grown = 2.0 if tail < NOISE else 0.9 * (RESOLVED / tail) ** (1 / STAGES)
+            self._length = length * grown
+            return Piece(
+                start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode
+            )
+        return None
+
+    def _rates(self, core: Floats, rows: Index) -> Floats:
+        full = np.repeat(self._y[:, None], core.shape[1], axis=1)
+        full[rows] = core
+        return self._equations.rates(full, self._mode)
+
+    def _completed(self, core: Floats, rows: Index, length: float) -> Floats:
+        """Coefficients of all rows: after the core the quadratures, those of the angles first."""
+        change = np.zeros((ROWS, STAGES))
+        change[rows] = core
+        others = np.setdiff1d(np.arange(ROWS), rows)
+        for _ in range(2):
+            rates = self._equations.rates(self._y[:, None] + change, self._mode)
+            change[others] = length * rates[others] @ integrator().T
+        return coefficients(change)
+
+    def _tail(self, series: Floats) -> float:
+        size = np.abs(self._y) + np.abs(series).sum(axis=1)
+        size[LEAN] = 1.0
+        size[SLIP] = np.hypot(*size[SLIP])
+        size = np.maximum(size, 1e-9 * size.max())
+        size[SLIP] = np.maximum(size[SLIP], np.finfo(float).tiny ** 0.25)
+        return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
+
+    def _guess(self, length: float) -> Floats:
+        """Guess the change in a step: straight on."""
+        column = self._y[:, None]
+        c = length * points()
+        last = self._pieces[-1] if self._pieces else None
+        if self._onset is None and last is not None and last.mode == self._mode:
+            # on along the last step, as far as its polynomial means anything beyond its end
+            head = last.coefficients[:, :EXTRAPOLATED]
+            ahead = basis(last.cut + c / last.length)[:, :EXTRAPOLATED]
+            here = basis(np.array([last.cut]))[:, :EXTRAPOLATED]
+            return np.asarray(head @ (ahead - here).T)
+        if self._onset is None:
+            return self._equations.rates(column, self._mode) * c
+        rates = self._equations.rates(column, replace(self._mode, slips=False))
+        slip = self._onset
+        guess = rates * c
+        guess[SLIP] = (
+            slip.size * c**slip.power * np.array([[np.cos(slip.angle)], [np.sin(slip.angle)]])
+        )
+        return guess
+
+    def _left_of_slip(self) -> float:
+        """Return how far to go while slip slows down: not beyond its end."""
+        if not self._mode.slips or self._onset is not None:
+            return LONGEST
+        u = self._y[SLIP]
+        speed = np.hypot(*u)
+        slowing = -(u @ self._equations.rates(self._y[:, None], self._mode)[SLIP, 0]) / speed
+        return float(SHARE * speed / slowing) if slowing > 0 else LONGEST
+
+    def _see(self, piece: Piece) -> None:
+        """Report a step, up to the first thing that ends it, and go on from there."""
+        cut, ending = 1.0, None
+        for event in events(piece, self._equations, self.watch.t_end):
+            if event.what in EXTREMA:
+                y = piece.at(np.array([event.c]))[:, 0]
+                self.watch.extremum(
+                    float(y[TIME]), snapshot_of(y), maximum=event.what is What.MAXIMUM
+                )
+            else:
+                ending = event
+            if ending is not None or self.watch.ended():
+                cut = event.c
+                break
+        piece = replace(piece, cut=cut)
+        self._pieces.append(piece)
+        self._y, self._onset = piece.end, None
+        self._switch(ending)
+        if not self.watch.ended():
+            self.watch.advance(float(self._y[TIME]))
+
+    def _switch(self, event: Event | None) -> None:
+        """Change the law, or end, at what happened."""
+        if event is not None and event.what in ENDINGS:
+            self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
+        elif event is not None and event.what is What.SLIPS:
+            self._begin_slip()
+        elif event is not None:
+            self._mode = self._turning(self._mode)
+            self._settle()
+        elif self._mode.slips:
+            slows = self._left_of_slip() < LONGEST
+            if slows and float(np.hypot(*self._y[SLIP])) <= STOPPED:
+                self._y[SLIP] = 0.0
+                self._mode = replace(self._mode, slips=False)
+                self._settle()
+
+    def _settle(self) -> None:
+        """Let a rim at rest stick if the cone allows it, else slip."""
+        if self._mode.slips or np.isinf(self._equations.mu):
+            return
+        if float(slack(self._equations, self._y[:, None], self._mode)[0]) < 0:
+            self._begin_slip()
+
+    def _begin_slip(self) -> None:
+        self._onset = onset(self._equations, self._y, self._mode)
+        if self._onset is None:
+            normal = self._equations.contact(self._y[:, None], self._mode).force[2, 0]
+            self.watch.end(float(self._y[TIME]), Outcome.LIFTED if normal <= 0 else Outcome.JAMMED)
+            return
+        self._mode = replace(self._mode, slips=True)
+        self._length = min(self._length, FIRST)
+
+    def _turning(self, mode: Mode) -> Mode:
+        """Return the mode in which turning about the normal goes on, or is held."""
+        if not self._equations.drilling:
+            return mode
+        column = self._y[:, None]
+        turning = float(self._equations.turning(column)[0])
+        held = replace(mode, turns=0)
+        found = self._equations.contact(column, held)
+        limit, needed = self._equations.drilling * found.force[2, 0], found.moment[2, 0]
+        small = 1e-12 * (1 + float(np.abs(self._y[[U1, U2, W2]]).max()))
+        if abs(turning) > small:
+            return replace(mode, turns=int(np.sign(turning)))
+        if abs(needed) < limit:
+            return held
+        return replace(mode, turns=int(-np.sign(needed)))
+
+    def _standing(self) -> Piece:
+        return Piece(
+            start=self._y,
+            coefficients=np.zeros((ROWS, STAGES + 1)),
+            cut=1.0,
+            length=0.0,
+            mode=self._mode,
+        )
+
+    def _phases(self) -> list[Phase]:
+        found: list[Phase] = []
+        for piece in self._pieces:
+            kind: Kind = piece.mode.kind
+            start, end = float(piece.start[TIME]), float(piece.end[TIME])
+            if found and found[-1].kind is kind:
+                found[-1] = replace(found[-1], end=end)
+            else:
+                found.append(Phase(kind=kind, start=start, end=end))
+        return found
