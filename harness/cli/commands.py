@@ -12,11 +12,15 @@ from harness.cli.attribution import attribute
 from harness.cli.benchmark import benchmark
 from harness.cli.check import check
 from harness.cli.cost import cost
+from harness.cli.diff import diff
+from harness.cli.effects import effects
 from harness.cli.files import check_motion_file, write_motion, write_text
+from harness.cli.joining import report
 from harness.cli.listings import engines_answer, print_engine, print_engines
 from harness.cli.paper import audit, gallery
 from harness.cli.stability import stability
 from harness.cli.store import app as store
+from harness.cli.sweep import sweep
 from harness.cli.three_errors import errors
 from harness.cli.validation import validate
 from harness.cli.words import settings
@@ -40,7 +44,21 @@ app = typer.Typer(
         "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
     ),
 )
-for command in (validate, attribute, errors, check, audit, gallery, benchmark, cost, stability):
+for command in (
+    validate,
+    report,
+    attribute,
+    errors,
+    check,
+    audit,
+    gallery,
+    benchmark,
+    cost,
+    diff,
+    effects,
+    stability,
+    sweep,
+):
     app.command()(command)
 
 app.add_typer(store, name="store")

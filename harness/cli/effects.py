@@ -1,0 +1,142 @@
+"""Which effects a scene calls for, what each costs, and what an engine adds of its own accord."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from harness import face
+from harness.artefact import Table
+from harness.case import Case
+from harness.cli import printing
+from harness.cli.answers import spell
+from harness.cli.attribution import evaluations, report
+from harness.cli.running import Running, runs
+from harness.errors import InvalidSettingError
+from harness.report import check_writable
+from harness.studies.effects import Plan, Study, design, friction, ladder, plan, read, study
+from harness.studies.effects.verdict import Verdict
+from harness.timing.alone import one_thread, time_alone
+from models.catalogue import load
+
+_SHOWN = (
+    "engine",
+    "effect",
+    "declared",
+    "verdict",
+    "steps_ratio",
+    "constraint_rows_ratio",
+    "cpu_ratio",
+    "change_turn_deg",
+    "strength",
+    "why",
+)
+
+
+@runs
+def effects(  # noqa: PLR0917 - a parameter an option
+    scene: Annotated[
+        str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
+    ],
+    engine: Annotated[
+        list[str] | None, typer.Option(help="An engine to look at; repeat it. All if left out.")
+    ] = None,
+    timestep: Annotated[
+        float | None, typer.Option(help="Of the engines, in seconds; their own if left out.")
+    ] = None,
+    assume: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="EFFECT.CONSTANT=VALUE",
+            help="How strong an effect is that the scene does not declare, such as slip.mu=0.3.",
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option(help="Degrees of turn below which a change does not count.")
+    ] = 0.1,
+    out: Annotated[Path | None, typer.Option(help="Write a report into this folder.")] = None,
+    json: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
+    ] = False,
+    *,
+    running: Running,
+) -> None:
+    """Say which effects a scene needs, which it lacks, what each costs, what engines impose.
+
+    For example: rockingcan effects gentle-rock --assume slip.mu=0.3
+    """
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise InvalidSettingError("--tolerance", tolerance, "a positive number of degrees")
+    movers = ("reference", *(n for n in face.stepping_engines(engine) if n != "reference"))
+    words = tuple(_assumption(word) for word in assume or ())
+    made = plan(load(scene), movers, timestep=timestep, words=words, tolerance=tolerance)
+    if out is not None:
+        check_writable(out)
+    cases, slippery = design(made), ladder(made.scene, movers, timestep)
+    runs_done = evaluations(tuple(dict.fromkeys((*cases, *slippery.design))), running)
+    found = study(made, runs_done, _timed(cases))
+    artefacts = (*read(found), *friction(slippery, found.evaluations))
+    page = None if out is None else report(artefacts, runs_done, out, "effects")
+    if json:
+        typer.echo(spell(_answer(made, found)))
+        return
+    console = printing.out()
+    for artefact in artefacts:
+        if isinstance(artefact, Table) and artefact.name.endswith("-effects"):
+            known = artefact.frame["verdict"] != Verdict.UNSUPPORTED.value
+            shown = replace(artefact, frame=artefact.frame[known])
+            console.print(printing.data(shown, _SHOWN))
+    for sentence in found.sentences:
+        console.print(escape(sentence))
+    if page is not None:
+        console.print(f"\nThe report: {page}")
+
+
+def _timed(cases: tuple[Case, ...]) -> dict[Case, dict[str, Any]]:
+    """Return what each case takes, one after the other and nothing beside it."""
+    with printing.progress() as bar, one_thread() as executor:
+        task = bar.add_task("timing alone", total=len(cases))
+        times = {}
+        for case in cases:
+            bar.update(task, description=f"timing alone: {case.label()[:60]}")
+            times[case] = executor.submit(time_alone, case).result()
+            bar.advance(task)
+        return times
+
+
+def _assumption(word: str) -> tuple[str, float]:
+    """Return the constant and the value of one assumption."""
+    key, _, value = word.partition("=")
+    try:
+        return key, float(value)
+    except ValueError:
+        raise InvalidSettingError("--assume", word, "EFFECT.CONSTANT=NUMBER") from None
+
+
+def _answer(made: Plan, found: Study) -> dict[str, Any]:
+    """Return a study as `--json` says it."""
+    return {
+        "scene": made.scene.name,
+        "declared": sorted(made.declared),
+        "tolerance_deg": made.tolerance,
+        "engines": {
+            mover: {
+                one.name: {
+                    "declared": one.declared,
+                    "verdict": one.verdict.value,
+                    "why": one.why,
+                    "changes": dict(one.changes),
+                    "steps_ratio": found.prices[mover, one.name].steps,
+                    "constraint_rows_ratio": found.prices[mover, one.name].constraint_rows,
+                    "cpu_ratio": found.prices[mover, one.name].cpu,
+                }
+                for one in found.effects
+                if one.mover == mover
+            }
+            for mover in made.engines
+        },
+        "sentences": list(found.sentences),
+    }
