@@ -2,7 +2,6 @@
 
 import hashlib
 import math
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,14 +13,15 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from harness import face
+from harness.campaign import Shelf
 from harness.case import Case
 from harness.cli import printing
 from harness.cli.answers import spell
 from harness.cli.files import write_text
+from harness.cli.running import Running, runs
 from harness.engines.registry import engine as engine_of
 from harness.engines.variants import paste
 from harness.errors import InvalidSettingError
-from harness.executors import local
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
 from harness.runner import check
@@ -31,13 +31,13 @@ from harness.studies.cost import run as error_cases
 from harness.studies.cost import timed as timing_cases
 from harness.studies.cost.prices import TARGETS
 from harness.studies.cost.tables import price_rows
-from harness.timing.alone import one_thread, time_alone
+from harness.timing.alone import one_thread, time_alone, untimed
 from harness.timing.campaign import Progress as Told
 from harness.timing.campaign import complete
-from harness.timing.errors import measured
+from harness.timing.errors import LOST, lost_errors, measured
 from harness.timing.overhead import case as aloft
 from harness.timing.overhead import overhead
-from harness.timing.store import Store
+from harness.timing.record import Record, Timed, records
 from models.catalogue import load
 from models.scene_text import write_scene
 
@@ -61,6 +61,7 @@ _COLUMNS = (
 )
 
 
+@runs
 def cost(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -74,7 +75,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
     ] = None,
     out: Annotated[
         Path,
-        typer.Option(help="Folder of the reports, one a scene, and of what was measured."),
+        typer.Option(help="Folder of the reports, one a scene."),
     ] = Path("reports/cost"),
     engine: Annotated[
         list[str] | None, typer.Option(help="An engine to price; repeat it. All if left out.")
@@ -82,16 +83,15 @@ def cost(  # noqa: PLR0917 - a parameter an option
     tune: Annotated[
         str | None, typer.Option(help="Scene on which settings are chosen; another one.")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes of the error runs; one a core if left out.")
-    ] = None,
     json: Annotated[  # noqa: FBT002 - a switch of the command line
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
+    *,
+    running: Running,
 ) -> None:
     """Say what accuracy costs: work-precision of every setting, a price list, settings to paste.
 
-    Interrupted, it goes on where it was when started again with the same folder.
+    Interrupted, it goes on where it was when started again.
 
     For example: rockingcan cost gentle-rock --target 0.1
     """
@@ -105,7 +105,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
     made = plan(chosen, other, engines, suite, load(_HARD))
     page_folder = out / made.scene.name
     check_writable(page_folder)
-    found = measure(made, out, jobs or len(os.sched_getaffinity(0)))
+    found = measure(made, out, running)
     page = _report(found, page_folder)
     if json:
         typer.echo(spell(_answer(found, target)))
@@ -114,16 +114,16 @@ def cost(  # noqa: PLR0917 - a parameter an option
     printing.out().print(f"\nThe report: {page}")
 
 
-def measure(made: Plan, out: Path, jobs: int) -> Cost:
+def measure(made: Plan, out: Path, running: Running) -> Cost:
     """Run what has not been run, keep it, and put it together.
 
     Parameters
     ----------
     made : Plan
     out : Path
-        Holds what was measured in `.cost`, and the scenes of the ladder of hardness in `scenes`.
-    jobs : int
-        Processes of the error runs; timing runs have one, and nothing beside them.
+        Holds the scenes of the ladder of hardness in `scenes`.
+    running : Running
+        Of the error runs; timing runs have one process here, and nothing beside them.
     """
     cases = error_cases(made)
     for case in cases:
@@ -131,26 +131,30 @@ def measure(made: Plan, out: Path, jobs: int) -> Cost:
     for hard in made.hardness:
         (out / "scenes").mkdir(parents=True, exist_ok=True)
         write_text(write_scene(hard.scene), out / "scenes" / f"{hard.scene.name}.toml")
-    kept = out / ".cost"
-    machine = hashlib.sha256(provenance().processor.encode()).hexdigest()[:8]
-    with _progress("errors") as told, local(jobs) as executor:
+    with _progress("errors") as told, running.executor() as executor:
         errors = complete(
             cases,
             measured,
-            Store(folder=kept / "errors"),
+            _records(running, "errors", measured),
             executor,
+            lost=lost_errors,
             expected=expected,
-            workers=jobs,
+            workers=running.jobs,
             on_done=told,
+            on_kept=running.kept,
         )
+    wanted = timing_cases(made)
+    times = {case: untimed(case) for case in wanted if errors[case]["outcome"] in LOST}
     with _progress("timing alone") as told, one_thread() as executor:
-        times = complete(
-            timing_cases(made),
+        times |= complete(
+            [case for case in wanted if case not in times],
             time_alone,
-            Store(folder=kept / f"times-{machine}"),
+            _records(running, f"times-{_machine()}", time_alone),
             executor,
+            lost=untimed,
             expected=expected,
             on_done=told,
+            on_kept=running.kept,
         )
         overheads = {
             name: executor.submit(overhead, aloft(made.scene, name)).result()
@@ -158,6 +162,18 @@ def measure(made: Plan, out: Path, jobs: int) -> Cost:
             if hasattr(engine_of(name), "open")
         }
     return put_together(made, errors, times, overheads)
+
+
+def _records(
+    running: Running, kind: str, work: Callable[[Case], Record]
+) -> Shelf[Case, Timed] | None:
+    """Return where the records of some work are kept."""
+    return None if running.store is None else records(running.store, kind, work.__module__)
+
+
+def _machine() -> str:
+    """Return what tells the times of one processor from those of another."""
+    return hashlib.sha256(provenance().processor.encode()).hexdigest()[:8]
 
 
 @contextmanager

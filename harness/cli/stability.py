@@ -1,9 +1,8 @@
 """Hard cases: run the map, seek the largest usable timesteps, try the reference, report."""
 
-import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from itertools import islice
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,13 +11,15 @@ from rich.markup import escape
 
 from harness import face
 from harness.artefact import Prose, Table
+from harness.campaign import Listener, complete
 from harness.case import Case
 from harness.cli import printing
+from harness.cli.running import Running, runs
 from harness.errors import InvalidSettingError
-from harness.executors import local
+from harness.isolation import LostTaskError
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
-from harness.runner import check, run
+from harness.runner import check, evaluate, lost
 from harness.studies.stability import (
     SUITES,
     Finding,
@@ -27,17 +28,16 @@ from harness.studies.stability import (
     by_scene,
     design,
     examine,
+    findings,
     judge,
     limits,
     next_round,
     random_scenes,
     read,
     scenes,
+    verdicts,
 )
 from models.scene import Scene
-
-_AT_ONCE = 48
-"""Cases whose motions are held in memory together, some megabytes each."""
 
 _SHARE = 100
 """Random scenes in a task: one takes some 50 ms."""
@@ -45,6 +45,16 @@ _SHARE = 100
 Told = Callable[[str, int], None]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Work:
+    """What runs, how, and who is told in words what was done, and how much of it."""
+
+    executor: Executor
+    running: Running
+    told: Told
+
+
+@runs
 def stability(
     suite: Annotated[
         str, typer.Option(help="quick: about two minutes; full: every hard case.")
@@ -52,12 +62,11 @@ def stability(
     engine: Annotated[
         list[str] | None, typer.Option(help="An engine to judge; repeat it. All if left out.")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
-    ] = None,
     out: Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")] = Path(
         "reports/stability"
     ),
+    *,
+    running: Running,
 ) -> None:
     """Run hard cases until engines fail, say how they fail, and from which timestep on."""
     if suite not in SUITES:
@@ -67,15 +76,16 @@ def stability(
     for case in cases:
         check(case)
     check_writable(out)
-    with printing.progress() as bar, local(jobs or len(os.sched_getaffinity(0))) as executor:
+    with printing.progress() as bar, running.executor() as executor:
         task = bar.add_task("starting the engines", total=None)
 
         def told(words: str, done: int) -> None:
             bar.update(task, advance=done, description=words)
 
-        judged = judged_runs(chosen, engines, cases, executor, told)
-        hard = examined(scenes(chosen), executor, told)
-        random = examined(list(random_scenes(chosen.random_scenes)), executor, told)
+        work = Work(executor=executor, running=running, told=told)
+        judged = judged_runs(chosen, engines, cases, work)
+        hard = examined(scenes(chosen), work)
+        random = examined(list(random_scenes(chosen.random_scenes)), work)
     artefacts = read(chosen, judged, limits(chosen, engines, by_scene(judged)), hard, random)
     page = write_report(
         artefacts,
@@ -96,7 +106,7 @@ def stability(
 
 
 def judged_runs(
-    suite: Suite, engines: Sequence[str], cases: Sequence[Case], executor: Executor, told: Told
+    suite: Suite, engines: Sequence[str], cases: Sequence[Case], work: Work
 ) -> list[Judged]:
     """Run the map, then round after round of the searches; return the verdicts.
 
@@ -106,37 +116,56 @@ def judged_runs(
     engines : sequence of str
     cases : sequence of Case
         Of the map.
-    executor : Executor
-    told : callable
-        Is told in words what was done, and how many cases.
+    work : Work
     """
     judged: dict[Case, Judged] = {}
+    store = work.running.store
     while cases:
-        for batch in _batches(iter(cases)):
-            for evaluation in run(batch, executor):
-                judged[evaluation.simulation.case] = judge(evaluation)
-            told(batch[-1].label(), len(batch))
+        found = complete(
+            cases,
+            _judged,
+            work.executor,
+            lost=_lost,
+            shelf=None if store is None else verdicts(store),
+            listener=Listener(
+                kept=work.running.kept, done=lambda case, _: work.told(case.label(), 1)
+            ),
+        )
+        judged |= dict(zip(cases, found, strict=True))
         cases = next_round(suite, engines, by_scene(list(judged.values())))
     return list(judged.values())
 
 
-def examined(chosen: Sequence[Scene], executor: Executor, told: Told) -> list[Finding]:
+def _judged(case: Case) -> Judged:
+    return judge(evaluate(case))
+
+
+def _lost(case: Case, error: LostTaskError) -> Judged:
+    return judge(lost(case, error))
+
+
+def examined(chosen: Sequence[Scene], work: Work) -> list[Finding]:
     """Return how the reference fares on scenes."""
-    parts = [list(chosen[start : start + _SHARE]) for start in range(0, len(chosen), _SHARE)]
-    found: list[Finding] = []
-    for part in executor.map(_examined, parts):
-        found += part
-        told("the reference", len(part))
-    return found
+    store = work.running.store
+    found = complete(
+        [tuple(chosen[start : start + _SHARE]) for start in range(0, len(chosen), _SHARE)],
+        _examined,
+        work.executor,
+        lost=_unexamined,
+        shelf=None if store is None else findings(store),
+        listener=Listener(
+            kept=work.running.kept, done=lambda part, _: work.told("the reference", len(part))
+        ),
+    )
+    return [finding for part in found for finding in part]
 
 
 def _examined(part: Sequence[Scene]) -> list[Finding]:
     return [examine(scene) for scene in part]
 
 
-def _batches(cases: Iterator[Case]) -> Iterator[list[Case]]:
-    while batch := list(islice(cases, _AT_ONCE)):
-        yield batch
+def _unexamined(part: Sequence[Scene], error: LostTaskError) -> list[Finding]:
+    return [Finding(scene=scene.name, failure=error.reason) for scene in part]
 
 
 def _told(one: Judged) -> dict[str, Any]:

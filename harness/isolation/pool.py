@@ -7,6 +7,7 @@ while it sends a result stalls the others. So here each worker has a pipe, and a
 
 import pickle
 import queue
+import signal
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
+from harness.interruption import SIGNALS
 from harness.isolation.limits import NO_LIMITS, Limits
 from harness.isolation.loss import Loss, LostTaskError
 from harness.isolation.worker import Worker
@@ -128,6 +130,8 @@ class Isolated(Executor):
 
     def _serve(self) -> None:
         """Give tasks to one worker, and a new one to the task after one that took it along."""
+        # a process inherits what is blocked here: Ctrl-C reaches all, and is for us to heed
+        signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
         while (task := self._tasks.get()) is not None:
             if not task.future.set_running_or_notify_cancel():

@@ -33,8 +33,6 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
         Modules to import before the first task, so that no task's time is theirs.
     """
     _die_with(owner)
-    for number in (signal.SIGINT, signal.SIGTERM):  # a terminal sends them to every process
-        signal.signal(number, signal.SIG_IGN)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")
     for name in imports:

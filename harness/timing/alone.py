@@ -20,7 +20,8 @@ from harness.engines.horizon import natural_time
 from harness.engines.reference import solved
 from harness.engines.registry import engine
 from harness.executors import local
-from harness.timing.store import Record
+from harness.isolation import NO_LIMITS, LostTaskError
+from harness.timing.record import Record
 from models.scene import Horizon
 
 FEWEST = 3
@@ -70,6 +71,12 @@ def time_alone(case: Case) -> Record:
     return {"cpu_s": cpu, "wall_s": wall, "setup_s": min(setup)}
 
 
+def untimed(case: Case, error: LostTaskError | None = None) -> Record:
+    """Return the record of a case that could not be timed."""
+    del case, error
+    return {"cpu_s": [], "wall_s": [], "setup_s": None}
+
+
 def _work(case: Case) -> Callable[[], tuple[float, float, float]]:
     """Return what runs the case once: processor time, clock time and setup, s."""
     if case.engine == "reference":
@@ -114,7 +121,8 @@ def one_thread() -> Iterator[Executor]:
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
         # two jobs would be two processes; a spawned one reads the environment when it starts
-        with local(1, spawned=True) as executor:
+        # without limits: what is timed came back from its error run, and may wait for the lock
+        with local(1, spawned=True, limits=NO_LIMITS) as executor:
             executor.submit(os.getpid).result()
             yield executor
     finally:

@@ -2,12 +2,15 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
+from harness.campaign import Listener, Shelf
+from harness.campaign import complete as carry_out
 from harness.case import Case
-from harness.engines.registry import engine
-from harness.timing.store import Record, Store
+from harness.isolation import LostTaskError
+from harness.timing.record import Record, Timed
 
 Work = Callable[[Case], Record]
 Told = Callable[["Progress"], None]
@@ -35,12 +38,14 @@ class Progress:
 def complete(
     cases: Sequence[Case],
     work: Work,
-    store: Store,
+    shelf: Shelf[Case, Timed] | None,
     executor: Executor,
     *,
+    lost: Callable[[Case, LostTaskError], Record],
     expected: Callable[[Case], float],
     workers: int = 1,
     on_done: Told | None = None,
+    on_kept: Callable[[int, int], None] | None = None,
 ) -> dict[Case, Record]:
     """Return a record of each case: kept ones as they are, the others measured and kept.
 
@@ -49,46 +54,50 @@ def complete(
     cases : sequence of Case
     work : callable
         A function of a module, so that it can be sent to a process.
-    store : Store
+    shelf : Shelf or None
+        Where records are kept.
     executor : Executor
+    lost : callable
+        Returns the record of a case that took its process with it, or was stopped.
     expected : callable
         How much work a case is, in any unit that is alike for cases of one engine.
     workers : int
         How many cases run at once.
     on_done : callable, optional
+        Is told of each case that was measured.
+    on_kept : callable, optional
+        Is told, before anything runs, how many are kept and how many there are.
     """
-    wanted = {case: case.digest(engine(case.engine).version) for case in dict.fromkeys(cases)}
-    found = {case: record for case, key in wanted.items() if (record := store.get(key)) is not None}
-    left = {case: expected(case) for case in wanted if case not in found}
-    spent = Spent(left, workers)
+    work_of = {case: expected(case) for case in cases}
     # the longest first, so that no worker is left with it at the end
-    pending = {
-        executor.submit(_timed, work, case): case
-        for case in sorted(left, key=left.__getitem__, reverse=True)
-    }
-    try:
-        for future in as_completed(pending):
-            case = pending[future]
-            record, seconds = future.result()
-            store.put(wanted[case], record)
-            found[case] = record
-            spent.add(case, seconds)
-            if on_done is not None:
-                on_done(
-                    Progress(
-                        case=case,
-                        done=len(found),
-                        total=len(wanted),
-                        remaining_s=spent.remaining(),
-                    )
-                )
-    except BaseException:  # Ctrl-C too: what waits is not begun
-        executor.shutdown(wait=False, cancel_futures=True)
-        raise
-    return {case: found[case] for case in wanted}
+    order = sorted(work_of, key=work_of.__getitem__, reverse=True)
+    spent = Spent(work_of, workers)
+    done = 0
+
+    def told(case: Case, timed: Timed) -> None:
+        nonlocal done
+        done += 1
+        seconds = timed[1]
+        if seconds is None:
+            spent.skip(case)
+            return
+        spent.add(case, seconds)
+        if on_done is not None:
+            on_done(Progress(case=case, done=done, total=len(order), remaining_s=spent.remaining()))
+
+    found = carry_out(
+        order,
+        partial(_timed, work),
+        executor,
+        lost=lambda case, error: (lost(case, error), 0.0),
+        shelf=shelf,
+        listener=Listener(kept=on_kept or (lambda *_: None), done=told),
+    )
+    records = {case: record for case, (record, _) in zip(order, found, strict=True)}
+    return {case: records[case] for case in work_of}
 
 
-def _timed(work: Work, case: Case) -> tuple[Record, float]:
+def _timed(work: Work, case: Case) -> Timed:
     """Return a record and the seconds that it took by the clock."""
     started = time.perf_counter()
     return work(case), time.perf_counter() - started
@@ -111,6 +120,10 @@ class Spent:
         """Take a case that is done into account."""
         self._work[case.engine] = self._work.get(case.engine, 0.0) + self._left.pop(case)
         self._seconds[case.engine] = self._seconds.get(case.engine, 0.0) + seconds
+
+    def skip(self, case: Case) -> None:
+        """Take a case out that was done before."""
+        self._left.pop(case)
 
     def remaining(self) -> float:
         """Return the seconds that the rest will take; engines not seen yet count as the mean."""

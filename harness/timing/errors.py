@@ -11,11 +11,12 @@ import numpy as np
 from harness.case import Case
 from harness.engines.horizon import natural_time
 from harness.engines.reference import Truth, solved, truth
+from harness.isolation import LostTaskError
 from harness.metrics.motion import shares
-from harness.runner import Evaluation, evaluate
+from harness.runner import Evaluation, evaluate, lost
 from harness.simulation import Simulation
 from harness.timing.iterations import iterations
-from harness.timing.store import Record
+from harness.timing.record import Record
 
 _AT_A_TIME = 2000
 """Instants at which a reference model without a locus is held against the truth."""
@@ -64,6 +65,30 @@ def measured(case: Case) -> Record:
         "errors": {name: _finite(value) for name, value in found.items()},
         "command": _command(simulation),
     }
+
+
+def lost_errors(case: Case, error: LostTaskError) -> Record:
+    """Return what is known of a case whose process died or was stopped: why."""
+    simulation = lost(case, error).simulation
+    return {
+        "outcome": simulation.outcome.name,
+        "note": simulation.note,
+        "version": simulation.engine_version,
+        "model": simulation.model,
+        "timestep_s": simulation.timestep,
+        "steps": 0,
+        "constraint_rows": 0,
+        "solver_iterations": None,
+        "simulated_s": None,
+        "cpu_s": 0.0,
+        "setup_s": 0.0,
+        "errors": {},
+        "command": case.command(),
+    }
+
+
+LOST = frozenset({"CRASHED", "HUNG", "OUT_OF_MEMORY", "STOPPED"})
+"""Outcomes of cases that did not come back: not to be run again for their time."""
 
 
 def _command(simulation: Simulation) -> str:

@@ -14,7 +14,7 @@ from harness.engines.base import World
 from harness.engines.registry import engine
 from harness.engines.schedule import Fixed
 from harness.timing.alone import FEWEST, alone
-from harness.timing.store import Record
+from harness.timing.record import Record
 from models.scene import Scene
 from models.state import Pose, Twist
 
@@ -27,7 +27,7 @@ _TIMESTEP = 1e-5
 _ALOFT = 10.0
 """m."""
 
-_LEANEST = "the leanest loop of the engine: in C, or else of calls that step and read"
+_LEANEST = "the engine's loop that steps and keeps nothing: in C where it has one"
 
 _REPEATS = 3 * FEWEST
 
@@ -68,7 +68,7 @@ def overhead(chosen: Case) -> Record:
 
     ways: dict[str, Callable[[], None]] = {"a call of Python for each step, nothing read": python}
     if hasattr(found, "chunks"):
-        ways["as in the runs: every step read"] = harness
+        ways["every step read, as in a run where the can races"] = harness
     if hasattr(found, "leanest"):
         ways[_LEANEST] = lambda: found.leanest(world, _STEPS)
     with alone():

@@ -1,6 +1,6 @@
 """What the tests of the harness share: scenes, and evaluations that several tests look at."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +21,14 @@ settings.load_profile("harness")
 Evaluator = Callable[..., Evaluation]
 Stepper = Callable[[Case, int], Trajectory]
 Trajectories = Callable[..., Trajectory]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep what tests run in a store of their own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROCKINGCAN_STORE", str(tmp_path_factory.mktemp("store")))
+        yield
 
 
 @pytest.fixture(scope="session")

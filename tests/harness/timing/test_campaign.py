@@ -1,7 +1,6 @@
 """Keeping, resuming, and an honest account of what is left."""
 
 import fcntl
-import json
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -9,14 +8,18 @@ from typing import Any
 
 import pytest
 
+from harness.campaign import Shelf
 from harness.case import Case
 from harness.executors import Serial
-from harness.timing.alone import FEWEST, LOCK, alone, one_thread, time_alone
+from harness.isolation import Loss, LostTaskError
+from harness.store import Store
+from harness.timing.alone import FEWEST, LOCK, alone, one_thread, time_alone, untimed
 from harness.timing.campaign import Progress, Spent, complete
+from harness.timing.errors import LOST, lost_errors
 from harness.timing.iterations import iterations
 from harness.timing.overhead import case as aloft
 from harness.timing.overhead import overhead
-from harness.timing.store import Store
+from harness.timing.record import Timed, records
 from models import Scene
 
 Evaluator = Callable[..., Any]
@@ -30,32 +33,51 @@ def size(case: Case) -> float:
     return 1.0 / (case.timestep or 1.0)
 
 
-def test_an_interrupted_campaign_goes_on_where_it_was(gentle: Scene, tmp_path: Path) -> None:
-    store, done = Store(folder=tmp_path), []
+Kept = Shelf[Case, Timed]
+
+
+@pytest.fixture
+def shelf(tmp_path: Path) -> Kept:
+    """Return where records are kept."""
+    return records(Store(folder=tmp_path / "store"), "toys", __name__)
+
+
+def failed(case: Case, error: LostTaskError) -> dict[str, Any]:
+    raise AssertionError(case, error)
+
+
+def test_an_interrupted_campaign_goes_on_where_it_was(gentle: Scene, shelf: Kept) -> None:
+    done: list[Case] = []
     wanted = cases(gentle, 4)
 
     def work(case: Case) -> dict[str, Any]:
         if len(done) == 2:
             raise KeyboardInterrupt
         done.append(case)
-        return {"timestep": case.timestep}
+        return {"timestep": case.timestep, "times": [1.0, 2.0], "pair": (1, None)}
 
-    # the interrupt comes when a task is submitted, before any result is kept: those of a process
-    # are kept one by one
-    with pytest.raises(KeyboardInterrupt):
-        complete(wanted, work, store, Serial(), expected=size)
-    kept = complete(
-        wanted, lambda case: {"timestep": case.timestep}, store, Serial(), expected=size
-    )
-    assert [kept[case]["timestep"] for case in wanted] == [case.timestep for case in wanted]
+    def complete_with(work: Callable[[Case], dict[str, Any]]) -> dict[Case, dict[str, Any]]:
+        return complete(wanted, work, shelf, Serial(), lost=failed, expected=size)
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        complete_with(work)
+    assert stopped.value.__notes__ == [f"2 of 4 are done and kept in '{shelf.store.folder}'."]
+    first, done = done, []
+    kept = complete_with(work)
+    assert set(first) | set(done) == set(wanted)
+    assert not set(first) & set(done)
     nothing: list[Case] = []
 
     def never(case: Case) -> dict[str, Any]:
         nothing.append(case)
         return {}
 
-    again = complete(wanted, never, store, Serial(), expected=size)
+    again = complete_with(never)
+    assert list(again) == wanted
     assert again == kept
+    assert [kept[case] for case in wanted] == [
+        {"timestep": case.timestep, "times": [1.0, 2.0], "pair": (1, None)} for case in wanted
+    ]
     assert nothing == []
 
 
@@ -66,26 +88,33 @@ def test_what_is_left_goes_with_the_work_that_is_left(gentle: Scene) -> None:
     assert spent.remaining() == pytest.approx(9 * 0.5 / 2)
 
 
-def test_progress_counts_what_was_kept_before(gentle: Scene, tmp_path: Path) -> None:
-    store, told = Store(folder=tmp_path), list[Progress]()
+def test_progress_counts_what_was_kept_before(gentle: Scene, shelf: Kept) -> None:
+    told, kept = list[Progress](), list[tuple[int, int]]()
     wanted = cases(gentle, 3)
-    complete(wanted[:1], lambda _: {}, store, Serial(), expected=size)
-    complete(wanted, lambda _: {}, store, Serial(), expected=size, on_done=told.append)
+    complete(wanted[:1], lambda _: {}, shelf, Serial(), lost=failed, expected=size)
+    complete(
+        wanted,
+        lambda _: {},
+        shelf,
+        Serial(),
+        lost=failed,
+        expected=size,
+        on_done=told.append,
+        on_kept=lambda *counts: kept.append(counts),
+    )
+    assert kept == [(1, 3)]
     assert [p.done for p in told] == [2, 3]
     assert {p.total for p in told} == {3}
     assert told[-1].remaining_s == 0.0
 
 
-def test_a_broken_record_is_none(tmp_path: Path) -> None:
-    store = Store(folder=tmp_path)
-    store.put("a", {"x": 1.0})
-    assert store.get("a") == {"x": 1.0}
-    (tmp_path / "a.json").write_text('{"x": 1', encoding="utf-8")
-    assert store.get("a") is None
-    with pytest.raises(ValueError, match="not JSON compliant"):
-        store.put("b", {"x": float("nan")})
-    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
-    assert json.loads("1") == 1
+def test_a_case_that_takes_its_process_along_is_named_and_not_timed(gentle: Scene) -> None:
+    case = cases(gentle, 1)[0]
+    error = LostTaskError(Loss.CRASHED, "killed: SIGSEGV, segmentation fault")
+    record = lost_errors(case, error)
+    assert record["outcome"] in LOST
+    assert record["note"] == "killed: SIGSEGV, segmentation fault"
+    assert untimed(case, error)["cpu_s"] == []
 
 
 def test_timing_repeats_and_leaves_setup_out(gentle: Scene) -> None:

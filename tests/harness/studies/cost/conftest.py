@@ -14,12 +14,13 @@ from harness.engines.reference import sampled, truth
 from harness.engines.variants import Variant
 from harness.executors import Serial
 from harness.simulation import Outcome, Simulation
+from harness.store import Store
 from harness.studies.cost import Cost, cost, expected, plan, run, timed
 from harness.timing import alone
-from harness.timing.alone import time_alone
+from harness.timing.alone import time_alone, untimed
 from harness.timing.campaign import complete
-from harness.timing.errors import measured
-from harness.timing.store import Store
+from harness.timing.errors import lost_errors, measured
+from harness.timing.record import records
 from models import Scene, load
 
 COARSE = 1e-3
@@ -127,11 +128,22 @@ def study(toy: str) -> Studied:
             worked.append(case)
             return time_alone(case)
 
+        store = Store(folder=folder)
         errors = complete(
-            run(made), noted, Store(folder=folder / "errors"), Serial(), expected=expected
+            run(made),
+            noted,
+            records(store, "errors", measured.__module__),
+            Serial(),
+            lost=lost_errors,
+            expected=expected,
         )
         times = complete(
-            timed(made), noted_time, Store(folder=folder / "times"), Serial(), expected=expected
+            timed(made),
+            noted_time,
+            records(store, "times", time_alone.__module__),
+            Serial(),
+            lost=untimed,
+            expected=expected,
         )
         return cost(made, errors, times, {}), worked
 
