@@ -4,17 +4,18 @@ The model says what the scene says and no more; how the engine is to solve it (i
 solref, ...) is handed in by whoever runs it. MuJoCo meets a cylinder and a plane analytically, so
 the ground is a plane. The body frame has the centre of the can at its origin and z along the
 symmetry axis; a point mass moves the centre of mass, not the frame. What MJCF has no word for, the
-shaking of the plane, is said in a comment and applied by whoever steps the model.
+shaking of the plane and a damping of its own for each degree of freedom, is said in a comment and
+applied by whoever steps the model. What effects make of the contact is in `models.mjcf_contact`.
 """
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from models.effects import NO_SLIP_FRICTION, Effects
 from models.gravity import gravity_vector
 from models.kinematics import to_body
 from models.mass import body as rigid_body
+from models.mjcf_contact import numbers, pair, softness, surface
 from models.rim import release_state
 from models.scene import Scene
 
@@ -45,6 +46,8 @@ def mjcf(
     flag: Mapping[str, str] = _NOTHING,
     geom: Mapping[str, str] = _NOTHING,
     contact_sensors: bool = False,
+    every_sensor: bool = False,
+    spring_timestep: float | None = None,
 ) -> str:
     """Return the scene as MJCF.
 
@@ -58,6 +61,11 @@ def mjcf(
         get the same.
     contact_sensors : bool
         Add the sensors `NET_SENSOR` and `DEPTH_SENSOR`, in this order.
+    every_sensor : bool
+        After them add all that MuJoCo can tell of a body and of the energy, to see what it costs.
+    spring_timestep : float, optional
+        s; where given, the contact of `geom` is a spring, with friction for this timestep: see
+        `models.mjcf_contact`. A scene with compliance has such a contact anyway.
 
     Returns
     -------
@@ -68,16 +76,17 @@ def mjcf(
     can = scene.can
     pose, twist = release_state(can, scene.release)
     root = ET.Element("mujoco", model=scene.name)
-    for sentence in _beyond_mjcf(scene.effects):
+    for sentence in _beyond_mjcf(scene):
         root.append(ET.Comment(f" {sentence} "))
     gravity = numbers(*gravity_vector(scene).tolist())
-    options = ET.SubElement(root, "option", {"gravity": gravity} | dict(option))
+    said = {"gravity": gravity} | softness(scene.effects) | dict(option)
+    options = ET.SubElement(root, "option", said)
     if flag:
         ET.SubElement(options, "flag", dict(flag))
 
     world = ET.SubElement(root, "worldbody")
-    surface = _surface(scene.effects) | dict(geom)
-    ET.SubElement(world, "geom", {"name": "ground", "type": "plane", "size": "0 0 1"} | surface)
+    material = surface(scene) | dict(geom)
+    ET.SubElement(world, "geom", {"name": "ground", "type": "plane", "size": "0 0 1"} | material)
     body = ET.SubElement(
         world,
         "body",
@@ -88,10 +97,13 @@ def mjcf(
     ET.SubElement(body, "freejoint", name="can")
     ET.SubElement(body, "inertial", _inertial(scene))
     size = numbers(can.radius, can.half_height)
-    ET.SubElement(body, "geom", {"name": "can", "type": "cylinder", "size": size} | surface)
+    ET.SubElement(body, "geom", {"name": "can", "type": "cylinder", "size": size} | material)
 
+    if scene.effects.compliance is not None or spring_timestep is not None:
+        contact = ET.SubElement(root, "contact")
+        ET.SubElement(contact, "pair", pair(material, spring_timestep))
     if contact_sensors:
-        _add_sensors(root)
+        _add_sensors(root, every=every_sensor)
     keyframe = ET.SubElement(root, "keyframe")
     ET.SubElement(
         keyframe,
@@ -102,32 +114,6 @@ def mjcf(
     )
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
-
-
-def numbers(*values: float) -> str:
-    """Return numbers as an attribute, each to its last digit."""
-    return " ".join(repr(float(value)) for value in values)
-
-
-def contact_dimension(effects: Effects) -> int:
-    """Return MuJoCo's `condim`: 1 normal, 3 friction, 4 drilling too, 6 rolling resistance too."""
-    if effects.slip is not None and effects.slip.mu == 0.0:
-        return 1
-    if effects.rolling_resistance is not None:
-        return 6
-    return 3 if effects.drilling is None else 4
-
-
-def _surface(effects: Effects) -> dict[str, str]:
-    """Return the attributes of both geoms; lengths of effects that are off have no part in it."""
-    slip, drilling, rolling = effects.slip, effects.drilling, effects.rolling_resistance
-    mu = NO_SLIP_FRICTION if slip is None else slip.mu
-    condim = contact_dimension(effects)
-    # MuJoCo's own where the contact has no such row; a row that is only a neighbour's gets none
-    torsion, roll = (0.0, 0.0) if condim > 3 else (0.005, 0.0001)  # noqa: PLR2004 - a condim
-    torsion = torsion if drilling is None else drilling.length
-    roll = roll if rolling is None else rolling.length
-    return {"friction": numbers(mu, torsion, roll), "condim": str(condim)}
 
 
 def _inertial(scene: Scene) -> dict[str, str]:
@@ -144,18 +130,42 @@ def _inertial(scene: Scene) -> dict[str, str]:
     }
 
 
-def _beyond_mjcf(effects: Effects) -> Iterator[str]:
+def dof_damping(scene: Scene) -> tuple[float, ...] | None:
+    """Return MuJoCo's `dof_damping` of the free joint, N s/m and N m s, or None without damping.
+
+    Its six degrees of freedom are the velocity of the can's centre in the world and the angular
+    velocity in the body, so that -m linear v and -angular I omega are each a number times the
+    velocity of a degree of freedom: the law to the letter.
+    """
+    can, damping = scene.can, scene.effects.damping
+    if damping is None:
+        return None
+    A, C = can.transverse_inertia, can.axial_inertia
+    across, along = damping.angular * A, damping.angular * C
+    return (*(damping.linear * can.mass,) * 3, across, across, along)
+
+
+def _beyond_mjcf(scene: Scene) -> Iterator[str]:
     """Yield what a file cannot say, in sentences."""
-    shake = effects.shake
+    shake, damping = scene.effects.shake, dof_damping(scene)
     if shake is not None:
         yield (
             f"The plane is shaken at {shake.frequency!r} Hz, by {shake.horizontal!r} m along "
             f"the direction {shake.direction!r} rad and {shake.vertical!r} m vertically, phase "
             f"{shake.phase!r} rad: the harness applies it, as a force on the centre of mass."
         )
+    if damping is not None:
+        yield f"Motion is damped: the harness sets dof_damping to {numbers(*damping)}."
 
 
-def _add_sensors(root: ET.Element) -> None:
+_OF_A_BODY = (
+    *("framepos", "framequat", "framexaxis", "framelinvel", "frameangvel"),
+    *("framelinacc", "frameangacc"),
+)
+_OF_ALL_BELOW = ("subtreecom", "subtreelinvel", "subtreeangmom")
+
+
+def _add_sensors(root: ET.Element, *, every: bool) -> None:
     sensors = ET.SubElement(root, "sensor")
     for name, reduce, data in (
         (NET_SENSOR, "netforce", "found force pos"),
@@ -171,3 +181,10 @@ def _add_sensors(root: ET.Element) -> None:
             reduce=reduce,
             data=data,
         )
+    if every:
+        for kind in _OF_A_BODY:
+            ET.SubElement(sensors, kind, name=kind, objtype="body", objname="can")
+        for kind in _OF_ALL_BELOW:
+            ET.SubElement(sensors, kind, name=kind, body="can")
+        for kind in ("e_potential", "e_kinetic"):
+            ET.SubElement(sensors, kind, name=kind)

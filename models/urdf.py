@@ -8,17 +8,21 @@ then the principal ones, since PyBullet finds those of a full tensor to six digi
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from models.effects import NO_SLIP_FRICTION
+from models.effects import NO_SLIP_FRICTION, Effects
 from models.mass import body
-from models.mjcf import numbers
+from models.mjcf_contact import numbers
 from models.scene import Scene
 
 GROUND_FRICTION = 1.0
 """Bullet multiplies the coefficients of a pair: with 1 on the ground the can's is the pair's."""
+
+GROUND_RESTITUTION = 1.0
+"""Multiplied likewise, and 0 for a can that declares none."""
 
 
 def urdf(scene: Scene) -> str:
@@ -34,8 +38,8 @@ def urdf(scene: Scene) -> str:
         A robot named after the scene with the one link `can`, its declared moments, and friction
         of the pair on its contact.
     """
-    can, slip = scene.can, scene.effects.slip
-    root, link = _robot(scene.name, "can", NO_SLIP_FRICTION if slip is None else slip.mu)
+    can = scene.can
+    root, link = _robot(scene.name, "can", _contact(scene.effects))
     inertial = ET.SubElement(link, "inertial")
     whole, origin = body(scene), {"xyz": "0 0 0", "rpy": "0 0 0"}
     moments, axes = whole.principal()
@@ -60,7 +64,8 @@ def urdf(scene: Scene) -> str:
 
 def ground_urdf() -> str:
     """Return the ground as URDF: the plane z = 0, immovable, with friction `GROUND_FRICTION`."""
-    root, link = _robot("ground", "ground", GROUND_FRICTION)
+    contact = {"lateral_friction": GROUND_FRICTION, "restitution": GROUND_RESTITUTION}
+    root, link = _robot("ground", "ground", contact)
     inertial = ET.SubElement(link, "inertial")
     ET.SubElement(inertial, "mass", value="0")  # Bullet's way to say that it never moves
     ET.SubElement(inertial, "inertia", ixx="0", ixy="0", ixz="0", iyy="0", iyz="0", izz="0")
@@ -79,12 +84,31 @@ def _roll_pitch_yaw(axes: NDArray[np.float64]) -> tuple[float, float, float]:
     )
 
 
-def _robot(name: str, link_name: str, friction: float) -> tuple[ET.Element, ET.Element]:
-    """Return a robot and its one link, which carries the friction."""
+def _contact(effects: Effects) -> dict[str, float]:
+    """Return the constants of the can's contact, those of declared effects and no others."""
+    slip, drilling, rolling = effects.slip, effects.drilling, effects.rolling_resistance
+    constants = {"lateral_friction": NO_SLIP_FRICTION if slip is None else slip.mu}
+    if drilling is not None:
+        constants["spinning_friction"] = drilling.length
+    if rolling is not None:
+        constants["rolling_friction"] = rolling.length
+    if effects.restitution is not None:
+        constants["restitution"] = effects.restitution.coefficient
+    if effects.compliance is not None:
+        constants["stiffness"] = effects.compliance.stiffness
+        constants["damping"] = effects.compliance.damping
+    return constants
+
+
+def _robot(
+    name: str, link_name: str, constants: Mapping[str, float]
+) -> tuple[ET.Element, ET.Element]:
+    """Return a robot and its one link, whose contact carries the constants."""
     root = ET.Element("robot", name=name)
     link = ET.SubElement(root, "link", name=link_name)
     contact = ET.SubElement(link, "contact")
-    ET.SubElement(contact, "lateral_friction", value=repr(friction))
+    for key, value in constants.items():
+        ET.SubElement(contact, key, value=repr(value))
     return root, link
 
 

@@ -154,6 +154,11 @@ def _collider(world: World, scene: Scene) -> Iterator[Finding]:
         )
 
 
+def contact_turns_freely(scene: Scene) -> bool:
+    """Whether the plane resists neither drilling nor rolling."""
+    return scene.effects.drilling is None and scene.effects.rolling_resistance is None
+
+
 def _friction(world: World, scene: Scene, timestep: float) -> Finding:
     """Probe the friction of the pair: a can that slides fast takes all of it."""
     slip = scene.effects.slip
@@ -182,6 +187,8 @@ def _friction(world: World, scene: Scene, timestep: float) -> Finding:
         unit="1",
         declared=declared,
         found=found,
-        tolerance=1e-6 * max(declared, 1e-3),  # solvers stop at a tolerance of this size or less
+        # solvers stop at a tolerance of this size or less; where the contact resists turning too,
+        # the moment may share the cone with the force: the force is short by half its share squared
+        tolerance=max(declared, 1e-3) * (1e-6 if contact_turns_freely(scene) else 1e-2),
         how=f"force ratio of a can that slides at {speed:g} m/s, balanced on its rim",
     )

@@ -5,6 +5,9 @@ time constant of `solref` tied to twice the timestep, the shortest that its own 
 softness vanishes with the timestep, and the limit is the rigid can. Elliptic cones take the bias
 out of the direction of friction, and `impratio` makes friction a hundred times harder than the
 normal, so that the rim creeps a hundred times less.
+
+What a scene declares comes on top, in every profile: the dimension of the contact, and a spring and
+a damper in place of the stiffest contact there is.
 """
 
 from collections.abc import Mapping
@@ -12,6 +15,8 @@ from collections.abc import Mapping
 from harness.case import Case, Value
 from harness.engines.base import Setting
 from harness.engines.schedule import ETA_SETTING
+from models.effects import Effects
+from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, spring
 
 DEFAULT_TIMESTEP = 0.002
 MATCHED_TIMESTEP = 1e-4
@@ -148,7 +153,65 @@ FLAGS = (
     ),
 )
 
-SETTINGS = (*OPTIONS, *GEOM, *FLAGS, ETA_SETTING)
+BUILD = Setting(
+    name="build",
+    default="shipped",
+    matched="lean",
+    choices=("shipped", "lean", "everything"),
+    meaning="Stages and sensors: MuJoCo's own, those that the scene needs, or all there are.",
+)
+"""The harness's own word, in no file of MuJoCo: which stages of a step are compiled in."""
+
+SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, ETA_SETTING)
+
+_IDLE = (
+    "equality",
+    "frictionloss",
+    "limit",
+    "spring",
+    "actuation",
+    "clampctrl",
+    "midphase",
+    "filterparent",
+    "nativeccd",
+    "island",
+)
+"""Stages that one can on one plane never needs, whatever its effects."""
+
+
+def for_effects(case: Case, timestep: float) -> dict[str, Value]:
+    """Return the settings that the effects of a scene decide.
+
+    MuJoCo raises a coefficient of friction of zero to 1e-5, so that a frictionless plane needs a
+    contact without friction.
+    """
+    effects, soft = case.scene.effects, soft_solref(case, timestep)
+    found: dict[str, Value] = {}
+    if {"slip", "drilling", "rolling_resistance"}.intersection(effects.declared()):
+        found["condim"] = contact_dimension(effects)
+    if soft is not None:
+        found["solref"], found["solimp"] = soft, SOFT_SOLIMP
+        found["impratio"], found["cone"] = SOFT_IMPRATIO, "elliptic"
+    return found
+
+
+def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:
+    """Return `solref` where the contact of a case is a spring: see `models.mjcf_contact`.
+
+    An option that says how stiff the contact is has the last word, and profile `default` ships
+    without a spring that the scene does not declare.
+    """
+    if {"solref", "solimp"}.intersection(dict(case.options)):
+        return None
+    return spring(case.scene, None if case.profile == "default" else timestep)
+
+
+def stages(chosen: Mapping[str, Value], effects: Effects) -> dict[str, str]:
+    """Return the flags of the stages that are left out, or, with everything, of those put in."""
+    if chosen["build"] == "lean":
+        idle = _IDLE if effects.damping is not None else (*_IDLE, "damper")
+        return dict.fromkeys(idle, "disable")
+    return {"energy": "enable"} if chosen["build"] == "everything" else {}
 
 
 def attributes(case: Case, chosen: Mapping[str, Value]) -> tuple[dict[str, str], ...]:

@@ -15,15 +15,19 @@ import numpy as np
 
 from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
-from harness.engines.mujoco.settings import attributes, matched_solref
+from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
 from harness.errors import RefusedModelError
 from models.gravity import shaking
 from models.kinematics import to_body
-from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
+from models.mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
+from models.mjcf_contact import friction_solref
 from models.state import Pose, Release, Twist
 
 _RELEASE = Release(phi=1.0)
 """Of the model file; every run places the can anew."""
+
+_NEXT_TO_NOTHING = 1e-30
+"""Damping that no number feels and that has MuJoCo do the work of it."""
 
 _FAR = 1.0
 """m: beyond this MuJoCo does not look for the distance of two geoms."""
@@ -43,13 +47,16 @@ class MujocoWorld:
 
     def __init__(self, case: Case, chosen: dict[str, Value], timestep: float) -> None:
         option, geom, flag = attributes(case, chosen)
+        soft = soft_solref(case, timestep)
         text = mjcf(
             alike(case).scene,
             option={"timestep": repr(timestep)} | option,
             # a run that diverges is to be seen, not restarted
-            flag={"autoreset": "disable"} | flag,
+            flag={"autoreset": "disable"} | stages(chosen, case.scene.effects) | flag,
             geom=geom,
             contact_sensors=True,
+            every_sensor=chosen["build"] == "everything",
+            spring_timestep=None if soft is None else timestep,
         )
         # a warning is an outcome, not a line in a log file in the working folder
         mujoco.set_mju_user_warning(_ignore)
@@ -58,9 +65,16 @@ class MujocoWorld:
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
         self.data = mujoco.MjData(self.model)
-        self._tied = case.profile != "default" and "solref" not in dict(case.options)
-        self._body = self.model.body("can").id
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
+        self._case, self._soft = case, soft is not None
+        stiffest = case.profile != "default" and "solref" not in dict(case.options)
+        self._tied = stiffest and not self._soft
+        damping = dof_damping(case.scene)
+        if damping is not None:
+            self.model.dof_damping[:] = damping
+        elif chosen["build"] == "everything":
+            self.model.dof_damping[:] = _NEXT_TO_NOTHING
+        self._body = self.model.body("can").id
         self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)
         self._net = self.model.sensor(NET_SENSOR).adr[0]
         self._depth = self.model.sensor(DEPTH_SENSOR).adr[0]
@@ -103,6 +117,9 @@ class MujocoWorld:
             self.model.opt.timestep = timestep
             if self._tied:
                 self.model.geom_solref[:, :] = matched_solref(timestep)
+            if self._soft:
+                self.model.pair_solref[0] = soft_solref(self._case, timestep)
+                self.model.pair_solreffriction[0] = friction_solref(timestep)
 
     @property
     def rows_per_contact(self) -> int:

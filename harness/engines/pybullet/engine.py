@@ -9,7 +9,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from harness.case import Case
+from harness.case import Case, Value
 from harness.engines.base import Capabilities
 from harness.engines.chunk import Chunk
 from harness.engines.pybullet.gaps import EFFORTS, GAPS
@@ -18,6 +18,7 @@ from harness.engines.pybullet.settings import (
     IMPOSED_BY_DEFAULT,
     MATCHED_TIMESTEP,
     SETTINGS,
+    for_effects,
 )
 from harness.engines.pybullet.steps import Steps
 from harness.engines.pybullet.variants import VARIANTS, counted_step, paste
@@ -39,7 +40,20 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     paste = staticmethod(paste)
     counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
-        honours=frozenset({"slip", "tilt", "shake", "point_mass"}),
+        honours=frozenset(
+            {
+                "slip",
+                "compliance",
+                "restitution",
+                "drilling",
+                "rolling_resistance",
+                "damping",
+                "rim",
+                "tilt",
+                "shake",
+                "point_mass",
+            }
+        ),
         imposes={
             "stabilisation": "penetration is taken away by ERP, which adds energy",
             "gyroscopic term": "taken explicitly, and a free spin gains energy",
@@ -53,6 +67,11 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     def version(self) -> str:
         """The version of the package."""
         return version("pybullet")
+
+    def resolve(self, case: Case) -> dict[str, Value]:
+        """Return every setting in force for a case: an option, else what an effect asks for."""
+        chosen, own = super().resolve(case), dict(case.options)
+        return chosen | {n: v for n, v in for_effects(case.scene).items() if n not in own}
 
     def open(self, case: Case) -> PybulletWorld:
         """Open a world with the scene of a case."""

@@ -3,18 +3,22 @@
 Shipped, a URDF cylinder is a polygon with 32 sides inside a margin of 1 mm, its moments are those
 of its bounding box, it is damped, and its velocities are clamped. `matched` undoes all of it: the
 implicit cylinder with no margin, the moments of the file, no damping, a clamp out of reach, no
-slop, and an ERP that takes penetration away within a step or two.
+slop, and an ERP that takes penetration away within a step or two. What a scene declares comes on
+top, in every profile.
 
 The flags of `loadURDF` appear under the names of its constants; what belongs to
 `setPhysicsEngineParameter` or to `changeDynamics` under the names of their arguments. A setting of
 None is not handed to PyBullet at all.
 """
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from harness.case import Value
 from harness.engines.base import Setting
 from harness.engines.schedule import ETA_SETTING
+from models.scene import Scene
 
 DEFAULT_TIMESTEP = 1.0 / 240.0
 MATCHED_TIMESTEP = 1e-4
@@ -98,6 +102,12 @@ SOLVER = (
         matched=1,
         meaning="Circular friction cone (1) or two independent directions (0).",
     ),
+    Setting(
+        name="restitutionVelocityThreshold",
+        default=None,
+        matched=None,
+        meaning="Speed below which an impact gives nothing back, m/s.",
+    ),
 )
 
 DYNAMICS = (
@@ -127,6 +137,33 @@ DYNAMICS = (
     ),
 )
 
+_IN_TOUCH = 1e-7
+"""Of the breaking threshold, for impacts: a contact that is solved before it closes takes the
+speed of approach out of the impact law, and one that is pushed out by ERP adds to it."""
+
+
+def for_effects(scene: Scene) -> dict[str, Value]:
+    """Return the settings that the effects of a scene decide, whatever the profile.
+
+    PyBullet damps a multibody with d (1 + |v|) v, which is no law of the scene's, and a body in
+    maximal coordinates by (1 - d)^dt, which is: d = 1 - exp(-rate).
+    """
+    effects = scene.effects
+    found: dict[str, Value] = {}
+    if effects.damping is not None:
+        found["useMaximalCoordinates"] = True
+        found["linearDamping"] = -math.expm1(-effects.damping.linear)
+        found["angularDamping"] = -math.expm1(-effects.damping.angular)
+    if effects.rim is not None:
+        found["URDF_USE_IMPLICIT_CYLINDER"] = True
+        found["collisionMargin"] = effects.rim.radius
+    if effects.restitution is not None:
+        found["restitutionVelocityThreshold"] = 0.0
+        found["contactBreakingThreshold"] = _IN_TOUCH
+        found["contactERP"] = 0.0
+    return found
+
+
 SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)
 
 SHIPPED_VALUES = {
@@ -137,6 +174,7 @@ SHIPPED_VALUES = {
     "contactBreakingThreshold": "0.02",
     "warmStartingFactor": "0.1",
     "enableConeFriction": "1",
+    "restitutionVelocityThreshold": "0.2",
     "collisionMargin": "0.001 m",
     "linearDamping": "0.04",
     "angularDamping": "0.04",

@@ -21,6 +21,7 @@ from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
 from harness.engines.pybullet.frames import Frames, Reading, State
 from harness.engines.pybullet.settings import DYNAMICS, PROCESS_WIDE, SOLVER, URDF_FLAGS
+from harness.errors import RefusedModelError
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
@@ -28,6 +29,7 @@ from models.urdf import ground_urdf, urdf
 ContactPoint: TypeAlias = tuple[Any, ...]
 Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 
+_RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 _REACH = 1.0  # m: distance up to which closest points are sought
 
 
@@ -74,6 +76,15 @@ class PybulletWorld:
         dynamics = {s.name: chosen[s.name] for s in DYNAMICS if chosen[s.name] is not None}
         if dynamics:
             pybullet.changeDynamics(self.can, -1, **dynamics, **here)
+        effects = case.scene.effects
+        if effects.damping is not None and self.off_centre:
+            reason = "damping acts on the whole body, and not on the can beside its point mass"
+            raise RefusedModelError(case.engine, case.label(), reason)
+        if effects.compliance is not None:
+            # springs in series and dampers added up; a body that says nothing is damped by 0.1
+            pybullet.changeDynamics(
+                self.ground, -1, contactStiffness=_RIGID, contactDamping=0.0, **here
+            )
 
     def _load(self, path: Path, text: str, **how: bool | int) -> int:
         """Return the body that PyBullet makes of a URDF text.
