@@ -3,18 +3,27 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from statistics import median
 
-from harness.benchmark.clock import Ratio, in_turns
+import numpy as np
+
+from harness.benchmark.clock import Ratio, in_turns, seconds
 from harness.case import Case
 from harness.engines.registry import engine
 from harness.engines.stepping import PhysicsEngine
 from harness.runner import Evaluation, evaluate
 from models.catalogue import load
 from models.rim import release_state
-from models.state import Release
+from models.state import Pose, Release
 
 OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
-"""Largest ratio of an adapter's loop to the leanest loop of its engine."""
+"""Largest ratio of an adapter's loop to its engine's loop that steps and keeps nothing, in C where
+the engine has one and else in Python: at the timestep at which a run is long."""
+
+FINE = 1e-6
+"""s. A sample costs what it costs, and a step of ten times this leaves fewer steps to carry it."""
+
+_PAIRS = 5
 
 GAIN = {"mujoco": 100.0, "pybullet": 10.0}
 """Least ratio of a fixed timestep's cost to that of adaptive steps, at the same error."""
@@ -27,36 +36,39 @@ def engine_ratios(names: Sequence[str]) -> Iterator[Ratio]:
     for name in names:
         chosen = engine(name)
         if isinstance(chosen, PhysicsEngine):
-            yield _overhead(chosen)
+            for timestep in (FINE, 10.0 * FINE):
+                yield _overhead(chosen, timestep)
             yield _batch(chosen)
             yield _adaptive(chosen)
 
 
-def _overhead(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
-    """Time the adapter's run of a gentle rock against the engine's leanest loop."""
+def _overhead(chosen: PhysicsEngine, timestep: float) -> Ratio:  # type: ignore[type-arg]
+    """Time the adapter's run of a gentle rock against the engine's loop that keeps nothing."""
     scene = load("gentle-rock")
-    case = Case(scene=scene, engine=chosen.name, timestep=1e-6)
-    steps = chosen.simulate(case).steps
-    times: list[float] = []
+    case = Case(scene=scene, engine=chosen.name, timestep=timestep)
+    known = chosen.simulate(case)
+    pose, twist = release_state(scene.can, scene.release)
+    sunk = Pose(
+        position=pose.position - np.array((0.0, 0.0, known.static_penetration)),
+        quaternion=pose.quaternion,
+    )
 
-    def lean() -> None:
+    def lean() -> float:
         world = chosen.open(case)
-        world.place(*release_state(scene.can, scene.release))
-        chosen.leanest(world, steps)
+        world.place(sunk, twist)
+        return seconds(lambda: chosen.leanest(world, known.steps))
 
-    def adapted() -> None:
-        times.append(chosen.simulate(case).cpu_s)
-
-    lean_s, _ = in_turns(lean, adapted, repeats=3)
-    ratio, bound = min(times) / lean_s, OVERHEAD.get(chosen.name, math.inf)
+    pairs = [(chosen.simulate(case).cpu_s, lean()) for _ in range(_PAIRS)]
+    ratio = median(adapted / bare for adapted, bare in pairs)
+    bound = OVERHEAD.get(chosen.name, math.inf) if timestep <= FINE else math.inf
     return Ratio(
-        what=f"{chosen.name}: adapter's loop against the leanest loop, {steps:,} steps",
+        what=f"{chosen.name}: adapter's loop against stepping alone, {known.steps:,} steps",
         ratio=ratio,
-        claim=f"at most {bound:g}",
+        claim=f"at most {bound:g}" if bound < math.inf else "",
         holds=ratio <= bound,
-        first_s=min(times),
-        second_s=lean_s,
-        note="gentle-rock, matched, timestep 1e-6 s",
+        first_s=median(pair[0] for pair in pairs),
+        second_s=median(pair[1] for pair in pairs),
+        note=f"gentle-rock, matched, timestep {timestep:g} s; medians of {_PAIRS}",
     )
 
 

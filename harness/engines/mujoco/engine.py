@@ -87,12 +87,19 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             yield chunk_of(world, _joined(times), _joined(befores), _joined(sensors))
 
     def leanest(self, world: MujocoWorld, steps: int) -> None:
-        """Step so many times in C and keep the states, in the engine's own batched loop."""
+        """Step so many times in C and do nothing else: no sensor, no reading, no record.
+
+        Under forces that change, states are kept: MuJoCo takes those in its batched loop alone.
+        """
         world.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR
+        times = np.arange(steps) * np.float64(world.timestep)
+        told = control(world, times)
+        if set(told) == {"nstep"}:
+            mujoco.mj_step(world.model, world.data, nstep=steps)
+            return
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)
-        times = np.arange(steps) * np.float64(world.timestep)
-        rollout.rollout(world.model, world.data, state[None], **control(world, times))
+        rollout.rollout(world.model, world.data, state[None], **told)
 
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases; those that differ in their release alone are stepped together, in C."""
