@@ -17,7 +17,12 @@ from harness.engines.chunk import Chunk
 from harness.engines.mujoco.batch import LARGEST, MOST_STEPS, run_batch, steps_for
 from harness.engines.mujoco.chunks import STATE, chunk_of, control
 from harness.engines.mujoco.gaps import EFFORTS, GAPS
-from harness.engines.mujoco.settings import DEFAULT_TIMESTEP, MATCHED_TIMESTEP, SETTINGS
+from harness.engines.mujoco.settings import (
+    DEFAULT_TIMESTEP,
+    MATCHED_TIMESTEP,
+    SETTINGS,
+    for_effects,
+)
 from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
 from harness.engines.mujoco.world import MujocoWorld, alike
 from harness.engines.schedule import Schedule, Stage
@@ -38,7 +43,18 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     paste = staticmethod(paste)
     counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
-        honours=frozenset({"slip", "tilt", "shake", "point_mass"}),
+        honours=frozenset(
+            {
+                "slip",
+                "compliance",
+                "drilling",
+                "rolling_resistance",
+                "damping",
+                "tilt",
+                "shake",
+                "point_mass",
+            }
+        ),
         imposes={
             "compliance": "contact is soft: it yields by solref and solimp, and so does friction",
             "rebound": "a stiff contact gives a part of an impact back, as its damping leaves it",
@@ -54,15 +70,10 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         return str(mujoco.mj_versionString())
 
     def resolve(self, case: Case) -> dict[str, Value]:
-        """Return every setting in force for a case.
-
-        MuJoCo raises a coefficient of friction of zero to 1e-5, so that a frictionless plane needs
-        a contact without friction, unless the case says otherwise.
-        """
-        chosen, slip = super().resolve(case), case.scene.effects.slip
-        if slip is not None and slip.mu == 0.0 and "condim" not in dict(case.options):
-            chosen["condim"] = 1
-        return chosen
+        """Return every setting in force for a case: an option, else what an effect asks for."""
+        chosen, own = super().resolve(case), dict(case.options)
+        asked = for_effects(case, self.timestep(case))
+        return chosen | {name: value for name, value in asked.items() if name not in own}
 
     def open(self, case: Case) -> MujocoWorld:
         """Compile the scene of a case."""
