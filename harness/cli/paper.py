@@ -11,7 +11,7 @@ from harness.errors import HarnessError, OutputError
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
 from harness.report.tables import csv_text
-from harness.studies.audit import Finding, audit_table, counts, markdown
+from harness.studies.audit import Finding, audit_table, audit_words, counts, markdown
 from harness.studies.gallery import ABOUT, FIGURES
 from harness.studies.gallery import gallery as draw
 
@@ -33,6 +33,10 @@ def audit(
     out: Annotated[Path, typer.Option(help="Folder to write into; made if it is missing.")] = Path(
         "reports"
     ),
+    page: Annotated[
+        Path | None,
+        typer.Option(help="Write a report into this folder too, to join to those of others."),
+    ] = None,
 ) -> None:
     """Check every equation and number of the paper; write audit.md and audit.csv."""
     try:
@@ -42,6 +46,8 @@ def audit(
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
     _make(out)
+    if page is not None:
+        check_writable(page)
     chosen = claims()
     findings: list[Finding] = []
     with printing.progress() as bar:
@@ -51,6 +57,10 @@ def audit(
             bar.advance(task)
     write_text(markdown(findings), out / "audit.md")
     write_text(csv_text(audit_table(findings)), out / "audit.csv")
+    if page is not None:
+        told = (audit_words(findings), audit_table(findings))
+        title = "Audit of the paper"
+        write_report(told, page, title=title, cases=(), provenance=provenance())
     rows = [(verdict.value, number) for verdict, number in counts(findings).items()]
     console = printing.out()
     console.print(printing.table("Audit of the paper", ("verdict", "claims"), rows))

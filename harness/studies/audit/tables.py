@@ -5,7 +5,7 @@ from itertools import groupby
 
 import pandas as pd
 
-from harness.artefact import Table
+from harness.artefact import Prose, Table
 from harness.studies.audit.finding import MEANINGS, Finding, Verdict
 
 COLUMNS = {
@@ -46,6 +46,16 @@ def audit_table(findings: Sequence[Finding]) -> Table:
 def counts(findings: Sequence[Finding]) -> dict[Verdict, int]:
     """Return how many claims have each verdict."""
     return {v: sum(f.ruling.verdict is v for f in findings) for v in Verdict}
+
+
+def audit_words(findings: Sequence[Finding]) -> Prose:
+    """Return how many claims stand, in two sentences."""
+    found = counts(findings)
+    told = ", ".join(f"{number} {verdict.value}" for verdict, number in found.items() if number)
+    wrong = [f for f in findings if f.ruling.verdict in {Verdict.MISPRINT, Verdict.INCONSISTENT}]
+    first = f"Of {len(findings)} claims of the paper: {told}."
+    second = f"The first that is wrong is {wrong[0].label}." if wrong else "None is wrong."
+    return Prose(name="summary", title="Summary", text=f"{first} {second}")
 
 
 def markdown(findings: Sequence[Finding]) -> str:
