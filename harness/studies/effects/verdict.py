@@ -131,6 +131,8 @@ def _judged(
         for subset in (with_it, without)
         if (e := evaluation(made, found, mover, subset)) is not None
     ]
+    if Outcome.MISMATCH in ends:
+        return Verdict.UNSUPPORTED, f"What {mover} compiles of it is not what is declared."
     if ends[0] is not ends[-1]:
         return matters, f"With it the run is {_short(ends[0])}, without it {_short(ends[-1])}."
     over, worst = 0.0, "It changes nothing that is known."
