@@ -7,7 +7,7 @@ import typer
 
 from harness.cli import printing
 from harness.cli.answers import spell
-from harness.cli.gate import show
+from harness.cli.gate import show_changes
 from harness.gate import (
     SIDES,
     BaselineError,
@@ -56,7 +56,7 @@ def diff(
             spell({"differences": [_told(one) for one in changed(found)], "sentences": told})
         )
     else:
-        show(read(found, first, second, SIDES, spreads), printing.out(), _COLUMNS)
+        show_changes(read(found, first, second, SIDES, spreads), printing.out(), _COLUMNS)
     if gate and regressions(found):
         raise typer.Exit(1)
 

@@ -40,6 +40,9 @@ BASELINE = Path("reports/baseline")
 _ROWS = 40
 """Of the table in the terminal; the report has all."""
 
+COLUMNS = ("accepted", "found", "tolerance", "factor", "verdict", "note")
+"""Of the table in the terminal."""
+
 _WORDS = ("scene", "engine", "profile", "timestep_s", "quantity")
 
 
@@ -169,7 +172,7 @@ def accepted(gate: Gate, run: Held, executor: Executor) -> Path:
     return write_baseline(replace(run.scores, scores=by_identity), place)
 
 
-def show(artefacts: Sequence[Artefact], console: Console, columns: Sequence[str]) -> None:
+def show_changes(artefacts: Sequence[Artefact], console: Console, columns: Sequence[str]) -> None:
     """Print what a comparison found: what has changed, then the sentences."""
     for artefact in artefacts:
         if isinstance(artefact, Table):

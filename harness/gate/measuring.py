@@ -5,7 +5,7 @@ from concurrent.futures import Executor
 from itertools import islice
 
 from harness.case import Case
-from harness.gate.ensemble import member, members, spread
+from harness.gate.ensemble import MOST, member, members, spread
 from harness.gate.scores import Score, scored
 from harness.runner import run
 
@@ -50,7 +50,15 @@ def measured(
 
 
 def _members(designed: Sequence[Case], scores: Sequence[Score]) -> Iterator[tuple[int, Case]]:
-    """Yield each case's members with its place."""
-    for place, (case, one) in enumerate(zip(designed, scores, strict=True)):
-        for number in range(members(int(one.values.get("steps", 0.0)))):
-            yield place, member(case, number)
+    """Yield each case's members with its place; those of one release together.
+
+    They share the exact motion of that release, which costs more than most of the runs.
+    """
+    scenes: dict[str, list[int]] = {}
+    for place, case in enumerate(designed):
+        scenes.setdefault(case.scene.name, []).append(place)
+    for places in scenes.values():
+        for number in range(MOST):
+            for place in places:
+                if number < members(int(scores[place].values.get("steps", 0.0))):
+                    yield place, member(designed[place], number)
