@@ -27,6 +27,7 @@ from harness.metrics.contact import contact_quality
 from harness.metrics.error import errors
 from harness.metrics.features import bounces
 from harness.metrics.motion import motion
+from harness.reach import check_reach
 from harness.simulation import Outcome, Simulation
 from harness.store import Store
 from harness.trajectory import take
@@ -41,9 +42,11 @@ def check(case: Case) -> None:
     Raises
     ------
     HarnessError
-        An unknown engine, a missing package, an effect that the engine cannot represent, a timestep
-        that the engine does not take, a setting that it does not have or a value of another kind.
+        A scene out of reach, an unknown engine, a missing package, an effect that the engine cannot
+        represent, a timestep that it does not take, a setting that it does not have or a value of
+        another kind.
     """
+    check_reach(case.scene)
     check_effects(case.engine, case.scene)
     chosen = engine(case.engine)
     resolve(case, chosen.settings, chosen.timestep(case) or 0.0)
@@ -100,7 +103,7 @@ def measure(simulation: Simulation) -> Evaluation:
     found_bounces = bounces(found, scene.can)
     drift = energy_drift(trajectory, scene) if scene.gravity > 0.0 else None
     quality = contact_quality(found)
-    if scene.effects.declared() or refusal(scene):
+    if refusal(scene):
         return Evaluation(
             simulation=simulation,
             motion=found,

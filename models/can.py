@@ -66,7 +66,7 @@ class Can:
         a, c, h = positive("a", a), positive("c", c), positive("h", h)
         if c > 2.0 * a:
             raise InvalidValueError("c", c, AXIAL_INERTIA_ALLOWED)
-        unit = mass * radius**2
+        unit = mass * (radius * radius)
         return cls(
             mass=mass,
             radius=radius,
@@ -78,12 +78,12 @@ class Can:
     @property
     def a(self) -> float:
         """A/(m R^2), dimensionless."""
-        return self.transverse_inertia / (self.mass * self.radius**2)
+        return self.transverse_inertia / (self.mass * (self.radius * self.radius))
 
     @property
     def c(self) -> float:
         """C/(m R^2), dimensionless."""
-        return self.axial_inertia / (self.mass * self.radius**2)
+        return self.axial_inertia / (self.mass * (self.radius * self.radius))
 
     @property
     def h(self) -> float:

@@ -192,8 +192,8 @@ def _can(table: CanTable) -> Can:
     in_si: dict[str, float] = {}
     for field, group, si, unit in (
         ("half_height", "h", "H", radius),
-        ("transverse_inertia", "a", "A", mass * radius**2),
-        ("axial_inertia", "c", "C", mass * radius**2),
+        ("transverse_inertia", "a", "A", mass * (radius * radius)),
+        ("axial_inertia", "c", "C", mass * (radius * radius)),
     ):
         key = _given(table, "can", group, si)
         given[field] = (key, getattr(table, key))
