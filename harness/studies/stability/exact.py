@@ -1,25 +1,20 @@
 """What a run is held against: the exact motion of its scene, where there is one.
 
-Beside the rolling can of the runner there are three more exact motions. A scene with enough
-friction to roll has the motion of its ideal twin, one without any friction that of the frictionless
-equations. A can without gravity turns as a free symmetric top: with the angular momentum L, which
-stays, and the axial rate w, which stays as well, its angular velocity is
+Beside the truth of the runner, whatever the effects of the scene, there is one more exact motion. A
+can without gravity turns as a free symmetric top: with the angular momentum L, which stays, and the
+axial rate w, which stays as well, its angular velocity is
 
     Omega = L/A + (1 - C/A) w e,    so that    R(t) = exp(L t/A) R(0) exp((1 - C/A) w t e_3).
 """
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 
 from harness.bounce import Bounce
-from harness.case import Case
-from harness.engines.reference import Truth, refusal, solved
 from harness.runner import Evaluation
 from harness.trajectory import Floats, Trajectory
-from models.effects import IDEAL
-from models.kinematics import half_angles, to_body
+from models.kinematics import to_body
 from models.scene import Scene
 
 
@@ -41,29 +36,9 @@ class Exact:
 
 def exact(e: Evaluation) -> Exact | None:
     """Return the exact motion that a rolling or sliding can is held against, if there is one."""
-    if e.motion is None or e.truth_pulls:
+    if e.truth is None or e.truth_pulls:
         return None
-    if e.truth is not None:
-        return Exact(time=e.truth.time, phi=e.truth.angles.phi, bounces=e.true_bounces)
-    other = twin(e.simulation.case.scene)
-    if other is None:
-        return None
-    time = e.motion.time[e.motion.time <= other.ends]
-    phi, _, _ = half_angles(other.at(time).quaternion)
-    return Exact(time=time, phi=phi, bounces=other.bounces)
-
-
-@lru_cache(maxsize=16)
-def twin(scene: Scene) -> Truth | None:
-    """Return the exact motion of a scene whose only effect is slip, if it has one."""
-    slip = scene.effects.slip
-    if refusal(scene) or slip is None:
-        return None
-    model = "frictionless" if slip.mu == 0.0 else "rolling"
-    ideal = replace(scene, effects=IDEAL)
-    found = solved(Case(scene=ideal, engine="reference", options=(("model", model),)))
-    needed = max((bounce.peak_friction_ratio for bounce in found.bounces), default=0.0)
-    return found if slip.mu == 0.0 or slip.mu > needed else None
+    return Exact(time=e.truth.time, phi=e.truth.angles.phi, bounces=e.true_bounces)
 
 
 def free_rotation(trajectory: Trajectory, scene: Scene) -> Floats:

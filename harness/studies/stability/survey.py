@@ -15,9 +15,8 @@ import numpy as np
 from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.horizon import natural_time
-from harness.engines.reference import Truth, refusal, solved
+from harness.engines.reference import Truth, refusal, solved, truth
 from harness.metrics.conservation import energy
-from harness.studies.stability.exact import twin
 from harness.studies.stability.signs import spendable
 from models.can import Can
 from models.effects import IDEAL
@@ -149,11 +148,11 @@ def examine(scene: Scene) -> Finding:
 
 
 def _slides(scene: Scene) -> str:
-    """Return why the reference refuses a scene with slip; nothing if its rim never slips."""
+    """Return why a scene with slip is not examined; nothing if its rim never slips."""
     slip = scene.effects.slip
-    if slip is None or (slip.mu > 0.0 and twin(scene) is not None):
+    if slip is None or all(phase.kind == "stick" for phase in truth(scene).phases):
         return ""
-    return f"With friction {slip.mu:g} the rim slips, and the reference rolls without slipping."
+    return f"With friction {slip.mu:g} the rim slips, and what is compared here rolls."
 
 
 def _compared(scene: Scene, formula: Truth, integrated: Truth) -> Finding:

@@ -1,0 +1,93 @@
+"""The reference in the role of an engine."""
+
+import time
+from importlib.metadata import version
+
+from harness.case import Case
+from harness.engines.base import Capabilities, resolve
+from harness.engines.reference.posing import HONOURS, refusal
+from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
+from harness.engines.reference.truth import sampled, solved
+from harness.errors import InvalidSettingError
+from harness.simulation import Outcome, Simulation
+from reference import Outcome as Ending
+from reference import Solution
+
+
+class ReferenceEngine:
+    """The mathematics of the paper."""
+
+    name = "reference"
+    settings = SETTINGS
+    variants = VARIANTS
+    capabilities = Capabilities(honours=HONOURS, imposes={})
+
+    @property
+    def version(self) -> str:
+        """The version of this package."""
+        return version("rockingcan")
+
+    def timestep(self, case: Case) -> None:
+        """Return None: the solver chooses its own steps.
+
+        Raises
+        ------
+        InvalidSettingError
+            If the case asks for one.
+        """
+        if case.timestep is not None:
+            raise InvalidSettingError(
+                "timestep", case.timestep, "none at all: the reference chooses its own steps"
+            )
+
+    def simulate(self, case: Case) -> Simulation:
+        """Solve a case to its horizon.
+
+        Raises
+        ------
+        UnknownSettingError, InvalidSettingError
+            If the case asks for a model or method that does not exist, or for a model that is too
+            small for its scene.
+        """
+        self.timestep(case)
+        chosen = resolve(case, SETTINGS, 0.0)
+        reason = refusal(case.scene)
+        if reason:
+            return Simulation(
+                case=case,
+                outcome=Outcome.NO_SOLUTION,
+                note=reason,
+                trajectory=None,
+                engine_version=self.version,
+                model=str(chosen["model"]),
+                settings=chosen,
+            )
+        started, cpu = time.perf_counter(), time.process_time()
+        found = solved(case)
+        outcome, note = _ending(found.solution)
+        trajectory = None
+        if chosen["model"] in WITHOUT_LOCUS:
+            note = f"{note} The model knows no contact locus: no motion to show.".lstrip()
+        else:
+            trajectory = sampled(found)
+        return Simulation(
+            case=case,
+            outcome=outcome,
+            note=note,
+            trajectory=trajectory,
+            engine_version=self.version,
+            model=found.solution.model,
+            settings=chosen,
+            steps=found.solution.steps,
+            wall_s=time.perf_counter() - started,
+            cpu_s=time.process_time() - cpu,
+        )
+
+
+def _ending(solution: Solution) -> tuple[Outcome, str]:
+    """Return how a solution ended, in the harness's terms and in the reference's words."""
+    if solution.outcome is Ending.FINISHED:
+        return Outcome.FINISHED, ""
+    if solution.outcome is Ending.OVERTURNED:
+        return Outcome.OVERTURNED, solution.outcome.value
+    return Outcome.NO_SOLUTION, solution.outcome.value

@@ -1,0 +1,161 @@
+"""The exact motion of a scene, which knows its state at any instant."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from harness.bounce import Bounce
+from harness.case import Case
+from harness.engines.base import Floats, resolve
+from harness.engines.horizon import natural_time
+from harness.engines.reference.posing import problem
+from harness.engines.reference.settings import SETTINGS, WITHOUT_LOCUS
+from harness.errors import InvalidSettingError
+from harness.trajectory import Trajectory
+from models.kinematics import angular_velocity, quaternion
+from models.rim import contact_offset
+from models.scene import Scene
+from reference import MODELS, Solution, SolverError, carries, smallest, solve
+from reference.contact import contact_force_in_world
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phase:
+    """An interval in which the rim sticks, or slips, s."""
+
+    kind: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Truth:
+    """An exact motion in SI units that knows its state at any instant."""
+
+    scene: Scene
+    solution: Solution
+
+    @property
+    def ends(self) -> float:
+        """Time up to which the motion is known, s."""
+        return self.solution.t_end * natural_time(self.scene)
+
+    @property
+    def bounces(self) -> tuple[Bounce, ...]:
+        """The bounces of the motion."""
+        T, maxima = natural_time(self.scene), self.solution.maxima
+        return tuple(
+            Bounce(
+                start=float(maxima[number]) * T,
+                time=bounce.time * T,
+                end=float(maxima[number + 1]) * T,
+                phi_min=bounce.phi_min,
+                angle_of_turn=bounce.angle_of_turn,
+                rotation_turn=bounce.rotation_turn,
+                peak_psi_dot=bounce.peak_psi_dot / T,
+                peak_friction_ratio=bounce.peak_friction_ratio,
+            )
+            for number, bounce in enumerate(self.solution.bounces)
+        )
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """When the rim sticks and when it slips, in order."""
+        T = natural_time(self.scene)
+        return tuple(
+            Phase(kind=phase.kind.value, start=phase.start * T, end=phase.end * T)
+            for phase in self.solution.phases
+        )
+
+    def grid(self) -> Floats:
+        """Return sampling times that are dense by angle and hold every extremum of phi, s."""
+        return self.solution.grid() * natural_time(self.scene)
+
+    def at(self, times: Floats) -> Trajectory:
+        """Return the motion at the given times, shape (n,), s, none after `ends`."""
+        can, T = self.scene.can, natural_time(self.scene)
+        states = self.solution.at(np.minimum(times / T, self.solution.t_end))
+        if states.x is None or states.y is None:
+            raise InvalidSettingError("model", self.solution.model, "one that knows the locus")
+        omega = angular_velocity(
+            states.phi, states.psi, states.phi_dot / T, states.psi_dot / T, states.theta_dot / T
+        )
+        # near the flat state the two rates are huge and opposite: of their sum nothing is left
+        tilt = 2.0 * np.sin(states.phi / 2.0) ** 2
+        omega[:, 2] = (states.spin - states.theta_dot * tilt) / T
+        point = np.stack((states.x, states.y, np.zeros_like(states.x)), axis=-1) * can.radius
+        weight = can.mass * self.scene.gravity
+        offset = _offset(self.scene, states.phi, states.psi)
+        velocity = np.cross(offset, omega)
+        if states.slip is not None:
+            velocity[:, :2] += states.slip * can.radius / T
+        return Trajectory(
+            time=times,
+            position=point - offset,
+            quaternion=quaternion(states.phi, states.psi, states.theta),
+            velocity=velocity,
+            angular_velocity=omega,
+            contact_point=point,
+            contact_force=weight * contact_force_in_world(states, self.solution.problem.parameters),
+            penetration=np.zeros(len(times)),
+            contact_count=np.ones(len(times), dtype=np.int64),
+        )
+
+
+def _offset(scene: Scene, phi: Floats, psi: Floats) -> Floats:
+    """Return the contact point from the centre of the can, in the world, shape (n, 3), m."""
+    offset = contact_offset(scene.can, phi, psi)
+    if scene.effects.rim is None:
+        return offset
+    sin, cos, r = np.sin(phi), np.cos(phi), scene.effects.rim.radius
+    offset[:, 0] += r * (cos - sin) * np.cos(psi)
+    offset[:, 1] += r * (cos - sin) * np.sin(psi)
+    offset[:, 2] += r * (sin + cos - 1.0)
+    return offset
+
+
+def solved(case: Case, seconds: float | None = None) -> Truth:
+    """Return the exact motion of a case's scene, up to its own horizon or for so many seconds.
+
+    Raises
+    ------
+    InvalidSettingError
+        If the case asks for a model, method or tolerance that does not exist, for a model that is
+        too small for its scene, or is not released on its rim.
+    """
+    if case.scene.release.height != 0.0:
+        raise InvalidSettingError("release.height", case.scene.release.height, "zero: on the rim")
+    chosen = resolve(case, SETTINGS, 0.0)
+    posed = problem(case.scene, seconds)
+    choices = {name: chosen[name] for name in ("method",) if chosen[name] != "auto"}
+    model = str(chosen["model"])
+    if model in MODELS and model != "auto" and not carries(model, posed):
+        needed = smallest(posed)
+        allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
+        raise InvalidSettingError("model", model, allowed)
+    try:
+        solution = solve(
+            posed,
+            model=model,
+            rtol=float(chosen["rtol"]),  # type: ignore[arg-type]
+            outputs=frozenset(() if model in WITHOUT_LOCUS else ("contact_locus",)),
+            **choices,  # type: ignore[arg-type]
+        )
+    except SolverError as error:
+        raise InvalidSettingError("model, method or rtol", dict(chosen), str(error)) from error
+    return Truth(scene=case.scene, solution=solution)
+
+
+@lru_cache(maxsize=64)
+def truth(scene: Scene, seconds: float | None = None) -> Truth:
+    """Return the exact motion of a scene, by the smallest model that carries it, and keep it."""
+    needed = smallest(problem(scene, seconds)).model
+    # where it rolls not the exact formula, which has to be inverted for the state at an instant
+    return solved(Case(scene=scene, engine="reference", options=(("model", needed),)), seconds)
+
+
+@lru_cache(maxsize=64)
+def sampled(motion: Truth) -> Trajectory:
+    """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
+    return motion.at(motion.grid())
