@@ -156,6 +156,9 @@ def _beyond_mjcf(scene: Scene) -> Iterator[str]:
         )
     if damping is not None:
         yield f"Motion is damped: the harness sets dof_damping to {numbers(*damping)}."
+    for name, wanting in (("rim", "rounded cylinder"), ("restitution", "impact law")):
+        if getattr(scene.effects, name) is not None:
+            yield f"The effect {name} is left out: MuJoCo has no {wanting}."
 
 
 _OF_A_BODY = (

@@ -2,18 +2,22 @@
 
 From the centre of mass G the lowest point of the rim is at (-R, 0, -H) in the paper's frame B
 (sec01:derivation). This is the contact point P of a rigid can on the plane z = 0; for an engine's
-can, which may sink or hover, it is the point to compare with.
+can, which may sink or hover, it is the point to compare with. A rim that is an arc of radius r
+about a circle of radius R - r, H - r below the centre, touches straight below that circle:
+(-(R - r), 0, -(H - r)) turned into the world, and r down.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from models.can import Can
+from models.effects import Effects
 from models.kinematics import Floats, angles, angular_velocity, quaternion
+from models.scene import Scene
 from models.state import Pose, Release, Twist
 
 
-def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike) -> Floats:
+def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike, *, arc: float = 0.0) -> Floats:
     """Return the vector from the centre of mass to the lowest point of the can.
 
     Parameters
@@ -21,6 +25,8 @@ def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike) -> Floats:
     can : Can
     phi, psi : array_like, shape (...)
         rad. Past phi = pi/2 the can lies lower on its other rim, and that one is taken.
+    arc : float
+        Radius of the arc that rounds the rim, m; none for a sharp rim.
 
     Returns
     -------
@@ -29,9 +35,10 @@ def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike) -> Floats:
     """
     phi, psi = np.broadcast_arrays(phi, psi)
     sin, cos = np.sin(phi), np.cos(phi)
-    R, H = can.radius, np.where(cos < 0.0, -can.half_height, can.half_height)
-    outwards = H * sin - R * cos
-    return np.stack((outwards * np.cos(psi), outwards * np.sin(psi), -R * sin - H * cos), axis=-1)
+    R, below = can.radius - arc, can.half_height - arc
+    H = np.where(cos < 0.0, -below, below)
+    outwards, down = H * sin - R * cos, -R * sin - H * cos - arc
+    return np.stack((outwards * np.cos(psi), outwards * np.sin(psi), down), axis=-1)
 
 
 def contact_point(can: Can, position: ArrayLike, quaternion: ArrayLike) -> Floats:
@@ -78,7 +85,7 @@ def contact_velocity(
 
 
 def rolling_velocity(
-    can: Can, phi: ArrayLike, psi: ArrayLike, angular_velocity: ArrayLike
+    can: Can, phi: ArrayLike, psi: ArrayLike, angular_velocity: ArrayLike, *, arc: float = 0.0
 ) -> Floats:
     """Return the velocity of the centre of mass of a can that rolls without slipping.
 
@@ -89,6 +96,8 @@ def rolling_velocity(
         rad.
     angular_velocity : array_like, shape (..., 3)
         In world coordinates, rad/s.
+    arc : float
+        Radius of the arc that rounds the rim, m.
 
     Returns
     -------
@@ -96,26 +105,38 @@ def rolling_velocity(
         In world coordinates, m/s (eq01:com_velocity).
     """
     spin = np.asarray(angular_velocity, dtype=np.float64)
-    velocity: Floats = np.cross(contact_offset(can, phi, psi), spin)
+    velocity: Floats = np.cross(contact_offset(can, phi, psi, arc=arc), spin)
     return velocity
 
 
-def release_state(can: Can, release: Release) -> tuple[Pose, Twist]:
+def release_state(can: Can, release: Release, *, arc: float = 0.0) -> tuple[Pose, Twist]:
     """Return the can at its release: the lowest point of its rim at rest, at z = `height`.
 
     Parameters
     ----------
     can : Can
     release : Release
+    arc : float
+        Radius of the arc that rounds the rim, m.
 
     Returns
     -------
     Pose, Twist
-        The centre of mass is above the origin of the world.
+        The centre of the can is above the origin of the world.
     """
     r = release
-    height = r.height - contact_offset(can, r.phi, r.psi)[2]
+    height = r.height - contact_offset(can, r.phi, r.psi, arc=arc)[2]
     omega = angular_velocity(r.phi, r.psi, r.phi_dot, r.psi_dot, r.theta_dot)
     pose = Pose(position=np.array((0.0, 0.0, height)), quaternion=quaternion(r.phi, r.psi, r.theta))
-    velocity = rolling_velocity(can, r.phi, r.psi, omega)
+    velocity = rolling_velocity(can, r.phi, r.psi, omega, arc=arc)
     return pose, Twist(velocity=velocity, angular_velocity=omega)
+
+
+def released(scene: Scene) -> tuple[Pose, Twist]:
+    """Return the can of a scene at its release, on the rim that its effects give it."""
+    return release_state(scene.can, scene.release, arc=arc_of(scene.effects))
+
+
+def arc_of(effects: Effects) -> float:
+    """Return the radius of the arc that rounds the rim, m; zero for a sharp one."""
+    return 0.0 if effects.rim is None else effects.rim.radius

@@ -8,12 +8,13 @@ then the principal ones, since PyBullet finds those of a full tensor to six digi
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.effects import NO_SLIP_FRICTION, Effects
+from models.gravity import gravity_vector
 from models.mass import body
 from models.mjcf_contact import numbers
 from models.scene import Scene
@@ -40,6 +41,8 @@ def urdf(scene: Scene) -> str:
     """
     can = scene.can
     root, link = _robot(scene.name, "can", _contact(scene.effects))
+    for number, sentence in enumerate(_beyond_urdf(scene)):
+        root.insert(number, ET.Comment(f" {sentence} "))
     inertial = ET.SubElement(link, "inertial")
     whole, origin = body(scene), {"xyz": "0 0 0", "rpy": "0 0 0"}
     moments, axes = whole.principal()
@@ -98,6 +101,32 @@ def _contact(effects: Effects) -> dict[str, float]:
         constants["stiffness"] = effects.compliance.stiffness
         constants["damping"] = effects.compliance.damping
     return constants
+
+
+def _beyond_urdf(scene: Scene) -> Iterator[str]:
+    """Yield what the file of a can cannot say, in sentences."""
+    effects = scene.effects
+    if effects.tilt is not None:
+        x, y, z = gravity_vector(scene).tolist()
+        yield f"The plane is tilted: setGravity({x!r}, {y!r}, {z!r})."
+    shake, damping = effects.shake, effects.damping
+    if shake is not None:
+        yield (
+            f"The plane is shaken at {shake.frequency!r} Hz, by {shake.horizontal!r} m along "
+            f"the direction {shake.direction!r} rad and {shake.vertical!r} m vertically, phase "
+            f"{shake.phase!r} rad: the harness applies it, as a gravity set before each step."
+        )
+    if damping is not None:
+        linear, angular = -math.expm1(-damping.linear), -math.expm1(-damping.angular)
+        yield (
+            "Motion is damped: loadURDF(useMaximalCoordinates=True) and "
+            f"changeDynamics(linearDamping={linear!r}, angularDamping={angular!r})."
+        )
+    if effects.rim is not None:
+        yield (
+            "The rim is an arc: loadURDF(flags=URDF_USE_IMPLICIT_CYLINDER) and "
+            f"changeDynamics(collisionMargin={effects.rim.radius!r})."
+        )
 
 
 def _robot(

@@ -13,7 +13,7 @@ from harness.engines.registry import engine
 from harness.engines.stepping import PhysicsEngine
 from harness.runner import Evaluation, evaluate
 from models.catalogue import load
-from models.rim import release_state
+from models.rim import released
 from models.state import Pose, Release
 
 OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
@@ -47,7 +47,7 @@ def _overhead(chosen: PhysicsEngine, timestep: float) -> Ratio:  # type: ignore[
     scene = load("gentle-rock")
     case = Case(scene=scene, engine=chosen.name, timestep=timestep)
     known = chosen.simulate(case)
-    pose, twist = release_state(scene.can, scene.release)
+    pose, twist = released(scene)
     sunk = Pose(
         position=pose.position - np.array((0.0, 0.0, known.static_penetration)),
         quaternion=pose.quaternion,

@@ -3,7 +3,8 @@
 Every property is read back from the compiled engine or probed in it: mass and moments are read;
 gravity, timestep, damping and velocity clamps are probed in free flight; radius, height and the
 roundness of the rim by distance queries at several tilts, as the collider sees them; the friction
-of the pair by a can that slides. The probes know a `World` and no engine.
+of the pair by a can that slides, and every other law of the contact that is declared likewise. The
+probes know a `World` and no engine.
 """
 
 import math
@@ -13,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.engines.base import Floats, World
+from harness.engines.parity_contact import contact_laws
 from harness.engines.parity_finding import Finding
 from harness.engines.parity_flight import free_flight, shaken_flight
 from harness.simulation import ParityRow
@@ -53,6 +55,7 @@ def parity(
         *(() if scene.effects.shake is None else shaken_flight(world, scene)),  # type: ignore[arg-type]
         *_collider(world, scene),
         _friction(world, scene, timestep),
+        *contact_laws(world, scene, timestep),
     ]
     rows = []
     for finding in findings:
@@ -127,21 +130,28 @@ def _collider(world: World, scene: Scene) -> Iterator[Finding]:
     can = scene.can
     still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
     lift = 1e-3 * can.radius  # within every engine's reach and out of contact
+    rim = scene.effects.rim
+    arc = 0.0 if rim is None else rim.radius
     sines, reach, ideal = [], [], []
     for phi in _TILTS:
         for theta in _SPINS:
             low = -float(contact_offset(can, phi, 0.0)[2])
             position = np.array((0.0, 0.0, low + lift))
             world.place(Pose(position=position, quaternion=quaternion(phi, 0.0, theta)), still)
-            sines.append((math.sin(phi), math.cos(phi)))
+            # an arc takes r (sin + cos - 1) off the reach of a sharp rim
+            blunt = 1.0 - math.sin(phi) - math.cos(phi)
+            sines.append((math.sin(phi), math.cos(phi), blunt)[: 2 if rim is None else 3])
             reach.append(low + lift - world.gap())
-            ideal.append(low)
-    (radius, half_height), *_ = np.linalg.lstsq(np.array(sines), np.array(reach), rcond=None)
+            ideal.append(low + arc * blunt)
+    (radius, half_height, *found_arc), *_ = np.linalg.lstsq(
+        np.array(sines), np.array(reach), rcond=None
+    )
     worst = float(np.max(np.abs(np.array(reach) - np.array(ideal))))
     for quantity, declared, found, how in (
         ("radius R", can.radius, float(radius), "fit to distances at tilts of 0.02 to 1.5 rad"),
         ("half height H", can.half_height, float(half_height), "the same fit"),
         ("rim deviation", 0.0, worst, "largest distance from the ideal rim over all tilts"),
+        *(("radius of the rim's arc", arc, float(each), "the same fit") for each in found_arc),
     ):
         yield Finding(
             quantity=quantity,

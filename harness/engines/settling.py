@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from harness.engines.base import Floats, World
 from models.kinematics import angles
-from models.rim import contact_offset
+from models.rim import arc_of, contact_offset
 from models.scene import Scene
 from models.state import Pose, Twist
 
@@ -46,7 +46,7 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     world.place(pose, twist)
     pose = _lowered(pose, world.gap())  # a collider larger than the can would start deep inside
     phi, psi, _ = angles(pose.quaternion)
-    offset = contact_offset(scene.can, phi, psi)
+    offset = contact_offset(scene.can, phi, psi, arc=arc_of(scene.effects))
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s
 
     def rise(depth: float) -> float:

@@ -31,7 +31,7 @@ from harness.engines.settling import settle
 from harness.simulation import Outcome, ParityRow, Simulation
 from harness.trajectory import Trajectory
 from models.errors import InvalidValueError
-from models.rim import release_state
+from models.rim import released
 from models.state import Pose, Twist
 
 W = TypeVar("W", bound=World)
@@ -115,7 +115,7 @@ class PhysicsEngine(ABC, Generic[W]):
             timestep=self.timestep(case),
             settings=self.resolve(case),
         )
-        pose, twist = release_state(case.scene.can, case.scene.release)
+        pose, twist = released(case.scene)
         rows: tuple[ParityRow, ...] = ()
         try:
             rows = self.parity(case)

@@ -19,7 +19,7 @@ from harness.engines.mujoco.world import MujocoWorld
 from harness.engines.recording import record
 from harness.engines.settling import settle
 from harness.simulation import Outcome, Simulation
-from models.rim import release_state
+from models.rim import released
 
 MOST_STEPS = 4096
 """Steps of a run, 180 bytes each, up to which it is batched."""
@@ -50,7 +50,7 @@ def run_batch(
     states = np.empty((len(cases), mujoco.mj_stateSize(model, STATE)))
     depths = []
     for row, case in enumerate(cases):
-        pose, twist = release_state(case.scene.can, case.scene.release)
+        pose, twist = released(case.scene)
         depth, pose = settle(world, case.scene, pose, twist)
         world.place(pose, twist)
         mujoco.mj_getState(model, data, states[row], STATE)

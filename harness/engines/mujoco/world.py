@@ -70,6 +70,12 @@ class MujocoWorld:
         stiffest = case.profile != "default" and "solref" not in dict(case.options)
         self._tied = stiffest and not self._soft
         damping = dof_damping(case.scene)
+        if damping is not None and case.scene.effects.point_mass is not None:
+            reason = (
+                "MuJoCo damps the velocity of the can's centre, which is not that of the centre of "
+                "mass beside a point mass; engine 'pybullet' can"
+            )
+            raise RefusedModelError(case.engine, case.label(), reason)
         if damping is not None:
             self.model.dof_damping[:] = damping
         elif chosen["build"] == "everything":

@@ -21,7 +21,6 @@ from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
 from harness.engines.pybullet.frames import Frames, Reading, State
 from harness.engines.pybullet.settings import DYNAMICS, PROCESS_WIDE, SOLVER, URDF_FLAGS
-from harness.errors import RefusedModelError
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
@@ -77,9 +76,6 @@ class PybulletWorld:
         if dynamics:
             pybullet.changeDynamics(self.can, -1, **dynamics, **here)
         effects = case.scene.effects
-        if effects.damping is not None and self.off_centre:
-            reason = "damping acts on the whole body, and not on the can beside its point mass"
-            raise RefusedModelError(case.engine, case.label(), reason)
         if effects.compliance is not None:
             # springs in series and dampers added up; a body that says nothing is damped by 0.1
             pybullet.changeDynamics(
