@@ -13,6 +13,7 @@ import numpy as np
 
 from reference.chebyshev import integrator, points, to_coefficients
 from reference.regular import (
+    DROP,
     NUTATION_RATE,
     SPIN,
     SWEEP,
@@ -29,8 +30,8 @@ MOST_ITERATIONS = 40
 BLIND_ROUNDS = 6
 # Where phi' hardly moves phi within a step there is nothing to guess.
 SLOW = 0.1
-# Slowest phi' told from rest, over that of a fall from the same nutation.
-IDLE = 1e-3
+# Round-off of the kinetic force, over eps, as a share of its terms: some twenty roundings.
+ROUNDED = 0.1
 # As close to 1 as phi' over its speed is taken, far from the bounce.
 CLOSEST = 1 - 1e-15
 # An iteration that moves by this much, or to where there are no numbers, diverges.
@@ -52,13 +53,13 @@ class Element:
     ----------
     length : float
         In sigma.
-    values : ndarray, shape (4, nodes)
-        (T, Phi, b, s) at the Chebyshev points.
+    values : ndarray, shape (5, nodes)
+        (T, Phi, b, s, d) at the Chebyshev points.
     evaluations : int
         Evaluations of the field, each at all nodes.
     harmonics : int
         Index of the last Chebyshev coefficient that stands out of round-off.
-    scale : ndarray, shape (4, 1)
+    scale : ndarray, shape (5, 1)
         Magnitudes of the values.
     """
 
@@ -77,17 +78,19 @@ class Refused:
     evaluations: int
 
 
-def scales(values: Floats) -> Floats:
-    """Magnitudes against which (T, Phi, b, s) are judged, shape (4, 1)."""
+def scales(equations: RegularEquations, values: Floats, length: float) -> Floats:
+    """Magnitudes against which (T, Phi, b, s, d) are judged, shape (5, 1)."""
     size = np.abs(values).max(axis=1)
     low = values[TANGENT].min()
     precession = size[SWEEP] / low
     tiny = np.finfo(float).tiny
-    # beside balance nothing moves yet: there gravity sets the scale
-    speed = max(size[NUTATION_RATE], precession / 2, IDLE * sqrt(size[TANGENT])) + tiny
+    # beside balance phi' is tiny and yet has all its digits, but for round-off of the kinetic force
+    swung = precession * (precession + size[SPIN])
+    speed = max(size[NUTATION_RATE], ROUNDED * min(swung * length, precession)) + tiny
+    fall = max(np.abs(values[DROP] + equations.short).max(), size[DROP]) + tiny
     # the spin is driven by the sweep through a logarithm: of the order of b
     return np.array(
-        [[size[TANGENT]], [speed], [size[SWEEP] + tiny], [size[SPIN] + size[SWEEP] + tiny]]
+        [[size[TANGENT]], [speed], [size[SWEEP] + tiny], [size[SPIN] + size[SWEEP] + tiny], [fall]]
     )
 
 
@@ -99,7 +102,7 @@ def advance(
     Parameters
     ----------
     equations : RegularEquations
-    start : ndarray, shape (4,)
+    start : ndarray, shape (5,)
     length : float
         In sigma.
     guess : Element or None
@@ -121,7 +124,7 @@ def advance(
                 y[TANGENT] = start[TANGENT] * np.exp(y[NUTATION_RATE] @ weights)
             count += rounds
             rounds = 1 if guess is not None else 2
-            scale = scales(y) if guess is None else guess.scale
+            scale = scales(equations, y, length) if guess is None else guess.scale
             moved = float((np.abs(y - old) / scale).max())
             if moved < STANDS or (moved < TOLERATED and moved > before / 2):
                 break
@@ -141,7 +144,7 @@ def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> F
 
     A first guess: it keeps the iteration from falling through the plane.
     """
-    T, Phi, b, _ = start.tolist()
+    T, Phi, b, _, _ = start.tolist()
     q = b / sine_of(T)
     speed = sqrt(Phi * Phi + equations.swing * q * q)
     y = np.repeat(start[:, None], NODES, axis=1)
@@ -151,6 +154,7 @@ def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> F
     u = phase + (speed * length / 2) * (points(NODES) + 1)
     y[TANGENT] = T * np.cosh(u) / cosh(phase)
     y[NUTATION_RATE] = speed * np.tanh(u)
+    y[DROP] += 2 * (np.arctan(T) - np.arctan(y[TANGENT]))
     return y
 
 

@@ -10,7 +10,7 @@ from reference.chebyshev import clenshaw, points, to_coefficients
 from reference.regular import sine_of
 from reference.states import Floats, States, select_states
 
-TIME = 4
+TIME = 5
 # Newton on a monotone, nearly linear function: a handful of rounds, bisection where they overshoot.
 MOST_ROUNDS = 60
 
@@ -23,8 +23,8 @@ class Piece:
     ----------
     length : float
         In sigma.
-    values : ndarray, shape (7, nodes) or (9, nodes)
-        T, Phi, b, s, t, psi, psi + theta[, x, y] at the Chebyshev points.
+    values : ndarray, shape (8, nodes) or (10, nodes)
+        T, Phi, b, s, d, t, psi, psi + theta[, x, y] at the Chebyshev points.
     """
 
     length: float
@@ -73,7 +73,7 @@ class ElementsPath:
     def of(cls, pieces: Sequence[Piece], release: States) -> "ElementsPath":
         """Gather the steps; without any the path is its release."""
         if not pieces:
-            return cls(values=np.empty((7, 0, 2)), release=release)
+            return cls(values=np.empty((8, 0, 2)), release=release)
         return cls(values=np.stack([piece.values for piece in pieces], axis=1), release=release)
 
     def nodes(self) -> tuple[Floats, States]:
@@ -133,9 +133,9 @@ def _derivative(coefficients: Floats) -> Floats:
 
 
 def _states(values: Floats) -> States:
-    T, Phi, b, s, _, psi, total = values[:7]
+    T, Phi, b, s, _, _, psi, total = values[:8]
     psi_dot = b / sine_of(T) ** 2
-    with_locus = len(values) > 7  # noqa: PLR2004 - seven quantities, or nine
+    with_locus = len(values) > 8  # noqa: PLR2004 - eight quantities, or ten
     return States(
         phi=2 * np.arctan(T),
         phi_dot=Phi,
@@ -144,6 +144,6 @@ def _states(values: Floats) -> States:
         theta=total - psi,
         theta_dot=s - psi_dot,
         spin=s,
-        x=values[7] if with_locus else None,
-        y=values[8] if with_locus else None,
+        x=values[8] if with_locus else None,
+        y=values[9] if with_locus else None,
     )

@@ -31,10 +31,13 @@ class Clock:
     ----------
     low, high, beyond : ndarray, shape (n,)
         c, b, a with 0 < c < b < a.
+    swing : ndarray, shape (n,)
+        b - c, which has digits of its own where phi hardly moves.
     """
 
     low: Floats
     high: Floats
+    swing: Floats
     beyond: Floats
 
     @property
@@ -54,7 +57,7 @@ class Clock:
         conjugate = ellipk(self.complementary)
         # sc^2(height) = (b + c)/(b - c) for the complementary parameter, about pi/4 in a hard
         # bounce
-        ratio = np.sqrt((self.high + self.low) / (self.high - self.low))
+        ratio = np.sqrt((self.high + self.low) / self.swing)
         return np.asarray(np.minimum(np.arctan(ratio), conjugate), dtype=float)
 
     @property
@@ -76,12 +79,11 @@ class Clock:
         phi, phi - phi_min, phi_max - phi : ndarray, shape (m, n)
             Each to round-off of itself.
         """
-        a, b, c = self.beyond, self.high, self.low
+        b, c, swing = self.high, self.low, self.swing
         sn2, cn2 = squared_sn_cn(fraction, self.complementary)
-        denominator = (b - c) * cn2 + 2 * c
-        rise = 2 * c * (b - c) * sn2 / denominator
-        gap = (b - c) * (b + c) * cn2 / denominator
-        del a
+        denominator = swing * cn2 + 2 * c
+        rise = 2 * c * swing * sn2 / denominator
+        gap = swing * (b + c) * cn2 / denominator
         return np.where(rise < gap, c + rise, b - gap), rise, gap
 
 

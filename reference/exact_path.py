@@ -24,18 +24,19 @@ from reference.harmonics import SILENT, Harmonics, harmonics_of, locus_harmonics
 from reference.outcome import Outcome
 from reference.problem import Problem
 from reference.quadrature import clock_of, nodes_needed, rates
+from reference.roots import bracketed_roots
 from reference.run import Run
 from reference.states import Floats, States, initial_states, select_states
 from reference.track import Track
-from reference.turning_points import OUTCOMES, TurningPoints, turning_points
-from reference.well import level
+from reference.turning_points import OUTCOMES, TurningPoints, fall_below, turning_points
+from reference.well import Well, level
 
 # The quadrature is exact with the harmonics a function needs for half its digits; histories need
 # all.
 MORE_NODES = 3
 # Newton on a monotone function between brackets.
 MOST_ROUNDS = 80
-# Samples of a half period among which peaks are looked for and grids begin.
+# At least so many samples of a half period, among which peaks are looked for and grids begin.
 SAMPLES = 48
 
 
@@ -70,13 +71,15 @@ class ExactPath:
         return self._states(self.phase(times))
 
     def nodes(self) -> tuple[Floats, States]:
-        """Return times and states on an even grid of the clock."""
+        """Return times and states on an even grid of the clock, without the contact point."""
         end = float(self.phase(np.array([self.t_end]))[0])
-        count = int(np.ceil((end - self.start) * SAMPLES)) + 1
+        # a long wait beside balance leaves little of the clock to the bounce: more samples then
+        a_half = max(SAMPLES, int(nodes_needed(self.clock)[0]))
+        count = int(np.ceil((end - self.start) * a_half)) + 1
         phase = np.linspace(self.start, end, max(count, 2))
         times = np.clip(self.time.at(phase) - self._at_start(self.time), 0.0, self.t_end)
         times[-1] = self.t_end
-        return times, self._states(phase)
+        return times, self._states(phase, locus=False)
 
     def time_at(self, phase: float) -> float:
         """Time at u = phase K."""
@@ -129,7 +132,7 @@ class ExactPath:
     def _at_start(self, harmonics: Harmonics) -> float:
         return float(harmonics.at(np.array([self.start]))[0])
 
-    def _states(self, phase: Floats) -> States:
+    def _states(self, phase: Floats, *, locus: bool = True) -> States:
         local = phase - 2 * np.round(phase / 2)
         phi, _, gap = self.clock.nutation(np.abs(local)[:, None])
         state = level(self.points.well, phi, gap)
@@ -142,7 +145,7 @@ class ExactPath:
         psi_dot = (state.b / state.sine**2)[:, 0]
         spin = state.spin[:, 0]
         x = y = None
-        if self.locus is not None:
+        if locus and self.locus is not None:
             place = self._contact(phase)
             x, y = place.real, place.imag
         return States(
@@ -162,13 +165,23 @@ class ExactPath:
             raise ValueError("the contact locus was not asked for")
         size = np.abs(self.locus)
         heard = np.flatnonzero(size > SILENT * size.max())
-        rate = self.precession.slope + np.pi * (heard - self.locus.size // 2)
-        weight = self.locus[heard]
+        wave = np.arange(heard[0], heard[-1] + 1) - self.locus.size // 2
+        rate = self.precession.slope + np.pi * wave
+        slowest = np.abs(rate).argmin()
+        part = self.locus[heard[0] : heard[-1] + 1]
+        weight = np.delete(part, slowest) / np.delete(rate, slowest)
 
         def moved(at: Floats) -> NDArray[np.complex128]:
-            # the integral of exp(i w u), finite where a rate vanishes
-            half = at[:, None] * (rate / 2)
-            return np.asarray(1j * at * ((np.exp(1j * half) * np.sinc(half / np.pi)) @ weight))
+            # the integral of i exp(i w u) is (exp(i w u) - 1)/w, each wave the one before turned on
+            waves = np.empty((rate.size, at.size), dtype=complex)
+            waves[0] = np.exp(1j * rate[0] * at)
+            waves[1:] = np.exp(1j * np.pi * at)
+            np.multiply.accumulate(waves, axis=0, out=waves)
+            swift = weight @ np.delete(waves, slowest, axis=0) - weight.sum()
+            # of the slowest the rate may be as good as zero
+            half = at * (rate[slowest] / 2)
+            slow = 1j * at * np.exp(1j * half) * np.sinc(half / np.pi)
+            return np.asarray(swift + part[slowest] * slow)
 
         turn = np.exp(1j * (self.problem.psi - self._at_start(self.precession)))
         start = contact_from_centre(initial_states(self.problem), self.problem.parameters)[0]
@@ -191,7 +204,8 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
         for name in ("phi", "phi_dot", "psi_dot", "theta_dot")
     }
     series = series_of(problem.parameters)
-    points = turning_points(release_well(can, series, **release))
+    released = release_well(can, series, **release)
+    points = turning_points(released)
     if OUTCOMES[int(points.code[0])] is not Outcome.FINISHED:
         return None
     clock = clock_of(points)
@@ -202,7 +216,7 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
     time, precession, total = (
         harmonics_of(K * part[:, 0]) for part in (found.time, found.precession, found.total)
     )
-    start = _phase_at_release(problem, points, clock)
+    start = _phase_at_release(problem, released, points, clock)
     path = ExactPath(
         problem=problem,
         points=points,
@@ -219,19 +233,26 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
     return _until_horizon(problem, path, nodes)
 
 
-def _phase_at_release(problem: Problem, points: TurningPoints, clock: Clock) -> float:
-    """u/K of the release: -1 at rest on a maximum, 0 at rest on a minimum."""
+def _phase_at_release(
+    problem: Problem, released: Well, points: TurningPoints, clock: Clock
+) -> float:
+    """u/K of the release: -1 at rest on a maximum, 0 at rest on a minimum.
+
+    A release that hardly moves is near a turning point by a distance that phi has no digits for:
+    it is found from the distance, and not from phi.
+    """
     if problem.phi_dot == 0:
-        return -1.0 if points.high[0] == problem.phi else 0.0
-    low, high = 0.0, 1.0
-    # bisection: nutation is monotone in u, and this is done once
-    for _ in range(64):
-        middle = (low + high) / 2
-        if float(clock.nutation(np.array([[middle]]))[0][0, 0]) < problem.phi:
-            low = middle
-        else:
-            high = middle
-    return float(np.copysign((low + high) / 2, problem.phi_dot))
+        return -1.0 if points.climb[0] == 0 else 0.0
+    fall = fall_below(released, points)
+    upper = bool(points.climb[0] < fall[0])
+    goal = points.climb if upper else fall
+
+    def apart(fraction: Floats) -> Floats:
+        _, rise, gap = clock.nutation(fraction[None])
+        return np.asarray((goal - gap[0]) if upper else (rise[0] - goal))
+
+    found = bracketed_roots(apart, np.zeros(1), np.ones(1))
+    return float(np.copysign(found[0], problem.phi_dot))
 
 
 def _until_horizon(problem: Problem, path: ExactPath, nodes: int) -> Run:

@@ -34,6 +34,8 @@ from reference.states import Floats
 
 # At phi = pi/2 the terms fall like 2^-n, times a low power of n from the double pole at pi.
 MOST_TERMS = 72
+# Places of one polynomial up to which all its powers fit in a processor's cache.
+FEW = 512
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,7 +180,17 @@ def terms_needed(phi: float) -> int:
 
 
 def horner(coefficients: Floats, x: Floats) -> Floats:
-    """Value of polynomials, coefficients of shape (terms, ...) broadcast against x."""
+    """Value of polynomials, coefficients of shape (terms, ...) broadcast against x.
+
+    One polynomial at a few places is the sum of its terms, which is a product of two arrays.
+    """
+    if coefficients[0].size == 1 and 0 < x.size <= FEW:
+        powers = np.empty((coefficients.shape[0], x.size))
+        powers[0] = 1.0
+        powers[1:] = x.ravel()
+        np.multiply.accumulate(powers, axis=0, out=powers)
+        shape = np.broadcast_shapes(coefficients.shape[1:], x.shape)
+        return np.asarray((coefficients.ravel() @ powers).reshape(shape))
     value = np.asarray(coefficients[-1] * x)
     value += coefficients[-2]
     for row in coefficients[-3::-1]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import dct
 
 from reference.states import Floats
 
@@ -27,9 +28,7 @@ class Harmonics:
 def harmonics_of(rate: Floats) -> Harmonics:
     """Integrate an even periodic function given at the midpoints of [0, 1] in u/K."""
     n = rate.size
-    k = np.arange(1, n)
-    waves = np.cos(np.pi * np.outer(k, np.arange(n) + 0.5) / n) @ rate * (2 / n)
-    waves /= np.pi * k
+    waves = dct(rate)[1:] / (n * np.pi * np.arange(1, n))
     heard = np.flatnonzero(np.abs(waves) > SILENT * np.abs(waves).max(initial=0.0))
     last = int(heard[-1]) + 1 if heard.size else 0
     return Harmonics(slope=float(rate.mean()), waves=waves[:last])
@@ -41,5 +40,6 @@ def locus_harmonics(rotation: Floats, precession: Harmonics) -> NDArray[np.compl
     phase = (np.arange(-n, n) + 0.5) / n
     wobble = precession.at(phase) - precession.slope * phase
     signal = np.concatenate([rotation[::-1], rotation]) * np.exp(1j * wobble)
-    k = np.arange(-n, n)
-    return np.asarray(np.exp(-1j * np.pi * np.outer(k, phase)) @ signal / (2 * n))
+    # the first midpoint is at -1 + 1/(2 n): a half turn back, and half a step on, in every wave
+    shift = np.exp(-1j * np.pi * np.arange(-n, n) * phase[0])
+    return np.asarray(shift * np.fft.fftshift(np.fft.fft(signal)) / (2 * n))

@@ -16,12 +16,13 @@ from reference.pendulum import solve_pendulum
 from reference.phases import Follower, PhasedRun
 from reference.problem import Problem
 from reference.reduced import solve_reduced
+from reference.rocking import rock
 from reference.run import Run
 from reference.solution import Solution
 from reference.time_stepping import SCIPY_METHODS, step_in_time
 
 OUTPUTS = frozenset({"contact_locus"})
-METHODS = ("regular", *SCIPY_METHODS)
+METHODS = ("regular", "marching", *SCIPY_METHODS)
 MODELS = (
     "auto",
     "pendulum",
@@ -59,8 +60,9 @@ def solve(
         and where that is "rolling" the same as "exact": the closed solution of the full equations
         where the can bounces, integrated where it does not. "rolling" always integrates.
     method : str
-        How to integrate: "regular", the default (`reference.marching`), or one of scipy's methods
-        in the raw variables.
+        How to integrate: "regular", the default (`reference.rocking`); "marching", the same without
+        use of its mirror symmetry (`reference.marching`); or one of scipy's methods in the raw
+        variables.
     rtol : float
         Relative tolerance of scipy's methods; "regular" always works to round-off.
     outputs : set of str
@@ -142,6 +144,8 @@ def _dispatch(
         if found is not None:
             return found, "exact", "quadrature"
     if method == "regular":
+        return rock(problem, locus=locus), "rolling", method
+    if method == "marching":
         return march(problem, locus=locus), "rolling", method
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
 

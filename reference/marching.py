@@ -70,7 +70,7 @@ class _March:
     evaluations: int = 0
 
 
-def march(problem: Problem, *, locus: bool) -> Run:
+def march(problem: Problem, *, locus: bool, watch: Watch | None = None) -> Run:
     """Integrate the rolling equations to the horizon or an ending.
 
     Parameters
@@ -78,6 +78,8 @@ def march(problem: Problem, *, locus: bool) -> Run:
     problem : Problem
     locus : bool
         Whether to integrate the contact point as well.
+    watch : Watch or None
+        Decides the ending; by default the horizon of the problem does.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def march(problem: Problem, *, locus: bool) -> Run:
     """
     p = problem.parameters
     S = sin(problem.phi)
-    equations = regular_equations(p)
+    equations = regular_equations(p, problem.phi)
     contact = None
     if locus:
         x, y = contact_from_centre(initial_states(problem), p)[0, :2].tolist()
@@ -97,6 +99,7 @@ def march(problem: Problem, *, locus: bool) -> Run:
                 problem.phi_dot,
                 S * S * problem.psi_dot,
                 problem.psi_dot + problem.theta_dot,
+                0.0,
             ]
         ),
         time=0.0,
@@ -104,7 +107,7 @@ def march(problem: Problem, *, locus: bool) -> Run:
         total=problem.psi + problem.theta,
         contact=contact,
     )
-    watch = Watch(problem)
+    watch = Watch(problem) if watch is None else watch
     length = inf
     while not watch.ended():
         if state.pieces and watch.t_end - state.time <= 8 * np.spacing(watch.t_end):
@@ -149,7 +152,7 @@ def _step(equations: RegularEquations, state: _March, watch: Watch, length: floa
 def _fastest(equations: RegularEquations, y: Floats) -> float:
     """Fastest rate at a state, in 1/sigma."""
     pull = float(rates(equations, y[:, None])[NUTATION_RATE, 0])
-    T, Phi, b, _ = y.tolist()
+    T, Phi, b, _, _ = y.tolist()
     precession = b * (1 + T * T) / (2 * T)
     sine = 2 * T / (1 + T * T)
     return float(max(sqrt(Phi**2 + equations.swing * precession**2 + abs(pull)), PENDULUM * sine))
@@ -191,7 +194,7 @@ def _onto_extremum(equations: RegularEquations, state: _March, element: Element)
 
 def _piece(state: _March, element: Element) -> Piece:
     """Quadratures over a step: time, precession, precession plus rotation, contact point."""
-    T, _, b, s = element.values
+    T, _, b, s, _ = element.values
     S = sine_of(T)
     q = b / S
     rows = integral(element.length, np.stack([S, q, S * s]))
@@ -265,8 +268,8 @@ def _ending(watch: Watch, piece: Piece) -> tuple[float, Outcome] | None:
 
 
 def snapshot(column: list[float]) -> Snapshot:
-    """State from the values (T, Phi, b, s, t, psi, psi + theta)."""
-    T, Phi, b, s, _, psi, total = column[:7]
+    """State from the values (T, Phi, b, s, d, t, psi, psi + theta)."""
+    T, Phi, b, s, _, _, psi, total = column[:8]
     phi = 2 * atan(T)
     psi_dot = b / sin(phi) ** 2
     return Snapshot(
@@ -283,9 +286,9 @@ def snapshot(column: list[float]) -> Snapshot:
 def _accept(state: _March, piece: Piece, element: Element) -> None:
     state.pieces.append(piece)
     state.cycle.append(element)
-    state.y = piece.values[:4, -1].copy()
+    state.y = piece.values[:TIME, -1].copy()
     if abs(state.y[NUTATION_RATE]) <= np.finfo(float).tiny:
         state.y[NUTATION_RATE] = 0.0
-    state.time, state.psi, state.total = piece.values[4:7, -1].tolist()
+    state.time, state.psi, state.total = piece.values[TIME : TIME + 3, -1].tolist()
     if state.contact is not None:
-        state.contact = (float(piece.values[7, -1]), float(piece.values[8, -1]))
+        state.contact = (float(piece.values[-2, -1]), float(piece.values[-1, -1]))

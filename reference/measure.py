@@ -15,10 +15,10 @@ from reference.states import Floats, States
 from reference.track import Track
 
 Quantity: TypeAlias = Callable[[States], Floats]
-# A peak is narrowed down by sampling between the neighbours of the best sample, again and again:
-# the
-# peak is flat, so four rounds of 1/8 leave 8^-8 = 6e-8 of the error of the first samples.
-ROUNDS = 4
+# A peak is narrowed down by sampling between the neighbours of the best sample, again and again,
+# until they are as high as the best but for this share of it; each round gains 8^2.
+LEVEL = 1e-8
+MOST_ROUNDS = 16
 SAMPLES = 17
 # Samples beside an extremum exceed it by round-off alone.
 SHOULDER = 1e-12
@@ -109,15 +109,18 @@ def _refined(
     steps = np.linspace(0, 1, SAMPLES)
     rows = np.arange(left.size)
     best = np.abs(sign)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         grid = left[:, None] + (right - left)[:, None] * steps
         values = np.abs(quantity(path.at(grid.ravel()))).reshape(grid.shape)
         peak = values.argmax(axis=1)
         best = np.maximum(best, values[rows, peak])
         left = grid[rows, np.maximum(peak - 1, 0)]
         right = grid[rows, np.minimum(peak + 1, SAMPLES - 1)]
+        middle = np.clip(peak, 1, SAMPLES - 2)
+        sides = np.minimum(values[rows, middle - 1], values[rows, middle + 1])
+        if (sides >= (1 - LEVEL) * values[rows, middle]).all():
+            break
     # the vertex of the parabola through the best sample and its neighbours: fourth order
-    middle = np.clip(peak, 1, SAMPLES - 2)
     below, top, above = (values[rows, middle + step] for step in (-1, 0, 1))
     bend = 2 * top - below - above
     rise = np.divide((above - below) ** 2, 8 * bend, out=np.zeros_like(top), where=bend > 0)

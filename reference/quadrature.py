@@ -17,6 +17,8 @@ from reference.well import level, select_well
 # Nodes that make exp(-2 pi strip nodes/K) smaller than round-off: 38 is -log of 3e-17.
 DECADES = 38.0
 MOST_NODES = 4096
+# So near the reference, over the distance of the second point, that it stands for the reference.
+BESIDE = 1e-20
 # A peak is flat: 4^-12 of the distance between nodes is 4^-24 in the value.
 PEAK_ROUNDS = 12
 # The rule's error is the square of the highest harmonic it resolves.
@@ -39,6 +41,8 @@ def select_points(points: TurningPoints, index: NDArray[np.intp]) -> TurningPoin
         well=select_well(points.well, index),
         low=points.low[index],
         high=points.high[index],
+        swing=points.swing[index],
+        climb=points.climb[index],
         code=points.code[index],
     )
 
@@ -50,15 +54,16 @@ def clock_of(points: TurningPoints) -> Clock:
     how fast the rule converges, not what it converges to.
     """
     well, high = points.well, points.high
-    aside = np.minimum(1e-3 * high, 0.5 * (high - points.low))
-    below = np.stack([aside, 2 * aside])
+    aside = np.minimum(1e-3 * high, 0.5 * points.swing)
+    below = np.stack([BESIDE * aside, aside])
     near, far = level(well, high - below, below).slope
-    # g/(r - phi) is linear beside the reference and vanishes again at the root beyond it
+    # g/(r - phi) is linear beside the reference and vanishes again at the root beyond it: a small
+    # distance to it is known to its own digits, because the slope at the reference is
     drop = far - near
     with np.errstate(divide="ignore", over="ignore"):
-        reach = np.where(drop > 0, (2 * near - far) * aside / np.where(drop > 0, drop, 1.0), np.inf)
-    beyond = high + np.clip(reach, 1e-14 * high, np.pi - high)
-    return Clock(low=points.low, high=high, beyond=beyond)
+        reach = np.where(drop > 0, near * aside / np.where(drop > 0, drop, 1.0), np.inf)
+    beyond = high + np.clip(reach, 2 * np.spacing(high), np.pi - high)
+    return Clock(low=points.low, high=high, swing=points.swing, beyond=beyond)
 
 
 def nodes_needed(clock: Clock) -> NDArray[np.int64]:
@@ -131,7 +136,7 @@ def _unresolved(found: Rates) -> NDArray[np.bool_]:
 def _peak(points: TurningPoints, found: Rates) -> Floats:
     """Precession rate of largest magnitude on the way."""
     low, high = points.low, points.high
-    bottom = level(points.well, low[None], (high - low)[None])
+    bottom = level(points.well, low[None], points.swing[None])
     ends = np.stack([bottom.b[0] / bottom.sine[0] ** 2, points.well.b / np.sin(high) ** 2])
     rate = np.concatenate([ends[:1], found.psi_dot, ends[1:]])
     best = np.abs(rate).argmax(axis=0)

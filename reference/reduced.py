@@ -97,7 +97,12 @@ class Reduced:
     def period(self, phi: float) -> float:
         """Period of the motion that rests at `phi`, in this equation's own time."""
         low, level = self.turning_point(phi), float(self.potential(np.asarray(phi)))
-        clock = Clock(low=np.array([low]), high=np.array([phi]), beyond=np.array([np.pi]))
+        clock = Clock(
+            low=np.array([low]),
+            high=np.array([phi]),
+            swing=np.array([phi - low]),
+            beyond=np.array([np.pi]),
+        )
         nodes = 4 * int(nodes_needed(clock)[0])
         fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
         nutation, rise, gap = clock.nutation(fraction)

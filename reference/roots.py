@@ -31,7 +31,7 @@ def bracketed_roots(f: Callable[[Floats], Floats], left: Floats, right: Floats) 
     c, fc = a.copy(), fa.copy()
     fraction = np.full(a.shape, 0.5)
     settled = (fa == 0) | (fb == 0) | (np.sign(fa) == np.sign(fb))
-    best, best_f = np.where(np.abs(fa) < np.abs(fb), a, b), np.minimum(np.abs(fa), np.abs(fb))
+    best = np.where(np.abs(fa) < np.abs(fb), a, b)
     for _ in range(MOST_ITERATIONS):
         if settled.all():
             break
@@ -42,8 +42,8 @@ def bracketed_roots(f: Callable[[Floats], Floats], left: Floats, right: Floats) 
         c, fc = np.where(same, b, a), np.where(same, fb, fa)
         a, fa = np.where(same, a, b), np.where(same, fa, fb)
         b, fb = x, fx
-        better = (np.abs(fx) < best_f) & ~settled
-        best, best_f = np.where(better, x, best), np.where(better, np.abs(fx), best_f)
+        # of the ends of the bracket: an end left behind may have a smaller value and be far away
+        best = np.where(settled, best, np.where(np.abs(fa) < np.abs(fb), a, b))
         width = np.abs(a - b)
         tolerance = 2 * np.spacing(np.maximum(np.abs(a), np.abs(b)))
         settled |= (width <= tolerance) | (fx == 0)

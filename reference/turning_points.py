@@ -17,6 +17,8 @@ OUTCOMES = tuple(Outcome)
 UPRIGHT = np.pi / 2
 GRID = 32
 COARSE = 8
+# Distances below this share of phi have lost so many digits that they are solved for by themselves.
+NEARBY = 0.1
 # Below this the square of b underflows, and the far rim is nearer than any length in physics.
 SMALLEST = 1e-150
 
@@ -31,6 +33,10 @@ class TurningPoints:
         Referred to phi_max where there is one.
     low, high : ndarray
         phi_min and phi_max.
+    swing : ndarray
+        phi_max - phi_min, to relative round-off.
+    climb : ndarray
+        From the release up to phi_max, to relative round-off.
     code : ndarray of int
         Index into `OUTCOMES`; FINISHED where the can bounces.
     """
@@ -38,6 +44,8 @@ class TurningPoints:
     well: Well
     low: Floats
     high: Floats
+    swing: Floats
+    climb: Floats
     code: NDArray[np.int8]
 
 
@@ -62,32 +70,75 @@ def turning_points(well: Well) -> TurningPoints:
     at_rest = well.excess == 0
     still = at_rest & (np.abs(force) <= noise)
     falling = at_rest & (force < 0)
-    high, found = release.copy(), falling | still
+    climb, found = np.zeros_like(release), falling | still
     climbing = np.flatnonzero(~found)
     if climbing.size:
-        high[climbing], found[climbing] = _upper(select_well(well, climbing))
-    top = level(well, high[None], (release - high)[None])
-    # at the release itself its own values are exact
-    b = np.where(high == release, well.b, top.b[0])
-    spin = np.where(high == release, well.spin, top.spin[0])
-    none = np.zeros_like(high)
-    based = well_at(well.can, well.series, phi=high, b=b, spin=spin, excess=none, B=well.B)
+        climb[climbing], found[climbing] = _upper(select_well(well, climbing))
+    high = release + climb
+    top = level(well, high[None], -climb[None])
+    based = well_at(
+        well.can,
+        well.series,
+        phi=high,
+        # at the release itself its own values are exact
+        b=np.where(climb == 0, well.b, top.b[0]),
+        spin=np.where(climb == 0, well.spin, top.spin[0]),
+        excess=np.zeros_like(high),
+        B=well.B,
+        short=well.short - climb,
+    )
     low, bottom = _lower(based)
+    swing = _swing(based, low)
     code = np.full(release.shape, OUTCOMES.index(Outcome.FINISHED), dtype=np.int8)
     code[~bottom] = OUTCOMES.index(Outcome.FELL_FLAT)
-    code[found & bottom & (high - low <= PROMINENCE * high)] = OUTCOMES.index(Outcome.STEADY)
+    code[found & bottom & (swing <= PROMINENCE * high)] = OUTCOMES.index(Outcome.STEADY)
     code[~found] = OUTCOMES.index(Outcome.OVERTURNED)
     # moving down with too much energy to turn at the top: flat comes first if nothing turns
     code[still] = OUTCOMES.index(Outcome.STEADY)
-    return TurningPoints(well=based, low=low, high=high, code=code)
+    return TurningPoints(well=based, low=low, high=high, swing=swing, climb=climb, code=code)
+
+
+def fall_below(well: Well, points: TurningPoints) -> Floats:
+    """Distance from a moving release down to phi_min, to relative round-off, shape (n,).
+
+    Parameters
+    ----------
+    well : Well
+        Referred to the release, with its kinetic energy of nutation as `excess`.
+    points : TurningPoints
+    """
+    release = well.reference
+    fall = release - points.low
+    near = np.flatnonzero(fall < NEARBY * release)
+    some = select_well(well, near)
+
+    def g(below: Floats) -> Floats:
+        slope = level(some, (some.reference - below)[None], below[None]).slope[0]
+        return np.asarray(np.where(below == 0, some.excess, slope * below))
+
+    fall[near] = bracketed_roots(g, np.zeros(near.size), 2 * NEARBY * some.reference)
+    return fall
+
+
+def _swing(well: Well, low: Floats) -> Floats:
+    """Distance from the reference down to the root of g, to relative round-off."""
+    swing = well.reference - low
+    near = np.flatnonzero(swing < NEARBY * well.reference)
+    some = select_well(well, near)
+
+    def slope(below: Floats) -> Floats:
+        return np.asarray(level(some, (some.reference - below)[None], below[None]).slope[0])
+
+    swing[near] = bracketed_roots(slope, 0.5 * swing[near], 2 * swing[near])
+    return swing
 
 
 def _upper(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
-    """First root of g above the release, and whether there is one below pi/2."""
+    """Distance of the first root of g above the release, and whether there is one below pi/2."""
     release = well.reference
-    steps = (np.arange(1, GRID + 1)[:, None] / GRID) ** 2
-    phi = release + (UPRIGHT - release) * steps
-    state = level(well, phi, release - phi)
+    rise = (UPRIGHT - release) * (np.arange(1, GRID + 1)[:, None] / GRID) ** 2
+    phi = release + rise
+    state = level(well, phi, -rise)
     negative = state.slope > 0  # g = slope (r - phi), and r - phi < 0
     force = nutation_force(well.can, state.b, state.spin, phi)
     dips = np.zeros_like(negative)
@@ -95,20 +146,20 @@ def _upper(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
     found = np.asarray(negative.any(axis=0))
     first = np.where(found, negative.argmax(axis=0), GRID - 1)
     columns = np.arange(release.size)
-    left = np.where(first > 0, phi[first - 1, columns], release)
-    right = phi[first, columns]
+    left = np.where(first > 0, rise[first - 1, columns], 0.0)
+    right = rise[first, columns]
     candidate = dips.any(axis=0)
     if candidate.any():
         at = dips.argmax(axis=0)
         bottom = bracketed_roots(
-            lambda x: _force_at(well, x), phi[np.maximum(at - 1, 0), columns], phi[at, columns]
+            lambda x: _force_above(well, x), rise[np.maximum(at - 1, 0), columns], rise[at, columns]
         )
-        deep = candidate & (_slope(well, bottom) > 0) & (~found | (at <= first))
+        deep = candidate & (_g_above(well, bottom) < 0) & (~found | (at <= first))
         right = np.where(deep, bottom, right)
-        left = np.where(deep, phi[np.maximum(at - 1, 0), columns], left)
+        left = np.where(deep, rise[np.maximum(at - 1, 0), columns], left)
         found |= deep
-    root = bracketed_roots(lambda x: _g_like(well, x), left, right)
-    return np.asarray(np.where(found, root, UPRIGHT)), found
+    root = bracketed_roots(lambda x: _g_above(well, x), left, right)
+    return np.asarray(np.where(found, root, UPRIGHT - release)), found
 
 
 def _lower(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
@@ -144,14 +195,15 @@ def _slope(well: Well, phi: Floats) -> Floats:
     return np.asarray(level(well, phi[None], (well.reference - phi)[None]).slope[0])
 
 
-def _g_like(well: Well, phi: Floats) -> Floats:
+def _g_above(well: Well, distance: Floats) -> Floats:
     """G where the release moves, g over the distance where it rests."""
-    below = well.reference - phi
-    below = np.where(below == 0, -np.spacing(well.reference), below)
-    slope = level(well, phi[None], below[None]).slope[0]
-    return np.asarray(np.where(well.excess == 0, -slope, slope * below))
+    apart = np.where(distance == 0, np.spacing(well.reference), distance)
+    slope = level(well, (well.reference + apart)[None], -apart[None]).slope[0]
+    moving = np.where(distance == 0, well.excess, -slope * distance)
+    return np.asarray(np.where(well.excess == 0, -slope, moving))
 
 
-def _force_at(well: Well, phi: Floats) -> Floats:
-    state = level(well, phi[None], (well.reference - phi)[None])
+def _force_above(well: Well, distance: Floats) -> Floats:
+    phi = well.reference + distance
+    state = level(well, phi[None], -distance[None])
     return nutation_force(well.can, state.b[0], state.spin[0], phi)

@@ -10,7 +10,11 @@ quantity is carried as its difference from its value at a reference nutation r, 
 at rest is the release itself: polynomials through their exact divided differences, the logarithm as
 log1p, gravity as
 
-    (S_r - S) + h (C_r - C) = 2 sqrt(1 + h^2) sin((r - phi)/2) sin(phi* - (r + phi)/2).
+    (S_r - S) + h (C_r - C) = 2 sqrt(1 + h^2) sin((r - phi)/2) sin(phi* - r + (r - phi)/2),
+
+with phi* - r exact for the doubles given (`reference.balance`). Beside an equilibrium even the
+first order of the kinetic energy cancels: there it is the mean of its force, in which that order
+is a factor.
 """
 
 from dataclasses import dataclass
@@ -18,10 +22,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.balance import short_of_balance
 from reference.frobenius import Can, Series, horner
 from reference.states import Floats
 
 NEARLY_ALL = 0.75
+# A release is poised where the whole force on it is less than this share of its kinetic energy:
+# of a force computed from differences of that energy three digits would be lost.
+POISED = 1e-3
+# Down to here the mean force is taken, over this share of the reference nutation; the singularity
+# at phi = 0 is so far that Gauss's rule with six nodes is exact to (0.05/4)^12.
+BESIDE = 0.05
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +47,8 @@ class Well:
         Of the one can, shape (terms, 1), or of n cans, shape (terms, n).
     reference : ndarray
         Nutation r.
+    short : ndarray
+        phi* - r, to relative round-off.
     b, spin, excess : ndarray
         b, s and g there.
     B : ndarray
@@ -43,11 +57,14 @@ class Well:
         The part of b that has no log(phi/r).
     quotient_b, quotient_s : ndarray, shape (terms - 1, n)
         Divided differences at r of that part, and of the same part of s.
+    poised : ndarray of bool
+        Where the force on phi at r nearly vanishes.
     """
 
     can: Can
     series: Series
     reference: Floats
+    short: Floats
     b: Floats
     spin: Floats
     excess: Floats
@@ -55,6 +72,7 @@ class Well:
     part_b: Floats
     quotient_b: Floats
     quotient_s: Floats
+    poised: NDArray[np.bool_]
 
 
 def well_at(
@@ -66,21 +84,26 @@ def well_at(
     spin: Floats,
     excess: Floats,
     B: Floats | None = None,
+    short: Floats | None = None,
 ) -> Well:
     """Return the well that passes through (b, s, g) at nutation phi, all of shape (n,).
 
     The first integral B may be given where it is known better: of a can that moves near the flat
-    state and rises far above it, B is a small difference of what b and s are up there.
+    state and rises far above it, B is a small difference of what b and s are up there. So may the
+    distance `short` from balance, where phi is the rounded value of what is meant.
     """
     if B is None:
         B = b * horner(series.s1, phi) - spin * horner(series.b1, phi)
     # the constant that multiplies (b1, s1) when the logarithm is that of phi/r
     K = spin * horner(series.b2, phi) - b * horner(series.s2, phi)
     part_b = K * series.b1 + B * series.b2
+    short = short_of_balance(can.h, phi) if short is None else short
+    force = _kinetic_force(can, b, spin, phi) - np.sqrt(1 + can.h**2) * np.sin(short)
     return Well(
         can=can,
         series=series,
         reference=phi,
+        short=short,
         b=b,
         spin=spin,
         excess=excess,
@@ -88,6 +111,7 @@ def well_at(
         part_b=part_b,
         quotient_b=_quotient(part_b, phi),
         quotient_s=_quotient(K * series.s1 + B * series.s2, phi),
+        poised=np.abs(force) < POISED * (spin**2 + (b / np.sin(phi)) ** 2),
     )
 
 
@@ -106,6 +130,7 @@ def select_well(well: Well, index: NDArray[np.intp]) -> Well:
         can=can,
         series=series,
         reference=well.reference[index],
+        short=well.short[index],
         b=well.b[index],
         spin=well.spin[index],
         excess=well.excess[index],
@@ -113,6 +138,7 @@ def select_well(well: Well, index: NDArray[np.intp]) -> Well:
         part_b=well.part_b[:, index],
         quotient_b=well.quotient_b[:, index],
         quotient_s=well.quotient_s[:, index],
+        poised=well.poised[index],
     )
 
 
@@ -163,7 +189,7 @@ def level(well: Well, phi: Floats, below: Floats) -> Level:
     db = np.where(deep, b - b_r, db)
     ds = log * horner(well.series.s1, phi) - below * horner(well.quotient_s, phi)
     S_r, C_r, S = np.sin(r), np.cos(r), np.sin(phi)
-    middle, half = (phi + r) / 2, np.sin(below / 2)
+    half = np.sin(below / 2)
     # chords of the circle, turned by half the way: no difference of near numbers
     other = np.sqrt(1 - half**2)
     dS = -2 * half * (C_r * other + S_r * half)
@@ -176,25 +202,42 @@ def level(well: Well, phi: Floats, below: Floats) -> Level:
     v_r = w_r - can.h * q_r
     dv = dw - can.h * dq
     kinetic = (can.a * dq * (2 * q_r + dq) + can.c * dw * (2 * w_r + dw) + dv * (2 * v_r + dv)) / 2
-    lean = 2 * half * np.sqrt(1 + can.h**2) * np.sin(_short_of_balance(can, middle))
+    poised = np.flatnonzero(well.poised)
+    if poised.size:
+        kinetic[:, poised] = _by_mean_force(well, kinetic, below, poised)
+    lean = 2 * half * np.sqrt(1 + can.h**2) * np.sin(well.short + below / 2)
     drop = well.excess + lean - kinetic
     slope = np.divide(drop, below, out=np.zeros_like(drop), where=below != 0)
     return Level(b=b, spin=s_r + ds, sine=S, slope=slope)
 
 
-def _short_of_balance(can: Can, phi: Floats) -> Floats:
-    """phi* - phi, with phi* = arctan(1/h) carried to more than a double's precision."""
-    rounded = np.arctan2(1.0, can.h)
-    # one Newton step on tan: the residual in extended precision where the platform has it
-    h, at = np.asarray(can.h, dtype=np.longdouble), np.asarray(rounded, dtype=np.longdouble)
-    rest = np.asarray((np.cos(at) - h * np.sin(at)) / np.sqrt(1 + h * h), dtype=float)
-    return np.asarray((rounded - phi) + rest)
+def _by_mean_force(well: Well, kinetic: Floats, below: Floats, poised: NDArray[np.intp]) -> Floats:
+    """Kinetic energy over that at the reference of some wells, by its mean force beside it."""
+    some = select_well(well, poised)
+    known = kinetic[:, poised]
+    fall = np.broadcast_to(below, kinetic.shape)[:, poised]
+    beside = np.abs(fall) < BESIDE * some.reference
+    reach = np.where(beside, fall, 0.0)
+    mean = np.zeros_like(reach)
+    for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
+        down = (node + 1) / 2 * reach
+        phi = some.reference - down
+        log = np.log1p(-down / some.reference) * some.B * some.can.residue
+        db = log * horner(some.series.b1, phi) - down * horner(some.quotient_b, phi)
+        ds = log * horner(some.series.s1, phi) - down * horner(some.quotient_s, phi)
+        mean += weight / 2 * _kinetic_force(some.can, some.b + db, some.spin + ds, phi)
+    return np.asarray(np.where(beside, reach * mean, known))
 
 
 def nutation_force(can: Can, b: Floats, spin: Floats, phi: Floats) -> Floats:
     """Return dg/dphi = (a_p + 1) phi'', from eq01:Phi, shape of `phi`."""
+    return np.asarray(_kinetic_force(can, b, spin, phi) + can.h * np.sin(phi) - np.cos(phi))
+
+
+def _kinetic_force(can: Can, b: Floats, spin: Floats, phi: Floats) -> Floats:
+    """Return the part of dg/dphi that is not gravity: minus the slope of the kinetic energy."""
     S, C = np.sin(phi), np.cos(phi)
     T = S / (1 + C)
     q = b / S
     square = can.a_p * C + can.c_p * T * S + can.h * T * (1 + 2 * C)
-    return np.asarray(q * (q * square - (can.c_p * S + can.h * C) * spin) / S + can.h * S - C)
+    return np.asarray(q * (q * square - (can.c_p * S + can.h * C) * spin) / S)

@@ -24,7 +24,12 @@ def test_squares_to_relative_round_off(complementary: float) -> None:
 @pytest.mark.parametrize("low", [1e-12, 1e-3, 0.2])
 def test_nutation_obeys_its_equation(low: float) -> None:
     """dphi/du against the quartic, by central differences, and the two distances against phi."""
-    clock = Clock(low=np.array([low]), high=np.array([0.3]), beyond=np.array([0.31]))
+    clock = Clock(
+        low=np.array([low]),
+        high=np.array([0.3]),
+        swing=np.array([0.3 - low]),
+        beyond=np.array([0.31]),
+    )
     K, step = clock.quarter, 1e-6
     before, now, after = (clock.nutation(FRACTIONS + d) for d in (-step, 0.0, step))
     slope = (after[0] - before[0]) / (2 * step * K)

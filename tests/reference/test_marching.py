@@ -44,13 +44,17 @@ def test_regular_equations_are_the_rolling_equations() -> None:
         phi=phi, phi_dot=Phi, psi=phi, psi_dot=Psi, theta=phi, theta_dot=Theta, spin=Psi + Theta
     )
     phi_dd, psi_dd, theta_dd = accelerations(state, PAPER_CAN)
-    rate = field(regular_equations(PAPER_CAN), np.stack([T, Phi, S**2 * Psi, Psi + Theta]))
+    drop = 0.7 - phi
+    rate = field(
+        regular_equations(PAPER_CAN, 0.7), np.stack([T, Phi, S**2 * Psi, Psi + Theta, drop])
+    )
     expected = np.stack(
         [
             S * Phi * (1 + T**2) / 2,
             S * phi_dd,
             S * (2 * S * C * Phi * Psi + S**2 * psi_dd),
             S * (psi_dd + theta_dd),
+            -S * Phi,
         ]
     )
     size = 1 + np.abs(Psi) + np.abs(Theta) + np.abs(Phi)
