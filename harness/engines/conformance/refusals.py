@@ -7,39 +7,14 @@ from typing import Any
 import numpy as np
 
 from harness.engines.conformance.bench import Bench
+from harness.engines.conformance.effects import DECLARED, SLIPPERY
 from harness.engines.conformance.verdict import Found, holds, not_applicable, within
 from harness.engines.registry import check_effects, names
 from harness.errors import InvalidSettingError, UnknownSettingError, UnsupportedEffectError
-from models.body_effects import Damping, PointMass, Shake, Tilt
-from models.contact_effects import (
-    Compliance,
-    Drilling,
-    Restitution,
-    RollingResistance,
-    RoundedRim,
-    Slip,
-)
 from models.effects import Effects
-
-SLIPPERY = 0.05
-"""Coefficient of friction below what the suite's release needs from the first instant on, 0.15."""
 
 _ODD = (math.nan,) * 17
 """A value that no setting takes: seventeen numbers that are none."""
-
-_DECLARED = {
-    "slip": Effects(slip=Slip(mu=SLIPPERY)),
-    "compliance": Effects(compliance=Compliance(stiffness=1e4)),
-    "restitution": Effects(restitution=Restitution(coefficient=0.5)),
-    "drilling": Effects(drilling=Drilling(length=1e-3)),
-    "rolling_resistance": Effects(rolling_resistance=RollingResistance(length=1e-3)),
-    "damping": Effects(damping=Damping(angular=0.5)),
-    "rim": Effects(rim=RoundedRim(radius=1e-3)),
-    "tilt": Effects(tilt=Tilt(angle=0.05)),
-    "shake": Effects(shake=Shake(frequency=20.0, vertical=1e-4)),
-    "point_mass": Effects(point_mass=PointMass(mass=1e-3, x=1e-3)),
-}
-"""A scene's effects with one of each kind."""
 
 
 def unknown_setting(bench: Bench) -> Found:
@@ -85,7 +60,7 @@ def unsupported_effect(bench: Bench) -> Found:
     taken = []
     for effect in missing:
         try:
-            check_effects(bench.engine.name, replace(bench.brief, effects=_DECLARED[effect]))
+            check_effects(bench.engine.name, replace(bench.brief, effects=DECLARED[effect]))
         except UnsupportedEffectError:
             continue
         taken.append(effect)
@@ -97,7 +72,7 @@ def friction(bench: Bench) -> Found:
     """Put the can on a slippery plane, if the engine says that it honours slip."""
     if "slip" not in bench.engine.capabilities.honours:
         return not_applicable("the engine does not honour slip")
-    scene = replace(bench.brief, effects=_DECLARED["slip"])
+    scene = replace(bench.brief, effects=DECLARED["slip"])
     force = bench.trajectory(bench.case(scene)).contact_force
     bears = force[:, 2] > 0.0
     if not bears.any():

@@ -4,6 +4,7 @@ from harness.engines.base import Engine
 from harness.engines.conformance import (
     answers,
     contact,
+    effects,
     failure,
     identity,
     refusals,
@@ -139,6 +140,16 @@ CHECKS = (
         name="friction",
         sentence="Where slip is honoured, friction reaches what is declared and not more.",
         look=refusals.friction,
+    ),
+    Check(
+        name="laws of effects",
+        sentence="Each effect that is honoured follows its law in the compiled world.",
+        look=effects.laws,
+    ),
+    Check(
+        name="motion with effects",
+        sentence="With an effect that is honoured the can moves as the exact equations say.",
+        look=effects.motions,
     ),
     Check(
         name="divergence",

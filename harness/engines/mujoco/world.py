@@ -73,7 +73,7 @@ class MujocoWorld:
         if damping is not None and case.scene.effects.point_mass is not None:
             reason = (
                 "MuJoCo damps the velocity of the can's centre, which is not that of the centre of "
-                "mass beside a point mass; engine 'pybullet' can"
+                "mass beside a point mass; the reference carries both"
             )
             raise RefusedModelError(case.engine, case.label(), reason)
         if damping is not None:

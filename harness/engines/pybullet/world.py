@@ -21,6 +21,7 @@ from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
 from harness.engines.pybullet.frames import Frames, Reading, State
 from harness.engines.pybullet.settings import DYNAMICS, PROCESS_WIDE, SOLVER, URDF_FLAGS
+from harness.errors import RefusedModelError
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
@@ -76,6 +77,12 @@ class PybulletWorld:
         if dynamics:
             pybullet.changeDynamics(self.can, -1, **dynamics, **here)
         effects = case.scene.effects
+        if effects.damping is not None and self.off_centre:
+            reason = (
+                "in the maximal coordinates that damping needs, PyBullet keeps a margin of 1 mm on "
+                "a can whose centre of mass is off its centre; the reference carries both"
+            )
+            raise RefusedModelError(case.engine, case.label(), reason)
         if effects.compliance is not None:
             # springs in series and dampers added up; a body that says nothing is damped by 0.1
             pybullet.changeDynamics(
