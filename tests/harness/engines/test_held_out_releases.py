@@ -1,0 +1,46 @@
+"""Adaptive steps keep their promise for releases that a generator drew, none of them tuned on."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.case import Case
+from harness.runner import evaluate
+from models import Release, load
+
+BOUND = {"mujoco": 0.01, "pybullet": 0.05}
+"""deg: what the paper's release is promised."""
+
+SEED = 20261121
+"""Of the day on which these were first drawn, after the rule was settled."""
+
+
+def drawn(number: int) -> Release:
+    """Return a release from gentle to hard, its spin nearly against its precession."""
+    rng = np.random.default_rng((SEED, number))
+    psi_dot = float(rng.uniform(-1.0, 1.0))
+    return Release(
+        phi=float(np.exp(rng.uniform(math.log(0.01), math.log(0.45)))),
+        psi_dot=psi_dot,
+        theta_dot=-psi_dot * float(rng.uniform(0.9, 1.0)),
+    )
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("number", range(8))
+def test_a_drawn_release_turns_right(engine: str, number: int) -> None:
+    scene = replace(load("paper-release"), release=drawn(number))
+    found = evaluate(Case(scene=scene, engine=engine, profile="adaptive"))
+    assert found.errors is not None
+    (turn,) = found.errors.angle_of_turn
+    assert abs(math.degrees(turn)) <= BOUND[engine]
+
+
+def test_the_draw_spans_gentle_and_hard() -> None:
+    scenes = [replace(load("paper-release"), release=drawn(number)) for number in range(8)]
+    cases = [Case(scene=scene, engine="reference") for scene in scenes]
+    depths = [evaluate(case).true_bounces[0].phi_min for case in cases]
+    assert min(depths) < 1e-4
+    assert max(depths) > 1e-3
