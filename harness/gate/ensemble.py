@@ -19,10 +19,10 @@ from harness.studies.errors.ensemble import perturbed
 SIZES = (1e-9, 1e-13, 1e-11, 1e-12, 1e-10)
 """Relative to phi, psi' and theta', and rad of heading; taken in turn."""
 
-FEWEST, MOST = 4, 16
+FEWEST, MOST = 4, 12
 """Members of a case. What amplifies most are coarse timesteps, whose runs cost least."""
 
-STEPS = 400_000
+STEPS = 200_000
 """Steps that the members of a case may take together, if that is not too few of them."""
 
 

@@ -7,6 +7,9 @@ from harness.gate.errors import BaselineError
 from harness.gate.identity import Identity, identity, scene_digest
 from harness.gate.scores import Scores
 
+_FRESH = 0.25
+"""Share of new cases beside accepted ones up to which a suite has grown, and is not another."""
+
 
 def owed(
     accepted: Scores, suite: str, designed: Sequence[Case], *, every_engine: bool
@@ -41,7 +44,7 @@ def owed(
         )
     common = [name for name in names if name in accepted.scores]
     fresh = [n for n in names if n.engine in known and n not in accepted.scores]
-    if accepted.suite != suite and (not common or len(fresh) > len(common)):
+    if accepted.suite != suite and len(fresh) > _FRESH * len(common):
         raise BaselineError(
             f"'{accepted.place}' holds the {accepted.suite} suite, which has {len(common)} of the "
             f"{len(common) + len(fresh)} cases of the {suite} suite; run --suite {accepted.suite}, "

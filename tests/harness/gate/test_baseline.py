@@ -1,0 +1,107 @@
+"""Accepted results on disk: all of them or none, and one message for what is none."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.errors import OutputError
+from harness.gate import BaselineError, Score, Scores, check_place, read_baseline, write_baseline
+from harness.gate.baseline import FILE, _rounded_up
+
+Make = Callable[..., Score]
+MakeAll = Callable[..., Scores]
+
+
+@pytest.fixture
+def some(score: Make, scores: MakeAll) -> Scores:
+    first = score(
+        {"phi_rms_rad": 0.1 + 0.2, "steps": 100.0},
+        spread={"phi_rms_rad": 1.2345e-9, "steps": 0.0, "angle_of_turn_error_deg": None},
+        endings={"FINISHED": 5},
+    )
+    return scores(first, score(scene="petals", outcome="FLAT"), made={"platform": "here"})
+
+
+def test_what_is_read_is_what_was_written(some: Scores, tmp_path: Path) -> None:
+    (tmp_path / "beside.csv").write_text("stays", encoding="utf-8")
+    write_baseline(some, tmp_path)
+    write_baseline(some, tmp_path)
+    found = read_baseline(tmp_path)
+    assert (found.suite, found.versions, found.made) == (some.suite, some.versions, some.made)
+    assert list(found.scores) == list(some.scores)
+    for name, one in some.scores.items():
+        back = found.scores[name]
+        assert back.values == one.values  # every bit
+        assert (back.outcome, back.endings, back.digest) == (one.outcome, one.endings, one.digest)
+    spread = next(iter(found.scores.values())).spread
+    assert spread == {"phi_rms_rad": 1.24e-9, "steps": 0.0, "angle_of_turn_error_deg": None}
+    assert sorted(path.name for path in tmp_path.iterdir()) == [FILE, "beside.csv"]
+
+
+@given(st.floats(0.0, 1e9))
+def test_a_spread_is_never_rounded_down(value: float) -> None:
+    rounded = _rounded_up(value)
+    assert rounded is not None
+    # an ulp, since the unit in the last digit is no binary number
+    assert rounded >= value * (1.0 - 1e-15)
+    assert rounded <= max(1.01 * value, 1e-299) or value == 0.0
+
+
+def test_a_line_a_case(some: Scores, tmp_path: Path) -> None:
+    lines = write_baseline(some, tmp_path).read_text(encoding="utf-8").splitlines()
+    assert sum('"scene"' in line for line in lines) == len(some.scores)
+
+
+def test_what_cannot_be_written_leaves_what_was_there(
+    some: Scores, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_baseline(some, tmp_path)
+    before = path.read_bytes()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(OutputError, match="No space left"):
+        write_baseline(some, tmp_path)
+    assert path.read_bytes() == before
+    assert [one.name for one in tmp_path.iterdir()] == [FILE]
+
+
+def test_a_place_that_is_a_file_is_refused_at_once(tmp_path: Path) -> None:
+    check_place(tmp_path / "new" / "folder")
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for place in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(OutputError, match="no folder that you may write to"):
+            check_place(place)
+
+
+def test_a_folder_without_accepted_results_says_how_to_get_some(tmp_path: Path) -> None:
+    with pytest.raises(BaselineError, match="rockingcan validate --accept --baseline"):
+        read_baseline(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "no JSON", "[]", "{}", '{"format": "another"}', "null", '{"format": 1, "version": 1}'],
+)
+def test_what_is_none_is_refused_in_one_sentence(text: str, tmp_path: Path) -> None:
+    (tmp_path / FILE).write_text(text, encoding="utf-8")
+    with pytest.raises(BaselineError) as told:
+        read_baseline(tmp_path)
+    assert str(tmp_path) in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("key", ["suite", "versions", "made", "cases"])
+def test_what_lacks_a_part_is_damaged(some: Scores, key: str, tmp_path: Path) -> None:
+    path = write_baseline(some, tmp_path)
+    told = json.loads(path.read_text(encoding="utf-8"))
+    del told[key]
+    path.write_text(json.dumps(told), encoding="utf-8")
+    with pytest.raises(BaselineError, match=f"damaged .*{key}"):
+        read_baseline(tmp_path)

@@ -1,0 +1,71 @@
+"""The spread: members that nobody could tell apart, and the largest departure among them."""
+
+from collections.abc import Callable
+
+import pytest
+
+from harness.case import Case
+from harness.gate.ensemble import FEWEST, MOST, SIZES, member, members, spread
+from harness.gate.scores import Score
+from models import load
+
+Make = Callable[..., Score]
+
+PHI = "phi_rms_rad"
+
+
+def test_members_differ_by_no_more_than_their_size() -> None:
+    case = Case(scene=load("paper-release"), engine="mujoco", timestep=1e-5)
+    before, seen = case.scene.release, set()
+    for number in range(MOST):
+        one, size = member(case, number), SIZES[number % len(SIZES)]
+        after = one.scene.release
+        for name in ("phi", "psi_dot", "theta_dot"):
+            then, now = getattr(before, name), getattr(after, name)
+            # half an ulp each for the product and for the sum
+            assert abs(now - then) <= (size + 2.3e-16) * abs(then)
+        assert abs(after.psi - before.psi) <= size
+        assert (one.engine, one.profile, one.timestep) == ("mujoco", "matched", 1e-5)
+        seen.add((after.phi, after.psi, after.psi_dot, after.theta_dot))
+    assert len(seen) == MOST
+
+
+def test_engines_share_the_release_of_a_member() -> None:
+    scenes = {
+        member(Case(scene=load("petals"), engine=engine, timestep=step), 3).scene
+        for engine in ("mujoco", "pybullet")
+        for step in (1e-4, 1e-3)
+    }
+    assert len(scenes) == 1
+
+
+@pytest.mark.parametrize(
+    ("steps", "count"), [(0, MOST), (100, MOST), (25_000, 8), (1_000_000, FEWEST)]
+)
+def test_long_runs_have_few_members(steps: int, count: int) -> None:
+    assert members(steps) == count
+
+
+def test_a_spread_is_the_largest_departure(score: Make) -> None:
+    found = spread(
+        score({PHI: 1.0, "steps": 10.0}),
+        [score({PHI: 1.5, "steps": 10.0}), score({PHI: 0.25, "steps": 12.0})],
+    )
+    assert found.spread == {PHI: 0.75, "steps": 2.0}
+    assert found.members == 2
+    assert found.endings == {"FINISHED": 3}
+
+
+def test_what_only_some_members_show_is_not_decidable(score: Make) -> None:
+    found = spread(score({PHI: 1.0}), [score({PHI: 1.5}), score({})])
+    assert found.spread == {PHI: None}
+    found = spread(score({}), [score({PHI: 1.5}), score({})])
+    assert found.spread == {PHI: None}
+
+
+def test_members_that_end_otherwise_count_as_endings(score: Make) -> None:
+    found = spread(score({PHI: 1.0}), [score({PHI: 1.5}), score({PHI: 9.0}, outcome="FLAT")])
+    assert found.endings == {"FINISHED": 2, "FLAT": 1}
+    assert found.spread == {PHI: 0.5}
+    assert found.may_finish
+    assert found.may_fail

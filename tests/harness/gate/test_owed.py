@@ -1,0 +1,85 @@
+"""Which accepted cases a run owes, and which accepted results do not fit it."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+from harness import face
+from harness.case import Case
+from harness.gate import BaselineError, Score, Scores, owed
+from harness.gate.identity import identity, scene_digest
+from harness.studies.comparison import SUITES
+from models import load
+
+
+def accepted(suite: str, cases: tuple[Case, ...]) -> Scores:
+    """Return scores of cases, as if they had been accepted."""
+    found = [
+        Score(
+            identity=identity(case),
+            scene_digest=scene_digest(case.scene),
+            outcome="FINISHED",
+            truth_pulls=False,
+            values={},
+        )
+        for case in cases
+    ]
+    return Scores(
+        suite=suite,
+        scores=MappingProxyType({one.identity: one for one in found}),
+        versions={},
+        place="reports/baseline",
+    )
+
+
+def test_the_quick_suite_is_part_of_the_full_one() -> None:
+    quick, full = face.suite("quick"), face.suite("full")
+    assert set(quick) < set(full)
+    assert set(SUITES) == {"quick", "full"}
+    found = owed(accepted("full", full), "quick", quick, every_engine=True)
+    assert found == tuple(identity(case) for case in quick)
+
+
+def test_the_same_suite_owes_all_of_it() -> None:
+    quick = face.suite("quick")
+    known = accepted("quick", quick)
+    assert owed(known, "quick", quick[:-1], every_engine=True) == tuple(known.scores)
+    own = face.suite("quick", ["mujoco"])
+    found = owed(known, "quick", own, every_engine=False)
+    assert found == tuple(identity(case) for case in own)
+
+
+def test_a_smaller_suite_does_not_stand_for_a_larger_one() -> None:
+    known = accepted("quick", face.suite("quick"))
+    with pytest.raises(BaselineError, match=r"holds the quick suite.*run --suite quick"):
+        owed(known, "full", face.suite("full"), every_engine=True)
+
+
+def test_results_of_another_engine_are_not_those_of_this_one() -> None:
+    known = accepted("quick", face.suite("quick", ["pybullet"]))
+    with pytest.raises(BaselineError, match="no accepted results of mujoco, only of pybullet"):
+        owed(known, "quick", face.suite("quick", ["mujoco"]), every_engine=False)
+
+
+def test_results_of_a_scene_that_has_changed_are_refused() -> None:
+    scene = load("gentle-rock")
+    steeper = replace(scene, release=replace(scene.release, phi=0.41))
+    known = accepted("quick", (Case(scene=steeper, engine="mujoco", timestep=1e-4),))
+    with pytest.raises(BaselineError, match="gentle-rock changed"):
+        owed(known, "quick", face.suite("quick", ["mujoco"]), every_engine=False)
+
+
+def test_neither_name_nor_citation_makes_another_motion() -> None:
+    scene = load("gentle-rock")
+    assert scene_digest(scene) == scene_digest(replace(scene, name="other", cite="elsewhere"))
+    assert scene_digest(scene) != scene_digest(replace(scene, gravity=9.8))
+
+
+def test_a_case_is_the_same_whatever_was_set_on_top() -> None:
+    plain = face.suite("quick", ["mujoco"])
+    on_top = face.suite("quick", ["mujoco"], {"mujoco": {"impratio": 1.0}})
+    assert all(case.options == (("impratio", 1.0),) for case in on_top)
+    # the gate names cases as they were designed, so that the two meet
+    assert [identity(case) for case in plain] != [identity(case) for case in on_top]
+    assert len(plain) == len(on_top)

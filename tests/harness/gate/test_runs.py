@@ -1,0 +1,106 @@
+"""Real runs: an unchanged engine raises no alarm, a worsened one is caught and named."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+from harness.case import Case, Value
+from harness.executors import Serial
+from harness.gate import (
+    GATE,
+    Difference,
+    Score,
+    Scores,
+    differences,
+    measured,
+    regressions,
+    scored,
+    sentences,
+)
+from harness.gate.ensemble import MOST, SIZES, member
+from harness.runner import run
+
+Held = Callable[[Sequence[Case]], tuple[Difference, ...]]
+Accept = Callable[..., Scores]
+
+REPEATS = 10
+
+
+def gathered(own: Sequence[Score]) -> Scores:
+    """Return scores as a run of a suite has them."""
+    by_identity = {one.identity: one for one in own}
+    return Scores(suite="coarse", scores=MappingProxyType(by_identity), versions={})
+
+
+@pytest.fixture(scope="module")
+def accepted(coarse: tuple[Case, ...]) -> Scores:
+    """Return the coarse cases with their spread."""
+    return gathered(measured(coarse, scored(coarse, run(coarse)), Serial()))
+
+
+@pytest.fixture
+def held(accepted: Scores, coarse: tuple[Case, ...]) -> Held:
+    """Return a function that runs cases and holds them against the accepted ones."""
+
+    def hold(cases: Sequence[Case]) -> tuple[Difference, ...]:
+        found = [
+            replace(one, scene_digest=accepted.scores[one.identity].scene_digest)
+            for one in scored(coarse, run(cases))
+        ]
+        return differences(accepted, gathered(found))
+
+    return hold
+
+
+def test_a_repeat_is_equal_to_the_last_bit(
+    accepted: Scores, held: Held, coarse: tuple[Case, ...]
+) -> None:
+    for _ in range(REPEATS):
+        found = held(coarse)
+        assert regressions(found) == ()
+        judged = [one for one in found if one.quantity not in {"wall_s", "cpu_s"}]
+        assert all(one.first == one.second for one in judged)
+    assert {one.identity for one in found} == set(accepted.scores)
+
+
+def test_what_no_one_can_tell_apart_raises_no_alarm(held: Held, coarse: tuple[Case, ...]) -> None:
+    for number in range(MOST, MOST + REPEATS):  # none of them among the members that were measured
+        found = held([member(case, number) for case in coarse])
+        assert regressions(found) == (), number
+
+
+def test_the_spread_is_that_of_an_amplifier(accepted: Scores) -> None:
+    # a run that follows its bounce passes a perturbation on; one that steps over it scrambles it
+    for one in accepted.scores.values():
+        phi, spread = one.values["phi_rms_rad"], one.spread["phi_rms_rad"]
+        assert spread is not None
+        if one.identity.scene == "gentle-rock":
+            assert spread < 1e3 * max(SIZES) * phi
+        assert one.members == MOST
+
+
+@pytest.mark.parametrize(
+    "worsened",
+    [
+        ("mujoco", "impratio", 1.0, "phi_rms_rad"),
+        ("mujoco", "iterations", 2, "phi_rms_rad"),
+        ("pybullet", "contactERP", 0.02, "phi_rms_rad"),
+        ("pybullet", "numSolverIterations", 1, "max_slip_m_s"),
+    ],
+)
+def test_a_worsened_engine_is_caught_and_named(
+    worsened: tuple[str, str, Value, str], held: Held, accepted: Scores, coarse: tuple[Case, ...]
+) -> None:
+    engine, setting, value, quantity = worsened
+    worse = [
+        replace(case, options=((setting, value),)) if case.engine == engine else case
+        for case in coarse
+    ]
+    found = held(worse)
+    caught = regressions(found)
+    assert quantity in {one.quantity for one in caught}
+    assert {one.identity.engine for one in caught} == {engine}
+    text = " ".join(sentences(found, accepted, accepted, GATE))
+    assert f"Worse: gentle-rock in {engine} (matched, 0.001 s)" in text

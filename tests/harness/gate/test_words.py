@@ -1,0 +1,69 @@
+"""What is said of a comparison: what got worse is named, with its case and its numbers."""
+
+from collections.abc import Callable
+
+from harness.artefact import Figure, Prose, Table
+from harness.gate import GATE, SIDES, Score, Scores, differences, read, regressions, sentences
+
+Make = Callable[..., Score]
+MakeAll = Callable[..., Scores]
+
+PHI, SLIP = "phi_rms_rad", "max_slip_m_s"
+
+
+def test_a_regression_is_named(score: Make, scores: MakeAll) -> None:
+    accepted = scores(score({PHI: 1e-4, SLIP: 1.0}), score({PHI: 1e-4}, scene="petals"))
+    run = scores(
+        score({PHI: 5e-4, SLIP: 1.2}),
+        score({PHI: 1e-5}, scene="petals"),
+        score(scene="wobble"),
+        versions={"mujoco": "4.0.1"},
+        settings={"mujoco.impratio": "1"},
+        suite="quick",
+    )
+    found = differences(accepted, run)
+    assert [one.quantity for one in regressions(found)] == [PHI, SLIP]
+    text = " ".join(sentences(found, accepted, run, GATE))
+    assert (
+        "Worse: gentle-rock in mujoco (matched, 0.001 s), rms error of phi "
+        "0.0001 rad -> 0.0005 rad (5 times) and 1 more."
+    ) in text
+    assert "Better: petals in mujoco (matched, 0.001 s), rms error of phi" in text
+    assert "New: wobble in mujoco" in text
+    assert "mujoco 4.0.0 accepted, 4.0.1 found" in text
+    assert "found has set: mujoco.impratio = 1" in text
+    assert "No spread was measured" in text
+
+
+def test_a_run_that_fails_is_named_before_a_number_that_grew(score: Make, scores: MakeAll) -> None:
+    accepted = scores(score({PHI: 1e-4}), score({PHI: 1e-4}, scene="petals"))
+    run = scores(score({PHI: 5e-4}), score(scene="petals", outcome="FLAT"))
+    found = regressions(differences(accepted, run))
+    assert [one.identity.scene for one in found] == ["petals", "gentle-rock"]
+    text = " ".join(sentences(found, accepted, run, GATE))
+    assert "petals in mujoco (matched, 0.001 s), finished, then flat; gentle-rock" in text
+
+
+def test_two_sides_are_spoken_of_alike(score: Make, scores: MakeAll) -> None:
+    a, b = scores(score({PHI: 1.0}), place="A"), scores(score({PHI: 3.0}), place="B")
+    forth, back = differences(a, b), differences(b, a)
+    assert SIDES.verdict(forth[1]) == "a is better"
+    assert SIDES.verdict(back[1]) == "b is better"
+    assert forth[1].severity == back[1].severity == 3.0
+
+
+def test_the_artefacts_hold_every_difference(score: Make, scores: MakeAll) -> None:
+    accepted = scores(score({PHI: 1.0, SLIP: 0.0}, spread={PHI: 0.1, SLIP: None}))
+    run = scores(score({PHI: 3.0, SLIP: 0.0}))
+    found = differences(accepted, run)
+    artefacts = read(found, accepted, run, GATE)
+    table = next(one for one in artefacts if isinstance(one, Table))
+    assert len(table.frame) == len(found) == 3
+    assert set(table.columns) == set(table.frame.columns)
+    assert list(table.frame["verdict"]) == ["worse", "same", "undecidable"]
+    figure = next(one for one in artefacts if isinstance(one, Figure))
+    (panel,) = figure.panels
+    drawn = {series.label: list(series.y) for series in panel.series}
+    assert drawn == {"worse": [3.0], "undecidable": [1.0]}
+    assert "1 of 2 have moved" in figure.seen
+    assert any(isinstance(one, Prose) and one.name == "summary" for one in artefacts)
