@@ -9,6 +9,7 @@ probes know a `World` and no engine.
 
 import math
 from collections.abc import Iterator
+from itertools import product
 from typing import Protocol
 
 import numpy as np
@@ -180,12 +181,15 @@ def _friction(world: World, scene: Scene, timestep: float) -> Finding:
     # small; and twice as fast as the friction of one step under gravity can stop
     mobility = 1.0 + can.mass * low**2 / can.transverse_inertia
     speed = max(_SLIDING, 2.0 * declared * mobility * scene.gravity * timestep)
-    sliding = Twist(velocity=np.array((speed, 0.0, 0.0)), angular_velocity=np.zeros(3))
-    world.place(Pose(position=np.array((0.0, 0.0, low)), quaternion=tilted), sliding)
+    still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
+    world.place(Pose(position=np.array((0.0, 0.0, low)), quaternion=tilted), still)
     touching = low - world.gap()  # where this collider touches
     found = math.nan
-    for share in _DEPTHS:
+    # beside a heavy point mass friction along the lean may lift the rim, or jam it (Painleve): then
+    # friction across tells
+    for way, share in product(np.eye(3)[:2], _DEPTHS):
         position = np.array((0.0, 0.0, touching - share * can.radius))
+        sliding = Twist(velocity=speed * way, angular_velocity=np.zeros(3))
         world.place(Pose(position=position, quaternion=tilted), sliding)
         world.step()
         force = world.contact().force

@@ -1,0 +1,144 @@
+"""Model parity where a scene declares effects: read back or probed, equal, and able to fail."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from harness.case import Case, Value
+from harness.engines.registry import engine
+from harness.errors import RefusedModelError
+from harness.simulation import ParityRow
+from models import (
+    Compliance,
+    Damping,
+    Drilling,
+    Effects,
+    PointMass,
+    Restitution,
+    RollingResistance,
+    RoundedRim,
+    Scene,
+    Shake,
+    Slip,
+    Tilt,
+)
+
+EVERY_DEGREE = ("centre of mass x", "centre of mass y", "centre of mass z", "inertia xx")
+PROBED = {
+    "slip": (Slip(mu=0.3), {"friction of the pair": 0.3}),
+    "compliance": (
+        Compliance(stiffness=2e4, damping=5.0),
+        {"contact stiffness": 2e4, "contact damping": 5.0},
+    ),
+    "restitution": (Restitution(coefficient=0.5), {"restitution": 0.5}),
+    "drilling": (Drilling(length=1e-3), {"arm of drilling": 1e-3}),
+    "rolling_resistance": (
+        RollingResistance(length=5e-4),
+        {"arm of rolling resistance": 5e-4},
+    ),
+    "damping": (Damping(linear=0.5, angular=0.3), {"linear damping": 0.5, "angular damping": 0.3}),
+    "rim": (RoundedRim(radius=2e-3), {"radius of the rim's arc": 2e-3}),
+    "tilt": (
+        Tilt(angle=0.1, direction=math.pi / 2.0),
+        {"gravity": 9.81 * math.cos(0.1), "gravity along y": 9.81 * math.sin(0.1)},
+    ),
+    "shake": (
+        Shake(frequency=15.0, horizontal=5e-4, vertical=3e-4, direction=0.3, phase=0.4),
+        {"horizontal shaking": 5e-4, "vertical shaking": 3e-4, "misfit of the shaking": 0.0},
+    ),
+    "point_mass": (
+        PointMass(mass=0.043, x=0.02, y=0.005, z=-0.01),
+        {"mass": 0.086, "centre of mass x": 0.01, "centre of mass z": -0.005},
+    ),
+}
+ENGINES = ("mujoco", "pybullet")
+
+
+def declaring(gentle: Scene, *names: str) -> Scene:
+    return replace(gentle, effects=Effects(**{name: PROBED[name][0] for name in names}))
+
+
+def rows(scene: Scene, name: str, timestep: float = 1e-4, **options: Value) -> dict[str, ParityRow]:
+    case = Case(scene=scene, engine=name, timestep=timestep, options=tuple(options.items()))
+    return {row.quantity: row for row in engine(name).parity(case)}
+
+
+@pytest.mark.parametrize("timestep", [1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("effect", PROBED)
+@pytest.mark.parametrize("name", ENGINES)
+def test_what_an_engine_honours_is_equal(
+    gentle: Scene, name: str, effect: str, timestep: float
+) -> None:
+    if effect not in engine(name).capabilities.honours:
+        pytest.skip("the engine does not say that it honours this")
+    found = rows(declaring(gentle, effect), name, timestep)
+    assert {row.quantity for row in found.values() if row.verdict != "equal"} == set()
+    for quantity, declared in PROBED[effect][1].items():
+        assert found[quantity].declared == pytest.approx(declared, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_effects_that_do_not_meet_are_equal_together(gentle: Scene, name: str) -> None:
+    both = declaring(gentle, "tilt", "shake", "point_mass", "slip")
+    assert {row.quantity for row in rows(both, name).values() if row.verdict != "equal"} == set()
+
+
+def test_only_pybullet_has_an_impact_law_and_an_arc() -> None:
+    assert engine("pybullet").capabilities.honours - engine("mujoco").capabilities.honours == {
+        "restitution",
+        "rim",
+    }
+    assert engine("pybullet").capabilities.honours == set(PROBED)
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "options", "quantities"),
+    [
+        ("compliance", "mujoco", {"solref": (0.02, 1.0)}, {"contact stiffness", "friction of the pair"}),
+        ("drilling", "mujoco", {"condim": 3}, {"arm of drilling"}),
+        ("rolling_resistance", "mujoco", {"condim": 4}, {"arm of rolling resistance"}),
+        ("damping", "pybullet", {"linearDamping": 0.0}, {"linear damping", "speed kept"}),
+        ("damping", "pybullet", {"angularDamping": 0.1}, {"angular damping", "spin kept"}),
+        ("restitution", "pybullet", {"contactERP": 0.8}, {"restitution"}),
+        (
+            "rim",
+            "pybullet",
+            {"collisionMargin": 0.0},
+            {"rim deviation", "radius of the rim's arc"},
+        ),
+    ],
+)
+def test_an_effect_that_an_option_spoils_is_a_mismatch(
+    gentle: Scene, effect: str, name: str, options: dict[str, Value], quantities: set[str]
+) -> None:
+    found = rows(declaring(gentle, effect), name, **options)
+    assert {row.quantity for row in found.values() if row.verdict != "equal"} == quantities
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_an_engine_with_another_scenes_gravity_or_mass_is_a_mismatch(
+    gentle: Scene, name: str
+) -> None:
+    from harness.engines.parity import parity  # noqa: PLC0415 - of this test alone
+
+    scene = declaring(gentle, "tilt", "shake", "point_mass")
+    case = Case(scene=scene, engine=name, timestep=1e-4)
+    for other, quantities in (
+        (replace(PROBED["tilt"][0], direction=0.0), {"gravity along x", "gravity along y"}),
+        (replace(PROBED["shake"][0], frequency=15.01), {"misfit of the shaking"}),
+        (replace(PROBED["shake"][0], phase=0.41), {"misfit of the shaking", "vertical shaking"}),
+        (replace(PROBED["point_mass"][0], y=0.006), {"centre of mass y", "inertia xy"}),
+    ):
+        key = next(key for key, (kind, _) in PROBED.items() if type(kind) is type(other))
+        wrong = replace(scene, effects=replace(scene.effects, **{key: other}))
+        table = parity(engine(name).open(case), wrong, 1e-4, frozenset())
+        differing = {row.quantity for row in table if row.verdict != "equal"}
+        assert quantities <= differing, key
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_what_an_engine_cannot_carry_together_is_refused(gentle: Scene, name: str) -> None:
+    case = Case(scene=declaring(gentle, "damping", "point_mass"), engine=name)
+    with pytest.raises(RefusedModelError, match="the reference carries both"):
+        engine(name).open(case)

@@ -1,0 +1,156 @@
+"""The MJCF and URDF of scenes with effects: what the engines compile of them, and what they say."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pybullet
+import pytest
+
+from models import (
+    Compliance,
+    Damping,
+    Drilling,
+    Effects,
+    PointMass,
+    Restitution,
+    RollingResistance,
+    RoundedRim,
+    Scene,
+    Shake,
+    Slip,
+    Tilt,
+    load,
+    mjcf,
+    release_state,
+    urdf,
+)
+from models.gravity import gravity_vector
+from models.mass import body
+from models.mjcf import dof_damping
+
+EPS = np.finfo(np.float64).eps
+EFFECTS = {
+    "slip": Slip(mu=0.3),
+    "compliance": Compliance(stiffness=2e4, damping=5.0),
+    "restitution": Restitution(coefficient=0.5),
+    "drilling": Drilling(length=1e-3),
+    "rolling_resistance": RollingResistance(length=5e-4),
+    "damping": Damping(linear=0.5, angular=0.3),
+    "rim": RoundedRim(radius=2e-3),
+    "tilt": Tilt(angle=0.2, direction=1.0),
+    "shake": Shake(frequency=15.0, vertical=1e-4),
+    "point_mass": PointMass(mass=0.004, x=0.02, y=0.005, z=-0.01),
+}
+
+
+def scene(*names: str) -> Scene:
+    effects = Effects(**{name: EFFECTS[name] for name in names})
+    return replace(load("gentle-rock"), effects=effects)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_mujoco_opens_every_file_and_steps_it(effect: str) -> None:
+    model = mujoco.MjModel.from_xml_string(mjcf(scene(effect), contact_sensors=True))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, nstep=10)
+    assert np.isfinite(data.qpos).all()
+    assert data.time > 0.0
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_pybullet_opens_every_file(effect: str, tmp_path: Path) -> None:
+    (tmp_path / "can.urdf").write_text(urdf(scene(effect)))
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+        can = pybullet.loadURDF(str(tmp_path / "can.urdf"), flags=flags, physicsClientId=client)
+        info = pybullet.getDynamicsInfo(can, -1, physicsClientId=client)
+    finally:
+        pybullet.disconnect(client)
+    assert info[0] == body(scene(effect)).mass
+    expected = {
+        "slip": (1, 0.3),
+        "restitution": (5, 0.5),
+        "rolling_resistance": (6, 5e-4),
+        "drilling": (7, 1e-3),
+        "compliance": (9, 2e4),
+    }
+    for name, (place, value) in expected.items():
+        assert (info[place] == value) == (name == effect), name
+    if effect == "compliance":
+        assert info[8] == 5.0  # N s/m
+
+
+def test_gravity_follows_the_tilt() -> None:
+    tilted = scene("tilt")
+    model = mujoco.MjModel.from_xml_string(mjcf(tilted))
+    np.testing.assert_array_equal(model.opt.gravity, gravity_vector(tilted))
+
+
+def test_a_point_mass_moves_the_centre_of_mass_and_not_the_frame() -> None:
+    weighted = scene("point_mass")
+    whole = body(weighted)
+    model = mujoco.MjModel.from_xml_string(mjcf(weighted))
+    can = model.body("can")
+    assert can.mass[0] == whole.mass
+    np.testing.assert_array_equal(can.ipos, whole.centre)
+    R = np.zeros(9)
+    mujoco.mju_quat2Mat(R, can.iquat)
+    R = R.reshape(3, 3)
+    # MuJoCo's own eigenvectors, good to some roundings
+    found = R @ np.diag(can.inertia) @ R.T
+    np.testing.assert_allclose(found, whole.inertia, atol=1e-12 * can.inertia.max(), rtol=0)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    pose, _ = release_state(weighted.can, weighted.release)
+    np.testing.assert_array_equal(data.qpos[:3], pose.position)
+
+
+@pytest.mark.parametrize(
+    ("names", "condim"),
+    [
+        ((), 3),
+        (("slip",), 3),
+        (("drilling",), 4),
+        (("rolling_resistance",), 6),
+        (("drilling", "rolling_resistance"), 6),
+        (("tilt", "shake", "point_mass", "damping"), 3),
+    ],
+)
+def test_the_contact_has_as_many_rows_as_are_called_for(
+    names: tuple[str, ...], condim: int
+) -> None:
+    model = mujoco.MjModel.from_xml_string(mjcf(scene(*names)))
+    assert model.geom("can").condim[0] == model.geom("ground").condim[0] == condim
+    mu, torsion, rolling = model.geom("can").friction
+    if "drilling" in names:
+        assert torsion == 1e-3
+    if "rolling_resistance" in names:
+        assert rolling == 5e-4
+        assert torsion == (1e-3 if "drilling" in names else 0.0)
+    assert mu == (0.3 if "slip" in names else 2.0)
+
+
+def test_the_damping_of_each_degree_of_freedom_is_the_law() -> None:
+    damped = scene("damping")
+    can = damped.can
+    across, along = 0.3 * can.transverse_inertia, 0.3 * can.axial_inertia
+    assert dof_damping(damped) == (*(0.5 * can.mass,) * 3, across, across, along)
+    assert dof_damping(scene()) is None
+    assert json.dumps(across) in mjcf(damped)
+
+
+@pytest.mark.parametrize("effect", ["shake", "damping", "rim", "restitution"])
+def test_a_file_says_what_it_cannot_carry(effect: str) -> None:
+    assert "<!--" in mjcf(scene(effect))
+    if effect != "restitution":
+        assert "<!--" in urdf(scene(effect))
+
+
+@pytest.mark.parametrize("effect", ["slip", "tilt", "point_mass", "compliance", "drilling"])
+def test_a_file_that_carries_everything_says_nothing(effect: str) -> None:
+    assert "<!--" not in mjcf(scene(effect))
