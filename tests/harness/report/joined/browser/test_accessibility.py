@@ -1,0 +1,46 @@
+"""The page by the rules of axe-core: contrast, landmarks, names, order; light, dark and narrow."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Open = Callable[..., Any]
+
+RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (1400, "dark"), (375, "light")])
+def test_axe_finds_nothing(width: int, scheme: str, browse: Open, axe: str, joined: Path) -> None:
+    page = browse(joined, width, color_scheme=scheme)
+    assert complaints(page, axe) == []
+
+
+@pytest.mark.slow
+def test_axe_finds_nothing_in_a_real_report(browse: Open, axe: str, real: Path) -> None:
+    assert complaints(browse(real, color_scheme="dark"), axe) == []
+
+
+def complaints(page: Any, axe: str) -> list[tuple[str, object, str]]:  # noqa: ANN401
+    """Return what axe-core says of a page with everything unfolded."""
+    page.locator("details").evaluate_all("all => all.forEach((one) => { one.open = true; })")
+    page.evaluate(axe)
+    found = page.evaluate("rules => axe.run(document, rules)", RULES)
+    assert {rule["id"] for rule in found["passes"]} >= {"color-contrast", "landmark-one-main"}
+    return [
+        (rule["id"], node["target"], node["failureSummary"])
+        for rule in found["violations"]
+        for node in rule["nodes"]
+    ]
+
+
+def test_everything_that_answers_can_be_reached_by_keyboard(browse: Open, joined: Path) -> None:
+    page = browse(joined)
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    reached = "button, a[href], input, select, summary, .graph, .scroll"
+    unreachable = page.locator(reached).evaluate_all(
+        "all => all.filter((one) => one.tabIndex < 0).length"
+    )
+    assert unreachable == 0

@@ -1,0 +1,117 @@
+"""The replay in a browser: it plays, stops, goes where it is told, and stands still if asked to."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Open = Callable[..., Any]
+
+PAINTED = "canvases => canvases.map((canvas) => canvas.toDataURL())"
+
+LAST, BOUNCE = 99, 50
+
+
+def replay(page: Any) -> Any:  # noqa: ANN401
+    element = page.locator(".replay").first
+    element.scroll_into_view_if_needed()
+    element.locator(".clock", has_text="ms").wait_for()  # it is opened as it comes near
+    return element
+
+
+def wait_until(page: Any, reached: Callable[[], bool]) -> None:  # noqa: ANN401
+    """Wait for something to come true, for as long as a slow machine may need."""
+    for _ in range(600):
+        if reached():
+            return
+        page.wait_for_timeout(50)
+    pytest.fail("it did not come true in half a minute")
+
+
+def frame(element: Any) -> int:  # noqa: ANN401
+    return int(element.locator("input").input_value())
+
+
+def pictures(element: Any) -> list[str]:  # noqa: ANN401
+    return [str(one) for one in element.locator("canvas").evaluate_all(PAINTED)]
+
+
+def test_reference_and_engine_are_drawn_side_by_side(browse: Open, joined: Path) -> None:
+    element = replay(browse(joined))
+    exact, engine = pictures(element)
+    assert exact != engine  # which is late, and has its own colour
+    names = [name.strip() for name in element.locator("figcaption").all_text_contents()]
+    assert names == ["exact", "MuJoCo"]
+
+
+def test_it_plays_to_its_end_and_again(browse: Open, joined: Path) -> None:
+    page = browse(joined)
+    element = replay(page)
+    play = element.locator(".play")
+    assert play.inner_text() == "Play"
+    before = pictures(element)
+    play.click()
+    assert play.inner_text() == "Pause"
+    wait_until(page, lambda: frame(element) == LAST)
+    assert play.inner_text() == "Play"
+    assert pictures(element) != before
+    play.click()
+    wait_until(page, lambda: 0 < frame(element) < LAST)
+
+
+def test_a_pause_holds_it(browse: Open, joined: Path) -> None:
+    page = browse(joined)
+    element = replay(page)
+    element.locator("select").select_option("0.0625")
+    element.locator(".play").press("Enter")
+    wait_until(page, lambda: frame(element) > 1)
+    element.locator(".play").press("Enter")
+    held = frame(element)
+    page.wait_for_timeout(500)
+    assert frame(element) == held < LAST
+
+
+def test_the_slider_answers_to_the_keyboard(browse: Open, joined: Path) -> None:
+    element = replay(browse(joined))
+    slider = element.locator("input")
+    before = pictures(element)
+    slider.press("ArrowRight")
+    assert frame(element) == 1
+    slider.press("End")
+    assert frame(element) == LAST
+    assert pictures(element) != before
+    assert slider.get_attribute("aria-valuetext") == "990.000 milliseconds"
+
+
+def test_it_goes_to_the_bounce(browse: Open, joined: Path) -> None:
+    element = replay(browse(joined))
+    element.locator(".to-bounce").press("Enter")
+    assert frame(element) == BOUNCE
+    assert element.locator(".clock").inner_text().startswith("500.0000 ms; a second of watching")
+
+
+def test_who_wants_no_motion_gets_steps(browse: Open, joined: Path) -> None:
+    page = browse(joined, reduced_motion="reduce")
+    element = replay(page)
+    button = element.locator(".play")
+    assert button.inner_text() == "Step"
+    button.click()
+    stepped = frame(element)
+    page.wait_for_timeout(300)
+    assert frame(element) == stepped > 0
+
+
+def test_nothing_moves_by_itself(browse: Open, joined: Path) -> None:
+    page = browse(joined)
+    element = replay(page)
+    page.wait_for_timeout(300)
+    assert frame(element) == 0
+
+
+def test_a_real_can_rolls(browse: Open, real: Path) -> None:
+    element = replay(browse(real, whole=False))
+    before = pictures(element)
+    element.locator(".to-bounce").click()
+    for early, now in zip(before, pictures(element), strict=True):
+        assert now != early
