@@ -95,7 +95,12 @@ def test_only_pybullet_has_an_impact_law_and_an_arc() -> None:
 @pytest.mark.parametrize(
     ("effect", "name", "options", "quantities"),
     [
-        ("compliance", "mujoco", {"solref": (0.02, 1.0)}, {"contact stiffness", "friction of the pair"}),
+        (
+            "compliance",
+            "mujoco",
+            {"solref": (0.02, 1.0)},
+            {"contact stiffness", "friction of the pair"},
+        ),
         ("drilling", "mujoco", {"condim": 3}, {"arm of drilling"}),
         ("rolling_resistance", "mujoco", {"condim": 4}, {"arm of rolling resistance"}),
         ("damping", "pybullet", {"linearDamping": 0.0}, {"linear damping", "speed kept"}),

@@ -1,0 +1,94 @@
+"""Energy where a scene declares effects: by its definition anew, or told to be no constant."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.metrics.conservation import conserves_energy, energy, energy_drift
+from harness.trajectory import Trajectory
+from models import (
+    Compliance,
+    Damping,
+    Drilling,
+    Effects,
+    PointMass,
+    Restitution,
+    RollingResistance,
+    RoundedRim,
+    Scene,
+    Shake,
+    Slip,
+    Tilt,
+    quaternion,
+)
+
+EPS = np.finfo(np.float64).eps
+Made = Callable[..., Trajectory]
+
+
+def test_a_point_mass_adds_its_own_energy(made: Made, gentle: Scene) -> None:
+    point = PointMass(mass=0.01, x=0.02, y=0.005, z=-0.01)
+    weighted = replace(gentle, effects=Effects(point_mass=point))
+    psi, spin, velocity = 0.7, np.array((1.0, -2.0, 3.0)), np.array((0.3, 0.1, -0.2))
+    turned = np.array(
+        ((np.cos(psi), -np.sin(psi), 0.0), (np.sin(psi), np.cos(psi), 0.0), (0.0, 0.0, 1.0))
+    )
+    one = made(
+        1,
+        quaternion=quaternion(0.0, psi, 0.0)[None],
+        position=np.array(((0.0, 0.0, 2.0),)),
+        velocity=velocity[None],
+        angular_velocity=spin[None],
+    )
+    place = turned @ (point.x, point.y, point.z)
+    moving = velocity + np.cross(spin, place)
+    own = 0.5 * point.mass * moving @ moving + point.mass * 9.81 * (2.0 + point.z)
+    added = energy(one, weighted)[0] - energy(one, gentle)[0]
+    assert added == pytest.approx(own, rel=64 * EPS)
+
+
+def test_down_a_tilted_plane_energy_is_lost_by_height(made: Made, gentle: Scene) -> None:
+    tilted = replace(gentle, effects=Effects(tilt=Tilt(angle=0.1, direction=np.pi / 2.0)))
+    down = made(2, position=np.array(((0.0, 0.0, 1.0), (0.0, 3.0, 1.0))))
+    change = np.diff(energy(down, tilted))[0]
+    assert change == pytest.approx(-gentle.can.mass * 9.81 * 3.0 * np.sin(0.1), rel=64 * EPS)
+
+
+CONSERVED = [
+    Effects(),
+    Effects(tilt=Tilt(angle=0.1)),
+    Effects(point_mass=PointMass(mass=0.01, x=0.01)),
+    Effects(slip=Slip(mu=0.0)),
+    Effects(restitution=Restitution(coefficient=1.0)),
+    Effects(rim=RoundedRim(radius=1e-3)),
+]
+NOT_CONSERVED = [
+    Effects(slip=Slip(mu=0.3)),
+    Effects(compliance=Compliance(stiffness=1e4)),
+    Effects(restitution=Restitution(coefficient=0.5)),
+    Effects(drilling=Drilling(length=1e-3)),
+    Effects(rolling_resistance=RollingResistance(length=1e-3)),
+    Effects(damping=Damping(linear=0.1)),
+    Effects(shake=Shake(frequency=10.0, vertical=1e-4)),
+    Effects(tilt=Tilt(angle=0.1), damping=Damping(linear=0.1)),
+]
+
+
+@pytest.mark.parametrize("effects", CONSERVED)
+def test_what_takes_nothing_has_a_drift(made: Made, gentle: Scene, effects: Effects) -> None:
+    scene = replace(gentle, effects=effects)
+    assert conserves_energy(scene)
+    assert energy_drift(made(3), scene) == 0.0
+
+
+@pytest.mark.parametrize("effects", NOT_CONSERVED)
+def test_what_takes_or_brings_has_none(made: Made, gentle: Scene, effects: Effects) -> None:
+    scene = replace(gentle, effects=effects)
+    assert not conserves_energy(scene)
+    assert energy_drift(made(3), scene) is None
+
+
+def test_without_gravity_there_is_no_scale(made: Made, gentle: Scene) -> None:
+    assert energy_drift(made(3), replace(gentle, gravity=0.0)) is None
