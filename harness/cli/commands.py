@@ -14,6 +14,7 @@ from harness.cli.check import check
 from harness.cli.cost import cost
 from harness.cli.diff import diff
 from harness.cli.effects import effects
+from harness.cli.faults import faults
 from harness.cli.files import check_motion_file, write_motion, write_text
 from harness.cli.joining import report
 from harness.cli.listings import engines_answer, print_engine, print_engines
@@ -58,6 +59,7 @@ for command in (
     effects,
     stability,
     sweep,
+    faults,
 ):
     app.command()(command)
 

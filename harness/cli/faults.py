@@ -1,0 +1,98 @@
+"""Try what must not lose work, and write down how it went."""
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+import typer
+
+from harness.artefact import Table
+from harness.cli import printing
+from harness.cli.files import write_text
+from harness.errors import OutputError
+from harness.faults import TRIALS, Demands, Trial
+from harness.provenance import provenance
+from harness.report.tables import csv_text
+
+_COLUMNS = {
+    "trial": "What is tried",
+    "done": "What was done to the program",
+    "demanded": "What must come of it",
+    "found": "What came of it",
+    "passed": "Whether it is what must",
+    "seconds_s": "How long the trial took",
+}
+
+
+def faults(
+    kills: Annotated[int, typer.Option(min=1, help="How many times the program is killed.")] = 50,
+    out: Annotated[Path, typer.Option(help="Folder to write into; made if it is missing.")] = Path(
+        "reports"
+    ),
+) -> None:
+    """Kill it, crash it, hang it, fill its disk, stop it, take its workers; write faults.md.
+
+    Leaves with code 1 if something was lost.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
+    found: list[Trial] = []
+    with printing.progress() as bar, tempfile.TemporaryDirectory(prefix="rockingcan-") as folder:
+        task = bar.add_task("starting", total=len(TRIALS))
+        for trial in TRIALS:
+            found.append(
+                trial(
+                    Demands(kills=kills),
+                    Path(folder),
+                    lambda words: bar.update(task, description=words),
+                )
+            )
+            bar.advance(task)
+    write_text(_markdown(found), out / "faults.md")
+    write_text(csv_text(_table(found)), out / "faults.csv")
+    rows = [(trial.name, "passed" if trial.passed else "FAILED", trial.found) for trial in found]
+    console = printing.out()
+    console.print(printing.table("Faults", ("trial", "verdict", "found"), rows))
+    console.print(f"\nThe report: {out / 'faults.md'}")
+    if not all(trial.passed for trial in found):
+        raise typer.Exit(1)
+
+
+def _table(found: list[Trial]) -> Table:
+    rows = [
+        (trial.name, trial.done, trial.demanded, trial.found, trial.passed, trial.seconds)
+        for trial in found
+    ]
+    frame = pd.DataFrame(rows, columns=list(_COLUMNS))
+    return Table(name="faults", title="Faults", frame=frame, columns=_COLUMNS)
+
+
+def _markdown(found: list[Trial]) -> str:
+    """Return the report as a page of Markdown."""
+    origin = provenance()
+    where = f"{origin.platform}, {origin.cores} cores, Python {origin.python}"
+    lines = [
+        "# Faults",
+        "",
+        f"What must not lose work, tried on {where}. Written by `rockingcan faults`.",
+        "",
+        "| trial | verdict | s |",
+        "|---|---|---:|",
+        *(
+            f"| {trial.name} | {'passed' if trial.passed else 'FAILED'} | {trial.seconds:.0f} |"
+            for trial in found
+        ),
+    ]
+    for trial in found:
+        lines += [
+            "",
+            f"## {trial.name}",
+            "",
+            f"- Done: {trial.done}.",
+            f"- Demanded: {trial.demanded}.",
+            *(f"- Found: {part}." for part in trial.found.rstrip(".").split("; ")),
+        ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,91 @@
+"""What a store tells afterwards: what was begun and kept, and whether two hold the same."""
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.store import State, Store, survey
+from harness.store.folder import ASIDE, JOURNAL
+
+_TIMES = ("setup_s", "wall_s", "cpu_s")
+"""Of a simulation: what a second run measures anew."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ledger:
+    """The journal of a store in numbers.
+
+    Parameters
+    ----------
+    tasks : int
+        That were begun at all.
+    begun : int
+        How often one was.
+    again : int
+        How often one was begun although its result was kept: work lost.
+    """
+
+    tasks: int
+    begun: int
+    again: int
+
+
+def ledger(store: Store) -> Ledger:
+    """Return the journal of a store in numbers."""
+    begun: Counter[str] = Counter()
+    kept: set[str] = set()
+    again = 0
+    for event in _events(store.folder / JOURNAL):
+        name = f"{event['kind']} {event['key']}"
+        if event["event"] == "begun":
+            begun[name] += 1
+            again += name in kept
+        elif event["event"] == "kept":
+            kept.add(name)
+    return Ledger(tasks=len(begun), begun=begun.total(), again=again)
+
+
+def _events(journal: Path) -> list[dict[str, str]]:
+    """Return the lines of a journal; one that a full disk cut short is left out."""
+    found = []
+    for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
+        try:
+            found.append(json.loads(line))
+        except ValueError:
+            continue
+    return found
+
+
+def broken(store: Store) -> int:
+    """Return how many entries are not what was written, those set aside before included."""
+    aside = len(list((store.folder / ASIDE).glob("*")))
+    return aside + sum(found.state is State.BROKEN for found in survey(store, thoroughly=True))
+
+
+def whole(store: Store) -> int:
+    """Return how many entries are what was written."""
+    return sum(found.state is State.WHOLE for found in survey(store, thoroughly=True))
+
+
+def differing(store: Store, other: Store) -> int:
+    """Return how many entries two stores do not share bit for bit, times of runs left out."""
+    mine, theirs = _bits(store), _bits(other)
+    return sum(mine.get(name) != theirs.get(name) for name in mine.keys() | theirs.keys())
+
+
+def _bits(store: Store) -> dict[str, Any]:
+    """Return every entry as a text and the bytes of its arrays."""
+    found = {}
+    for entry in survey(store):
+        content = store.read(entry.kind, entry.key)
+        arrays = {name: array.tobytes() for name, array in content.arrays.items()}
+        found[f"{entry.kind} {entry.key}"] = (repr(_without_times(content.record)), arrays)
+    return found
+
+
+def _without_times(record: Mapping[str, Any]) -> dict[str, Any]:
+    simulation = {k: v for k, v in record["simulation"].items() if k not in _TIMES}
+    return {**record, "simulation": simulation}

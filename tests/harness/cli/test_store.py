@@ -1,0 +1,65 @@
+"""The commands of the store, and options of running that exclude each other."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Command = Callable[..., Any]
+
+RUN = ("attribute", "gentle-rock", "--engine", "mujoco", "--jobs", "1")
+
+
+@pytest.mark.slow
+def test_a_second_run_does_nothing_and_says_so(told: Command, tmp_path: Path) -> None:
+    words = ("--store", str(tmp_path))
+    first = told(*RUN, "--json", *words)
+    assert "already in the store" not in first.err
+    again = told(*RUN, "--json", *words)
+    assert again.out == first.out
+    listed = told("store", "list", "--json", *words).json()["entries"]
+    count = len(listed)
+    assert f"{count} of {count} already in the store '{tmp_path}'" in again.err
+    assert {entry["state"] for entry in listed} == {"whole"}
+    assert all(entry["command"].startswith("rockingcan run gentle-rock") for entry in listed)
+    assert f"{count} entries" in told("store", "list", *words).out
+
+    broken = next(tmp_path.glob("evaluations/??/*.parquet"))
+    broken.write_bytes(broken.read_bytes()[:-1])
+    verified = told("store", "verify", *words)
+    assert verified.code == 1
+    assert f"{count - 1} of {count} entries are whole" in verified.out
+    assert told("store", "verify", *words).code == 0
+
+    third = told(*RUN, "--json", *words)
+    assert third.out == first.out
+    assert f"{count - 1} of {count} already in the store" in third.err
+    assert "removed 0 entries" in told("store", "prune", *words).out
+    assert f"removed {count} entries" in told("store", "prune", "--all", *words).out
+    assert told("store", "list", "--json", *words).json()["entries"] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--jobs", "2", "--on", "tcp://127.0.0.1:1"), "nothing beside --on"),
+        (("--no-store", "--fresh"), "nothing beside --store or --fresh"),
+        (("--time-limit", "0"), "a positive number of seconds"),
+        (("--memory-limit", "-1"), "a positive number of bytes"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(
+    told: Command, words: tuple[str, ...], said: str
+) -> None:
+    answer = told("attribute", "gentle-rock", "--engine", "mujoco", *words)
+    assert answer.code == 2
+    assert said in answer.err
+
+
+def test_an_empty_store_is_no_error(told: Command, tmp_path: Path) -> None:
+    words = ("--store", str(tmp_path / "none"))
+    assert "0 entries" in told("store", "list", *words).out
+    assert told("store", "verify", *words).code == 0
+    assert told("store", "prune", *words).code == 0
+    assert not (tmp_path / "none").exists()

@@ -1,0 +1,32 @@
+"""A Dask cluster: refusals that say the fix; the rest is the trial of the lost worker."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.errors import ClusterError, MissingPackageError
+from harness.executors import cluster
+from harness.faults.lost_worker import lost_worker
+from harness.isolation import NO_LIMITS
+
+
+def test_without_a_scheduler_it_says_how_to_start_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("harness.executors.clusters._PATIENCE", 0.5)
+    with pytest.raises(ClusterError, match=r"no Dask scheduler answers .* dask scheduler"):
+        cluster("tcp://127.0.0.1:1", NO_LIMITS)
+
+
+def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str) -> None:
+        raise ImportError(f"No module named '{name}'")
+
+    monkeypatch.setattr("importlib.import_module", missing)
+    with pytest.raises(MissingPackageError, match=r"pip install rockingcan\[cluster\]"):
+        cluster("tcp://127.0.0.1:1", NO_LIMITS)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # those of the cluster's own threads are not ours
+def test_a_worker_is_lost_and_nothing_with_it(tmp_path: Path) -> None:
+    trial = lost_worker(tmp_path, lambda _: None)
+    assert trial.passed, trial.found

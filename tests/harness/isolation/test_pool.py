@@ -1,0 +1,164 @@
+"""Tasks in processes of their own: what one does is its own outcome, and the others go on."""
+
+import math
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from harness.errors import HarnessError, InvalidSettingError
+from harness.executors import Serial, local
+from harness.faults.processes import living
+from harness.isolation import Isolated, Limits, Loss, LostTaskError, inside
+from harness.isolation.limits import sensible
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import worker_tasks as tasks
+
+_LIMITS = Limits(seconds=8.0, memory=0.5 * 2**30)
+"""Enough for every task that ends, on a machine that is busy."""
+
+_FATES: dict[Callable[[], Any], tuple[Loss, str]] = {
+    tasks.segfault: (Loss.CRASHED, "killed: SIGSEGV, segmentation fault"),
+    tasks.leave: (Loss.CRASHED, "killed: the engine left its process with code 3"),
+    tasks.be_killed: (Loss.STOPPED, "killed: SIGKILL from outside, as the system does"),
+    tasks.hang: (Loss.HUNG, "killed: it ran longer than the 8 s allowed"),
+    tasks.devour: (Loss.OUT_OF_MEMORY, "killed: it used more than the 0.5 GiB allowed"),
+}
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[Isolated]:
+    """Return an executor of two processes."""
+    with Isolated(2, _LIMITS) as executor:
+        yield executor
+
+
+def loss_of(future: "Future[Any]") -> LostTaskError:
+    with pytest.raises(LostTaskError) as caught:
+        future.result()
+    return caught.value
+
+
+def test_each_falls_by_itself_and_is_named(pool: Isolated) -> None:
+    doomed = {task: pool.submit(task) for task in _FATES}
+    others = [pool.submit(tasks.square, number) for number in range(6)]
+    assert [future.result() for future in others] == [n * n for n in range(6)]
+    for task, (loss, words) in _FATES.items():
+        error = loss_of(doomed[task])
+        assert (error.loss, str(error)[: len(words)]) == (loss, words)
+
+
+def test_processes_are_used_again(pool: Isolated) -> None:
+    first = {pool.submit(tasks.process).result() for _ in range(6)}
+    assert 1 <= len(first) <= 2
+    assert os.getpid() not in first
+
+
+def test_errors_come_back_as_what_they_are(pool: Isolated) -> None:
+    with pytest.raises(ZeroDivisionError, match="on purpose") as caught:
+        pool.submit(tasks.fail).result()
+    assert "in fail" in caught.value.__notes__[0]
+    # an error that cannot be made of its message comes as the nearest kind that can
+    with pytest.raises(HarnessError, match="unknown engine 'ode'; there is: mujoco"):
+        pool.submit(tasks.refuse).result()
+    with pytest.raises(Exception, match="as it does"):
+        pool.submit(tasks.fail_stubbornly).result()
+    with pytest.raises((AttributeError, TypeError, Exception), match=r"pickle|lambda"):
+        pool.submit(tasks.unsendable).result()
+    assert pool.submit(tasks.square, 3).result() == 9
+
+
+def test_after_an_error_it_stops_at_once() -> None:
+    class Enough(Exception):  # noqa: N818
+        pass
+
+    began = time.monotonic()
+    given: list[Future[Any]] = []
+
+    def interrupted() -> None:
+        with Isolated(1, _LIMITS) as executor:
+            given.append(executor.submit(tasks.nap, 600.0))
+            given.append(executor.submit(tasks.square, 2))
+            while not given[0].running():
+                time.sleep(0.01)
+            raise Enough
+
+    with pytest.raises(Enough):
+        interrupted()
+    running, waiting = given
+    assert time.monotonic() - began < 60.0
+    assert waiting.cancelled()
+    assert loss_of(running).loss is Loss.STOPPED
+
+
+def test_what_is_shut_down_takes_no_more_and_ends_what_it_has() -> None:
+    executor = Isolated(1, _LIMITS)
+    future = executor.submit(tasks.square, 4)
+    executor.shutdown()
+    assert future.result() == 16
+    with pytest.raises(RuntimeError, match="takes no more"):
+        executor.submit(tasks.square, 4)
+
+
+_OWNER = """
+import sys, time
+sys.path[:] = {path!r}
+import worker_tasks as tasks
+from harness.isolation import Isolated
+executor = Isolated(1)
+executor.submit(tasks.process).result()
+executor.submit(tasks.hang)
+print("at work", flush=True)
+time.sleep(600.0)
+"""
+
+
+def test_a_process_ends_with_its_owner() -> None:
+    owner = subprocess.Popen(  # noqa: S603 - our own program
+        [sys.executable, "-c", _OWNER.format(path=sys.path)],
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert owner.stdout is not None
+    assert owner.stdout.readline() == "at work\n"
+    assert len(living(owner.pid)) == 2
+    owner.kill()
+    owner.communicate()
+    until = time.monotonic() + 10.0
+    while living(owner.pid) and time.monotonic() < until:
+        time.sleep(0.02)
+    assert living(owner.pid) == []
+
+
+def test_inside_is_a_process_beside_this_one_that_stays() -> None:
+    first = inside(_LIMITS, tasks.process)
+    assert first != os.getpid()
+    assert inside(_LIMITS, tasks.process) == first
+    with pytest.raises(LostTaskError, match="SIGSEGV"):
+        inside(_LIMITS, tasks.segfault)
+    assert inside(_LIMITS, tasks.process) != first
+
+
+def test_limits_that_nothing_could_run_in_are_refused() -> None:
+    for limits in ({"seconds": 0.0}, {"memory": -1.0}, {"seconds": math.nan}):
+        with pytest.raises(InvalidSettingError, match="a positive number"):
+            Limits(**limits)
+    assert sensible(1).memory >= sensible(64).memory
+    assert 64 * sensible(64).memory < os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+def test_one_job_is_a_process_of_its_own_where_that_is_asked_for() -> None:
+    assert isinstance(local(1), Serial)
+    with local(1, spawned=True) as executor:
+        assert isinstance(executor, Isolated)

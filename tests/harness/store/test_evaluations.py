@@ -1,0 +1,99 @@
+"""Evaluations that are kept have the bits of those that were made, times included."""
+
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.campaign import Listener, complete
+from harness.case import Case
+from harness.executors import Serial
+from harness.isolation import Loss, LostTaskError
+from harness.kept import evaluations
+from harness.runner import Evaluation, evaluate, lost, run
+from harness.simulation import Outcome
+from harness.store import Store, StoreWarning
+from models import Effects, Scene, Slip
+
+
+def same(one: object, other: object) -> bool:
+    """Whether two values have the same types and bits, all the way down."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
+    if is_dataclass(one):
+        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(same, one, other))  # type: ignore[arg-type]
+    if isinstance(one, float):
+        return np.float64(one).tobytes() == np.float64(other).tobytes()  # type: ignore[arg-type]
+    return one == other
+
+
+def cases(brief: Scene) -> list[Case]:
+    """Return cases of every kind: engines, profiles, effects, none that has no trajectory."""
+    slippery = replace(brief, effects=Effects(slip=Slip(mu=0.3)))
+    return [
+        Case(scene=brief, engine="mujoco", profile="default"),
+        Case(scene=brief, engine="pybullet", timestep=1e-3),
+        Case(scene=brief, engine="reference"),
+        Case(scene=brief, engine="reference", options=(("model", "reduced"),)),
+        Case(scene=slippery, engine="mujoco", timestep=1e-3, options=(("solref", (0.01, 1.0)),)),
+    ]
+
+
+def test_kept_is_made_bit_for_bit(brief: Scene, tmp_path: Path) -> None:
+    store, told = Store(folder=tmp_path / "store"), list[tuple[int, int]]()
+    wanted = cases(brief)
+    made = run(wanted, store=store, on_kept=lambda *counts: told.append(counts))
+    done: list[Evaluation] = []
+    kept = run(wanted, None, done.append, store=store, on_kept=lambda *c: told.append(c))
+    assert told == [(0, len(wanted)), (len(wanted), len(wanted))]
+    assert len(done) == len(wanted)
+    assert [e.simulation.case for e in kept] == wanted
+    for one, other in zip(made, kept, strict=True):
+        assert same(one, other)
+    assert kept[0].simulation.wall_s == made[0].simulation.wall_s > 0.0
+
+
+def test_a_broken_one_is_run_again_and_the_rest_is_not(brief: Scene, tmp_path: Path) -> None:
+    store, wanted = Store(folder=tmp_path / "store"), cases(brief)[:3]
+    made = run(wanted, store=store)
+    shelf = evaluations(store)
+    path = store.path(shelf.kind, shelf.key(wanted[1]))
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.warns(StoreWarning, match="no whole record"):
+        again = run(wanted, store=store)
+    assert same(made[0], again[0])
+    assert same(made[2], again[2])
+    assert made[1].simulation.wall_s != again[1].simulation.wall_s
+    assert same(made[1].motion, again[1].motion)
+
+
+@pytest.mark.parametrize("loss", Loss)
+def test_crashes_are_kept_and_what_was_stopped_is_tried_again(
+    brief: Scene, tmp_path: Path, loss: Loss
+) -> None:
+    case = Case(scene=brief, engine="mujoco")
+    shelf = evaluations(Store(folder=tmp_path / "store"))
+
+    def dies(case: Case) -> Evaluation:
+        raise LostTaskError(loss, f"killed: {case.engine}")
+
+    found = complete([case], dies, Serial(), lost=lost, shelf=shelf)[0]
+    assert found.simulation.outcome.name == loss.name
+    assert found.simulation.note == "killed: mujoco"
+    kept: list[int] = []
+    again = complete(
+        [case],
+        evaluate,
+        Serial(),
+        lost=lost,
+        shelf=shelf,
+        listener=Listener(kept=lambda count, _: kept.append(count)),
+    )[0]
+    crashed = loss is Loss.CRASHED
+    assert kept == [int(crashed)]
+    assert again.simulation.outcome is (Outcome.CRASHED if crashed else Outcome.FINISHED)

@@ -1,0 +1,211 @@
+"""A store: whole entries or none, checked on reading, for several processes."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.errors import OutputError, StoreError
+from harness.store import About, Content, State, Store, StoreWarning, prune, survey
+from harness.store.folder import ASIDE, DRAFTS, JOURNAL
+
+ABOUT = About(label="a case", code="today")
+KEY = "ab" * 16
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """Return an empty store."""
+    return Store(folder=tmp_path / "store")
+
+
+def content(seed: int = 0) -> Content:
+    """Return a record with arrays, odd numbers among them."""
+    numbers = np.random.default_rng(seed).normal(size=(50, 3))
+    # two NaNs of different bits, and both zeros: equal or not, each is to come back as it is
+    odd = np.array([0x7FF8000000000001, 0xFFF8000000000000, 0x8000000000000000, 0], dtype=np.uint64)
+    numbers[:4, 0] = odd.view(np.float64)
+    return Content(
+        record={"x": 0.1, "pair": (1, 2.0), "none": None},
+        arrays={"points": numbers, "time": np.linspace(0, 1, 50), "count": np.arange(50)},
+    )
+
+
+def put(store: Store, key: str = KEY, seed: int = 0) -> Path:
+    """Keep an entry and return its record's file."""
+    store.put("things", key, ABOUT, content(seed))
+    return store.path("things", key)
+
+
+def test_what_is_kept_comes_back_bit_for_bit(store: Store) -> None:
+    put(store)
+    found = store.get("things", KEY)
+    assert found is not None
+    assert dict(found.record) == dict(content().record)
+    assert set(found.arrays) == set(content().arrays)
+    for name, array in content().arrays.items():
+        assert found.arrays[name].dtype == array.dtype
+        assert found.arrays[name].shape == array.shape
+        assert found.arrays[name].tobytes() == array.tobytes()
+
+
+def test_what_is_not_there_is_none(store: Store) -> None:
+    assert not store.has("things", KEY)
+    assert store.get("things", KEY) is None
+    assert list(survey(store)) == []
+
+
+def test_fresh_finds_nothing_and_replaces_what_is_there(store: Store) -> None:
+    put(store)
+    fresh = Store(folder=store.folder, fresh=True)
+    assert not fresh.has("things", KEY)
+    assert fresh.get("things", KEY) is None
+    put(fresh, seed=1)
+    found = store.get("things", KEY)
+    assert found is not None
+    assert found.arrays["points"].tobytes() == content(1).arrays["points"].tobytes()
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def flip(path: Path) -> None:
+    """Change one bit in the middle."""
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(bytes(data))
+
+
+def empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+def renamed(path: Path) -> None:
+    """Give an entry the content of another."""
+    told = json.loads(path.read_text(encoding="utf-8"))
+    told["key"] = "cd" * 16
+    path.write_text(json.dumps(told), encoding="utf-8")
+
+
+@pytest.mark.parametrize("hurt", [cut, flip, empty, Path.unlink])
+@pytest.mark.parametrize("which", ["record", "arrays"])
+def test_a_broken_entry_is_set_aside_with_a_warning(store: Store, hurt: object, which: str) -> None:
+    path = put(store)
+    hurt(path if which == "record" else next(path.parent.glob("*.parquet")))  # type: ignore[operator]
+    if which == "record" and hurt is Path.unlink:
+        assert store.get("things", KEY) is None  # never kept, for all that is to be seen
+        return
+    with pytest.warns(StoreWarning, match="it is set aside in .* and done again"):
+        assert store.get("things", KEY) is None
+    assert not store.has("things", KEY)
+    assert list((store.folder / ASIDE).iterdir())
+    put(store)
+    assert store.get("things", KEY) is not None
+
+
+def test_the_entry_of_another_case_is_refused(store: Store) -> None:
+    renamed(put(store))
+    with pytest.raises(StoreError, match="checksum"):
+        store.read("things", KEY)
+    store.path("things", "ef" * 16).parent.mkdir(parents=True)
+    put(store, "cd" * 16).rename(store.path("things", "ef" * 16))
+    with pytest.raises(StoreError, match="another case"):
+        store.read("things", "ef" * 16)
+
+
+def test_a_survey_names_what_is_broken(store: Store) -> None:
+    put(store)
+    flip(next(put(store, "cd" * 16).parent.glob("*.parquet")))
+    states = {found.key: found.state for found in survey(store, thoroughly=True)}
+    assert states == {KEY: State.WHOLE, "cd" * 16: State.BROKEN}
+    assert {found.state for found in survey(store)} == {State.WHOLE}  # arrays unseen
+
+
+def test_pruning_keeps_what_is_current_and_removes_the_rest(store: Store) -> None:
+    put(store)
+    store.put("things", "cd" * 16, About(label="old", code="yesterday"), content())
+    cut(put(store, "ef" * 16))
+    (store.folder / DRAFTS / "999999999-dead-x.json").write_text("half", encoding="utf-8")
+    mine = store.folder / DRAFTS / f"{os.getpid()}-alive-x.json"
+    mine.write_text("half", encoding="utf-8")
+    lone = put(store).with_name("12-orphan.parquet")
+    lone.write_bytes(b"")
+    os.utime(lone, (0.0, 0.0))
+    removed, freed = prune(store, lambda about: about.code == "today")
+    assert removed == 2
+    assert freed > 0
+    assert [found.key for found in survey(store)] == [KEY]
+    assert [path.name for path in (store.folder / DRAFTS).iterdir()] == [mine.name]
+    assert not lone.exists()
+    assert prune(store, lambda _: False)[0] == 1
+
+
+def test_a_write_that_fails_leaves_what_was_there(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(store)
+
+    def full(handle: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), handle)
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OutputError, match=r"No space left on device; what is kept there is whole"):
+        put(store, seed=1)
+    monkeypatch.undo()
+    found = store.get("things", KEY)
+    assert found is not None
+    assert found.arrays["points"].tobytes() == content().arrays["points"].tobytes()
+    assert list((store.folder / DRAFTS).iterdir()) == []
+
+
+_WRITER = """
+import sys
+from pathlib import Path
+sys.path[:0] = [{tests!r}, {source!r}]
+from test_store import Store, put
+store = Store(folder=Path({folder!r}))
+number = 0
+while True:
+    put(store, f"{{number % 7:032x}}", seed=number % 7)
+    number += 1
+"""
+
+
+@pytest.mark.slow
+def test_writers_and_readers_at_once_and_a_kill_in_between(store: Store) -> None:
+    program = _WRITER.format(
+        tests=str(Path(__file__).parent),
+        source=str(Path(__file__).parents[3]),
+        folder=str(store.folder),
+    )
+    writers = [subprocess.Popen([sys.executable, "-c", program]) for _ in range(2)]  # noqa: S603
+    try:
+        until = time.monotonic() + 60.0
+        while time.monotonic() < until and not store.has("things", f"{6:032x}"):
+            time.sleep(0.01)
+        read = 0
+        # a kill in the midst of a write, and readers that never see half of one
+        while read < 200:
+            for number in range(7):
+                found = store.get("things", f"{number:032x}")  # a warning would fail the test
+                assert found is not None
+                expected = content(number).arrays["points"].tobytes()
+                assert found.arrays["points"].tobytes() == expected
+                read += 1
+            if read > 100:
+                writers[0].send_signal(signal.SIGKILL)
+    finally:
+        for writer in writers:
+            writer.kill()
+            writer.wait()
+    assert {found.state for found in survey(store, thoroughly=True)} == {State.WHOLE}
+    lines = (store.folder / JOURNAL).read_text(encoding="utf-8").splitlines()
+    assert {json.loads(line)["event"] for line in lines} == {"kept"}
