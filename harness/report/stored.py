@@ -158,17 +158,20 @@ def _number(value: object) -> object:
 
 def _read(told: Mapping[str, Any]) -> Artefact:
     made = _KINDS[told["kind"]]
-    return made(**{f.name: _value(f.name, told[f.name]) for f in fields(made)})
+    return made(**_given(made, told))
+
+
+def _given(made: type[Artefact | _Part], told: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields that are told; an earlier version did not have all of those of today."""
+    return {f.name: _value(f.name, told[f.name]) for f in fields(made) if f.name in told}
 
 
 def _value(name: str, told: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
     if name in _NESTED:
         made = _NESTED[name]
-        return tuple(
-            made(**{f.name: _value(f.name, one[f.name]) for f in fields(made)}) for one in told
-        )
+        return tuple(made(**_given(made, one)) for one in told)
     if name == "heat" and told is not None:
-        return Heat(**{f.name: _value(f.name, told[f.name]) for f in fields(Heat)})
+        return Heat(**_given(Heat, told))
     if name == "frame":
         return pd.DataFrame({key: _series(column) for key, column in told.items()})
     if isinstance(told, dict) and "f8" in told:
