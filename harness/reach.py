@@ -20,8 +20,11 @@ RADIUS = (1e-6, 1e3)
 GRAVITY = (1e-9, 1e6)
 """m/s^2, or zero."""
 
-MOMENT = (1e-9, 1e4)
-"""a and c, over m R^2."""
+TRANSVERSE = (1e-3, 1e4)
+"""a, over m R^2."""
+
+AXIAL = (1e-9, 1e4)
+"""c, over m R^2."""
 
 HEIGHT = (1e-4, 1e3)
 """h, over R."""
@@ -38,7 +41,7 @@ FASTEST = 1e4
 LONGEST = 1e4
 """sqrt(R/g)."""
 
-MOST_TURNED = 1e5
+MOST_TURNED = 1e4
 """rad, by the rates at the release within the horizon."""
 
 MOST_FALLS = 2e3
@@ -74,8 +77,8 @@ def _beyond(scene: Scene) -> Iterator[tuple[str, float, str]]:
     if scene.gravity > 0.0:
         yield from _within("gravity", scene.gravity, GRAVITY, 1.0, "m/s^2, or zero")
     unit = can.mass * can.radius * can.radius
-    yield from _within("can.A", can.transverse_inertia, MOMENT, unit, "kg m^2")
-    yield from _within("can.C", can.axial_inertia, MOMENT, unit, "kg m^2")
+    yield from _within("can.A", can.transverse_inertia, TRANSVERSE, unit, "kg m^2")
+    yield from _within("can.C", can.axial_inertia, AXIAL, unit, "kg m^2")
     yield from _within("can.H", can.half_height, HEIGHT, can.radius, "m")
     if release.phi < FLATTEST:
         yield "release.phi", release.phi, f"at least {FLATTEST:g} rad"

@@ -14,7 +14,7 @@ from harness.artefact import Table
 from harness.cli import printing
 from harness.cli.answers import spell
 from harness.cli.words import settings
-from harness.errors import InvalidSettingError
+from harness.errors import HarnessError, InvalidSettingError
 from harness.executors import Serial, cluster, local
 from harness.interruption import Interrupted
 from harness.isolation.limits import sensible
@@ -61,7 +61,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         str | None, typer.Option(help="A quantity to draw the others against, such as epsilon.")
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes; one a core if left out.")
+        int | None, typer.Option(min=1, help="Processes or threads; one a core if left out.")
     ] = None,
     on: Annotated[
         str | None, typer.Option(help="Run on a Dask cluster, such as tcp://host:8786.")
@@ -137,11 +137,8 @@ def _complete(folder: Folder, jobs: int, on: str | None) -> None:
 
             window = jobs + 1 if isinstance(executor, ThreadPoolExecutor) else None
             carry_out(folder, executor, show, window=window)
-    except (KeyboardInterrupt, Interrupted):
-        there = chosen.rows - left + done
-        typer.echo(
-            f"{there} of {chosen.rows} scenes are written; the same command goes on", err=True
-        )
+    except (KeyboardInterrupt, Interrupted, HarnessError) as error:
+        error.add_note(f"{chosen.rows - left + done} of {chosen.rows} scenes are written.")
         raise
 
 
@@ -151,13 +148,13 @@ def _executor(chosen: Plan, jobs: int, on: str | None) -> Iterator[Executor]:
     made: Executor
     if on is not None:
         made = cluster(on, sensible(1))
+    elif not chosen.exact:
+        made = local(jobs, spawned=True)  # never this process, which an engine could take along
     elif jobs == 1:
         made = Serial()
-    elif chosen.exact:
+    else:
         # arrays in compiled loops: threads run them side by side, in the memory of one process
         made = ThreadPoolExecutor(jobs)
-    else:
-        made = local(jobs)
     with made:
         yield made
 

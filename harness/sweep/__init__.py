@@ -4,7 +4,7 @@ from harness.sweep.axes import Axis, read_axis
 from harness.sweep.folder import Folder, PlanMismatchError, opened
 from harness.sweep.parameters import PARAMETERS, Parameter
 from harness.sweep.partition import Part, compute
-from harness.sweep.plan import SAMPLES, Plan, plan
+from harness.sweep.planning import SAMPLES, Plan, plan
 from harness.sweep.quantities import DEFAULT, QUANTITIES, Quantity
 from harness.sweep.run import sweep
 

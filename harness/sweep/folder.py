@@ -21,7 +21,7 @@ from harness.errors import HarnessError, OutputError
 from harness.interruption import finishing
 from harness.sweep.parameters import PARAMETERS, Floats
 from harness.sweep.partition import Part
-from harness.sweep.plan import Plan
+from harness.sweep.planning import Plan
 from harness.sweep.quantities import QUANTITIES
 
 PLAN = "sweep.json"

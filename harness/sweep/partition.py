@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from harness.sweep.exact import solved_exactly
 from harness.sweep.found import Found
 from harness.sweep.parameters import PARAMETERS, Floats, scene_at
-from harness.sweep.plan import Plan
+from harness.sweep.planning import Plan
 from harness.sweep.quantities import QUANTITIES
 from harness.sweep.simulated import ERRORS, run_each
 from models.errors import InvalidValueError, ModelError

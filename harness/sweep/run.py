@@ -15,7 +15,7 @@ from harness.runner import lost
 from harness.sweep.folder import Folder
 from harness.sweep.found import Found
 from harness.sweep.partition import Part, compute, joined, part
-from harness.sweep.plan import Plan
+from harness.sweep.planning import Plan
 
 _TRIES = 2
 """Of a partition whose process died: by chance once, by one of its scenes twice."""

@@ -18,7 +18,7 @@ from harness.metrics.motion import motion
 from harness.simulation import Outcome, Simulation
 from harness.sweep.found import Found
 from harness.sweep.parameters import Floats
-from harness.sweep.plan import Plan
+from harness.sweep.planning import Plan
 from harness.sweep.quantities import QUANTITIES
 from models.scene import Scene
 

@@ -1,0 +1,1 @@
+"""Fuzzing: scene files that nobody wrote, and names that mean harm."""

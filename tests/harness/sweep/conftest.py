@@ -1,0 +1,45 @@
+"""Small sweeps of the paper's can."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from harness.executors import Serial
+from harness.sweep import Part, Plan, opened, plan, read_axis, sweep
+from models import load
+
+Planned = Callable[..., Plan]
+
+
+@pytest.fixture
+def planned() -> Planned:
+    """Return a function that plans a sweep of a scene over axes as they are typed."""
+
+    def make(scene: str, *over: str, **more: object) -> Plan:
+        return plan(load(scene), [read_axis(text) for text in over], **more)  # type: ignore[arg-type]
+
+    return make
+
+
+def carried_out(out: Path, chosen: Plan) -> pd.DataFrame:
+    """Carry a sweep out here, one partition after the other, and return its table."""
+    with opened(out, chosen) as folder:
+        sweep(folder, Serial())
+        return table(out)
+
+
+def table(out: Path) -> pd.DataFrame:
+    """Return the table of a sweep, as anybody reads it."""
+    return pd.read_parquet(out / "parts")
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    """Return the files of the partitions, to the byte."""
+    return {path.name: path.read_bytes() for path in sorted((out / "parts").iterdir())}
+
+
+def rows_of(parts: Iterable[Part]) -> int:
+    """Return how many rows parts have."""
+    return sum(len(part.rows) for part in parts)

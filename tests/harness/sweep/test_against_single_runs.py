@@ -1,0 +1,152 @@
+"""A row of a sweep is what a single run of its scene says."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from harness.case import Case
+from harness.engines.reference import solved
+from harness.runner import evaluate
+from harness.sweep import Plan
+from harness.sweep.parameters import scene_at
+from models import load
+from reference import PAPER_CAN, Problem
+from reference.reduced import reduced_of
+from tests.harness.sweep.conftest import carried_out
+
+Planned = Callable[..., Plan]
+
+ROUND_OFF = 1e-11
+"""Of a quadrature of tens of terms beside another with other companions in its chunk."""
+
+
+def test_exact_rows_are_those_of_the_reference(planned: Planned, tmp_path: Path) -> None:
+    chosen = planned(
+        "gentle-rock", "release.psi_dot=0.5:3:3", "can.h=0.5:2:3", "gravity=1.6:9.81:2"
+    )
+    assert chosen.exact
+    frame = carried_out(tmp_path / "out", chosen)
+    values = chosen.values(range(chosen.rows))
+    for row in range(chosen.rows):
+        scene = scene_at(load("gentle-rock"), {n: float(v[row]) for n, v in values.items()})
+        case = Case(scene=scene, engine="reference", options=(("model", "exact"),))
+        (bounce,) = solved(case).bounces
+        assert frame.angle_of_turn_deg[row] == pytest.approx(
+            math.degrees(bounce.angle_of_turn), rel=ROUND_OFF
+        )
+        assert frame.period_s[row] == pytest.approx(bounce.end - bounce.start, rel=ROUND_OFF)
+        assert frame.phi_min_rad[row] == pytest.approx(bounce.phi_min, rel=ROUND_OFF)
+        assert frame.peak_psi_dot_rad_s[row] == pytest.approx(bounce.peak_psi_dot, rel=ROUND_OFF)
+
+
+def test_the_papers_release_turns_as_it_does(planned: Planned, tmp_path: Path) -> None:
+    frame = carried_out(
+        tmp_path / "out",
+        planned("paper-release", "gravity=9.81:9.81:1", quantities=["angle_of_turn_deg"]),
+    )
+    # fifteen digits from heyoka's Taylor integrator
+    assert frame.angle_of_turn_deg[0] == pytest.approx(209.363400462452, rel=1e-11)
+
+
+def test_epsilon_is_that_of_the_reduced_equation(planned: Planned, tmp_path: Path) -> None:
+    chosen = planned("paper-release", "release.psi_dot=0.05:0.5:4", quantities=["epsilon"])
+    frame = carried_out(tmp_path / "out", chosen)
+    scene = load("paper-release")
+    T = math.sqrt(scene.can.radius / scene.gravity)
+    for rate, found in zip(frame.release_psi_dot_rad_s, frame.epsilon, strict=True):
+        problem = Problem(
+            parameters=PAPER_CAN,
+            phi=scene.release.phi,
+            psi_dot=rate * T,
+            theta_dot=scene.release.theta_dot * T,
+            bounces=1,
+        )
+        assert found == pytest.approx(reduced_of(problem).B_minus_two ** 2, rel=1e-12)
+
+
+def test_runs_of_an_engine_are_those_of_its_adapter(planned: Planned, tmp_path: Path) -> None:
+    chosen = planned(
+        "gentle-rock",
+        "release.psi_dot=1.5:2.5",
+        sample="sobol",
+        count=4,
+        engine="mujoco",
+        timestep=1e-3,
+        quantities=["angle_of_turn_deg", "angle_of_turn_error_deg", "steps", "energy_drift"],
+    )
+    frame = carried_out(tmp_path / "out", chosen)
+    for row, rate in enumerate(frame.release_psi_dot_rad_s):
+        scene = scene_at(load("gentle-rock"), {"release.psi_dot": rate})
+        alone = evaluate(Case(scene=scene, engine="mujoco", timestep=1e-3))
+        assert frame.angle_of_turn_deg[row] == math.degrees(alone.bounces[0].angle_of_turn)
+        assert frame.steps[row] == alone.simulation.steps
+        assert frame.energy_drift[row] == alone.energy_drift
+        assert alone.errors is not None
+        # the error of a run is held against an integration, that of a sweep against the formula
+        assert frame.angle_of_turn_error_deg[row] == pytest.approx(
+            math.degrees(alone.errors.angle_of_turn[0]), abs=1e-7
+        )
+
+
+def test_what_only_a_whole_motion_has_is_solved_for(planned: Planned, tmp_path: Path) -> None:
+    chosen = planned(
+        "gentle-rock", "release.psi_dot=1:3:2", quantities=["peak_friction_ratio", "period_s"]
+    )
+    assert not chosen.exact
+    frame = carried_out(tmp_path / "out", chosen)
+    for rate, ratio in zip(frame.release_psi_dot_rad_s, frame.peak_friction_ratio, strict=True):
+        scene = scene_at(load("gentle-rock"), {"release.psi_dot": rate})
+        (bounce,) = solved(Case(scene=scene, engine="reference")).bounces
+        assert ratio == bounce.peak_friction_ratio
+
+
+def test_a_scene_without_a_bounce_says_why_and_has_no_number(
+    planned: Planned, tmp_path: Path
+) -> None:
+    frame = carried_out(
+        tmp_path / "out",
+        planned("gentle-rock", "can.c=0.2:3:5", "gravity=0:9.81:2", "release.height=-1:1:3"),
+    )
+    bounced = frame.outcome.astype(str).str.startswith("finished")
+    assert bounced.sum() == 2  # the lightest spins on the plane, under gravity
+    assert frame.angle_of_turn_deg.notna().tolist() == bounced.tolist()
+    words = " ".join(map(str, frame.outcome.unique()))
+    for part in ("no rigid body has C greater than 2A", "Without gravity", "above", "inside"):
+        assert part in words
+
+
+def test_the_same_in_runs_of_an_engine(planned: Planned, tmp_path: Path) -> None:
+    frame = carried_out(
+        tmp_path / "out",
+        planned(
+            "gentle-rock", "can.c=0.5:3:2", engine="mujoco", timestep=1e-3, quantities=["period_s"]
+        ),
+    )
+    assert frame.period_s.notna().tolist() == [True, False]
+    assert "no rigid body has C greater than 2A" in str(frame.outcome[1])
+
+
+def test_numbers_beyond_doubles_are_said_to_be(planned: Planned, tmp_path: Path) -> None:
+    frame = carried_out(
+        tmp_path / "out", planned("gentle-rock", "release.psi_dot=log:1e-200:1e300:11")
+    )
+    missing = frame[frame.angle_of_turn_deg.isna()]
+    assert len(missing)
+    assert not missing.outcome.astype(str).str.startswith("finished").any()
+
+
+def test_columns_carry_their_units_and_meaning(planned: Planned, tmp_path: Path) -> None:
+    chosen = planned("gentle-rock", "release.psi_dot=1:2:2", "can.H=0.05:0.06:2")
+    frame = carried_out(tmp_path / "out", chosen)
+    assert list(frame.columns[:3]) == ["row", "release_psi_dot_rad_s", "can_H_m"] or list(
+        frame.columns[:3]
+    ) == ["row", "can_H_m", "release_psi_dot_rad_s"]
+    schema = pq.read_schema(next((tmp_path / "out" / "parts").iterdir()))
+    assert all((field.metadata or {}).get(b"description") for field in schema)
+    assert isinstance(frame, pd.DataFrame)
+    assert np.array_equal(frame.row, range(4))

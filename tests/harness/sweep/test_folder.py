@@ -1,0 +1,222 @@
+"""A folder of a sweep: resumed, refused, mended, and the same to the byte whoever fills it."""
+
+import json
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+import pytest
+
+from harness.errors import OutputError
+from harness.executors import Serial, local
+from harness.isolation import Loss, LostTaskError
+from harness.sweep import Part, Plan, PlanMismatchError, opened, planning, sweep
+from tests.harness.sweep.conftest import carried_out, contents, table
+
+Planned = Callable[..., Plan]
+
+
+@pytest.fixture(autouse=True)
+def _small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cut sweeps small, so that a few rows are many partitions."""
+    monkeypatch.setattr(planning, "EXACT_ROWS", 50)
+    monkeypatch.setattr(planning, "ENGINE_ROWS", 3)
+
+
+@pytest.fixture
+def chosen(planned: Planned) -> Plan:
+    return planned("gentle-rock", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+
+
+class Stopped(Exception):  # noqa: N818 - stands for a signal
+    """The sweep is stopped."""
+
+
+def test_a_second_start_does_what_is_missing_and_nothing_else(chosen: Plan, tmp_path: Path) -> None:
+    carried_out(tmp_path / "whole", chosen)
+    made: list[int] = []
+
+    def stop(part: Part) -> None:
+        made.append(part.index)
+        if len(made) == 2:
+            raise Stopped
+
+    out = tmp_path / "resumed"
+    with opened(out, chosen) as folder, pytest.raises(Stopped):
+        sweep(folder, Serial(), stop)
+    assert len(contents(out)) == 2
+    with opened(out, chosen) as folder:
+        assert folder.missing() == [2, 3, 4]
+        sweep(folder, Serial(), lambda part: made.append(part.index))
+    assert made == [0, 1, 2, 3, 4]
+    assert contents(out) == contents(tmp_path / "whole")
+    with opened(out, chosen) as folder:
+        sweep(folder, Serial(), lambda part: pytest.fail(f"{part.index} was made again"))
+
+
+@pytest.mark.parametrize("damage", ["cut short", "a byte changed", "emptied", "of another sweep"])
+def test_a_damaged_partition_is_set_aside_and_made_again(
+    chosen: Plan, planned: Planned, tmp_path: Path, damage: str
+) -> None:
+    out = tmp_path / "out"
+    carried_out(out, chosen)
+    before = contents(out)
+    with opened(out, chosen) as folder:
+        victim = folder.path(3)
+    content = bytearray(victim.read_bytes())
+    if damage == "cut short":
+        victim.write_bytes(content[: len(content) // 2])
+    elif damage == "a byte changed":
+        content[len(content) // 3] ^= 1
+        victim.write_bytes(content)
+    elif damage == "emptied":
+        victim.write_bytes(b"")
+    else:
+        other = planned("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+        carried_out(tmp_path / "other", other)
+        with opened(tmp_path / "other", other) as folder:
+            victim.write_bytes(folder.path(3).read_bytes())
+    with opened(out, chosen) as folder:
+        assert folder.missing() == [3]
+        assert [path.name for path in folder.damaged] == [victim.name]
+        sweep(folder, Serial())
+    assert contents(out) == before
+
+
+def test_another_sweep_is_refused_and_the_difference_named(
+    chosen: Plan, planned: Planned, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    carried_out(out, chosen)
+    before = contents(out)
+    other = planned("gentle-rock", "release.psi_dot=1:3:16", "release.theta_dot=-2:0:15")
+    with pytest.raises(PlanMismatchError, match=r"over.*release\.psi_dot=1\.0:3\.0:15"):
+        opened(out, other).__enter__()
+    third = planned("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+    with pytest.raises(PlanMismatchError, match="the scene"):
+        opened(out, third).__enter__()
+    assert contents(out) == before
+
+
+@pytest.mark.parametrize("thing", ["a file", "a folder of others", "a broken plan"])
+def test_what_is_no_sweep_is_left_alone(chosen: Plan, tmp_path: Path, thing: str) -> None:
+    out = tmp_path / "out"
+    if thing == "a file":
+        out.write_text("mine")
+    else:
+        out.mkdir()
+        name = "thesis.tex" if thing == "a folder of others" else "sweep.json"
+        (out / name).write_text("mine")
+    with pytest.raises(OutputError, match="out"):
+        opened(out, chosen).__enter__()
+    left = out if out.is_file() else next(out.iterdir())
+    assert left.read_text() == "mine"
+
+
+def test_two_sweeps_do_not_share_a_folder(chosen: Plan, tmp_path: Path) -> None:
+    with (
+        opened(tmp_path / "out", chosen),
+        pytest.raises(OutputError, match="already at work"),
+    ):
+        opened(tmp_path / "out", chosen).__enter__()
+    with opened(tmp_path / "out", chosen):  # the lock goes with its holder
+        pass
+
+
+def test_a_draft_that_a_killed_sweep_left_goes(chosen: Plan, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    (out / "parts").mkdir(parents=True)
+    draft = out / "parts" / ".part-000000-0.parquet.draft"
+    draft.write_bytes(b"half")
+    carried_out(out, chosen)
+    assert not draft.exists()
+
+
+def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
+    chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_table: Any, file: Any, **_: Any) -> None:  # noqa: ANN401 - as pyarrow has it
+        file.write(b"half")
+        raise OSError(28, "No space left on device")
+
+    out = tmp_path / "out"
+    with opened(out, chosen) as folder, monkeypatch.context() as patched:
+        patched.setattr(pq, "write_table", full)
+        with pytest.raises(OutputError, match=r"No space left.*goes on"):
+            sweep(folder, Serial())
+    assert contents(out) == {}
+    carried_out(out, chosen)
+
+
+def test_threads_and_processes_make_the_same_bytes(
+    chosen: Plan, planned: Planned, tmp_path: Path
+) -> None:
+    runs = planned(
+        "gentle-rock",
+        "release.psi_dot=1.5:2.5",
+        sample="random",
+        count=8,
+        engine="mujoco",
+        timestep=2e-3,
+        quantities=["angle_of_turn_deg", "angle_of_turn_error_deg"],
+    )
+    carried_out(tmp_path / "serial", chosen)
+    with opened(tmp_path / "threads", chosen) as folder, ThreadPoolExecutor(3) as executor:
+        sweep(folder, executor)
+    assert contents(tmp_path / "threads") == contents(tmp_path / "serial")
+    carried_out(tmp_path / "runs-serial", runs)
+    with opened(tmp_path / "runs", runs) as folder, local(2) as executor:
+        sweep(folder, executor)
+    # processes do not know of the small cut: their partitions are the plan's own rows, all alike
+    assert table(tmp_path / "runs").equals(table(tmp_path / "runs-serial"))
+
+
+class Deadly(Executor):
+    """Runs tasks here, and loses those that hold a row that kills; others it loses once."""
+
+    def __init__(self, row: int) -> None:
+        self._row = row
+        self._lost: set[int] = set()
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401 - as in the interface
+        """Do a task here, or lose it."""
+        future: Future[Any] = Future()
+        chosen, index = args[:2]
+        rows = args[2] if len(args) > 2 else chosen.span(index)
+        if self._row in rows:
+            future.set_exception(LostTaskError(Loss.CRASHED, "killed: SIGSEGV"))
+        elif index not in self._lost and len(args) == 2:
+            self._lost.add(index)
+            future.set_exception(LostTaskError(Loss.STOPPED, "killed: from outside"))
+        else:
+            future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(
+    planned: Planned, tmp_path: Path
+) -> None:
+    chosen = planned(
+        "gentle-rock",
+        "release.psi_dot=1.5:2.5:8",
+        engine="mujoco",
+        timestep=2e-3,
+        quantities=["angle_of_turn_deg", "angle_of_turn_error_deg"],
+    )
+    whole = carried_out(tmp_path / "whole", chosen)
+    with opened(tmp_path / "out", chosen) as folder:
+        sweep(folder, Deadly(4))
+    frame = table(tmp_path / "out")
+    assert "SIGSEGV" in str(frame.outcome[4])
+    assert frame.angle_of_turn_deg.isna().tolist() == [row == 4 for row in range(8)]
+    for name in chosen.quantities:
+        assert frame[name].drop(4).equals(whole[name].drop(4))
+
+
+def test_the_plan_beside_the_table_says_what_it_is(chosen: Plan, tmp_path: Path) -> None:
+    carried_out(tmp_path / "out", chosen)
+    told = json.loads((tmp_path / "out" / "sweep.json").read_text())
+    assert told["digest"] == chosen.digest()
+    assert told["plan"] == chosen.told()

@@ -1,0 +1,151 @@
+"""Plans: which scenes, cut how, and what is refused before anything runs."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from harness.errors import HarnessError
+from harness.sweep import PARAMETERS, Axis, Plan, plan, read_axis
+from harness.sweep.parameters import scene_at
+from models import load
+
+TURN = ("angle_of_turn_deg",)
+Planned = Callable[..., Plan]
+
+
+def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest(planned: Planned) -> None:
+    chosen = planned("gentle-rock", "release.psi_dot=-1:1:3", "can.h=log:0.1:10:3")
+    values = chosen.values(range(chosen.rows))
+    assert chosen.rows == 9
+    assert values["release.psi_dot"].tolist() == [-1.0] * 3 + [0.0] * 3 + [1.0] * 3
+    assert values["can.h"].tolist() == pytest.approx([0.1, 1.0, 10.0] * 3, rel=1e-15)
+
+
+@pytest.mark.parametrize("sample", ["random", "sobol", "halton"])
+@settings(max_examples=25, deadline=None)
+@given(cut=st.integers(1, 999))
+def test_a_row_of_a_sample_depends_on_its_number_alone(sample: str, cut: int) -> None:
+    chosen = plan(
+        load("gentle-rock"),
+        [read_axis("release.psi_dot=-1:1"), read_axis("can.h=log:0.1:10")],
+        sample=sample,
+        count=1000,
+        seed=3,
+    )
+    whole = chosen.values(range(1000))
+    parts = [chosen.values(range(cut)), chosen.values(range(cut, 1000))]
+    for name, column in whole.items():
+        assert np.array_equal(column, np.concatenate([part[name] for part in parts]))
+        axis = next(axis for axis in chosen.axes if axis.name == name)
+        assert (column >= axis.low).all()
+        assert (column <= axis.high).all()
+
+
+def test_another_seed_is_another_sample(planned: Planned) -> None:
+    first, other = (
+        planned("gentle-rock", "can.h=1:2", sample="random", count=9, seed=seed) for seed in (0, 1)
+    )
+    assert not np.array_equal(first.values(range(9))["can.h"], other.values(range(9))["can.h"])
+    assert first.digest() != other.digest()
+
+
+def test_partitions_hold_every_row_once(planned: Planned) -> None:
+    chosen = planned("gentle-rock", "can.h=1:2:100000")
+    rows = [row for index in range(chosen.partitions) for row in chosen.span(index)]
+    assert rows == list(range(100_000))
+
+
+@pytest.mark.parametrize("name", [n for n in PARAMETERS if not n.startswith("effects.")])
+def test_every_parameter_reaches_the_scene(name: str) -> None:
+    scene = load("gentle-rock")
+    value = {"can.A": 5e-5, "can.C": 4e-5, "can.H": 0.05, "can.radius": 0.05}.get(name, 0.7)
+    changed = scene_at(scene, {name: value})
+    table, _, key = name.rpartition(".")
+    owner = getattr(changed, table) if table else changed
+    fields = {"A": "transverse_inertia", "C": "axial_inertia", "H": "half_height"}
+    # a group of the can is kept as a length or a moment: a product and a quotient of round-off
+    assert getattr(owner, fields.get(key, key)) == pytest.approx(value, rel=4e-16)
+    others = {"can", "release"} - {table}
+    assert all(getattr(changed, other) == getattr(scene, other) for other in others)
+
+
+def test_a_can_of_another_size_is_the_same_can() -> None:
+    can, larger = (
+        load("gentle-rock").can,
+        scene_at(load("gentle-rock"), {"can.radius": 0.4, "can.mass": 7.0}).can,
+    )
+    assert (larger.a, larger.c, larger.h) == pytest.approx((can.a, can.c, can.h), rel=1e-15)
+
+
+def test_an_effect_is_a_parameter_too() -> None:
+    scene = scene_at(load("gentle-rock"), {"effects.slip.mu": 0.3})
+    assert scene.effects.slip is not None
+    assert scene.effects.slip.mu == 0.3
+
+
+REFUSED: dict[str, tuple[tuple[str, ...], dict[str, Any], tuple[str, ...]]] = {
+    "a parameter that is none": (("release.phy=0:1:3",), {}, ("release.phy", "release.phi")),
+    "no range": (("can.h",), {}, ("NAME=LOW:HIGH:COUNT",)),
+    "words for numbers": (("can.h=low:high:3",), {}, ("NAME=LOW:HIGH:COUNT",)),
+    "too many numbers": (("can.h=1:2:3:4",), {}, ("NAME=LOW:HIGH:COUNT",)),
+    "a mass of zero": (("can.mass=0:1:3",), {}, ("can.mass", "greater than 0")),
+    "a can on its side": (("release.phi=0.1:1.6:3",), {}, ("release.phi", "less than 1.5708")),
+    "no number": (("can.h=nan:1:3",), {}, ("can.h", "nan")),
+    "no values": (("can.h=1:2:0",), {}, ("can.h", "1 or more")),
+    "a logarithm of zero": (("release.psi_dot=log:0:1:3",), {}, ("greater than zero",)),
+    "friction that drives": (("effects.slip.mu=-1:1:3",), {}, ("effects.slip.mu", "-1")),
+    "an axis twice": (("can.h=1:2:3", "can.h=1:2:3"), {}, ("each parameter once",)),
+    "a group and its moment": (("can.a=1:2:3", "can.A=1:2:3"), {}, ("each parameter once",)),
+    "a grid without counts": (("can.h=1:2",), {}, ("NAME=LOW:HIGH:COUNT",)),
+    "a sample with counts": (("can.h=1:2:3",), {"sample": "sobol", "count": 8}, ("--count",)),
+    "a sample without a count": (("can.h=1:2",), {"sample": "sobol"}, ("--count",)),
+    "a seed of a grid": (("can.h=1:2:3",), {"seed": 1}, ("--seed",)),
+    "a sample that is none": (("can.h=1:2",), {"sample": "dice"}, ("grid, random, sobol",)),
+    "a quantity that is none": (("can.h=1:2:3",), {"quantities": ["turn"]}, ("angle_of_turn_deg",)),
+    "an error of the truth": (
+        ("can.h=1:2:3",),
+        {"quantities": ["angle_of_turn_error_deg"]},
+        ("reference",),
+    ),
+    "an engine that is none": (("can.h=1:2:3",), {"engine": "ode"}, ("mujoco",)),
+    "too many scenes": (("can.h=1:2:99999", "can.a=1:2:99999"), {}, ("1000000000",)),
+}
+
+
+@pytest.mark.parametrize("fault", REFUSED)
+def test_wrong_use_is_refused_with_what_is_allowed(planned: Planned, fault: str) -> None:
+    over, more, parts = REFUSED[fault]
+    with pytest.raises(HarnessError) as caught:
+        planned("gentle-rock", *over, **more)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+def test_nothing_to_vary_is_refused() -> None:
+    with pytest.raises(HarnessError, match="at least one"):
+        plan(load("gentle-rock"), [])
+
+
+def test_a_digest_tells_plans_apart(planned: Planned) -> None:
+    first = planned("gentle-rock", "can.h=1:2:3")
+    assert first.digest() == planned("gentle-rock", "can.h=1:2:3").digest()
+    others = [
+        planned("petals", "can.h=1:2:3"),
+        planned("gentle-rock", "can.h=1:2:4"),
+        planned("gentle-rock", "can.h=log:1:2:3"),
+        planned("gentle-rock", "can.h=1:2:3", quantities=TURN),
+        planned("gentle-rock", "can.h=1:2:3", engine="mujoco", timestep=1e-3),
+        replace(first, engine_version="0"),
+    ]
+    assert len({first.digest(), *(other.digest() for other in others)}) == 1 + len(others)
+
+
+def test_an_axis_reads_back_as_it_is_written() -> None:
+    for text in ("can.h=0.1:10.0:7", "can.h=log:0.1:10.0:7", "release.psi_dot=-1.0:1.0"):
+        assert read_axis(text).text() == text
+        assert isinstance(read_axis(text), Axis)
