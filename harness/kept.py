@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from harness.bounce import Bounce
 from harness.campaign import Shelf
 from harness.case import Case
+from harness.engines.reference import Divergence, Finding
 from harness.errors import StoreError
 from harness.evaluation import Evaluation
 from harness.keys import about, key_of
@@ -61,6 +62,9 @@ def content_of(evaluation: Evaluation) -> Content:
             "true_bounces": [asdict(bounce) for bounce in e.true_bounces],
             "errors": None if e.errors is None else asdict(e.errors),
             "truth_pulls": e.truth_pulls,
+            "findings": [asdict(finding) for finding in e.findings],
+            "divergence": None if e.divergence is None else asdict(e.divergence),
+            "parts_at": e.parts_at,
         },
         arrays=arrays,
     )
@@ -88,6 +92,9 @@ def evaluation_of(case: Case, content: Content) -> Evaluation:
             true_bounces=tuple(Bounce(**bounce) for bounce in told["true_bounces"]),
             errors=None if told["errors"] is None else Errors(**told["errors"]),
             truth_pulls=told["truth_pulls"],
+            findings=tuple(Finding(**finding) for finding in told["findings"]),
+            divergence=None if told["divergence"] is None else Divergence(**told["divergence"]),
+            parts_at=told["parts_at"],
         )
     except (KeyError, TypeError) as error:
         raise StoreError("it is no evaluation") from error

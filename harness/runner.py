@@ -13,7 +13,15 @@ import numpy as np
 from harness.campaign import Listener, complete
 from harness.case import Case
 from harness.engines.base import resolve
-from harness.engines.reference import Truth, refusal, sampled, truth
+from harness.engines.reference import (
+    PARTED,
+    Truth,
+    findings,
+    parting,
+    refusal,
+    sampled,
+    truth,
+)
 from harness.engines.registry import check_effects, engine
 from harness.engines.soundness import fault
 from harness.errors import HarnessError, TrajectoryError
@@ -24,7 +32,7 @@ from harness.kept import evaluations
 from harness.keys import version_of
 from harness.metrics.conservation import energy_drift
 from harness.metrics.contact import contact_quality
-from harness.metrics.error import errors
+from harness.metrics.error import errors, rotation_between
 from harness.metrics.features import bounces
 from harness.metrics.motion import motion
 from harness.reach import check_reach
@@ -98,7 +106,7 @@ def measure(simulation: Simulation) -> Evaluation:
     """Measure a simulation, against the truth where the reference can carry its scene."""
     scene, trajectory = simulation.case.scene, simulation.trajectory
     if trajectory is None:
-        return Evaluation(simulation=simulation)
+        return Evaluation(simulation=simulation, findings=findings(scene) if refusal(scene) else ())
     found = motion(trajectory, scene)
     found_bounces = bounces(found, scene.can)
     drift = energy_drift(trajectory, scene) if scene.gravity > 0.0 else None
@@ -110,6 +118,7 @@ def measure(simulation: Simulation) -> Evaluation:
             bounces=found_bounces,
             energy_drift=drift,
             contact=quality,
+            findings=findings(scene),
         )
     own = truth(scene)
     exact = _until(scene, own, float(found.time[-1]))
@@ -120,6 +129,8 @@ def measure(simulation: Simulation) -> Evaluation:
     before = dense.time < compared.time[-1]
     # to the very end of what is compared: cut at a sample, the curve would be too short
     locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))
+    chaos = parting(scene)
+    apart = rotation_between(compared.trajectory.quaternion, true.trajectory.quaternion) > PARTED
     pull = dense.contact_force[dense.time <= own.ends, 2] <= 0.0
     return Evaluation(
         simulation=simulation,
@@ -129,8 +140,13 @@ def measure(simulation: Simulation) -> Evaluation:
         contact=quality,
         truth=true,
         true_bounces=own.bounces,
-        errors=errors(compared, true, found_bounces, own.bounces, locus),
+        errors=None
+        if chaos is not None and chaos.chaotic
+        else errors(compared, true, found_bounces, own.bounces, locus),
         truth_pulls=bool(pull.any()),
+        findings=findings(scene),
+        divergence=chaos,
+        parts_at=float(compared.time[apart][0]) if apart.any() else None,
     )
 
 

@@ -1,9 +1,11 @@
 """What is true: the mathematics of the rocking can, dimensionless."""
 
+from reference.chaos import Divergence, divergence
 from reference.choice import Choice, carries, smallest
 from reference.contact_modes import Kind, Phase
 from reference.effects import EffectError, Effects, Gravity, Mass
 from reference.exact import Cycles, exact_bounces
+from reference.guard import Finding, Guard, examine
 from reference.integrate import METHODS, MODELS, SolverError, solve
 from reference.outcome import Outcome
 from reference.parameters import PAPER_CAN, ParameterError, Parameters
@@ -18,9 +20,12 @@ __all__ = [
     "Bounce",
     "Choice",
     "Cycles",
+    "Divergence",
     "EffectError",
     "Effects",
+    "Finding",
     "Gravity",
+    "Guard",
     "Kind",
     "Mass",
     "Outcome",
@@ -33,7 +38,9 @@ __all__ = [
     "SolverError",
     "States",
     "carries",
+    "divergence",
     "exact_bounces",
+    "examine",
     "smallest",
     "solve",
 ]

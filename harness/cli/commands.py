@@ -18,6 +18,7 @@ from harness.cli.faults import faults
 from harness.cli.files import check_motion_file, write_motion, write_text
 from harness.cli.joining import report
 from harness.cli.listings import engines_answer, print_engine, print_engines
+from harness.cli.model_answer import model_answer, sentences
 from harness.cli.paper import audit, gallery
 from harness.cli.stability import stability
 from harness.cli.store import app as store
@@ -136,12 +137,13 @@ def reference(
     evaluation = evaluate(case)
     simulation = evaluation.simulation
     known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
-    bounces = solved(case).bounces if known else ()
-    answer = reference_answer(evaluation, bounces)
+    found = solved(case) if known else None
+    answer = reference_answer(evaluation, found.bounces if found else ())
+    answer |= model_answer(evaluation, found, model)
     if json:
         _say(spell(answer))
     else:
-        printing.out().print(*printing.motion(answer))
+        printing.out().print(*printing.motion(answer), *sentences(answer), sep="\n")
 
 
 @app.command()

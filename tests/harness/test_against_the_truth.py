@@ -14,7 +14,7 @@ from harness.metrics.error import Errors
 from harness.metrics.order import observed_order
 from harness.runner import Evaluation, evaluate
 from harness.simulation import Outcome
-from models import Effects, Horizon, Scene, Slip, names
+from models import Compliance, Effects, Horizon, Scene, names
 
 ENGINES = ("mujoco", "pybullet")
 Evaluator = Callable[..., Evaluation]
@@ -126,12 +126,22 @@ def test_a_circle_is_rolled_with_an_error_of_first_order(evaluated: Evaluator, n
 def test_an_effect_without_a_reference_is_run_but_not_judged(
     evaluated: Evaluator, brief: Scene, name: str
 ) -> None:
-    slippery = replace(brief, effects=Effects(slip=Slip(mu=0.3)))
-    e = evaluated(slippery, name, 1e-3)
+    soft = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4, damping=10.0)))
+    e = evaluated(soft, name, 1e-3)
     assert e.simulation.outcome is Outcome.FINISHED
     assert e.errors is None
     assert e.truth is None
-    assert e.energy_drift is not None
+    assert "rigid" in e.findings[0].sentence
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_scene_that_slips_is_held_against_a_truth_that_slips(
+    evaluated: Evaluator, name: str
+) -> None:
+    errors = [evaluated("friction-below", name, step).errors for step in (1e-3, 1e-4)]
+    assert errors[0] is not None
+    assert errors[1] is not None
+    assert errors[1].phi_rms < 0.3 * errors[0].phi_rms
 
 
 @pytest.mark.parametrize("name", ENGINES)

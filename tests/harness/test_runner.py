@@ -18,7 +18,7 @@ from harness.errors import (
 )
 from harness.executors import Serial, local
 from harness.runner import Evaluation, run
-from models import Effects, Horizon, Scene, Slip
+from models import Effects, Horizon, Restitution, Scene
 
 
 @pytest.fixture
@@ -69,10 +69,10 @@ def test_no_case_is_no_result() -> None:
 
 def wrong(brief: Scene) -> Sequence[tuple[Case, type[HarnessError]]]:
     """Return cases that are wrong use, with what they raise."""
-    slippery = replace(brief, effects=Effects(slip=Slip(mu=0.3)))
+    bouncy = replace(brief, effects=Effects(restitution=Restitution(coefficient=0.5)))
     return (
         (Case(scene=brief, engine="ode"), UnknownEngineError),
-        (Case(scene=slippery, engine="reference"), UnsupportedEffectError),
+        (Case(scene=bouncy, engine="reference"), UnsupportedEffectError),
         (Case(scene=brief, engine="reference", timestep=1e-3), InvalidSettingError),
         (Case(scene=brief, engine="mujoco", options=(("glue", 1),)), UnknownSettingError),
         (Case(scene=brief, engine="mujoco", options=(("cone", "flat"),)), InvalidSettingError),

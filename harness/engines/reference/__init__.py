@@ -6,16 +6,33 @@ state at any instant, so that an engine is compared on its own time grid.
 """
 
 from harness.engines.reference.engine import ReferenceEngine
+from harness.engines.reference.guarding import (
+    PARTED,
+    Divergence,
+    Finding,
+    Guard,
+    findings,
+    guard,
+    parting,
+)
 from harness.engines.reference.posing import refusal
 from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
-from harness.engines.reference.truth import Truth, sampled, solved, truth
+from harness.engines.reference.truth import Phase, Truth, sampled, solved, truth
 
 __all__ = [
+    "PARTED",
     "SETTINGS",
     "VARIANTS",
     "WITHOUT_LOCUS",
+    "Divergence",
+    "Finding",
+    "Guard",
+    "Phase",
     "ReferenceEngine",
     "Truth",
+    "findings",
+    "guard",
+    "parting",
     "refusal",
     "sampled",
     "solved",

@@ -16,7 +16,7 @@ from harness.trajectory import Trajectory
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset
 from models.scene import Scene
-from reference import MODELS, Solution, SolverError, carries, smallest, solve
+from reference import MODELS, Choice, Solution, SolverError, carries, smallest, solve
 from reference.contact import contact_force_in_world
 
 
@@ -67,6 +67,20 @@ class Truth:
             Phase(kind=phase.kind.value, start=phase.start * T, end=phase.end * T)
             for phase in self.solution.phases
         )
+
+    @property
+    def chosen(self) -> Choice:
+        """The smallest model that carries the scene."""
+        return smallest(self.solution.problem)
+
+    @property
+    def solved_as(self) -> Choice:
+        """The model that was asked for, and how it compares with the smallest."""
+        own, needed = self.solution, self.chosen
+        why = needed.why
+        if own.model != needed.model:
+            why = f"Asked for; the smallest that carries the scene is {needed.model}. {why}"
+        return Choice(model=own.model, equations=own.equations, why=why)
 
     def grid(self) -> Floats:
         """Return sampling times that are dense by angle and hold every extremum of phi, s."""

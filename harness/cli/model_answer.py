@@ -1,0 +1,83 @@
+"""What `reference` says of its model: which, how many equations, why, and where it ends."""
+
+from collections.abc import Iterable
+from dataclasses import asdict
+
+from harness.cli.answers import Answer
+from harness.engines.reference import Truth, guard
+from harness.runner import Evaluation
+
+
+def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
+    """Return what goes into the answer of `reference` beside the motion in numbers.
+
+    Parameters
+    ----------
+    e : Evaluation
+    found : Truth or None
+        None of a scene without a motion.
+    asked : str
+        The model that was asked for.
+    """
+    divergence = e.divergence
+    answer: Answer = {
+        "model": None,
+        "equations": None,
+        "why": None,
+        "method": None,
+        "phases": [],
+        "guard": None,
+        "findings": [asdict(finding) for finding in e.findings],
+        "divergence": divergence
+        and {
+            "chaotic": divergence.chaotic,
+            "growth": divergence.growth,
+            "lyapunov_time_s": divergence.lyapunov_time,
+            "parted_s": divergence.parted,
+        },
+    }
+    if found is None:
+        return answer
+    own = found.chosen if asked == "auto" else found.solved_as
+    answer |= {
+        "model": own.model,
+        "equations": own.equations,
+        "why": own.why,
+        "method": found.solution.method,
+        "phases": [
+            {"kind": phase.kind, "start_s": phase.start, "end_s": phase.end}
+            for phase in found.phases
+        ],
+    }
+    if e.simulation.trajectory is not None:
+        seen = guard(found)
+        answer["findings"] = [asdict(finding) for finding in seen.findings]
+        answer["guard"] = {
+            "friction_ratio": seen.friction_ratio,
+            "least_normal_force_n": seen.normal_force,
+            "phi_min_rad": seen.phi_min,
+            "phi_max_rad": seen.phi_max,
+            "least_gap_m": seen.gap,
+        }
+    return answer
+
+
+def sentences(answer: Answer) -> Iterable[str]:
+    """Yield what a person reads of it, a paragraph each."""
+    if answer["model"] is not None:
+        plural = "" if answer["equations"] == 1 else "s"
+        yield f"Model: {answer['model']}, {answer['equations']} equation{plural}. {answer['why']}"
+    phases = answer["phases"]
+    if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
+        spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
+        yield f"Phases, s: {', '.join(spelled)}."
+    divergence = answer["divergence"]
+    if divergence is not None and divergence["chaotic"]:
+        yield (
+            f"Chaotic: a disturbance grows by e in {divergence['lyapunov_time_s']:.3g} s; one part "
+            f"in 1e12 becomes 0.1 rad at {divergence['parted_s']:.3g} s, and beyond nothing can be "
+            "compared."
+        )
+    for finding in answer["findings"]:
+        carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
+        yield f"Finding: {finding['sentence']}{carried}"

@@ -1,0 +1,104 @@
+"""How fast motions part that begin almost alike, and until when they can be compared at all.
+
+A can with its mass off the axis is chaotic (Srinivasan and Ruina): a disturbance grows as
+exp(rate t) whoever computes it, and once it has grown to the size of the motion two computations
+agree or differ for no reason that can be named. Beside the release a few are followed that differ
+by one part in 1e12; the distance of two motions is the angle between their orientations.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.integrate import solve
+from reference.problem import Problem
+from reference.states import Floats, States
+
+DISTURBANCE = 1e-12
+# Motions as far apart as this, rad, have nothing to do with each other.
+PARTED = 0.1
+# From here to there a distance grows undisturbed by round-off and by its own size.
+GROWING = (1e-11, 1e-3)
+# Copies of a regular motion part like time, or its square; by more than this it takes chaos, and an
+# engine's error of 1e-5 becomes as large as the motion.
+CHAOTIC = 1e4
+DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Divergence:
+    """How disturbed releases part from the undisturbed one.
+
+    Attributes
+    ----------
+    times, distance : ndarray, shape (n,)
+        The largest distance so far of any of them, rad.
+    growth : float
+        The last of it over the disturbance.
+    rate : float
+        Of exponential growth, Lyapunov's, in sqrt(g/R).
+    parted : float
+        When a disturbance of 1e-12 has grown to `PARTED`: foretold from the rate where that is
+        beyond the motion, infinite where nothing grows.
+    """
+
+    times: Floats
+    distance: Floats
+    growth: float
+    rate: float
+    parted: float
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether the disturbance grows so much that agreement ends."""
+        return self.growth > CHAOTIC
+
+
+def divergence(problem: Problem) -> Divergence:
+    """Return how releases part that differ from a problem's by one part in 1e12.
+
+    Parameters
+    ----------
+    problem : Problem
+        Followed by the smallest model that carries it.
+    """
+    own = solve(problem, model="auto", outputs={"contact_locus"})
+    times, ends = own.grid(), own.t_end
+    states, far = own.at(times), np.zeros_like(times)
+    until = replace(problem, bounces=None, duration=ends)
+    for name in DISTURBED:
+        value = getattr(problem, name)
+        moved = replace(until, **{name: value + DISTURBANCE * max(abs(value), 1e-3)})
+        other = solve(moved, model="auto", outputs={"contact_locus"})
+        seen = times <= other.t_end
+        far[seen] = np.maximum(far[seen], _distance(states, other.at(times[seen]), seen))
+        far[~seen] = np.maximum(far[~seen], PARTED)
+    far = np.maximum.accumulate(far)
+    reached = times[far >= PARTED]
+    growing = (far > GROWING[0]) & (far < GROWING[1])
+    rate = 0.0
+    if np.unique(far[growing]).size > 1:
+        rate = float(np.polyfit(times[growing], np.log(far[growing]), 1)[0])
+    return Divergence(
+        times=times,
+        distance=far,
+        growth=float(far[-1] / DISTURBANCE),
+        rate=rate,
+        parted=float(reached[0]) if reached.size else _foretold(ends, far[-1], rate),
+    )
+
+
+def _foretold(ends: float, last: float, rate: float) -> float:
+    """When a distance that goes on growing will have grown to the size of the motion."""
+    return float(ends + np.log(PARTED / last) / rate) if rate > 0 and last > 0 else np.inf
+
+
+def _distance(own: States, other: States, seen: NDArray[np.bool_]) -> Floats:
+    """Angle between orientations that are near each other, shape (n,): no arccos of almost 1."""
+    phi, psi = own.phi[seen], other.psi - own.psi[seen]
+    total = (other.psi + other.theta) - (own.psi[seen] + own.theta[seen])
+    lean = other.phi - phi
+    aside = np.sqrt(np.sin(phi) * np.sin(other.phi)) * 2 * np.sin(psi / 2)
+    about = total - 2 * np.sin(phi / 2) * np.sin(other.phi / 2) * psi
+    return np.asarray(np.sqrt(lean**2 + aside**2 + about**2))
