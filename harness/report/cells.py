@@ -77,6 +77,7 @@ class Grid:
     heads: tuple[Head, ...]
     rows: tuple[tuple[Cell, ...], ...]
     meanings: tuple[tuple[str, str], ...]
+    judged: bool
 
 
 def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
@@ -100,6 +101,7 @@ def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
             tuple(_cell(head, dict(zip(names, row, strict=True)), table, digests) for head in heads)
             for row in rows(table.frame)
         ),
+        judged=bool(table.verdicts),
         meanings=tuple((str(c), table.columns.get(str(c), "")) for c in table.frame.columns),
     )
 

@@ -93,8 +93,14 @@ def arranged(
     for title, artefacts in chapters[1:]:
         leading = _before(artefacts)
         others = {name: artefact for name, artefact in artefacts.items() if name not in leading}
-        sections.append(_part(title.removeprefix(_OWN_NAME), _with_scene(others), leading=leading))
+        sections.append(_part(_heading(title), _with_scene(others), leading=leading))
     return opening, tuple(part for part in sections if _filled(part))
+
+
+def _heading(title: str) -> str:
+    """Return the title of a report as that of a section."""
+    own = title.removeprefix(_OWN_NAME)
+    return own[:1].upper() + own[1:]
 
 
 def _before(artefacts: Named) -> Named:

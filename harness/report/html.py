@@ -158,11 +158,13 @@ def _drawing(
 
 
 def _made(chapters: Sequence[Chapter], made: Provenance) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Return provenance by study: of each, unless all were made as the page was."""
+    """Return what made the page, and of each study what was another then."""
     own = _told(made)
-    return [
-        (chapter.title, told) for chapter in chapters if (told := _told(chapter.provenance)) != own
-    ] + [("This page", own)]
+    others = [
+        (chapter.title, [term for term in _told(chapter.provenance) if term not in own])
+        for chapter in chapters
+    ]
+    return [("This page", own), *((title, terms) for title, terms in others if terms)]
 
 
 def _told(made: Provenance) -> list[tuple[str, str]]:

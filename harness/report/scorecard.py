@@ -60,6 +60,14 @@ _PRICE: Mapping[str, str] = {
 }
 
 
+_WHO: Mapping[str, str] = {
+    "engine": "Name of the engine.",
+    "settings": "The profile in words.",
+    "timestep_s": "Timestep of the engine; the largest of one that chooses its own.",
+    "profile": "default: as it ships; matched: what the scene declares; adaptive: own steps.",
+}
+
+
 def derived(chapters: Sequence[Chapter]) -> tuple[Table, ...]:
     """Return the tables that a report makes of its chapters: scorecards, and causes.
 
@@ -186,12 +194,7 @@ def _table(
     *,
     scene: str = "",
 ) -> Table:
-    columns = {
-        "engine": "Name of the engine.",
-        "settings": "The profile in words.",
-        "timestep_s": "Timestep of the engine; the largest of one that chooses its own.",
-        "profile": "default: as it ships; matched: what the scene declares; adaptive: own steps.",
-    }
+    columns = dict(_WHO)
     for quantity, meaning in quantities.items():
         columns |= {
             quantity: meaning,

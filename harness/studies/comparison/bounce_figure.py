@@ -122,13 +122,25 @@ def _duration(seconds: float) -> str:
 
 
 def _turns(drawn: Sequence[Evaluation], turn: float) -> str:
-    """Return a sentence on how far each run turned."""
-    parts = []
-    for e in drawn:
-        if e.bounces:
-            error = math.degrees(e.bounces[0].angle_of_turn) - turn
-            doubt = "" if e.bounces[0].resolved else ", too coarse to count turns"
-            parts.append(f"{label(e)}: {error:+.2g}{doubt}")
-        else:
-            parts.append(f"{label(e)}: no complete bounce")
-    return "Errors of the turn in degrees: " + "; ".join(parts) + "."
+    """Return a sentence on who turned most nearly as far, and who least."""
+    turned = sorted(
+        (
+            (math.degrees(e.bounces[0].angle_of_turn) - turn, e.bounces[0].resolved, label(e))
+            for e in drawn
+            if e.bounces
+        ),
+        key=lambda found: (not found[1], abs(found[0])),
+    )
+    if not turned:
+        return "No run completes the bounce."
+    nearest = f"Nearest is {_off(*turned[0])}"
+    lost = len(drawn) - len(turned)
+    told = f"; {lost} of {len(drawn)} runs do not complete the bounce" if lost else ""
+    if len(turned) == 1:
+        return f"{nearest}{told}."
+    return f"{nearest}, farthest {_off(*turned[-1])}{told}."
+
+
+def _off(error: float, resolved: bool, name: str) -> str:  # noqa: FBT001 - a field of a bounce
+    doubt = "" if resolved else ", too coarse to count its turns"
+    return f"{name}, off by {error:+.2g} degrees{doubt}"

@@ -22,7 +22,7 @@ _COLUMNS: Mapping[str, str] = {
     "quantity": "What was compared; the unit is its suffix.",
     "value": "Engine minus truth, or how far the contact is from the ideal one, which has zero.",
     "allowed": "Size up to which it agrees.",
-    "verdict": "agrees; deviates, by what factor over what is allowed; failed; or not decidable.",
+    "verdict": "In words: agrees; deviates, by what factor; failed; or not decidable.",
     "case": "Digest of the run; its command is in the list of cases.",
     "command": "Runs the case again.",
 }

@@ -81,15 +81,17 @@ def _phi(e: Evaluation) -> str:
 def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the contact locus from above."""
     series = overlaid(drawn, lambda m: (m.locus[:, 0] * MM, m.locus[:, 1] * MM))
-    distances = "; ".join(
-        f"{label(e)}: {e.errors.contact_locus_hausdorff * MM:.2g}" for e in drawn if e.errors
+    apart = sorted(
+        (e.errors.contact_locus_hausdorff * MM, label(e)) for e in drawn if e.errors is not None
     )
+    (nearest, best), (farthest, worst) = apart[0], apart[-1]
     return Figure(
         name=f"{scene}-locus",
         title="The contact locus from above",
         seen=(
             "Each engine's locus is the centre of its contact points, weighted with their forces. "
-            f"Largest distance from the exact curve in mm: {distances}."
+            f"That of {best} is within {nearest:.2g} mm of the exact curve, that of {worst} "
+            f"as much as {farthest:.2g} mm away."
         ),
         panels=(
             Panel(

@@ -110,7 +110,7 @@ def _slow(time: Floats, scene: Scene) -> str:
     ratio = float(steps.max() / steps.min())
     return (
         f"{time[-1] - time[0]:.3g} s of {scene.name} are played in {_FRAMES / _RATE:.0f} s; where "
-        f"the can turns fastest, time goes {ratio:.2g} times slower than where it turns least."
+        f"the can turns fastest, time goes {ratio:.0f} times slower than where it turns least."
     )
 
 

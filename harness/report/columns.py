@@ -1,0 +1,120 @@
+"""The dictionary of all columns, for `reports/README.md`.
+
+Written by `python -m harness.report.columns reports/README.md`.
+
+Studies declare what their columns mean where they make their tables; this gathers the declarations,
+so that no list has to be kept beside them.
+"""
+
+import ast
+import importlib
+import inspect
+import pkgutil
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
+
+import harness
+from harness.artefact import Table
+from harness.report.tables import plain_text
+
+BEGIN, END = "<!-- columns: begin -->\n", "<!-- columns: end -->\n"
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+_PACKAGES = ("harness.studies", "harness.report", "harness.gate")
+_OPTIONAL = ("sympy", "mpmath")
+
+
+def declared() -> dict[str, dict[str, str]]:
+    """Return by the part of the harness that makes them the columns of its tables."""
+    found: dict[str, dict[str, str]] = {}
+    for module in _modules():
+        if getattr(module, "Table", None) is not Table and "Row" not in vars(module):
+            continue
+        dictionaries = [*vars(module).values(), *_within(module)]
+        own = {
+            column: meaning
+            for value in dictionaries
+            if _is_dictionary(value)
+            for column, meaning in value.items()
+        }
+        if own:
+            found.setdefault(_part(module), {}).update(own)
+    return {part: dict(sorted(columns.items())) for part, columns in sorted(found.items())}
+
+
+def section() -> str:
+    """Return the dictionary in Markdown, between its marks."""
+    lines = [BEGIN]
+    for part, columns in declared().items():
+        lines.append(f"\n### {part}\n\n| Column | Meaning |\n| --- | --- |\n")
+        lines += [
+            f"| `{column}` | {plain_text(meaning)} |\n" for column, meaning in columns.items()
+        ]
+    return "".join([*lines, "\n", END])
+
+
+def with_section(text: str) -> str:
+    """Return a text with the dictionary put anew between its marks."""
+    before, _, rest = text.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return before + section() + after
+
+
+def _modules() -> Iterator[ModuleType]:
+    """Yield the modules that may make tables, without what needs an extra package."""
+    for package in (importlib.import_module(name) for name in _PACKAGES):
+        for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            if found.name == __name__:
+                continue
+            try:
+                yield importlib.import_module(found.name)
+            except ImportError as error:
+                if (error.name or "").partition(".")[0] not in _OPTIONAL:
+                    raise
+
+
+def _within(module: ModuleType) -> Iterator[dict[str, str]]:
+    """Yield the dictionaries that are written out inside a module's functions."""
+    for node in ast.walk(ast.parse(inspect.getsource(module))):
+        if isinstance(node, ast.Dict):
+            pairs = [
+                (key.value, _text(value))
+                for key, value in zip(node.keys, node.values, strict=True)
+                if isinstance(key, ast.Constant) and isinstance(key.value, str)
+            ]
+            yield {name: text for name, text in pairs if text is not None}
+
+
+def _text(node: ast.expr) -> str | None:
+    """Return a text as it is written, with a mark where something is put in; None if it is none."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    if isinstance(node, ast.JoinedStr):
+        parts = (part.value if isinstance(part, ast.Constant) else "N" for part in node.values)
+        return "".join(str(part) for part in parts)
+    return None
+
+
+def _part(module: ModuleType) -> str:
+    """Return what a person calls the part: a study, or the report, the gate, the sweep."""
+    words = module.__name__.removeprefix(f"{harness.__name__}.").split(".")
+    return words[1] if words[0] == "studies" else words[0]
+
+
+def _is_dictionary(value: object) -> bool:
+    """Return whether a value says of columns what they mean: names, and sentences."""
+    if not isinstance(value, Mapping) or not value:
+        return False
+    if not all(isinstance(name, str) and _NAME.fullmatch(name) for name in value):
+        return False
+    texts = list(value.values())
+    sentences = [t for t in texts if isinstance(t, str) and (t[:1].isupper() or ": " in t)]
+    return len(sentences) == len(texts) and all(" " in str(text) for text in texts)
+
+
+if __name__ == "__main__":
+    readme = Path(sys.argv[1])
+    readme.write_text(with_section(readme.read_text(encoding="utf-8")), encoding="utf-8")
