@@ -194,6 +194,16 @@ class Slippery(Toy):
         return changed(whole, contact_force=whole.trajectory.contact_force * np.array((3, 3, 1)))
 
 
+class Level(Toy):
+    """Says that it honours a tilted plane, and runs a level one."""
+
+    def simulate(self, case: Case) -> Any:  # noqa: ANN401 - a toy may return anything
+        """Run a case without its tilt."""
+        effects = replace(case.scene.effects, tilt=None)
+        level = replace(case, scene=replace(case.scene, effects=effects))
+        return replace(super().simulate(level), case=case)
+
+
 class Unpicklable(Toy):
     """Hands over what does not travel."""
 
@@ -231,7 +241,8 @@ BROKEN = {
     Overshoots: {"ends": "horizon"},
     Ghost: {"flight": "a point but no force"},
     TakesAnything: {"unknown setting": "was taken", "wrong value": "another kind: integrator"},
-    Keeps: {"report": "settings differ in condim"},
+    Keeps: {"report": "settings differ in build, condim"},
+    Level: {"motion with effects": "tilt 1"},
     Untidy: {
         "name": "'My Engine'",
         "version": "None is no text",
@@ -260,9 +271,11 @@ def test_a_broken_adapter_is_told_its_clause(toy: type[Toy]) -> None:
 
 def test_every_clause_can_be_broken() -> None:
     broken = {name for clauses in BROKEN.values() for name in clauses}
-    # these need a registered engine, a solver without timesteps, or arrays that Trajectory refuses
+    # these need a registered engine, a compiled world, a solver without timesteps, or arrays that
+    # Trajectory refuses
     unbroken = {
         "unsupported effect",
+        "laws of effects",
         "repeats in a fresh process",
         "starts",
         "acceleration",

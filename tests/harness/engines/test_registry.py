@@ -23,7 +23,7 @@ from harness.errors import (
 from harness.runner import evaluate, run
 from harness.simulation import Outcome, Simulation
 from harness.studies.comparison import read
-from models import Effects, Scene, Slip
+from models import Effects, RoundedRim, Scene, Slip
 
 
 class LateClock:
@@ -127,10 +127,10 @@ def test_an_engine_that_is_missing_is_not_said_to_be_able(
     toys: None,  # noqa: ARG001
     gentle: Scene,
 ) -> None:
-    slippery = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
+    rounded = replace(gentle, effects=Effects(rim=RoundedRim(radius=1e-3)))
     with pytest.raises(UnsupportedEffectError) as caught:
-        registry.check_effects("reference", slippery)
-    assert str(caught.value).endswith("engines that can: mujoco, pybullet")
+        registry.check_effects("mujoco", rounded)
+    assert str(caught.value).endswith("engines that can: pybullet, reference")
 
 
 def test_an_imposed_effect_is_no_reason_to_refuse(

@@ -17,7 +17,7 @@ from harness.errors import (
 )
 from harness.runner import Evaluation, evaluate
 from harness.simulation import Outcome
-from models import Can, Effects, Horizon, Scene, Slip, load
+from models import Can, Effects, Horizon, RoundedRim, Scene, load
 
 ENGINES = ("mujoco", "pybullet")
 ALL = ("mujoco", "pybullet", "reference")
@@ -218,7 +218,7 @@ def test_what_mujoco_does_not_compile_is_wrong_use_with_its_reason(brief: Scene)
 def test_a_can_too_light_for_mujoco_is_wrong_use_with_its_reason(brief: Scene) -> None:
     dust = Can.from_groups(mass=1e-17, radius=0.037, a=0.727, c=0.615, h=1.473)
     with pytest.raises(RefusedModelError, match="mass and inertia"):
-        evaluate(Case(scene=replace(brief, can=dust), engine="mujoco"))
+        engine("mujoco").simulate(Case(scene=replace(brief, can=dust), engine="mujoco"))
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -242,9 +242,10 @@ def test_the_reference_takes_no_timestep(brief: Scene) -> None:
 def test_an_effect_that_an_engine_cannot_represent_is_refused_naming_those_that_can(
     brief: Scene,
 ) -> None:
-    slippery = replace(brief, effects=Effects(slip=Slip(mu=0.3)))
-    with pytest.raises(UnsupportedEffectError, match=r"'slip'.*engines that can: mujoco, pybullet"):
-        evaluate(Case(scene=slippery, engine="reference"))
+    rounded = replace(brief, effects=Effects(rim=RoundedRim(radius=1e-3)))
+    able = r"'rim'.*engines that can: pybullet, reference"
+    with pytest.raises(UnsupportedEffectError, match=able):
+        evaluate(Case(scene=rounded, engine="mujoco"))
 
 
 def test_as_shipped_means_that_nothing_is_written_into_the_model() -> None:
