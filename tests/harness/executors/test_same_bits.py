@@ -1,0 +1,34 @@
+"""Whatever runs the cases, the bits are the same."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from harness.case import Case
+from harness.executors import Serial, local
+from harness.faults.ledger import differing, ledger, whole
+from harness.runner import run
+from harness.store import Store
+from models import Scene
+
+
+def test_here_in_threads_and_in_processes(brief: Scene, tmp_path: Path) -> None:
+    cases = [
+        Case(scene=brief, engine=engine, timestep=timestep)
+        for engine in ("mujoco", "pybullet")
+        for timestep in (1e-3, 5e-4)
+    ]
+    # an engine's module is not made for threads of one process at once: one at a time there
+    executors = (Serial(), ThreadPoolExecutor(1), local(2))
+    stores = [Store(folder=tmp_path / str(number)) for number in range(len(executors))]
+    for executor, store in zip(executors, stores, strict=True):
+        with executor:
+            run(cases, executor, store=store)
+    first, *others = stores
+    assert whole(first) == len(cases)
+    assert [differing(first, other) for other in others] == [0, 0]
+    book = ledger(first)
+    assert (book.tasks, book.begun, book.again) == (len(cases), len(cases), 0)
+    # the comparison sees a single bit, and an entry that is missing
+    record = next(first.folder.glob("evaluations/??/*.json"))
+    record.unlink()
+    assert differing(first, others[0]) == 1

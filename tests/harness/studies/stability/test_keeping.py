@@ -1,0 +1,41 @@
+"""Verdicts and findings come back as they were kept; what decides them is in their key."""
+
+import math
+from dataclasses import fields, replace
+from pathlib import Path
+
+import pytest
+
+from harness.case import Case
+from harness.errors import StoreError
+from harness.runner import evaluate
+from harness.store import Content, Store
+from harness.studies.stability import examine, findings, judge, random_scenes, verdicts
+from models import Scene
+
+
+def test_a_verdict_comes_back(gentle: Scene, tmp_path: Path) -> None:
+    case = Case(scene=gentle, engine="mujoco", timestep=1e-3)
+    made = judge(evaluate(case))
+    odd = replace(made, sign=replace(made.sign, number=math.inf))
+    shelf = verdicts(Store(folder=tmp_path / "store"))
+    shelf.put(case, odd)
+    kept = shelf.get(case)
+    assert kept is not None
+    assert (kept.verdict, kept.sign) == (odd.verdict, odd.sign)
+    for field in fields(kept.simulation):
+        assert getattr(kept.simulation, field.name) == getattr(odd.simulation, field.name)
+    assert shelf.get(replace(case, timestep=2e-3)) is None
+
+
+def test_findings_come_back_and_are_those_of_their_scenes(tmp_path: Path) -> None:
+    part = tuple(random_scenes(3))
+    made = [examine(scene) for scene in part]
+    shelf = findings(Store(folder=tmp_path / "store"))
+    shelf.put(part, made)
+    assert shelf.get(part) == made
+    assert shelf.get(part[:2]) is None
+    heavier = replace(part[2], gravity=2.0 * part[2].gravity)
+    assert shelf.get((*part[:2], heavier)) is None
+    with pytest.raises(StoreError, match="its scenes are others"):
+        shelf.unpack(part, Content(record={"findings": []}))
