@@ -1,7 +1,8 @@
 """The verdicts as JUnit's XML, which build servers show beside their tests.
 
 A test case is a quantity of one engine in one scene. What agrees passes, what deviates or failed is
-a failure, what is unsupported or cannot be decided is skipped, with the words of the verdict.
+a failure, what is unsupported or cannot be decided is skipped, with the words of the verdict. Where
+results were held against accepted ones, each comparison is a test case of a suite of its own.
 """
 
 import re
@@ -18,17 +19,20 @@ from harness.report.tables import rows
 _ALIEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What XML 1.0 has no way to write, not even as a reference."""
 
-_PASSED = "agrees"
-_FAILED = ("deviates", "failed")
+_PASSED = ("agrees", "same", "better")
+_FAILED = ("deviates", "failed", "worse", "missing")
+
+_GATE = "gate"
+"""Name of the table of results against accepted ones."""
 
 
 def junit(report: Report) -> str:
     """Return the verdicts of a report; an empty list where no engine was compared."""
     verdicts = [row for table in report.tables.values() for row in _rows(table)]
     suites = _element("testsuites", name=report.title)
-    for engine in dict.fromkeys(row["engine"] for row in verdicts):
-        own = [row for row in verdicts if row["engine"] == engine]
-        suite = SubElement(suites, "testsuite", _told(name=engine, **_counts(own)))
+    for name in dict.fromkeys(row["suite"] for row in verdicts):
+        own = [row for row in verdicts if row["suite"] == name]
+        suite = SubElement(suites, "testsuite", _told(name=name, **_counts(own)))
         for row in own:
             suite.append(_case(row))
     for name, number in _counts(verdicts).items():
@@ -38,11 +42,34 @@ def junit(report: Report) -> str:
 
 
 def _rows(table: Table) -> Iterable[dict[str, Any]]:
-    if table.name != FIDELITY:
-        return
     names = [str(name) for name in table.frame.columns]
-    for row in rows(table.frame):
-        yield dict(zip(names, row, strict=True))
+    told = (dict(zip(names, row, strict=True)) for row in rows(table.frame))
+    if table.name == FIDELITY:
+        yield from ({**row, "suite": row["engine"]} for row in told)
+    elif table.name == _GATE:
+        yield from (_held(row) for row in told if row["verdict"] != "not judged")
+
+
+def _held(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a comparison with an accepted result in the words of a verdict."""
+    step = "" if is_missing(row["timestep_s"]) else f", {row['timestep_s']:g} s"
+    note = f": {row['note']}" if row["note"] else ""
+    return {
+        **row,
+        "suite": f"{row['engine']}, against accepted results",
+        "profile": f"{row['profile']}{step}",
+        "verdict": f"{row['verdict']}{note}",
+        "value": row["found"],
+        "allowed": _allowed(row["accepted"], row["tolerance"]),
+        "command": f"case {row['case']}",
+    }
+
+
+def _allowed(accepted: float | None, tolerance: float | None) -> float | None:
+    """Return how large a magnitude may be for its tolerance, if there is such a number."""
+    if is_missing(accepted) or is_missing(tolerance):
+        return None
+    return (accepted or 0.0) + (tolerance or 0.0)
 
 
 def _case(row: dict[str, Any]) -> Element:

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import pytest
 
@@ -82,6 +83,14 @@ def test_accept_then_pass_then_catch_then_compare(told: Told, tmp_path: Path) ->
     summary = (after / "summary.md").read_text(encoding="utf-8")
     assert "Worse: gentle-rock in mujoco" in summary
     assert (after / "tables" / "gate.csv").is_file()
+    written = (after / "junit.xml").read_text(encoding="utf-8")
+    suites = {one.get("name"): one for one in fromstring(written)}  # noqa: S314 - our own
+    held = suites["mujoco, against accepted results"]
+    failed = [case for case in held if case.find("failure") is not None]
+    assert ("mujoco.gentle-rock", "phi_rms_rad, matched, 0.001 s") in {
+        (case.get("classname"), case.get("name")) for case in failed
+    }
+    assert held.get("failures") == str(len(failed))
     assert read_scores(after).settings == {"mujoco.iterations": "2"}
 
     sides = told("diff", before, after, "--baseline", baseline)
