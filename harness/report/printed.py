@@ -32,6 +32,7 @@ _ROW, _SQUARE_ROW = 0.62, 0.92  # height of a row in panel widths
 _LETTERS, _KEY = 130, 6  # in the width of the page; what a key and its margins take of them
 _MARKS = ("o", "D", "s", "^", "P", "X", "*")
 _DRAWN = re.compile(r'(?<=\sd=")[^"]*(?=")')
+_UNSPEAKABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")  # XML has no word for them
 _LONG = re.compile(r"-?\d+\.\d{3,}")
 _STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -78,7 +79,8 @@ def printed(figure: Figure, inks: Mapping[str, Ink]) -> Printed:
         mpl.rcdefaults()  # not what a matplotlibrc on this machine says
         mpl.rcParams.update(_STYLE)
         sheet = _sheet(figure, inks)
-        svg = _DRAWN.sub(_rounded, _saved(sheet, "svg").decode("utf-8"))
+        drawn = _UNSPEAKABLE.sub("\N{REPLACEMENT CHARACTER}", _saved(sheet, "svg").decode("utf-8"))
+        svg = _DRAWN.sub(_rounded, drawn)
         return Printed(png=_saved(sheet, "png"), svg=svg)
 
 

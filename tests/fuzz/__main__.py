@@ -41,18 +41,22 @@ def main() -> int:
     asked = reader.parse_args()
     started = time.perf_counter()
 
+    told = 0
+
     def show(tally: Tally) -> None:
+        nonlocal told
         done = tally.answered.total() + tally.refused.total()
-        sys.stderr.write(f"\r{done} of {asked.count}, {len(tally.faults)} faults")
+        for number, (level, command, fault, content) in enumerate(tally.faults[told:], told):
+            sys.stderr.write(f"\r{level}, {command}: {fault}\n")
+            if asked.keep is not None:
+                asked.keep.mkdir(parents=True, exist_ok=True)
+                (asked.keep / f"{number:04d}-{level}-{command}.toml").write_bytes(content)
+        told = len(tally.faults)
+        sys.stderr.write(f"\r{done} of {asked.count}, {told} faults")
 
     with tempfile.TemporaryDirectory() as folder:
         tally = campaign(asked.count, asked.seed, Path(folder), show)
     sys.stderr.write("\n")
-    for number, (level, command, fault, content) in enumerate(tally.faults):
-        sys.stderr.write(f"{level}, {command}: {fault}\n")
-        if asked.keep is not None:
-            asked.keep.mkdir(parents=True, exist_ok=True)
-            (asked.keep / f"{number:04d}-{level}-{command}.toml").write_bytes(content)
     text = table(tally, time.perf_counter() - started)
     sys.stdout.write(text)
     if asked.out is not None:

@@ -53,13 +53,14 @@ def campaign(
     def see(level: str, content: bytes) -> None:
         number = tally.answered.total() + tally.refused.total()
         _try(tally, level, content, folder / "scene.toml", number)
-        if number % 100 == 0:
+        if number % 100 == 0 or tally.faults:
             show(tally)
 
     for level in LEVELS:
         for content in mutations(level, share, seed):
             see(level, content)
     each_made(share, seed, lambda content: see(MADE, content))
+    show(tally)
     return tally
 
 
