@@ -9,6 +9,7 @@ so that no list has to be kept beside them.
 import ast
 import importlib
 import inspect
+import os
 import pkgutil
 import re
 import sys
@@ -18,6 +19,7 @@ from types import ModuleType
 
 import harness
 from harness.artefact import Table
+from harness.errors import ReportError
 from harness.report.tables import plain_text
 
 BEGIN, END = "<!-- columns: begin -->\n", "<!-- columns: end -->\n"
@@ -57,9 +59,17 @@ def section() -> str:
 
 
 def with_section(text: str) -> str:
-    """Return a text with the dictionary put anew between its marks."""
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
+    """Return a text with the dictionary put anew between its marks.
+
+    Raises
+    ------
+    ReportError
+        If the text has no marks, so that nobody can say where it belongs.
+    """
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise ReportError(f"no lines '{BEGIN.strip()}' and '{END.strip()}' to write between")
     return before + section() + after
 
 
@@ -117,4 +127,7 @@ def _is_dictionary(value: object) -> bool:
 
 if __name__ == "__main__":
     readme = Path(sys.argv[1])
-    readme.write_text(with_section(readme.read_text(encoding="utf-8")), encoding="utf-8")
+    whole = with_section(readme.read_text(encoding="utf-8"))
+    draft = readme.with_name(f".{readme.name}.{os.getpid()}")
+    draft.write_text(whole, encoding="utf-8")
+    draft.replace(readme)

@@ -13,6 +13,7 @@ import pandas as pd
 from harness.artefact import Table
 from harness.report.causes import causes
 from harness.report.chapter import FIDELITY, Chapter
+from harness.report.digits import readable
 from harness.report.records import Row, records
 from harness.studies.stability.verdict import SOUND
 
@@ -31,7 +32,7 @@ _CHOICES = {
 
 _WAYS = {
     "default": "as it ships",
-    "matched": "matched, finest step",
+    "matched": "matched",
     "adaptive": "matched, own steps",
 }
 
@@ -62,7 +63,7 @@ _PRICE: Mapping[str, str] = {
 
 _WHO: Mapping[str, str] = {
     "engine": "Name of the engine.",
-    "settings": "The profile in words.",
+    "settings": "The profile in words, and its smallest timestep that was run.",
     "timestep_s": "Timestep of the engine; the largest of one that chooses its own.",
     "profile": "default: as it ships; matched: what the scene declares; adaptive: own steps.",
 }
@@ -118,7 +119,7 @@ def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
             {
                 "engine": engine,
                 "profile": profile,
-                "settings": _WAYS.get(profile, profile),
+                "settings": _settings(profile, told["timestep_s"]),
                 "timestep_s": told["timestep_s"],
             },
         )
@@ -137,6 +138,15 @@ def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
             places.index(row["profile"]) if row["profile"] in places else len(places),
         ),
     )
+
+
+def _settings(profile: str, timestep: object) -> str:
+    """Return a profile in words, with its timestep."""
+    words = _WAYS.get(profile, profile)
+    if timestep is None:
+        return words
+    most = "up to " if profile == "adaptive" else ""
+    return f"{words}, {most}{readable(timestep)} s"
 
 
 def _stability(row: Row, hard: Sequence[Row]) -> dict[str, Any]:
@@ -206,7 +216,7 @@ def _table(
         title=title,
         frame=pd.DataFrame(rows, columns=list(columns)),
         columns=columns,
-        shown=("engine", "settings", "timestep_s", *quantities),
+        shown=("engine", "settings", *quantities),
         scene=scene,
         verdicts={quantity: f"{quantity}_verdict" for quantity in quantities},
         cases={quantity: f"{quantity}_case" for quantity in quantities},

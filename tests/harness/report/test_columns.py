@@ -3,7 +3,10 @@
 import ast
 from pathlib import Path
 
+import pytest
+
 import harness
+from harness.errors import ReportError
 from harness.report.columns import declared, section, with_section
 
 ROOT = Path(harness.__file__).parent
@@ -40,3 +43,8 @@ def test_every_table_that_is_made_has_its_columns_in_it() -> None:
                 names = {key.value for key in node.keys if isinstance(key, ast.Constant)}
                 assert names <= known, (path, names - known)
     assert made > 15  # of some 25 tables; the others put theirs together from these
+
+
+def test_a_text_without_marks_is_left_alone() -> None:
+    with pytest.raises(ReportError, match="to write between"):
+        with_section("# Another text\n")
