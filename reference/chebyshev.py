@@ -44,6 +44,20 @@ def integrator(n: int) -> Floats:
     return np.asarray(primitive @ to_coefficients(n))
 
 
+@lru_cache(maxsize=8)
+def derivative(n: int) -> Floats:
+    """Matrix from Chebyshev coefficients to those of the derivative, shape (n, n)."""
+    row, column = np.indices((n, n))
+    matrix = np.where((column > row) & ((column - row) % 2 == 1), 2.0 * column, 0.0)
+    matrix[0] /= 2
+    return np.asarray(matrix)
+
+
+def waves(n: int, x: Floats) -> Floats:
+    """Return the first n Chebyshev polynomials at `x` in [-1, 1], shape (n, ...)."""
+    return np.asarray(np.cos(np.multiply.outer(np.arange(n), np.arccos(x))))
+
+
 def primitive_coefficients(coefficients: Floats) -> Floats:
     """Coefficients of the integral from -1, one more along the last axis."""
     n = coefficients.shape[-1]

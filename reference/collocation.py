@@ -11,12 +11,10 @@ from math import atanh, cosh, sqrt
 
 import numpy as np
 
-from reference.chebyshev import integrator, points, to_coefficients
+from reference.chebyshev import integrator, points, to_coefficients, waves
 from reference.regular import (
-    DROP,
     NUTATION_RATE,
-    SPIN,
-    SWEEP,
+    RISE,
     TANGENT,
     RegularEquations,
     field,
@@ -80,18 +78,16 @@ class Refused:
 
 def scales(equations: RegularEquations, values: Floats, length: float) -> Floats:
     """Magnitudes against which (T, Phi, b, s, d) are judged, shape (5, 1)."""
-    size = np.abs(values).max(axis=1)
-    low = values[TANGENT].min()
-    precession = size[SWEEP] / low
-    tiny = np.finfo(float).tiny
+    tangent, rate, sweep, spin, rise = np.abs(values).max(axis=1).tolist()
+    tiny = float(np.finfo(float).tiny)
+    # an iteration that diverges may have fallen through the plane
+    precession = sweep / (abs(float(values[TANGENT].min())) + tiny)
     # beside balance phi' is tiny and yet has all its digits, but for round-off of the kinetic force
-    swung = precession * (precession + size[SPIN])
-    speed = max(size[NUTATION_RATE], ROUNDED * min(swung * length, precession)) + tiny
-    fall = max(np.abs(values[DROP] + equations.short).max(), size[DROP]) + tiny
-    # the spin is driven by the sweep through a logarithm: of the order of b
-    return np.array(
-        [[size[TANGENT]], [speed], [size[SWEEP] + tiny], [size[SPIN] + size[SWEEP] + tiny], [fall]]
-    )
+    swung = precession * (precession + spin)
+    speed = max(rate, ROUNDED * min(swung * length, precession)) + tiny
+    # the distance from balance; and the spin is driven by the sweep through a logarithm, of order b
+    fall = max(abs(equations.short), rise) + tiny
+    return np.array([[tangent], [speed], [sweep + tiny], [spin + sweep + tiny], [fall]])
 
 
 def advance(
@@ -154,7 +150,7 @@ def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> F
     u = phase + (speed * length / 2) * (points(NODES) + 1)
     y[TANGENT] = T * np.cosh(u) / cosh(phase)
     y[NUTATION_RATE] = speed * np.tanh(u)
-    y[DROP] += 2 * (np.arctan(T) - np.arctan(y[TANGENT]))
+    y[RISE] += 2 * (np.arctan(y[TANGENT]) - np.arctan(T))
     return y
 
 
@@ -172,10 +168,9 @@ def integral(length: float, integrand: Floats) -> Floats:
 def shortened(element: Element, fraction: float) -> Element:
     """Return the first `fraction` of a step, by interpolation."""
     x = fraction * (points(NODES) + 1) - 1
-    waves = np.cos(np.outer(np.arange(NODES), np.arccos(np.clip(x, -1, 1))))
     return Element(
         length=element.length * fraction,
-        values=np.asarray(element.values @ to_coefficients(NODES).T @ waves),
+        values=np.asarray(element.values @ to_coefficients(NODES).T @ waves(NODES, x.clip(-1, 1))),
         evaluations=0,
         harmonics=element.harmonics,
         scale=element.scale,

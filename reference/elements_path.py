@@ -6,13 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from reference.chebyshev import clenshaw, points, to_coefficients
+from reference.chebyshev import clenshaw, derivative, points, to_coefficients, waves
 from reference.regular import sine_of
 from reference.states import Floats, States, select_states
 
 TIME = 5
 # Newton on a monotone, nearly linear function: a handful of rounds, bisection where they overshoot.
 MOST_ROUNDS = 60
+# Up to so many places at once cosines are cheaper than a recurrence of as many steps as terms.
+FEW = 128
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,6 +86,10 @@ class ElementsPath:
         flat = np.concatenate([inner, self.values[:, -1, -1:]], axis=1)
         return flat[TIME], _states(flat)
 
+    def ends(self) -> States:
+        """Return the first and the last state, shape (2,)."""
+        return _states(self.values[:, [0, -1], [0, -1]])
+
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
         values = self.values
@@ -93,7 +99,7 @@ class ElementsPath:
         step = np.clip(np.searchsorted(values[TIME, :, 0], times, side="right") - 1, 0, None)
         coefficients = (values[:, step, :] @ to_coefficients(n).T).transpose(2, 0, 1)
         x = _instant(coefficients[:, TIME], values[TIME, step], times)
-        return _states(clenshaw(coefficients, x))
+        return _states(_series(coefficients, x))
 
 
 def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
@@ -107,10 +113,11 @@ def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
     width = np.where(t_high > t_low, t_high - t_low, 1.0)
     x = low + (high - low) * np.clip((times - t_low) / width, 0, 1)
     slope = _derivative(coefficients)
+    both = np.stack([coefficients, slope], axis=1)
     for _ in range(MOST_ROUNDS):
-        excess = clenshaw(coefficients, x) - times
+        value, gradient = _series(both, x)
+        excess = value - times
         low, high = np.where(excess < 0, x, low), np.where(excess > 0, x, high)
-        gradient = clenshaw(slope, x)
         new = x - excess / np.where(gradient > 0, gradient, np.inf)
         new = np.where((new < low) | (new > high), (low + high) / 2, new)
         # below the resolution of the time itself a step means nothing
@@ -122,14 +129,16 @@ def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
     return np.asarray(x)
 
 
+def _series(coefficients: Floats, x: Floats) -> Floats:
+    """Values of Chebyshev series at n places, coefficients of shape (terms, ..., n)."""
+    if x.size > FEW:
+        return clenshaw(coefficients, x)
+    return np.asarray(np.einsum("k...n,kn->...n", coefficients, waves(coefficients.shape[0], x)))
+
+
 def _derivative(coefficients: Floats) -> Floats:
     """Chebyshev coefficients of the derivative, terms along the first axis."""
-    n = coefficients.shape[0]
-    out = np.zeros_like(coefficients)
-    for k in range(n - 2, -1, -1):
-        out[k] = (out[k + 2] if k + 2 < n else 0.0) + 2 * (k + 1) * coefficients[k + 1]
-    out[0] /= 2
-    return out
+    return np.asarray(np.tensordot(derivative(coefficients.shape[0]), coefficients, axes=1))
 
 
 def _states(values: Floats) -> States:

@@ -151,11 +151,13 @@ def _step(equations: RegularEquations, state: _March, watch: Watch, length: floa
 
 def _fastest(equations: RegularEquations, y: Floats) -> float:
     """Fastest rate at a state, in 1/sigma."""
-    pull = float(rates(equations, y[:, None])[NUTATION_RATE, 0])
-    T, Phi, b, _, _ = y.tolist()
-    precession = b * (1 + T * T) / (2 * T)
+    T, Phi, b, s, rise = y.tolist()
     sine = 2 * T / (1 + T * T)
-    return float(max(sqrt(Phi**2 + equations.swing * precession**2 + abs(pull)), PENDULUM * sine))
+    # the force on phi, in plain numbers: for one state they are faster than arrays
+    G, _, Q, _, _, weight, _ = (equations.forms @ (T, sine, T * sine, 1.0)).tolist()
+    q = b / sine
+    pull = q * (q * G + s * Q) - weight * sin(equations.short - rise)
+    return max(sqrt(Phi**2 + equations.swing * q * q + abs(pull)), PENDULUM * sine)
 
 
 def _guess(state: _March) -> Element | None:

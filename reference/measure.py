@@ -122,7 +122,9 @@ def _refined(
             break
     # the vertex of the parabola through the best sample and its neighbours: fourth order
     below, top, above = (values[rows, middle + step] for step in (-1, 0, 1))
-    bend = 2 * top - below - above
-    rise = np.divide((above - below) ** 2, 8 * bend, out=np.zeros_like(top), where=bend > 0)
+    # a ratio is infinite where the plane would have to pull
+    with np.errstate(invalid="ignore"):
+        bend = 2 * top - below - above
+        rise = np.divide((above - below) ** 2, 8 * bend, out=np.zeros_like(top), where=bend > 0)
     inside = (top >= below) & (top >= above) & np.isfinite(rise)
     return np.sign(sign) * np.where(inside, np.maximum(best, top + rise), best)

@@ -24,7 +24,7 @@ from reference.outcome import Outcome
 from reference.problem import Problem
 from reference.regular import NUTATION_RATE
 from reference.run import Run
-from reference.states import Floats, Snapshot, States, select_states
+from reference.states import Floats, Snapshot, States, initial_states, select_states
 from reference.track import PROMINENCE, Track, Watch
 
 
@@ -64,7 +64,7 @@ class MirroredPath:
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states at the Chebyshev points of all halves."""
-        times, _ = self.half.nodes()
+        times, states = self.half.nodes()
         count = int(np.ceil((self.t_end - self.start) / self._span))
         forth, back = times[:-1] - self.start, self.end - times[:0:-1]
         into = np.concatenate([back if n % 2 else forth for n in range(max(count, 1))])
@@ -75,11 +75,13 @@ class MirroredPath:
             (count + 1) // 2 + 1,
         )[: kept.size - 1]
         inside = (kept >= 0) & (kept < self.t_end)
-        _, states = self.half.nodes()
         mirrored = self._unfolded(
             select_states(states, place[inside[:-1]]), number[inside[:-1]].astype(np.int64)
         )
-        last = self.at(np.array([self.t_end]))
+        edge = round((self.t_end - self.start) / self._span)
+        time, last = self.extrema(np.array([edge]))
+        if time[0] != self.t_end:
+            last = self.at(np.array([self.t_end]))
         return np.append(kept[inside], self.t_end), _joined(mirrored, last)
 
     def at(self, times: Floats) -> States:
@@ -173,9 +175,8 @@ def rock(problem: Problem, *, locus: bool) -> Run:
         if not watch.met:
             return march(problem, locus=locus)
         pieces.insert(0, _reversed(_values(behind)))
-    half = ElementsPath(values=np.concatenate(pieces, axis=1), release=ahead.path.at(np.zeros(1)))
-    _, states = half.nodes()
-    edges = select_states(states, np.array([0, -1]))
+    half = ElementsPath(values=np.concatenate(pieces, axis=1), release=initial_states(problem))
+    edges = half.ends()
     low, high = edges.phi.min(), edges.phi.max()
     if high - low < PROMINENCE * high:
         return march(problem, locus=locus)

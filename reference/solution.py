@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from reference.conditioning import caveat
 from reference.contact_modes import Phase
 from reference.outcome import Outcome
 from reference.problem import Problem
@@ -98,6 +99,14 @@ class Solution:
         if times.size and not (times.min() >= -slack and times.max() <= self.t_end + slack):
             raise ValueError(f"`times` must lie inside [0, {self.t_end!r}]")
         return self.path.at(np.clip(times, 0.0, self.t_end))
+
+    @property
+    def caveat(self) -> str:
+        """What round-off takes from a motion that rocks for ever, in a sentence; mostly nothing."""
+        rolls = self.model in {"exact", "rolling"} and self.outcome is Outcome.FINISHED
+        if not rolls or self.maxima.size < 2:  # noqa: PLR2004 - a maximum either side of a bounce
+            return ""
+        return caveat(self.problem, self.at(self.maxima[-1:]))
 
     def grid(self) -> Floats:
         """Return sampling times, dense by angle: see `reference.sampling.grid_by_angle`."""

@@ -44,9 +44,9 @@ def test_regular_equations_are_the_rolling_equations() -> None:
         phi=phi, phi_dot=Phi, psi=phi, psi_dot=Psi, theta=phi, theta_dot=Theta, spin=Psi + Theta
     )
     phi_dd, psi_dd, theta_dd = accelerations(state, PAPER_CAN)
-    drop = 0.7 - phi
+    rise = phi - 0.7
     rate = field(
-        regular_equations(PAPER_CAN, 0.7), np.stack([T, Phi, S**2 * Psi, Psi + Theta, drop])
+        regular_equations(PAPER_CAN, 0.7), np.stack([T, Phi, S**2 * Psi, Psi + Theta, rise])
     )
     expected = np.stack(
         [
@@ -54,7 +54,7 @@ def test_regular_equations_are_the_rolling_equations() -> None:
             S * phi_dd,
             S * (2 * S * C * Phi * Psi + S**2 * psi_dd),
             S * (psi_dd + theta_dd),
-            -S * Phi,
+            S * Phi,
         ]
     )
     size = 1 + np.abs(Psi) + np.abs(Theta) + np.abs(Phi)

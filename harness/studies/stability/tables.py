@@ -127,8 +127,8 @@ _SURVEY: Mapping[str, str] = {
     "ends": "How the motion ends.",
     "scenes": "How many random scenes.",
     "failures": "How many of them failed.",
-    "ill_conditioned": "How many in which round-off alone may do more than 1e-9.",
-    "largest_disagreement": "Of formula and integration, relative, in all others.",
+    "ill_conditioned": "In how many one ulp of the input does more than 1e-9: these are refused.",
+    "largest_disagreement": "Of formula and integration, relative.",
     "largest_energy_error": "Over what the can has to spend.",
     "most_evaluations": "Of the equations, in one bounce.",
 }

@@ -1,0 +1,66 @@
+"""What round-off leaves of a motion: whether the numbers of a release hold it, in a sentence.
+
+Beside an equilibrium the force on phi is what is left of terms that cancel. Gravity alone cancels
+without loss (`reference.balance`), and a motion beside the balancing angle is solved for exactly
+the doubles given; but its neighbours, one ulp away, move otherwise. Where precession takes part,
+the terms are rounded before they cancel, and the motion is known to that share only. A release that
+moves has its energy to round-off: it decides where phi turns, at the top, by the energy over the
+square of the force that is left there.
+"""
+
+import numpy as np
+
+from reference.balance import short_of_balance
+from reference.problem import Problem
+from reference.states import Floats, States, initial_states
+
+# What is promised of every motion, relative; less than this is not worth a sentence.
+PROMISED = 1e-9
+EPS = float(np.finfo(float).eps)
+# Of a force of some ten rounded terms, in a motion that may respond by ten times their share.
+ROUNDINGS = 256 * EPS
+
+
+def caveat(problem: Problem, top: States) -> str:
+    """Say what round-off takes from a motion that rocks; nothing if that is below 1e-9.
+
+    Parameters
+    ----------
+    problem : Problem
+    top : States
+        At a maximum of phi, shape (1,).
+    """
+    moving = problem.phi_dot != 0
+    gravity, rotation, terms = _forces(top if moving else initial_states(problem), problem)
+    left = abs(gravity + rotation) + float(np.finfo(float).tiny)
+    if moving:
+        lost = ROUNDINGS * (1 + terms + problem.phi_dot**2) / left**2
+        where, of_what = "At its highest the can all but balances", "round-off of the energy"
+    else:
+        lost = ROUNDINGS * terms / left
+        where, of_what = "Beside steady rolling the forces on phi cancel", "round-off"
+    if lost > PROMISED:
+        return (
+            f"{where}, and {of_what} is up to {lost:.0e} of what is left: the motion is known to "
+            "no more than that."
+        )
+    changed = EPS * problem.phi / left
+    if changed > PROMISED and not moving:
+        return (
+            f"Beside the balancing angle one ulp of phi changes the force on it by {changed:.0e} "
+            "of itself: the motion is that of exactly the numbers given."
+        )
+    return ""
+
+
+def _forces(states: States, problem: Problem) -> tuple[float, float, float]:
+    """Force on phi by gravity; that by rotation, and the sum of the magnitudes of its terms."""
+    p = problem.parameters
+    S, C = np.sin(states.phi), np.cos(states.phi)
+    short: Floats = short_of_balance(np.asarray(p.h), states.phi)
+    gravity = -np.sqrt(p.h**2 + 1) * np.sin(short)
+    square = p.a_p * S * C + (p.c_p * S + p.h * (1 + 2 * C)) * 2 * np.sin(states.phi / 2) ** 2
+    whirl = square * states.psi_dot**2
+    drag = (p.c_p * S + p.h * C) * states.spin * states.psi_dot
+    size = np.abs(whirl) + np.abs(drag)
+    return float(gravity[0]), float((whirl - drag)[0]), float(size[0])
