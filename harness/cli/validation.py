@@ -126,7 +126,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         provenance=provenance(),
     )
     if suite == _WHOLE:
-        others = further(engine, running) + others
+        others = further(engine, replace(running, store=_store(running.store, gate))) + others
     page = write_chapters(
         [comparison, *others], out, title=comparison.title, provenance=comparison.provenance
     )

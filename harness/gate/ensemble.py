@@ -12,7 +12,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from harness.case import Case
-from harness.gate.quantities import QUANTITIES
+from harness.gate.quantities import QUANTITIES, Kind
 from harness.gate.scores import Number, Score
 from harness.studies.errors.ensemble import perturbed
 
@@ -54,10 +54,10 @@ def spread(middle: Score, found: Sequence[Score]) -> Score:
 
 
 def _spreads(middle: Score, found: Sequence[Score]) -> Mapping[str, Number]:
-    """Return the largest departure of each quantity."""
+    """Return the largest departure of each quantity that is judged."""
     alike = [one for one in found if one.outcome == middle.outcome]
     spreads: dict[str, Number] = {}
-    for quantity in QUANTITIES:
+    for quantity in (one for one in QUANTITIES if one.kind is not Kind.TIME):
         values = [one.values.get(quantity.column) for one in alike]
         own = middle.values.get(quantity.column)
         if own is None and all(value is None for value in values):

@@ -1,0 +1,40 @@
+"""The accepted results that are committed: small, of the full suite, and fit for the quick one."""
+
+from pathlib import Path
+
+import pytest
+
+from harness import face
+from harness.gate import FILE, owed, read_baseline
+from harness.gate.ensemble import FEWEST
+from harness.gate.identity import identity
+from harness.gate.quantities import QUANTITIES, Kind
+
+BASELINE = Path(__file__).parents[3] / "reports" / "baseline"
+
+TIMES = {quantity.column for quantity in QUANTITIES if quantity.kind is Kind.TIME}
+
+pytestmark = pytest.mark.skipif(
+    not (BASELINE / FILE).is_file(), reason="none yet: rockingcan validate --suite full --accept"
+)
+
+
+def test_it_is_small() -> None:
+    size = sum(path.stat().st_size for path in BASELINE.rglob("*") if path.is_file())
+    assert size < 2_000_000  # bytes; what a checkout should not have to carry
+
+
+def test_it_covers_both_suites_as_their_scenes_are_now() -> None:
+    accepted = read_baseline(BASELINE)
+    assert accepted.suite == "full"
+    for suite in ("quick", "full"):
+        cases = face.suite(suite)
+        found = owed(accepted, suite, cases, every_engine=True)
+        assert set(found) == {identity(case) for case in cases}
+
+
+def test_every_case_has_its_spread() -> None:
+    for name, one in read_baseline(BASELINE).scores.items():
+        assert one.members >= FEWEST, name
+        assert sum(one.endings.values()) == one.members + 1
+        assert not one.finished or set(one.values) - TIMES <= set(one.spread), name
