@@ -21,7 +21,7 @@ from harness.engines.mujoco.settings import (
     DEFAULT_TIMESTEP,
     MATCHED_TIMESTEP,
     SETTINGS,
-    for_effects,
+    in_force,
 )
 from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
 from harness.engines.mujoco.world import MujocoWorld, alike
@@ -58,6 +58,8 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         imposes={
             "compliance": "contact is soft: it yields by solref and solimp, and so does friction",
             "rebound": "a stiff contact gives a part of an impact back, as its damping leaves it",
+            "shared cone": "drilling and rolling resistance share one cone with friction, and "
+            "rolling resistance brings drilling of 1e-5 m",
             "several contacts": "near the flat state three points of the rim bear the load",
             "gyroscopic term": "Euler takes it explicitly, and a free spin gains energy",
         },
@@ -71,9 +73,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
 
     def resolve(self, case: Case) -> dict[str, Value]:
         """Return every setting in force for a case: an option, else what an effect asks for."""
-        chosen, own = super().resolve(case), dict(case.options)
-        asked = for_effects(case, self.timestep(case))
-        return chosen | {name: value for name, value in asked.items() if name not in own}
+        return in_force(case, self.timestep(case))
 
     def open(self, case: Case) -> MujocoWorld:
         """Compile the scene of a case."""

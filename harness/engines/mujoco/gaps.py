@@ -19,8 +19,8 @@ GAPS = (
     ),
     Gap(
         name="solver",
-        settings=("tolerance", "jacobian"),
-        sentence="The solver stops at an improvement of 1e-8.",
+        settings=("tolerance", "jacobian", "build"),
+        sentence="The solver stops at an improvement of 1e-8, and idle stages run.",
     ),
     Gap(
         name="timestep",

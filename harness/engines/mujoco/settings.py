@@ -13,7 +13,7 @@ a damper in place of the stiffest contact there is.
 from collections.abc import Mapping
 
 from harness.case import Case, Value
-from harness.engines.base import Setting
+from harness.engines.base import Setting, resolve
 from harness.engines.schedule import ETA_SETTING
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, spring
@@ -193,6 +193,13 @@ def for_effects(case: Case, timestep: float) -> dict[str, Value]:
         found["solref"], found["solimp"] = soft, SOFT_SOLIMP
         found["impratio"], found["cone"] = SOFT_IMPRATIO, "elliptic"
     return found
+
+
+def in_force(case: Case, timestep: float) -> dict[str, Value]:
+    """Return every setting in force for a case: an option, else what an effect asks for."""
+    own, asked = dict(case.options), for_effects(case, timestep)
+    asked = {name: value for name, value in asked.items() if name not in own}
+    return resolve(case, SETTINGS, timestep) | asked
 
 
 def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:

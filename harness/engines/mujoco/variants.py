@@ -7,10 +7,10 @@ can soft; tied to it, as in `matched`, the softness vanishes.
 from typing import TYPE_CHECKING
 
 from harness.case import Case
-from harness.engines.base import resolve
-from harness.engines.mujoco.settings import SETTINGS, attributes
+from harness.engines.mujoco.settings import attributes, in_force, soft_solref
 from harness.engines.registry import engine
 from harness.engines.variants import COMMON, Variant
+from models.mjcf_contact import pair, surface
 
 if TYPE_CHECKING:
     from harness.engines.mujoco.world import MujocoWorld
@@ -78,11 +78,13 @@ model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
 def paste(case: Case) -> str:
     """Return the settings of a case as MJCF: `option`, and `default` for the geoms of the contact.
 
-    Both belong right under `mujoco`.
+    Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
+    spring, for geoms named as in the model files.
     """
     chosen = engine(case.engine)
     timestep = chosen.timestep(case)
-    option, geom, flag = attributes(case, resolve(case, SETTINGS, timestep or 0.0))
+    # not the stages that are left out: a model of one's own may need them, and no number does
+    option, geom, flag = attributes(case, in_force(case, timestep or 0.0))
     if timestep is not None:
         option = {"timestep": repr(timestep)} | option
     lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
@@ -90,6 +92,9 @@ def paste(case: Case) -> str:
         lines = [f"<option {_spelled(option)}/>"]
     if geom:
         lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
+    if soft_solref(case, timestep or 0.0) is not None:
+        springy = pair(surface(case.scene) | geom, timestep)
+        lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
     text = "\n".join(lines) + "\n"
     if case.profile == "adaptive":
         text = _ADAPTIVE.format(largest=timestep) + text

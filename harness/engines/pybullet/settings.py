@@ -15,8 +15,8 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from harness.case import Value
-from harness.engines.base import Setting
+from harness.case import Case, Value
+from harness.engines.base import Setting, resolve
 from harness.engines.schedule import ETA_SETTING
 from models.scene import Scene
 
@@ -165,6 +165,14 @@ def for_effects(scene: Scene) -> dict[str, Value]:
 
 
 SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)
+
+
+def in_force(case: Case, timestep: float) -> dict[str, Value]:
+    """Return every setting in force for a case: an option, else what an effect asks for."""
+    own, asked = dict(case.options), for_effects(case.scene)
+    asked = {name: value for name, value in asked.items() if name not in own}
+    return resolve(case, SETTINGS, timestep) | asked
+
 
 SHIPPED_VALUES = {
     "contactERP": "0.08 (erp2)",

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import pybullet
 
 from harness.case import Case
-from harness.engines.base import resolve
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
     SETTINGS,
     SOLVER,
     URDF_FLAGS,
+    in_force,
 )
 from harness.engines.registry import engine
 from harness.engines.variants import COMMON, Variant
@@ -85,7 +85,7 @@ def paste(case: Case) -> str:
     """Return the settings of a case as calls, for a world that is connected and a file can.urdf."""
     chosen = engine(case.engine)
     timestep = chosen.timestep(case)
-    settings = resolve(case, SETTINGS, timestep or 0.0)
+    settings = in_force(case, timestep or 0.0)
     solver = {s.name: settings[s.name] for s in SOLVER if settings[s.name] is not None}
     solver = {**PROCESS_WIDE, **solver}
     dynamics = {s.name: settings[s.name] for s in DYNAMICS if settings[s.name] is not None}

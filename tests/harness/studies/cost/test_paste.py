@@ -1,5 +1,7 @@
 """What is printed to paste: MuJoCo compiles it, PyBullet runs it, and both mean the case."""
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -9,7 +11,8 @@ import pytest
 from harness.case import Case
 from harness.engines.mujoco.settings import matched_solref
 from harness.engines.variants import paste, variants
-from models import load, urdf
+from models import Damping, Effects, Slip, load, urdf
+from models.mjcf_contact import spring
 
 SCENE = load("gentle-rock")
 
@@ -75,3 +78,16 @@ def test_pybullet_runs_what_is_pasted(
             assert inertia[2] == pytest.approx(SCENE.can.axial_inertia, rel=1e-12)
     finally:
         pybullet.disconnect(client)
+
+
+def test_what_an_effect_asks_for_is_pasted_too() -> None:
+    slippery = replace(SCENE, effects=Effects(slip=Slip(mu=0.3)))
+    text = paste(Case(scene=slippery, engine="mujoco", timestep=1e-4))
+    solref = spring(slippery, 1e-4)
+    assert solref is not None
+    assert f'solref="{solref[0]!r} {solref[1]!r}"' in text
+    assert text.count("<pair ") == 1
+    damped = replace(SCENE, effects=Effects(damping=Damping(linear=0.5)))
+    text = paste(Case(scene=damped, engine="pybullet", timestep=1e-4))
+    assert f"linearDamping={-math.expm1(-0.5)!r}" in text
+    assert "useMaximalCoordinates=True" in text
