@@ -28,6 +28,7 @@ from harness.cli.validation import validate
 from harness.cli.words import settings
 from harness.engines.reference import solved
 from harness.errors import InvalidSettingError, ParityError
+from harness.reach import check_reach
 from harness.runner import evaluate
 from harness.simulation import Outcome
 from models.catalogue import load, names
@@ -213,7 +214,9 @@ def export(
     writers = {"mjcf": mjcf, "urdf": urdf}
     if format_ not in writers:
         raise InvalidSettingError("--format", format_, " or ".join(writers))
-    text = writers[format_](load(scene))
+    chosen = load(scene)
+    check_reach(chosen)  # what overflows is no model
+    text = writers[format_](chosen)
     if out is None:
         _say(text.rstrip("\n"))
     else:
