@@ -249,6 +249,9 @@ def main() -> None:
     for name, release in {"golden": releases, "hard": hard_releases}[table]():
         fields = {field: getattr(release, field) for field in Release.__slots__}
         rows.append({"can": name, **fields, **solve(release)})
+        if table == "golden":
+            # which no test of these asks for
+            del rows[-1]["first_maximum"]
         print(name, release, rows[-1]["angle_of_turn"][:18], flush=True)  # noqa: T201 - progress
     path = Path(__file__).with_name(f"{table}.json")
     path.write_text(json.dumps(rows, indent=1) + "\n")
