@@ -10,7 +10,7 @@ The paper's equation of motion in its appendix on slipping prints Psi for Psi^2 
 For small nutation (app01:Phi_reduced_slip) the repulsion is alpha_3 epsilon/phi^3 with
 alpha_3 = (zeta - 1)^2/(a (a + 1)), and the angle of turn pi sqrt((a + 1)/a).
 
-Like every release, this one has its contact at rest, which sets v; the centre is over v t.
+The slip at the release, mostly none, sets v; the centre is over v t.
 """
 
 from dataclasses import dataclass, replace
@@ -185,10 +185,12 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedR
     apart = p.a * problem.psi_dot * np.sin(problem.phi) ** 2 - tilt * H_B
     equations = FrictionlessEquations(parameters=p, axial=H_B, apart=float(apart))
     if method == "regular":
-        run: Run = Follower(problem, equations).run()
+        run: Run = Follower(replace(problem, slip=(0.0, 0.0)), equations).run()
     else:
         run = _step_in_time(problem, H_B, method=method, rtol=rtol)
-    drift = centre_velocity(release, p)[0, :2]
+    cos, sin, (ahead, aside) = np.cos(problem.psi), np.sin(problem.psi), problem.slip
+    slip = np.array([ahead * cos - aside * sin, ahead * sin + aside * cos])
+    drift = centre_velocity(release, p)[0, :2] + slip
     path = SlidingPath(inner=run.path, equations=equations, drift=drift)
     there = path.at(run.track.times)
     extrema = replace(run.track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)

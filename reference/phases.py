@@ -61,10 +61,14 @@ class Follower:
         self._evaluations = 0
         self._pieces: list[Piece] = []
         self._onset: Onset | None = None
-        self._mode = self._turning(Mode())
+        self._mode = self._turning(Mode(slips=problem.slip != (0.0, 0.0)))
         falls = equations.rates(self._y[:, None], self._mode)[W2, 0]
         self.watch = Watch(problem, fall=-float(falls))
-        self._settle()
+        normal = equations.contact(self._y[:, None], self._mode).force[2, 0]
+        if normal <= 0 and not equations.pulls:
+            self.watch.end(0.0, Outcome.LIFTED)
+        else:
+            self._settle()
 
     def run(self) -> PhasedRun:
         """Follow the can to its end."""

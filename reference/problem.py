@@ -33,6 +33,9 @@ class Problem:
         Stop after this time; give exactly one of the two.
     effects : Effects
         What is added to the ideal can; nothing unless given.
+    slip : tuple of float
+        Velocity of the rim's material at the contact, along (cos psi, sin psi) and (-sin psi, cos
+        psi); it rests unless given, and slips only where friction is declared.
 
     Raises
     ------
@@ -51,6 +54,7 @@ class Problem:
     bounces: int | None = None
     duration: float | None = None
     effects: Effects = IDEAL
+    slip: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
@@ -60,6 +64,10 @@ class Problem:
                 raise ProblemError(f"`{field.name}` must be finite, got {value!r}")
         if not 0 < self.phi < math.pi / 2:
             raise ProblemError(f"`phi` must lie inside (0, pi/2), got {self.phi!r}")
+        if self.slip != (0.0, 0.0) and self.effects.mu is None:
+            raise ProblemError(f"`slip` must be none without declared friction, got {self.slip!r}")
+        if not all(math.isfinite(part) for part in self.slip):
+            raise ProblemError(f"`slip` must be finite, got {self.slip!r}")
         if (self.bounces is None) == (self.duration is None):
             raise ProblemError("give exactly one of `bounces` and `duration`")
         if self.bounces is not None and self.bounces < 1:

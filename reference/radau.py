@@ -99,10 +99,13 @@ def coefficients(change: Floats) -> Floats:
     return change @ to_coefficients()[:, 1:].T
 
 
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")
 def step(
     field: Field, start: Floats, length: float, guess: Floats, scale: Callable[[Floats], Floats]
 ) -> Step | None:
     """Take one step, or return None if it is too long for Newton's method.
+
+    An iteration that goes astray may meet no numbers on its way; what is returned is finite.
 
     Parameters
     ----------

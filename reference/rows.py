@@ -45,12 +45,13 @@ class Angles:
 
 
 def released(problem: Problem) -> Floats:
-    """State at the release, at rest at its contact, with the can's centre over (0, 0)."""
+    """State at the release, with the can's centre over (0, 0)."""
     p, e = problem.parameters, problem.effects
     y = np.zeros(ROWS)
     y[LEAN] = np.log(np.tan(problem.phi / 2))
     S, C = np.sin(problem.phi), np.cos(problem.phi)
     y[TURN] = problem.psi_dot * S, -problem.phi_dot, problem.psi_dot * C + problem.theta_dot
+    y[SLIP] = problem.slip
     y[PSI], y[TOTAL] = problem.psi, problem.psi + problem.theta
     point = contact_from_centre(initial_states(problem), p)[0, :2]
     # a rounded rim touches nearer to the axis or farther from it
