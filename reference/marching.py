@@ -1,4 +1,4 @@
-"""The default integrator of the rolling equations: long steps through smooth bounces.
+"""Marching through the rolling equations: long steps through smooth bounces.
 
 The regular equations (`reference.regular`) are marched by collocation (`reference.collocation`). A
 bounce costs some eight steps however hard it is. Since steps may be given a guess, and a rocking
@@ -157,7 +157,7 @@ def _fastest(equations: RegularEquations, y: Floats) -> float:
     G, _, Q, _, _, weight, _ = (equations.forms @ (T, sine, T * sine, 1.0)).tolist()
     q = b / sine
     pull = q * (q * G + s * Q) - weight * sin(equations.short - rise)
-    return max(sqrt(Phi**2 + equations.swing * q * q + abs(pull)), PENDULUM * sine)
+    return float(max(sqrt(Phi**2 + equations.swing * q * q + abs(pull)), PENDULUM * sine))
 
 
 def _guess(state: _March) -> Element | None:
