@@ -205,6 +205,15 @@ IMPOSED_BY_DEFAULT = frozenset(
         "radius R",
         "half height H",
         "rim deviation",
+        # the moments, whatever the point mass
+        *(f"inertia {axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz")),
+        # damping, over a period of the shaking
+        "horizontal shaking",
+        "vertical shaking",
+        "misfit of the shaking",
+        # a prism turns about its corner
+        "arm of drilling",
+        "arm of rolling resistance",
     }
 )
 """Quantities of the parity table in which PyBullet as it ships is not the scene's can."""

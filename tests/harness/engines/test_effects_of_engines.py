@@ -8,6 +8,7 @@ import pytest
 
 from harness.case import Case, Value
 from harness.engines.base import World
+from harness.engines.conformance.effects import DECLARED
 from harness.engines.reference import truth
 from harness.engines.registry import check_effects, engine
 from harness.errors import UnsupportedEffectError
@@ -222,3 +223,16 @@ def test_the_stages_that_mujoco_leaves_out_change_no_bit(scene: str) -> None:
     np.testing.assert_allclose(
         everything.trajectory.position, lean.trajectory.position, rtol=0, atol=1e-12
     )
+
+
+@pytest.mark.parametrize("profile", ["default", "adaptive"])
+@pytest.mark.parametrize("effect", DECLARED)
+@pytest.mark.parametrize("name", ENGINES)
+def test_every_profile_runs_every_effect_that_is_honoured(
+    gentle: Scene, name: str, effect: str, profile: str
+) -> None:
+    if effect not in engine(name).capabilities.honours:
+        pytest.skip("the engine does not say that it honours this")
+    scene = replace(gentle, effects=DECLARED[effect], horizon=Horizon(seconds=0.02))
+    found = engine(name).simulate(Case(scene=scene, engine=name, profile=profile))
+    assert found.outcome is Outcome.FINISHED
