@@ -53,7 +53,7 @@ def faults(
             bar.advance(task)
     write_text(_markdown(found), out / "faults.md")
     write_text(csv_text(_table(found)), out / "faults.csv")
-    rows = [(trial.name, "passed" if trial.passed else "FAILED", trial.found) for trial in found]
+    rows = [(t.name, "passed" if t.passed else "FAILED", "\n".join(t.found)) for t in found]
     console = printing.out()
     console.print(printing.table("Faults", ("trial", "verdict", "found"), rows))
     console.print(f"\nThe report: {out / 'faults.md'}")
@@ -63,8 +63,8 @@ def faults(
 
 def _table(found: list[Trial]) -> Table:
     rows = [
-        (trial.name, trial.done, trial.demanded, trial.found, trial.passed, trial.seconds)
-        for trial in found
+        (t.name, t.done, t.demanded, "; ".join(t.found), t.passed, round(t.seconds, 1))
+        for t in found
     ]
     frame = pd.DataFrame(rows, columns=list(_COLUMNS))
     return Table(name="faults", title="Faults", frame=frame, columns=_COLUMNS)
@@ -93,6 +93,6 @@ def _markdown(found: list[Trial]) -> str:
             "",
             f"- Done: {trial.done}.",
             f"- Demanded: {trial.demanded}.",
-            *(f"- Found: {part}." for part in trial.found.rstrip(".").split("; ")),
+            *(f"- Found: {part.rstrip('.')}." for part in trial.found),
         ]
     return "\n".join(lines) + "\n"

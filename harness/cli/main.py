@@ -68,7 +68,7 @@ def _refused(error: Exception) -> int:
     # where a result cannot be kept, or a cluster is gone, what is done counts
     notes = _notes(error) if isinstance(error, OutputError | ClusterError) else []
     failed = isinstance(error, ParityError)
-    return _complain(" ".join([str(error), *notes]), GATE_FAILED if failed else WRONG_USE)
+    return _complain(". ".join([str(error), *notes]), GATE_FAILED if failed else WRONG_USE)
 
 
 def _stopped(error: Interrupted, arguments: Sequence[str]) -> str:

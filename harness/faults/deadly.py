@@ -44,13 +44,13 @@ def deadly(folder: Path, told: Callable[[str], None]) -> Trial:
         for name, (outcome, note) in _EXPECTED.items()
         if name in named and named[name][0] == outcome and named[name][1].startswith(note)
     ]
-    found = "; ".join(f"{name}: {outcome}, {note}" for name, (outcome, note) in named.items())
+    found = tuple(", ".join(filter(None, (f"{name}: {o}", n))) for name, (o, n) in named.items())
     return Trial(
         name="engines that fall",
         done="one suite with an engine that crashes, one that hangs, one that allocates without "
         "end, one that returns garbage, and two sound ones",
         demanded="the suite completes and names each",
-        found=(found or complained.strip()) + f"; {orphans} processes left behind",
+        found=(*(found or (complained.strip(),)), f"{orphans} processes left behind"),
         passed=len(right) == len(_EXPECTED) and not orphans,
         seconds=time.monotonic() - began,
     )

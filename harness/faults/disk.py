@@ -52,15 +52,24 @@ def disk(folder: Path, told: Callable[[str], None]) -> Trial:
         name="disk full",
         done=f"a suite on {how}; then room made, and the suite started again",
         demanded="a clear message and code 2; nothing broken; the second run does the rest",
-        found=f'code {full.returncode}, "{complained.strip().splitlines()[-1]}"; {sound} of '
-        f"{len(_CASES)} kept, {spoilt} broken; after the second run, code {again.returncode}, "
-        f"{other} differ from an undisturbed run, {book.again} kept ones run again",
+        found=(
+            f"code {full.returncode}, with this on standard error: {_last(complained, store)}",
+            f"{sound} of {len(_CASES)} kept, {spoilt} broken",
+            f"second run: code {again.returncode}, {book.again} kept ones run again",
+            f"{other} results differ from an undisturbed run",
+        ),
         passed=clear
         and (full.returncode, again.returncode) == (_WRONG, 0)
         and 0 < sound < len(_CASES)
         and not (spoilt or other or book.again),
         seconds=time.monotonic() - began,
     )
+
+
+def _last(said: str, store: Store) -> str:
+    """Return the last line of what was said, the folder of the store left out."""
+    lines = said.strip().splitlines() or ["nothing"]
+    return lines[-1].replace(str(store.folder), "STORE")
 
 
 @contextmanager

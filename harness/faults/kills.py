@@ -65,8 +65,12 @@ def kills(count: int, folder: Path, told: Callable[[str], None]) -> Trial:
         name="kill -9",
         done=f"the whole program killed at {done} random moments of {rounds} suites",
         demanded="results as of an undisturbed run, bit for bit; no case that was kept run again",
-        found=f"{tasks} results, {other} differ; {again} kept ones run again; {in_flight} on their "
-        f"way at a kill and begun again; {spoilt} entries broken; {orphans} processes left behind",
+        found=(
+            f"{tasks} results, of which {other} differ",
+            f"{again} kept ones run again",
+            f"{in_flight} on their way at a kill and begun again",
+            f"{spoilt} entries broken, {orphans} processes left behind",
+        ),
         passed=not (other or again or spoilt or orphans) and tasks == rounds * len(_CASES),
         seconds=time.monotonic() - began,
     )

@@ -64,7 +64,7 @@ def lost_worker(folder: Path, told: Callable[[str], None]) -> Trial:
         done=f"{len(cases)} cases on a Dask cluster of {_WORKERS} processes, one killed after the "
         "first result",
         demanded="the run completes, with the bits of a run one by one in a single process",
-        found=f"{finished} of {len(cases)} finished, {other} of {whole(there)} differ",
+        found=(f"{finished} of {len(cases)} finished", f"{other} of {whole(there)} results differ"),
         passed=finished == len(cases) == whole(there) and other == 0 and bool(killed),
         seconds=time.monotonic() - began,
     )

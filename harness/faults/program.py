@@ -103,7 +103,7 @@ def main() -> None:
             done = run(cases_of(order), executor, store=Store(folder=Path(order.store)))
     except (Interrupted, HarnessError) as error:
         told = [str(error), *getattr(error, "__notes__", ())]
-        sys.stderr.write(" ".join(told) + "\n")
+        sys.stderr.write(". ".join(told) + "\n")
         sys.exit(error.exit_code if isinstance(error, Interrupted) else _WRONG)
     outcomes = [
         [e.simulation.case.engine, e.simulation.outcome.name, e.simulation.note] for e in done

@@ -39,7 +39,7 @@ def signals(folder: Path, told: Callable[[str], None]) -> Trial:
         "result was kept; then the command that it prints",
         demanded="130 and 143 within seconds; no process left; what is done and how to go on; the "
         "second run does the rest",
-        found="; ".join(parts),
+        found=tuple(parts),
         passed=passed,
         seconds=time.monotonic() - began,
     )
@@ -79,7 +79,8 @@ def _stopped(folder: Path, number: signal.Signals, *, whole: bool) -> tuple[str,
     to = "all processes" if whole else "the command alone"
     text = (
         f"{number.name} to {to}: code {process.returncode} after {seconds:.1f} s, {kept} kept, "
-        f"{orphans} processes left; then code {again.returncode}, {book.again} kept ones run again"
+        f"{orphans} processes left; second run: code {again.returncode}, {book.again} kept ones "
+        "run again"
     )
     return text, good
 

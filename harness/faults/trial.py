@@ -14,7 +14,7 @@ class Trial:
         What was done to the program.
     demanded : str
         What must come of it.
-    found : str
+    found : tuple of str
         What came of it, with the counts behind it.
     passed : bool
     seconds : float
@@ -24,6 +24,6 @@ class Trial:
     name: str
     done: str
     demanded: str
-    found: str
+    found: tuple[str, ...]
     passed: bool
     seconds: float
