@@ -26,8 +26,8 @@ def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[
     sentences = [
         f"{len(judged)} runs of {' and '.join(engines)} over {len(hard)} hard cases were judged.",
         (
-            f"The reference solves {solved} of the hard cases to 1e-9, formula against integration, "
-            f"and refuses {refused} with a sentence."
+            f"The reference solves {solved} of the hard cases to 1e-9, formula against "
+            f"integration, and refuses {refused} with a sentence."
         ),
         *(f"It fails on {finding.scene}: {finding.failure}." for finding in failed),
         f"Of {len(random)} random scenes it refuses {unsure} and fails on {wrong}.",
