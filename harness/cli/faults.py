@@ -12,6 +12,7 @@ from harness.cli import printing
 from harness.cli.files import write_text
 from harness.errors import OutputError
 from harness.faults import TRIALS, Demands, Trial
+from harness.faults.processes import end_all
 from harness.provenance import provenance
 from harness.report.tables import csv_text
 
@@ -42,15 +43,16 @@ def faults(
     found: list[Trial] = []
     with printing.progress() as bar, tempfile.TemporaryDirectory(prefix="rockingcan-") as folder:
         task = bar.add_task("starting", total=len(TRIALS))
-        for trial in TRIALS:
-            found.append(
-                trial(
-                    Demands(kills=kills),
-                    Path(folder),
-                    lambda words: bar.update(task, description=words),
-                )
-            )
-            bar.advance(task)
+
+        def told(words: str) -> None:
+            bar.update(task, description=words)
+
+        try:
+            for trial in TRIALS:
+                found.append(trial(Demands(kills=kills), Path(folder), told))
+                bar.advance(task)
+        finally:
+            end_all()
     write_text(_markdown(found), out / "faults.md")
     write_text(csv_text(_table(found)), out / "faults.csv")
     rows = [(t.name, "passed" if t.passed else "FAILED", "\n".join(t.found)) for t in found]

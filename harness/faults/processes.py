@@ -3,14 +3,58 @@
 import os
 import signal
 import subprocess
+import sys
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+
+Program = subprocess.Popen[str]
+
+_begun: list[subprocess.Popen[str]] = []
 
 _PATIENCE = 5.0
 """s in which processes that were told to end are gone, on a machine that is busy."""
 
 _DEAD = frozenset("ZX")
+
+
+def begin(program: str, words: Sequence[str], folder: Path, paths: Sequence[str]) -> Program:
+    """Start a program of Python as the leader of a process group of its own.
+
+    Parameters
+    ----------
+    program : str
+    words : sequence of str
+        Its arguments.
+    folder : Path
+        Where it runs.
+    paths : sequence of str
+        Where it looks for packages first; then where this program does.
+    """
+    found = [*paths, *(path for path in sys.path if path)]
+    process = subprocess.Popen(  # noqa: S603 - our own program
+        [sys.executable, "-c", program, *words],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(found)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    _begun.append(process)
+    return process
+
+
+def end_all() -> None:
+    """Kill what was begun and still runs, with all its processes: a trial was interrupted."""
+    for process in _begun:
+        if process.poll() is None:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+    _begun.clear()
 
 
 def living(group: int) -> list[int]:

@@ -4,8 +4,6 @@ Started with one argument, an `Order` as JSON; prints the outcomes as JSON.
 """
 
 import json
-import os
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -16,6 +14,7 @@ from harness.engines.registry import GROUP
 from harness.errors import HarnessError
 from harness.executors import local
 from harness.faults.engines import FAULTY
+from harness.faults.processes import Program, begin
 from harness.interruption import Interrupted, listen
 from harness.isolation import Limits
 from harness.runner import run
@@ -48,7 +47,7 @@ class Order:
     memory: float = 4.0 * 2**30
 
 
-def started(order: Order, entries: Path | None = None) -> subprocess.Popen[str]:
+def started(order: Order, entries: Path | None = None) -> Program:
     """Start the program as the leader of a process group of its own.
 
     Parameters
@@ -57,21 +56,8 @@ def started(order: Order, entries: Path | None = None) -> subprocess.Popen[str]:
     entries : Path, optional
         Folder in which engines are registered that the program is to find.
     """
-    return subprocess.Popen(  # noqa: S603 - our own program
-        [sys.executable, "-c", _PROGRAM, json.dumps(asdict(order))],
-        env=environment(entries),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-
-
-def environment(entries: Path | None = None) -> dict[str, str]:
-    """Return the environment of a program that finds what this one does."""
-    paths = [*([str(entries)] if entries is not None else []), *(p for p in sys.path if p)]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
+    paths = [] if entries is None else [str(entries)]
+    return begin(_PROGRAM, [json.dumps(asdict(order))], Path.cwd(), paths)
 
 
 def register(folder: Path) -> Path:

@@ -2,15 +2,12 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 from harness.faults.ledger import broken, ledger
-from harness.faults.processes import left_behind
-from harness.faults.program import environment
+from harness.faults.processes import Program, begin, left_behind
 from harness.faults.trial import Trial
 from harness.store import Store
 from harness.store.folder import JOURNAL
@@ -50,7 +47,7 @@ def _stopped(folder: Path, number: signal.Signals, *, whole: bool) -> tuple[str,
     folder.mkdir(parents=True)
     store = Store(folder=folder / "store")
     words = [*_WORDS, "--store", str(store.folder)]
-    process = _command(words, folder)
+    process = begin(_PROGRAM, words, folder, ())
     _wait_for_kept(store, process)
     asked = time.monotonic()
     if whole:
@@ -61,7 +58,7 @@ def _stopped(folder: Path, number: signal.Signals, *, whole: bool) -> tuple[str,
     seconds = time.monotonic() - asked
     orphans = left_behind(process.pid)
     kept = sum(1 for _ in store.folder.glob("evaluations/??/*.json"))
-    again = _command(words, folder)
+    again = begin(_PROGRAM, words, folder, ())
     _, said = again.communicate(timeout=_PATIENCE)
     book = ledger(store)
     resume = f"To go on: rockingcan {' '.join(words)}"
@@ -85,20 +82,7 @@ def _stopped(folder: Path, number: signal.Signals, *, whole: bool) -> tuple[str,
     return text, good
 
 
-def _command(words: list[str], folder: Path) -> subprocess.Popen[str]:
-    return subprocess.Popen(  # noqa: S603 - our own program
-        [sys.executable, "-c", _PROGRAM, *words],
-        cwd=folder,
-        env=environment(),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-
-
-def _wait_for_kept(store: Store, process: subprocess.Popen[str]) -> None:
+def _wait_for_kept(store: Store, process: Program) -> None:
     """Wait until the first result is kept."""
     until = time.monotonic() + _PATIENCE
     journal = store.folder / JOURNAL
