@@ -11,7 +11,6 @@ import pytest
 
 from models import (
     Can,
-    Effects,
     Horizon,
     Scene,
     SceneFileError,
@@ -25,15 +24,28 @@ from models import (
 PAPER_CAN = Can.from_groups(mass=0.043, radius=0.037, a=0.727, c=0.615, h=1.473)
 PANELS = ("paper-release", "petals", "wobble", "cusps")  # a, b, c, d of fig01:contact_pt_motion
 
+WITH_EFFECTS = {
+    "chaotic-can": ("shake", "point_mass"),
+    "off-centre-mass": ("point_mass",),
+    "shaken-plane": ("shake",),
+    "slipping-rock": ("slip",),
+    "tilted-plane": ("tilt",),
+}
+
 
 def test_the_catalogue_has_the_scenes_it_promises() -> None:
     assert names() == (
+        "chaotic-can",
         "cusps",
         "gentle-rock",
+        "off-centre-mass",
         "paper-release",
         "petals",
+        "shaken-plane",
+        "slipping-rock",
         "steady-rolling",
         "straight-rolling",
+        "tilted-plane",
         "wobble",
     )
 
@@ -42,10 +54,10 @@ def test_the_catalogue_has_the_scenes_it_promises() -> None:
 def test_a_scene_is_named_after_its_file_and_cites_its_source(name: str) -> None:
     scene = load(name)
     assert scene.name == name
-    assert "arXiv:2302.08335" in scene.cite
+    assert "arXiv:2302.08335" in scene.cite or "Phys. Rev. E 78, 066609" in scene.cite
     assert scene.can == PAPER_CAN
     assert scene.gravity == 9.81
-    assert scene.effects == Effects()
+    assert scene.effects.declared() == WITH_EFFECTS.get(name, ())
 
 
 def test_the_papers_releases_are_in_radians_per_second() -> None:
@@ -165,9 +177,8 @@ def test_an_unknown_scene_lists_what_there_is() -> None:
     with pytest.raises(UnknownSceneError) as caught:
         load("gentle-rok")
     assert str(caught.value) == (
-        "unknown scene 'gentle-rok': it is neither in the catalogue (cusps, gentle-rock, "
-        "paper-release, petals, steady-rolling, straight-rolling, wobble) nor the path of a scene "
-        "file"
+        f"unknown scene 'gentle-rok': it is neither in the catalogue ({', '.join(names())}) nor the "
+        "path of a scene file"
     )
 
 

@@ -114,7 +114,7 @@ def case(made: Plan, mover: str, subset: Subset) -> Case | None:
     run with nor without.
     """
     scene = varied(made, subset)
-    if scene is None or subset - made.declared & _imposed(mover):
+    if scene is None or (subset - made.declared) & _imposed(mover):
         return None
     try:
         check_effects(mover, scene)
@@ -125,9 +125,8 @@ def case(made: Plan, mover: str, subset: Subset) -> Case | None:
 
 
 def _imposed(mover: str) -> Subset:
-    """Return the effects that an engine adds, honoured or not."""
-    own = engine(mover).capabilities
-    return frozenset(own.imposes) - own.honours
+    """Return the effects that an engine adds where they are not declared, honoured or not."""
+    return frozenset(engine(mover).capabilities.imposes)
 
 
 def design(made: Plan) -> tuple[Case, ...]:

@@ -116,7 +116,7 @@ def _judged(
 ) -> tuple[Verdict, str]:
     """Return the verdict and the number behind it."""
     own, able = made.declared, engine(mover).capabilities
-    if name not in own and name in able.imposes and name not in able.honours:
+    if name not in own and name in able.imposes:
         return Verdict.IMPOSED, f"It cannot be removed: {able.imposes[name]}."
     if name not in able.honours:
         return Verdict.UNSUPPORTED, f"{mover} cannot represent it."

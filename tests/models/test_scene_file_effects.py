@@ -1,0 +1,134 @@
+"""The effects of a scene file: what is allowed, and the sentence for everything that is wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from models import SceneFileError, read_scene
+
+GOOD = """\
+name = "a-scene"
+gravity = 9.81
+[can]
+mass = 0.043
+radius = 0.037
+a = 0.727
+c = 0.615
+h = 1.473
+[release]
+phi = 0.4
+[horizon]
+bounces = 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "[horizon]",
+            "[effects]\nslip = 0.3\n[horizon]",
+            "key 'effects.slip' is 0.3, but must be a table",
+        ),
+        (
+            "[horizon]",
+            "[effects]\nslip = { mu = -0.3 }\n[horizon]",
+            "key 'effects.slip.mu' is -0.3, but must be a finite number, zero or greater",
+        ),
+        (
+            "[horizon]",
+            "[effects]\nslip = { mu = 0 }\ndrilling = { length = 1e-3 }\n[horizon]",
+            (
+                "effects `slip` with mu 0 and `drilling` contradict each other: "
+                "a plane without friction resists neither drilling nor rolling"
+            ),
+        ),
+        (
+            "[horizon]",
+            (
+                "[effects]\ncompliance = { stiffness = 1e4 }\nrestitution = { coefficient = 0.5 }\n"
+                "[horizon]"
+            ),
+            (
+                "effects `compliance` and `restitution` contradict each other: "
+                "what a compliant contact gives back follows from its damping"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\nrestitution = { coefficient = 1.5 }\n[horizon]",
+            (
+                "key 'effects.restitution.coefficient' is 1.5, but must be a number from 0 to 1: "
+                "no impact gives back more than it got"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\nshake = { vertical = 1e-3 }\n[horizon]",
+            "key 'effects.shake.frequency' is missing; it must be a number",
+        ),
+        (
+            "[horizon]",
+            "[effects]\nshake = { frequency = 5 }\n[horizon]",
+            (
+                "key 'effects.shake.horizontal' is 0.0, but must be greater than zero, "
+                "or `vertical` must be"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\ndamping = {}\n[horizon]",
+            (
+                "key 'effects.damping.linear' is 0.0, but must be greater than zero, "
+                "or `angular` must be"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\npoint_mass = { mass = 1e-3, x = 0.03, y = 0.03 }\n[horizon]",
+            (
+                "key 'effects.point_mass.x' is 0.03, but must be inside the can: "
+                "at most 0.037 from its axis"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\nrim = { radius = 0.04 }\n[horizon]",
+            (
+                "key 'effects.rim.radius' is 0.04, but must be less than the can's radius 0.037 "
+                "and half height 0.054501"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\ntilt = { angle = 1.6 }\n[horizon]",
+            (
+                "key 'effects.tilt.angle' is 1.6, but must be greater than 0 and less than "
+                "pi/2 (radians)"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\nslip = {}\n[horizon]",
+            "key 'effects.slip.mu' is missing; it must be a number",
+        ),
+        (
+            "[horizon]",
+            "[effects]\nslide = { mu = 1 }\n[horizon]",
+            (
+                "key 'effects.slide' is unknown, did you mean 'slip'? allowed are slip, "
+                "compliance, restitution, drilling, rolling_resistance, damping, rim, tilt, shake, "
+                "point_mass"
+            ),
+        ),
+    ],
+)
+def test_each_wrong_effect_has_its_sentence(
+    tmp_path: Path, old: str, new: str, expected: str
+) -> None:
+    path = tmp_path / "scene.toml"
+    assert old in GOOD
+    path.write_text(GOOD.replace(old, new))
+    with pytest.raises(SceneFileError) as caught:
+        read_scene(path)
+    assert str(caught.value) == f"scene file '{path}': {expected}"
