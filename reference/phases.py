@@ -16,7 +16,20 @@ from reference.outcome import Outcome
 from reference.pieces import Piece, PiecesPath
 from reference.problem import Problem
 from reference.radau import STAGES, basis, coefficients, integrator, points, step
-from reference.rows import LEAN, ROWS, SLIP, TIME, U1, U2, W2, Index, released, sizes, snapshot_of
+from reference.rows import (
+    LEAN,
+    ROWS,
+    SLIP,
+    TIME,
+    TURN,
+    U1,
+    U2,
+    W2,
+    Index,
+    released,
+    sizes,
+    snapshot_of,
+)
 from reference.run import Run
 from reference.states import Floats
 from reference.track import Watch
@@ -25,6 +38,7 @@ from reference.track import Watch
 # the roundings of the step itself would not.
 RESOLVED = 3e-14
 NOISE = 2e-15
+QUIET = 1e-3
 LONGEST = 2.0
 FIRST = 0.05
 # A step shorter than this no longer moves a double.
@@ -139,6 +153,8 @@ class Follower:
         size[LEAN] = 1.0
         size[SLIP] = np.hypot(*size[SLIP])
         size = np.maximum(size, 1e-9 * size.max())
+        # of a part of the angular velocity that is zero there is only the noise of the others
+        size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
         size[SLIP] = np.maximum(size[SLIP], np.finfo(float).tiny ** 0.25)
         return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
 

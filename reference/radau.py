@@ -26,6 +26,8 @@ MOST_ITERATIONS = 24
 STANDS = 3e-15
 # Updates below this that no longer shrink are the round-off of a state with small parts.
 ALMOST = 1e-12
+# A part smaller than this need not be as exact in itself: of one that is zero there is only noise.
+LEAST = 1e-4
 # An iteration that gains less than this is worth a new matrix.
 SLOW = 0.05
 # An update beyond this diverges.
@@ -139,7 +141,7 @@ def step(
             return None
         update = lu_solve(factors, residual.ravel(), check_finite=False).reshape(n, STAGES)
         change = change - update
-        moved = float((np.abs(update) / size.max(axis=1, keepdims=True)).max())
+        moved = float((np.abs(update) / np.maximum(size.max(axis=1), LEAST)[:, None]).max())
         if not moved < HOPELESS:
             return None
         gain = moved / before if np.isfinite(before) else 0.0
