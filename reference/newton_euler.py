@@ -27,6 +27,7 @@ import numpy as np
 
 from reference.contact_modes import Contact, Mode
 from reference.effects import Effects
+from reference.frames import applied, cross, dot, to_body, to_level, to_precessing
 from reference.parameters import Parameters
 from reference.rows import (
     DISSIPATED,
@@ -139,21 +140,21 @@ class GeneralEquations:
             out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
         out[X], out[Y] = ahead * cos - aside * sin, ahead * sin + aside * cos
-        out[DISSIPATED] -= _dot(found.moment, _level(here.turning, at))
+        out[DISSIPATED] -= dot(found.moment, to_level(here.turning, at))
         if e.linear_damping or e.angular_damping:
-            drag = e.linear_damping * here.mass * _dot(here.velocity, here.velocity)
-            drag += e.angular_damping * _dot(here.turning, _times(here.inertia, here.turning))
+            drag = e.linear_damping * here.mass * dot(here.velocity, here.velocity)
+            drag += e.angular_damping * dot(here.turning, applied(here.inertia, here.turning))
             out[DISSIPATED] += at.S * drag
-        out[SUPPLIED] = at.S * here.mass * _dot(here.shaking, here.velocity)
+        out[SUPPLIED] = at.S * here.mass * dot(here.shaking, here.velocity)
         return out
 
     def energy(self, y: Floats, mode: Mode) -> Floats:
         """Kinetic and potential energy, without the shaking, over m g R, shape (n,)."""
         here = self._setting(y, mode)
-        turning = _dot(here.turning, _times(here.inertia, here.turning))
-        kinetic = (here.mass * _dot(here.velocity, here.velocity) + turning) / 2
+        turning = dot(here.turning, applied(here.inertia, here.turning))
+        kinetic = (here.mass * dot(here.velocity, here.velocity) + turning) / 2
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
-        up = _level(-here.arm, here.at)
+        up = to_level(-here.arm, here.at)
         place = np.stack(
             [y[X] + up[0] * cos - up[1] * sin, y[Y] + up[0] * sin + up[1] * cos, up[2]]
         )
@@ -181,7 +182,7 @@ class GeneralEquations:
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
         constant = np.asarray(e.gravity.constant)[:, None] + np.zeros_like(zero)
         shaking = e.gravity.shaking(y[TIME])
-        shaking = _upright(_turned(shaking, cos, sin), at)
+        shaking = to_body(to_precessing(shaking, cos, sin), at)
         return Setting(
             at=at,
             mass=mass,
@@ -189,20 +190,20 @@ class GeneralEquations:
             centre=centre,
             arm=arm,
             turning=turning,
-            velocity=_upright(slip, at) - _cross(turning, arm),
-            arm_rate=through + at.S * _cross(turning, arm),
-            gravity=_upright(_turned(constant, cos, sin), at) + shaking,
+            velocity=to_body(slip, at) - cross(turning, arm),
+            arm_rate=through + at.S * cross(turning, arm),
+            gravity=to_body(to_precessing(constant, cos, sin), at) + shaking,
             shaking=shaking,
         )
 
     def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
         e, at, w = self.effects, here.at, here.turning
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)), dtype=float)
-        momentum = _times(here.inertia, w)
-        torque = -at.S * (_cross(w, momentum) + e.angular_damping * momentum)
+        momentum = applied(here.inertia, w)
+        torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
         free = np.einsum("nij,jn->in", inverse, torque)
         fall = at.S * (here.gravity - e.linear_damping * here.velocity)
-        slide = fall + _cross(free, here.arm) + _cross(w, here.arm_rate)
+        slide = fall + cross(free, here.arm) + cross(w, here.arm_rate)
         mobility = _mobility(inverse, here, at)
         held = [NORMAL]
         if not mode.slips:
@@ -217,9 +218,9 @@ class GeneralEquations:
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
         if e.rolling_resistance:
-            level = _level(w, at)[:2]
+            level = to_level(w, at)[:2]
             law[:2] = -e.rolling_resistance * level / np.hypot(*level)
-        start = np.concatenate([_level(free, at), _level(slide, at)])
+        start = np.concatenate([to_level(free, at), to_level(slide, at)])
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
         columns[:, -1] = answer
@@ -233,7 +234,7 @@ class GeneralEquations:
         return Contact(
             force=wrench[3:],
             moment=wrench[:3],
-            turning=_upright(both[:3], at),
+            turning=to_body(both[:3], at),
             slipping=both[[SLIP_1, SLIP_2]],
             grip=answer[NORMAL] * here.mass,
         )
@@ -248,7 +249,7 @@ def _body(p: Parameters, e: Effects, theta: Floats) -> tuple[float, Floats, Floa
     share, x, y, z = e.mass.share, e.mass.x, e.mass.y, e.mass.z
     cos, sin = np.cos(theta), np.sin(theta)
     place = np.stack([x * cos - y * sin, x * sin + y * cos, z + 0 * cos])
-    square = np.eye(3)[..., None] * _dot(place, place) - place[:, None] * place[None]
+    square = np.eye(3)[..., None] * dot(place, place) - place[:, None] * place[None]
     return 1 + share, share / (1 + share) * place, inertia + share / (1 + share) * square
 
 
@@ -270,38 +271,3 @@ def _mobility(inverse: Floats, here: Setting, at: Angles) -> Floats:
     D[:, 3:, :3] = np.swapaxes(D[:, :3, 3:], 1, 2)
     D[:, 3:, 3:] = np.eye(3) / here.mass - level @ arm @ lever @ back
     return D
-
-
-def _times(matrix: Floats, vector: Floats) -> Floats:
-    return np.asarray(np.einsum("ijn,jn->in", matrix, vector))
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return np.asarray((a * b).sum(axis=0))
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.stack(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
-
-
-def _level(vector: Floats, at: Angles) -> Floats:
-    """From frame B to (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical."""
-    return np.stack(
-        [at.C * vector[0] - at.S * vector[2], vector[1], at.S * vector[0] + at.C * vector[2]]
-    )
-
-
-def _upright(vector: Floats, at: Angles) -> Floats:
-    """Back from those directions to frame B."""
-    return np.stack(
-        [at.C * vector[0] + at.S * vector[2], vector[1], at.C * vector[2] - at.S * vector[0]]
-    )
-
-
-def _turned(vector: Floats, cos: Floats, sin: Floats) -> Floats:
-    """From the world to (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical."""
-    return np.stack(
-        [cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0], vector[2]]
-    )
