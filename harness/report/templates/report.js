@@ -82,6 +82,7 @@
       for (const [index, graph] of figure.graphs.entries()) {
         const { data, layout } = coloured(figure.panels[index], figure.hidden);
         graph.given = figure.panels[index].layout;
+        await new Promise((go) => setTimeout(go)); // a reader comes first
         await Plotly.newPlot(graph, data, layout, config);
         graph.on("plotly_relayout", (change) => follow(figure, index, change));
         graph.addEventListener("keydown", (event) => steer(graph, event));
@@ -196,7 +197,7 @@
     }
     document.documentElement.dataset.drawn = "all";
   }
-  addEventListener("load", () => setTimeout(drawRest, 50));
+  addEventListener("load", () => idle(drawRest, { timeout: 3000 }));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => figures.forEach(redraw));
 
   // ---- tables --------------------------------------------------------------------------------
