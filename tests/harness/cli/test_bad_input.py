@@ -133,8 +133,23 @@ def test_other_wrong_use_is_refused(told: Command, words: tuple[str, ...]) -> No
 def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
     told: Command, scene_file: Callable[..., Path]
 ) -> None:
-    path = scene_file(("[effects]", "[effects.slip]\nmu = 0.3"))
-    is_one_clear_message(told("reference", str(path)), "slip", "mujoco, pybullet")
+    path = scene_file(("[effects]", "[effects.compliance]\nstiffness = 1e4"))
+    is_one_clear_message(told("reference", str(path)), "compliance", "mujoco, pybullet")
+
+
+@pytest.mark.parametrize(
+    ("scene", "model", "needed"),
+    [
+        ("gentle-rock", "pendulum", "rolling"),
+        ("gentle-rock", "frictionless", "rolling"),
+        ("slipping-rock", "rolling", "coulomb"),
+        ("tilted-plane", "coulomb", "general"),
+    ],
+)
+def test_a_model_too_small_is_refused_naming_the_smallest_that_carries_the_scene(
+    told: Command, scene: str, model: str, needed: str
+) -> None:
+    is_one_clear_message(told("reference", scene, "--model", model), model, needed)
 
 
 @pytest.mark.parametrize("place", ["below a file", "in no folder", "a folder"])

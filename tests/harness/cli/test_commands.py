@@ -67,11 +67,58 @@ def test_engines_are_listed(told: Command) -> None:
     assert "impratio" in told("engines", "mujoco").out
 
 
+MODEL = {
+    "model",
+    "equations",
+    "why",
+    "method",
+    "phases",
+    "guard",
+    "findings",
+    "divergence",
+}
+
+
+@pytest.mark.parametrize(
+    ("scene", "model", "equations"),
+    [
+        ("planar-fall", "pendulum", 2),
+        ("frictionless", "frictionless", 2),
+        ("gentle-rock", "rolling", 4),
+        ("slipping-rock", "coulomb", 6),
+        ("tilted-plane", "general", 6),
+        ("shaken-plane", "general", 7),
+    ],
+)
+def test_the_smallest_model_is_taken_and_said(
+    told: Command, scene: str, model: str, equations: int
+) -> None:
+    found = told("reference", scene, "--json").json()
+    assert (found["model"], found["equations"]) == (model, equations)
+    assert found["why"].endswith(".")
+    assert f"Model: {model}, {equations} equations." in told("reference", scene).out
+
+
+def test_a_larger_model_is_taken_where_it_is_asked_for(told: Command) -> None:
+    found = told("reference", "gentle-rock", "--model", "general", "--json").json()
+    assert found["model"] == "general"
+    assert "rolling" in found["why"]
+
+
+def test_phases_and_findings_are_said(told: Command) -> None:
+    found = told("reference", "slipping-rock", "--json").json()
+    assert [phase["kind"] for phase in found["phases"]] == ["stick", "slip"]
+    (finding,) = told("reference", "wobble", "--json").json()["findings"]
+    assert finding["model"] == "coulomb"
+    assert "Finding: Rolling needs a friction of 1.021" in told("reference", "wobble").out
+
+
 def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:
     answer = typed("reference", "paper-release", "--json")
     assert (answer.code, answer.err) == (0, "")
     found = answer.json()
-    assert set(found) == MOTION
+    assert set(found) == MOTION | MODEL
+    assert (found["model"], found["equations"], found["findings"]) == ("rolling", 4, [])
     (bounce,) = found["bounces"]
     assert set(bounce) == BOUNCE
     # the turn by quadrature to 15 digits, and the friction that the paper prints
