@@ -124,11 +124,18 @@ def _judged(
         return Verdict.UNSUPPORTED, f"{mover} cannot represent what the scene declares."
     if not changes:
         return Verdict.CONTRADICTED, "It cannot be there together with what the scene declares."
+    return _weighed(made, found, mover, name, changes)
+
+
+def _weighed(
+    made: Plan, found: Evaluations, mover: str, name: str, changes: Mapping[str, float | None]
+) -> tuple[Verdict, str]:
+    """Return the verdict on an effect that is run both ways: by how it ends, then by how much."""
+    own = made.declared
     matters = Verdict.NEEDED if name in own else Verdict.MISSING
-    with_it, without = (own, own - {name}) if name in own else (own | {name}, own)
     ends = [
         e.simulation.outcome
-        for subset in (with_it, without)
+        for subset in (own | {name}, own - {name})
         if (e := evaluation(made, found, mover, subset)) is not None
     ]
     if Outcome.MISMATCH in ends:

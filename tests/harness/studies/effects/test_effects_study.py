@@ -71,18 +71,19 @@ def test_an_assumption_that_makes_no_sense_is_refused(word: tuple[str, float], s
 
 
 def test_a_slippery_plane_is_missing_where_the_rim_would_slip_and_else_harmless() -> None:
-    slippery = plan(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.mu", 0.1),))
-    assert of(studied(slippery), "mujoco", "slip").verdict is Verdict.MISSING
-    rough = plan(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.mu", 5.0),))
-    found = of(studied(rough), "mujoco", "slip")
+    slippery = plan(GENTLE, ("reference",), words=(("slip.mu", 0.1),))
+    assert of(studied(slippery), "reference", "slip").verdict is Verdict.MISSING
+    rough = plan(GENTLE, ("reference",), words=(("slip.mu", 5.0),))
+    found = of(studied(rough), "reference", "slip")
     assert found.verdict is Verdict.HARMLESS
-    assert abs(found.changes["turn_deg"] or 0.0) < 0.1
+    # the rim sticks all the way, so that the two models solve one motion to their tolerances
+    assert abs(found.changes["turn_deg"] or 0.0) < 1e-6
 
 
 def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it() -> None:
     for mu, verdict in ((0.1, Verdict.NEEDED), (5.0, Verdict.HARMLESS)):
-        made = plan(with_effects(slip=Slip(mu=mu)), ("mujoco",), timestep=COARSE)
-        assert of(studied(made), "mujoco", "slip").verdict is verdict
+        made = plan(with_effects(slip=Slip(mu=mu)), ("reference",))
+        assert of(studied(made), "reference", "slip").verdict is verdict
 
 
 def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
