@@ -63,7 +63,7 @@ class Batch:
     @property
     def bounced(self) -> NDArray[np.bool_]:
         """Where there is a bounce, shape (n,)."""
-        return self.code == OUTCOMES.index(Ending.FINISHED)
+        return np.asarray(self.code == OUTCOMES.index(Ending.FINISHED), dtype=np.bool_)
 
 
 def bounces_of(releases: Releases) -> Batch:
