@@ -1,0 +1,200 @@
+"""Only the effects a scene calls for, against a model with everything on: what it saves, and costs.
+
+In MuJoCo the lean model leaves out the stages of a step and the sensors that the scene does not
+need. Everything puts them in: every stage, every sensor, the energies, and damping too small for
+any number to feel. It keeps the contact of the scene: a dimension for drilling or rolling that the
+scene does not declare is another contact, whose coefficients MuJoCo holds above 1e-5, and what is
+compared here is the same physics.
+
+The reference, which always integrates the angles, leaves out the quadrature of the contact locus,
+the grid that is dense by angle, and states and forces there; what is left is the turn of every
+bounce, and phi at a hundred instants.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from statistics import median
+
+import numpy as np
+
+from harness.benchmark.clock import seconds
+from harness.case import Case
+from harness.engines.reference import Truth
+from harness.engines.reference.posing import problem
+from harness.engines.registry import engine
+from harness.metrics.features import bounces
+from harness.metrics.motion import motion
+from harness.simulation import Simulation
+from harness.trajectory import Floats, Trajectory
+from models.catalogue import load, names
+from models.scene import Horizon, Scene
+from reference import Bounce, Solution, smallest, solve
+
+TIMESTEP = 1e-4
+PIECE = 0.4
+"""s: a bounce of most scenes, and six of those of cusps, each of which multiplies round-off."""
+
+BOUNCES = 3
+"""Of a scene that the reference solves: as many as show what a bounce costs."""
+
+PAIRS = 15
+"""On a processor that is shared one run of three is disturbed: the median of these is not."""
+
+TOLERANCE = 1e-5
+"""Relative, a hundredth of what the timestep leaves. Both runs round differently, by 1e-16 in every
+step, and every hard bounce multiplies that: to 6e-7 in the six bounces of cusps."""
+
+GAIN = {"mujoco": 1.2, "reference": 2.0}
+"""Least ratio of processor times that the project holds itself to, for every scene."""
+
+INSTANTS = 100
+
+_WITH_THE_CONTACT = frozenset({"coulomb", "general"})
+"""Models whose equations move the contact point themselves: there is no quadrature to leave out."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lean:
+    """One scene with all that it does not need left out, against the same with everything.
+
+    Parameters
+    ----------
+    scene, who, model : str
+        Scene, engine, and what is solved.
+    ratio : float
+        Processor time of everything over that of lean, median of pairs.
+    claim : str
+        Empty where the project only reports.
+    quantity : str
+        The quantity of interest that differs most; empty if none differs.
+    difference : float
+        By how much, relative.
+    tolerance : float
+    holds : bool
+        Both the ratio, where it is claimed, and the difference.
+    lean_s, everything_s : float
+        Processor time, s, medians.
+    """
+
+    scene: str
+    who: str
+    model: str
+    ratio: float
+    claim: str
+    quantity: str
+    difference: float
+    tolerance: float
+    holds: bool
+    lean_s: float
+    everything_s: float
+
+
+def lean_ratios(engines: Sequence[str]) -> Iterator[Lean]:
+    """Measure both on every scene of the catalogue: the reference, and MuJoCo if it is named."""
+    for name in names():
+        scene = load(name)
+        if "mujoco" in engines:
+            yield in_mujoco(scene)
+        yield in_reference(scene)
+
+
+def in_mujoco(scene: Scene, pairs: int = PAIRS) -> Lean:
+    """Run a piece of a scene with `build=lean`, which is matched's own, and `build=everything`."""
+    chosen, piece = engine("mujoco"), replace(scene, horizon=Horizon(seconds=PIECE))
+
+    def build(named: str) -> Simulation:
+        options = (("build", named),)
+        return chosen.simulate(
+            Case(scene=piece, engine="mujoco", timestep=TIMESTEP, options=options)
+        )
+
+    lean, full = build("lean"), build("everything")
+    times = [(build("lean").cpu_s, build("everything").cpu_s) for _ in range(pairs)]
+    if lean.trajectory is None or full.trajectory is None:
+        off = {"motion": math.inf}
+    else:
+        off = between(lean.trajectory, full.trajectory, piece)
+    return _judged(scene.name, "mujoco", f"condim {lean.settings['condim']}", times, off)
+
+
+def between(one: Trajectory, other: Trajectory, scene: Scene) -> dict[str, float]:
+    """Return by how much two motions of a scene differ in each quantity of interest, relative."""
+    mine, theirs = motion(one, scene), motion(other, scene)
+    _, here, there = np.intersect1d(one.time, other.time, return_indices=True)
+    apart = mine.angles.phi[here] - theirs.angles.phi[there]
+    found = {
+        "phi rms": float(np.sqrt(np.mean(apart**2)) / theirs.angles.phi.max()),
+        "place at the end": float(
+            np.abs(one.position[here[-1]] - other.position[there[-1]]).max() / scene.can.radius
+        ),
+    }
+    ours, others = bounces(mine, scene.can), bounces(theirs, scene.can)
+    if bool(ours) != bool(others):
+        found["bounce"] = math.inf
+    for first, second in zip(ours[:1], others[:1], strict=False):
+        found["time of the bounce"] = abs(first.time / second.time - 1.0)
+        # where the record of 1e-4 s is too coarse to count the turn, there is none to compare
+        if first.resolved and second.resolved:
+            found["turn"] = abs(first.angle_of_turn / second.angle_of_turn - 1.0)
+    return found
+
+
+def in_reference(scene: Scene, pairs: int = PAIRS) -> Lean:
+    """Solve a scene for phi and the turn alone, and for locus, states and forces as well."""
+    horizon = scene.horizon
+    if horizon.bounces is not None:
+        horizon = Horizon(bounces=min(horizon.bounces, BOUNCES))
+    piece = replace(scene, horizon=horizon)
+    posed = problem(piece)
+    model = smallest(posed).model
+
+    def lean() -> tuple[Solution, Floats]:
+        solution = solve(posed, model=model)
+        return solution, solution.at(np.linspace(0.0, solution.t_end, INSTANTS)).phi
+
+    def full() -> Truth:
+        solution = solve(posed, model=model, outputs=frozenset({"contact_locus"}))
+        truth = Truth(scene=piece, solution=solution)
+        truth.at(truth.grid())
+        return truth
+
+    (mine, phi), theirs = lean(), full().solution
+    few = 1 if model in _WITH_THE_CONTACT else pairs  # nothing is claimed of seconds of work
+    times = [(seconds(lean), seconds(full)) for _ in range(few)]
+    true = theirs.at(np.linspace(0.0, theirs.t_end, INSTANTS)).phi
+    off = {"phi rms": float(np.sqrt(np.mean((phi - true) ** 2)) / true.max())}
+    for one, other in zip(mine.bounces, theirs.bounces, strict=True):
+        for quantity, read in _OF_A_BOUNCE.items():
+            away = abs(read(one) / read(other) - 1.0) if read(other) else abs(read(one))
+            off[quantity] = max(off.get(quantity, 0.0), away)
+    return _judged(scene.name, "reference", model, times, off)
+
+
+_OF_A_BOUNCE: dict[str, Callable[[Bounce], float]] = {
+    "time of the bounce": lambda bounce: bounce.time,
+    "phi at its minimum": lambda bounce: bounce.phi_min,
+    "turn": lambda bounce: bounce.angle_of_turn,
+}
+
+
+def _judged(
+    scene: str, who: str, model: str, times: list[tuple[float, float]], off: dict[str, float]
+) -> Lean:
+    """Return what was measured, held to what is claimed of it."""
+    quantity, difference = max(off.items(), key=lambda item: item[1])
+    ratio = median(full / lean for lean, full in times)
+    least = 0.0 if model in _WITH_THE_CONTACT else GAIN[who]
+    return Lean(
+        scene=scene,
+        who=who,
+        model=model,
+        ratio=ratio,
+        claim=f"at least {least:g}" if least else "",
+        quantity=quantity if difference else "",
+        difference=difference,
+        tolerance=TOLERANCE,
+        holds=ratio >= least and difference <= TOLERANCE,
+        lean_s=median(pair[0] for pair in times),
+        everything_s=median(pair[1] for pair in times),
+    )
