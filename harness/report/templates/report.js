@@ -1,4 +1,4 @@
-// Draws the figures one after the other, nearest first, and makes legends, tables and contents answer.
+// Draws each figure as a reader comes near it, and makes legends, tables and contents answer.
 (() => {
   "use strict";
   const kinds = JSON.parse(document.getElementById("kinds").textContent);
@@ -182,22 +182,15 @@
     });
   }
 
+  // Nothing is drawn before a reader comes near it: the page answers at once, however long it is.
   const watcher = new IntersectionObserver(
     (seen) => seen.filter((one) => one.isIntersecting).forEach((one) => {
+      watcher.unobserve(one.target);
       draw(figures.find((figure) => figure.element === one.target));
     }),
-    { rootMargin: "400px" },
+    { rootMargin: "600px" },
   );
   figures.forEach((figure) => watcher.observe(figure.element));
-  const idle = window.requestIdleCallback ?? ((go) => setTimeout(go, 20));
-  async function drawRest() {
-    for (const figure of figures) {
-      await new Promise((go) => idle(go, { timeout: 1000 })); // let the page answer in between
-      await draw(figure);
-    }
-    document.documentElement.dataset.drawn = "all";
-  }
-  addEventListener("load", () => idle(drawRest, { timeout: 3000 }));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => figures.forEach(redraw));
 
   // ---- tables --------------------------------------------------------------------------------

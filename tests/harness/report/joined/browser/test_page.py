@@ -11,6 +11,7 @@ PHONE = 375
 MINUS, NOTHING = "\N{MINUS SIGN}", "\N{EN DASH}"
 
 SPAN = "graph => { const [low, high] = graph._fullLayout.xaxis.range; return high - low; }"
+IN_SIGHT = "one => { const at = one.getBoundingClientRect(); return 0 <= at.top && at.top < 900; }"
 TRACES = "graphs => graphs.map((graph) => graph.querySelectorAll('.trace').length)"
 
 
@@ -30,6 +31,16 @@ def test_every_figure_draws_without_a_network(browse: Open, joined: Path) -> Non
     assert page.locator(".figure.drawn").count() == 3
     assert not page.locator(".still").first.is_visible()  # the pictures are for paper
     assert page.locator(".modebar-btn").count() == 0  # none that sends anything away
+
+
+def test_a_link_in_the_contents_leads_there_and_draws(browse: Open, real: Path) -> None:
+    page = browse(real, whole=False)
+    assert page.locator(".figure.drawn").count() == 0  # none is near the top of the page
+    page.locator("nav a[href^='#figure-']").last.click()
+    last = page.locator(".figure").last
+    last.and_(page.locator(".drawn")).wait_for()
+    assert last.locator("h3").evaluate(IN_SIGHT)
+    assert page.locator(".figure.drawn").count() < page.locator(".figure").count()
 
 
 def test_every_figure_of_a_real_report_draws(browse: Open, real: Path) -> None:
@@ -132,6 +143,7 @@ def test_no_sideways_scroll_on_a_phone(
     name: str, browse: Open, request: pytest.FixtureRequest
 ) -> None:
     page = browse(request.getfixturevalue(name), PHONE)
+    page.add_style_tag(content="article { content-visibility: visible !important; }")
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
 
 
@@ -146,7 +158,8 @@ def test_hostile_texts_do_not_run(browse: Open, joined: Path, hostile_joined: Pa
 def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined: Path) -> None:
     page = browse(joined)
     page.emulate_media(media="print")
-    assert all(one.is_visible() for one in page.locator(".still").all())
+    for still in page.locator(".still").all():
+        still.wait_for(state="visible")  # with the next frame
     for hidden in (".panels", ".controls", ".replay", "nav"):
         assert not page.locator(hidden).first.is_visible(), hidden
 
