@@ -27,9 +27,12 @@ def turn_error(e: Evaluation) -> float:
     return abs(math.degrees(e.errors.angle_of_turn[0]))
 
 
-# the record of many bounces takes the exact motion tens of seconds to evaluate
+# the record of many bounces takes the exact motion tens of seconds to evaluate; of a chaotic motion
+# no error is given, see test_effect_scenes
 CATALOGUE = [
-    pytest.param(name, marks=pytest.mark.slow) if name == "cusps" else name for name in names()
+    pytest.param(name, marks=pytest.mark.slow) if name == "cusps" else name
+    for name in names()
+    if name != "chaotic-can"
 ]
 
 
