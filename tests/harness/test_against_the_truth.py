@@ -10,6 +10,7 @@ import pytest
 from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.reference import truth
+from harness.metrics.conservation import conserves_energy
 from harness.metrics.error import Errors
 from harness.metrics.order import observed_order
 from harness.runner import Evaluation, evaluate
@@ -68,10 +69,13 @@ def test_the_reference_has_no_error_against_itself(evaluated: Evaluator, scene: 
             if not math.isfinite(other):  # the ratio where the plane would have to pull
                 assert e.truth_pulls
                 continue
-            allowed = 5e-5 if field.name.startswith("peak") else 1e-9
+            # beside weight off the axis psi' has sharper peaks, and of each height another
+            peak = 2e-4 if scene == "off-centre-mass" else 5e-5
+            allowed = peak if field.name.startswith("peak") else 1e-9
             allowed = max(allowed, 1e-6) if scene == "petals" else allowed
             assert abs(one - other) < allowed * max(1.0, abs(other)), field.name
-    assert e.energy_drift == pytest.approx(0.0, abs=1e-9)  # the integrator keeps 1e-12 a step
+    assert (e.energy_drift is not None) is conserves_energy(e.simulation.case.scene)
+    assert abs(e.energy_drift or 0.0) < 1e-9  # the integrator keeps 1e-12 a step
     assert e.contact is not None
     assert e.contact.lift_off_fraction == 0.0 or e.truth_pulls
 

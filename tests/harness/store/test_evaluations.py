@@ -1,5 +1,6 @@
 """Evaluations that are kept have the bits of those that were made, times included."""
 
+import math
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
@@ -8,13 +9,14 @@ import pytest
 
 from harness.campaign import Listener, complete
 from harness.case import Case
+from harness.engines.reference import Divergence, Finding
 from harness.executors import Serial
 from harness.isolation import Loss, LostTaskError
 from harness.kept import evaluations
 from harness.runner import Evaluation, evaluate, lost, run
 from harness.simulation import Outcome
 from harness.store import Store, StoreWarning
-from models import Effects, Scene, Slip
+from models import Compliance, Effects, Scene, Slip, Tilt
 
 
 def same(one: object, other: object) -> bool:
@@ -56,6 +58,51 @@ def test_kept_is_made_bit_for_bit(brief: Scene, tmp_path: Path) -> None:
     for one, other in zip(made, kept, strict=True):
         assert same(one, other)
     assert kept[0].simulation.wall_s == made[0].simulation.wall_s > 0.0
+
+
+SAID = {
+    "nothing": ((), None, None),
+    "a finding": ((Finding(sentence="The plane would have to pull.", model="coulomb"),), None, 0.0),
+    "two, and a motion that never parts": (
+        (Finding(sentence="phi is ½π."), Finding(sentence="µ is too small.", model="general")),
+        Divergence(growth=1.0, lyapunov_time=math.inf, parted=math.inf, chaotic=False),
+        None,
+    ),
+    "chaos": (
+        (),
+        Divergence(growth=1.1e5, lyapunov_time=0.1 + 0.2, parted=5.5, chaotic=True),
+        math.nextafter(0.3, 1.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("said", SAID)
+def test_what_is_said_of_the_truth_is_kept_bit_for_bit(
+    brief: Scene, tmp_path: Path, said: str
+) -> None:
+    findings, chaos, parts_at = SAID[said]
+    case = Case(scene=brief, engine="mujoco", timestep=1e-3)
+    made = replace(evaluate(case), findings=findings, divergence=chaos, parts_at=parts_at)
+    shelf = evaluations(Store(folder=tmp_path / "store"))
+    complete([case], lambda _: made, Serial(), lost=lost, shelf=shelf)
+
+    def runs_again(case: Case) -> Evaluation:
+        raise AssertionError(case.label())
+
+    (kept,) = complete([case], runs_again, Serial(), lost=lost, shelf=shelf)
+    assert kept is not made
+    assert same(kept, made)
+
+
+def test_a_real_finding_and_a_real_divergence_are_kept(brief: Scene, tmp_path: Path) -> None:
+    tilted = replace(brief, effects=Effects(tilt=Tilt(angle=0.1)))
+    soft = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4)))
+    store = Store(folder=tmp_path / "store")
+    wanted = [Case(scene=scene, engine="pybullet", timestep=1e-3) for scene in (tilted, soft)]
+    made = run(wanted, store=store)
+    assert made[0].divergence is not None
+    assert "rigid" in made[1].findings[0].sentence
+    assert all(map(same, made, run(wanted, store=store)))
 
 
 def test_a_broken_one_is_run_again_and_the_rest_is_not(brief: Scene, tmp_path: Path) -> None:
