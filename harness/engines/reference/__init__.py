@@ -15,7 +15,7 @@ from harness.engines.reference.guarding import (
     guard,
     parting,
 )
-from harness.engines.reference.posing import refusal
+from harness.engines.reference.posing import carried, refusal
 from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
 from harness.engines.reference.truth import Phase, Truth, sampled, solved, truth
 
@@ -30,6 +30,7 @@ __all__ = [
     "Phase",
     "ReferenceEngine",
     "Truth",
+    "carried",
     "findings",
     "guard",
     "parting",

@@ -4,7 +4,7 @@ import math
 
 from harness.engines.horizon import natural_time
 from models.scene import Scene
-from reference import Effects, Gravity, Mass, Parameters, Problem
+from reference import Effects, Gravity, Mass, Parameters, Problem, carries
 
 HONOURS = frozenset(
     {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
@@ -47,6 +47,11 @@ def problem(scene: Scene, seconds: float | None = None) -> Problem:
         duration=None if horizon is None else horizon / T,
         effects=effects(scene),
     )
+
+
+def carried(scene: Scene, model: str) -> bool:
+    """Whether a model knows all the effects of a scene."""
+    return not scene.effects.declared() or carries(model, problem(scene))
 
 
 def effects(scene: Scene) -> Effects:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from harness.case import Case, Value
 from harness.engines.base import TIMESTEP, Engine, Gap, Setting
+from harness.engines.carried import check_exact
 from harness.engines.registry import engine
 from harness.errors import InvalidSettingError
 from models.scene import Scene
@@ -87,11 +88,10 @@ def path(
     Raises
     ------
     HarnessError
-        If there is no such engine or gap, the engine takes no timestep, or the scene has no truth.
+        If there is no such engine or gap, the engine takes no timestep, or the scene has no truth
+        or is chaotic.
     """
-    if scene.effects.declared() or scene.gravity == 0.0:
-        allowed = "a scene under gravity with no effects: another has no exact motion"
-        raise InvalidSettingError("SCENE", scene.name, allowed)
+    check_exact(scene)
     chosen = engine(engine_name)
     shipped = chosen.timestep(Case(scene=scene, engine=engine_name, profile="default"))
     end = Case(scene=scene, engine=engine_name, profile="matched", timestep=timestep)

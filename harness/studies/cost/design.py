@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 from harness.case import Case
 from harness.engines.base import TIMESTEP
+from harness.engines.carried import check_exact
 from harness.engines.horizon import natural_time
-from harness.engines.reference import refusal, truth
+from harness.engines.reference import carried, truth
 from harness.engines.registry import engine
 from harness.engines.schedule import ETA
 from harness.engines.variants import COMMON, Variant, variants
@@ -115,14 +116,13 @@ def plan(
     Raises
     ------
     HarnessError
-        If there is no such engine or suite, or a scene has no exact motion.
+        If there is no such engine or suite, or a scene has no exact motion or is
+        chaotic.
     """
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
     for one in (scene, tuning_scene):
-        if one.effects.declared() or refusal(one):
-            allowed = "a scene under gravity with no effects: another has no exact motion"
-            raise InvalidSettingError("SCENE", one.name, allowed)
+        check_exact(one)
     if tuning_scene.release == scene.release and tuning_scene.can == scene.can:
         raise InvalidSettingError("--tune", tuning_scene.name, "another scene than the one scored")
     stepping = [name for name in engines if variants(name) and _steps(name)]
@@ -131,7 +131,12 @@ def plan(
         scene=scene,
         tuning_scene=tuning_scene,
         suite=suite,
-        scored=tuple(family(scene, n, v, suite) for n in engines for v in priced(n, suite)),
+        scored=tuple(
+            family(scene, n, v, suite)
+            for n in engines
+            for v in priced(n, suite)
+            if _carries(scene, n, v)
+        ),
         tuning=tuple(
             family(tuning_scene, n, v, "tuning") for n in stepping for v in priced(n, suite)
         ),
@@ -143,6 +148,12 @@ def plan(
 def priced(name: str, suite: str) -> tuple[Variant, ...]:
     """Return the variants of an engine that a suite runs."""
     return tuple(v for v in variants(name) if suite == "full" or not v.thorough)
+
+
+def _carries(scene: Scene, name: str, variant: Variant) -> bool:
+    """Whether a variant can be run: a model of the reference may be too small for the effects."""
+    model = dict(variant.settings).get("model")
+    return name != "reference" or model is None or carried(scene, str(model))
 
 
 def _steps(name: str) -> bool:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from harness.case import Case, Value
 from harness.engines.base import Effort, Engine
+from harness.engines.carried import check_exact
 from harness.engines.reference import truth
 from harness.engines.registry import engine
 from harness.errors import InvalidSettingError
@@ -117,11 +118,10 @@ def plan(
     Raises
     ------
     HarnessError
-        If there is no such engine, it takes no fixed timestep, or the scene has no truth.
+        If there is no such engine, it takes no fixed timestep, or the scene has no truth
+        or is chaotic.
     """
-    if scene.effects.declared() or scene.gravity == 0.0:
-        allowed = "a scene under gravity with no effects: another has no exact motion"
-        raise InvalidSettingError("SCENE", scene.name, allowed)
+    check_exact(scene)
     if profile not in {"default", "matched"}:
         raise InvalidSettingError("--profile", profile, "default or matched: a fixed timestep")
     chosen = engine(engine_name)

@@ -13,7 +13,7 @@ from harness.engines.registry import engine
 from harness.errors import InvalidSettingError
 from harness.studies.attribution import design, path
 from harness.studies.attribution.path import all_gaps, case, stops
-from models import Effects, Scene, Slip
+from models import Compliance, Effects, Scene, Slip
 
 ENGINES = ("mujoco", "pybullet")
 
@@ -93,7 +93,14 @@ def test_what_has_no_truth_or_no_timestep_is_refused(gentle: Scene) -> None:
     with pytest.raises(InvalidSettingError, match="timestep"):
         path(gentle, "reference")
     with pytest.raises(InvalidSettingError, match="no effects"):
-        path(replace(gentle, effects=Effects(slip=Slip(mu=0.3))), "mujoco")
+        path(replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4))), "mujoco")
+
+
+def test_a_scene_that_slips_has_a_way(gentle: Scene) -> None:
+    slipping = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
+    way = path(slipping, "mujoco")
+    assert {one.scene for one in design(way)} == {slipping}
+    assert way.names == path(gentle, "mujoco").names
 
 
 def test_an_engine_that_declares_no_gaps_has_one_for_each_difference() -> None:

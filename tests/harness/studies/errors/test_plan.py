@@ -7,7 +7,7 @@ import pytest
 
 from harness.errors import InvalidSettingError
 from harness.studies.errors import design, plan
-from models import Effects, Scene, Slip, load
+from models import Compliance, Effects, Scene, Slip, load
 
 
 def test_a_setting_tied_to_the_timestep_makes_two_ways(gentle: Scene) -> None:
@@ -44,4 +44,9 @@ def test_what_has_no_limit_is_refused(gentle: Scene) -> None:
     with pytest.raises(InvalidSettingError, match="takes a timestep"):
         plan(gentle, "reference")
     with pytest.raises(InvalidSettingError, match="no effects"):
-        plan(replace(gentle, effects=Effects(slip=Slip(mu=0.3))), "mujoco")
+        plan(replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4))), "mujoco")
+
+
+def test_a_scene_that_slips_has_a_ladder(gentle: Scene) -> None:
+    slipping = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
+    assert {one.scene.effects for one in design(plan(slipping, "mujoco"))} == {slipping.effects}
