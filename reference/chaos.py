@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from reference.integrate import solve
 from reference.problem import Problem
+from reference.solution import Solution
 from reference.states import Floats, States
 
 DISTURBANCE = 1e-12
@@ -23,6 +24,8 @@ GROWING = (1e-11, 1e-3)
 # Copies of a regular motion part like time, or its square; by more than this it takes chaos, and an
 # engine's error of 1e-5 becomes as large as the motion.
 CHAOTIC = 1e4
+# Where a motion takes more evaluations, copies are followed through that share of it alone.
+AFFORDED = 40_000
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
 
@@ -55,16 +58,21 @@ class Divergence:
         return self.growth > CHAOTIC
 
 
-def divergence(problem: Problem) -> Divergence:
+def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
     """Return how releases part that differ from a problem's by one part in 1e12.
 
     Parameters
     ----------
     problem : Problem
         Followed by the smallest model that carries it.
+    own : Solution, optional
+        Of the problem itself, with its contact locus, if it is known.
     """
-    own = solve(problem, model="auto", outputs={"contact_locus"})
-    times, ends = own.grid(), own.t_end
+    if own is None:
+        own = solve(problem, model="auto", outputs={"contact_locus"})
+    ends = own.t_end * min(1.0, AFFORDED / max(own.evaluations, 1))
+    times = own.grid()
+    times = times[times <= ends]
     states, far = own.at(times), np.zeros_like(times)
     until = replace(problem, bounces=None, duration=ends)
     for name in DISTURBED:

@@ -23,6 +23,7 @@ ENDINGS = {
     Outcome.FELL_FLAT,
     Outcome.LIFTED,
     Outcome.JAMMED,
+    Outcome.OUTWORKED,
     Outcome.STALLED,
 }
 

@@ -15,4 +15,8 @@ class Outcome(Enum):
     NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
     LIFTED = "The plane would have to pull: the can leaves it, and rolling on it ends."
     JAMMED = "The rim jams: for a rigid can, sliding has no solution, or several (Painleve)."
+    OUTWORKED = (
+        "The motion calls for more than 200000 evaluations of its equations: it is not followed "
+        "further."
+    )
     STALLED = "The integrator could not advance: the step fell below what a double resolves."

@@ -82,17 +82,17 @@ def basis(c: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """A step that satisfies the equation at its points.
+    """A step that satisfies the equation at its points, or what was spent on one that does not.
 
     Attributes
     ----------
-    change : ndarray, shape (n, STAGES)
-        State less its start, at the points.
+    change : ndarray, shape (n, STAGES), or None
+        State less its start, at the points; None of a step that is too long for Newton's method.
     evaluations : int
         Of the field, each at all points.
     """
 
-    change: Floats
+    change: Floats | None
     evaluations: int
 
 
@@ -104,8 +104,8 @@ def coefficients(change: Floats) -> Floats:
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")
 def step(
     field: Field, start: Floats, length: float, guess: Floats, scale: Callable[[Floats], Floats]
-) -> Step | None:
-    """Take one step, or return None if it is too long for Newton's method.
+) -> Step:
+    """Take one step, if it is not too long for Newton's method.
 
     An iteration that goes astray may meet no numbers on its way; what is returned is finite.
 
@@ -132,23 +132,23 @@ def step(
             matrix = blocks.reshape(n * STAGES, n * STAGES)
             matrix[np.diag_indices(n * STAGES)] += 1.0
             if not np.isfinite(matrix).all():
-                return None
+                return Step(change=None, evaluations=iteration + 1)
             factors, before = lu_factor(matrix, check_finite=False), np.inf
         else:
             rates = field(y)
         residual = change - length * rates @ A.T
         if not np.isfinite(residual).all():
-            return None
+            return Step(change=None, evaluations=iteration + 1)
         update = lu_solve(factors, residual.ravel(), check_finite=False).reshape(n, STAGES)
         change = change - update
         moved = float((np.abs(update) / np.maximum(size.max(axis=1), LEAST)[:, None]).max())
         if not moved < HOPELESS:
-            return None
+            return Step(change=None, evaluations=iteration + 1)
         gain = moved / before if np.isfinite(before) else 0.0
         if moved < STANDS or (moved < ALMOST and gain > SLOW):
             return Step(change=change, evaluations=iteration + 1)
         before = moved
-    return None
+    return Step(change=None, evaluations=MOST_ITERATIONS)
 
 
 def _linearised(field: Field, y: Floats, size: Floats) -> tuple[Floats, Floats]:

@@ -138,7 +138,7 @@ def reference(
     evaluation = evaluate(case)
     simulation = evaluation.simulation
     known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
-    found = solved(case) if known else None
+    found = solved(case, again=False) if known else None
     answer = reference_answer(evaluation, found.bounces if found else ())
     answer |= model_answer(evaluation, found, model)
     if json:

@@ -8,7 +8,7 @@ from harness.engines.horizon import natural_time
 from harness.engines.reference.posing import problem, refusal
 from harness.engines.reference.truth import Truth, sampled, truth
 from models.scene import Scene
-from reference import divergence, examine
+from reference import Outcome, divergence, examine
 
 PARTED = 0.1
 """Angle between orientations, rad, from which two motions have nothing to do with each other."""
@@ -108,12 +108,17 @@ def findings(scene: Scene) -> tuple[Finding, ...]:
 def parting(scene: Scene) -> Divergence | None:
     """Return how disturbed releases part, of a scene that may be chaotic; None of any other.
 
+    None, too, of one that calls for too much work to be followed at all, let alone five times.
+
     An axisymmetric can on a level plane at rest is integrable: its copies part, but no faster than
     time itself.
     """
     if refusal(scene) or not {"point_mass", "shake", "tilt"} & set(scene.effects.declared()):
         return None
-    T, found = natural_time(scene), divergence(problem(scene))
+    own = truth(scene).solution
+    if own.outcome is Outcome.OUTWORKED:
+        return None
+    T, found = natural_time(scene), divergence(problem(scene), own)
     return Divergence(
         growth=found.growth,
         lyapunov_time=T / found.rate if found.rate > 0.0 else math.inf,

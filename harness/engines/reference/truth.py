@@ -9,6 +9,7 @@ from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.base import Floats, resolve
 from harness.engines.horizon import natural_time
+from harness.engines.reference.followed import Followed
 from harness.engines.reference.posing import problem
 from harness.engines.reference.settings import SETTINGS, WITHOUT_LOCUS
 from harness.errors import InvalidSettingError
@@ -18,6 +19,9 @@ from models.rim import contact_offset
 from models.scene import Scene
 from reference import MODELS, Choice, Solution, SolverError, carries, smallest, solve
 from reference.contact import contact_force_in_world
+
+FOLLOWED = Followed()
+"""What has been integrated from event to event, which may take seconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,8 +133,10 @@ def _offset(scene: Scene, phi: Floats, psi: Floats) -> Floats:
     return offset
 
 
-def solved(case: Case, seconds: float | None = None) -> Truth:
+def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> Truth:
     """Return the exact motion of a case's scene, up to its own horizon or for so many seconds.
+
+    It is solved even if it was before, so that it can be timed, unless `again` is false.
 
     Raises
     ------
@@ -148,6 +154,9 @@ def solved(case: Case, seconds: float | None = None) -> Truth:
         needed = smallest(posed)
         allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
         raise InvalidSettingError("model", model, allowed)
+    known = None if again or choices else FOLLOWED.find(posed, model)
+    if known is not None:
+        return Truth(scene=case.scene, solution=known)
     try:
         solution = solve(
             posed,
@@ -158,6 +167,7 @@ def solved(case: Case, seconds: float | None = None) -> Truth:
         )
     except SolverError as error:
         raise InvalidSettingError("model, method or rtol", dict(chosen), str(error)) from error
+    FOLLOWED.keep(solution)
     return Truth(scene=case.scene, solution=solution)
 
 
@@ -166,7 +176,9 @@ def truth(scene: Scene, seconds: float | None = None) -> Truth:
     """Return the exact motion of a scene, by the smallest model that carries it, and keep it."""
     needed = smallest(problem(scene, seconds)).model
     # where it rolls not the exact formula, which has to be inverted for the state at an instant
-    return solved(Case(scene=scene, engine="reference", options=(("model", needed),)), seconds)
+    return solved(
+        Case(scene=scene, engine="reference", options=(("model", needed),)), seconds, again=False
+    )
 
 
 @lru_cache(maxsize=64)

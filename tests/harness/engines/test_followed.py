@@ -1,0 +1,39 @@
+"""A motion with friction is followed once in a process, but anew where it is timed."""
+
+from dataclasses import replace
+
+import pytest
+
+from harness.case import Case
+from harness.engines.reference import followed, solved, truth
+from harness.engines.reference.followed import Followed
+from models import load
+from models.scene import Horizon
+from reference import PAPER_CAN, Effects, Problem, solve
+
+
+def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
+    scene = replace(load("slipping-rock"), horizon=Horizon(seconds=0.011))
+    case = Case(scene=scene, engine="reference")
+    answer = solved(case)
+    assert truth(scene).solution is answer.solution
+    assert solved(case, again=False).solution is answer.solution
+    timed = solved(case)
+    assert timed.solution is not answer.solution
+    assert timed.solution.t_end == answer.solution.t_end
+    assert timed.ends == pytest.approx(0.011, rel=1e-12)
+
+
+def test_it_keeps_the_last_and_only_what_was_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(followed, "MOST", 2)
+    kept = Followed()
+    rolling = solve(Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, duration=0.1))
+    kept.keep(rolling)
+    assert kept.find(rolling.problem, "auto") is None
+    slipping = [replace(rolling.problem, effects=Effects(mu=mu)) for mu in (0.1, 0.2, 0.3)]
+    motions = [solve(problem) for problem in slipping]
+    for motion in motions:
+        kept.keep(motion)
+    assert [kept.find(problem, "auto") for problem in slipping] == [None, *motions[1:]]
+    assert kept.find(slipping[2], "coulomb") is motions[2]
+    assert kept.find(slipping[2], "general") is None

@@ -1,0 +1,52 @@
+"""A motion that calls for too much work ends with a sentence, and always at the same place."""
+
+import re
+
+import numpy as np
+import pytest
+
+from reference import PAPER_CAN, Effects, Outcome, Problem, divergence, phases, solve
+
+SLIPPING = Problem(
+    parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, bounces=1, effects=Effects(mu=0.2), slip=(0.1, 0.0)
+)
+
+
+def test_the_sentence_states_the_limit() -> None:
+    number = re.search(r"\d+", Outcome.OUTWORKED.value)
+    assert number is not None
+    assert int(number[0]) == phases.MOST_WORK
+
+
+def test_a_motion_ends_where_its_work_does_and_is_known_up_to_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = solve(SLIPPING)
+    assert whole.outcome is Outcome.FINISHED
+    monkeypatch.setattr(phases, "MOST_WORK", whole.evaluations // 2)
+    first, again = solve(SLIPPING), solve(SLIPPING)
+    assert first.outcome is again.outcome is Outcome.OUTWORKED
+    # one step goes beyond, of at most 24 iterations at 16 points
+    assert phases.MOST_WORK < first.evaluations <= phases.MOST_WORK + 24 * 16
+    assert 0 < first.t_end == again.t_end < whole.t_end
+    times = np.linspace(0.0, first.t_end, 50)
+    np.testing.assert_array_equal(first.at(times).phi, whole.at(times).phi)
+
+
+def test_a_slip_that_stops_does_not_shorten_the_steps_that_stick() -> None:
+    """Steps grow by 2 at most: from the 1e-12 of an ending slip to 1 that would be forty."""
+    found = solve(SLIPPING)
+    kinds = [phase.kind.value for phase in found.phases]
+    assert "stick" in kinds
+    assert found.steps < 40 * len(kinds)
+
+
+def test_copies_are_followed_through_the_share_of_a_motion_that_they_can_afford(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own = solve(SLIPPING, outputs={"contact_locus"})
+    whole = divergence(SLIPPING, own)
+    assert whole.times[-1] == own.t_end
+    monkeypatch.setattr("reference.chaos.AFFORDED", own.evaluations // 3)
+    part = divergence(SLIPPING, own)
+    assert 0.2 * own.t_end < part.times[-1] <= 0.34 * own.t_end
