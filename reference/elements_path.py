@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from reference.blocks import in_blocks
 from reference.chebyshev import clenshaw, derivative, points, to_coefficients, waves
 from reference.regular import sine_of
 from reference.states import Floats, States, select_states
@@ -92,10 +93,13 @@ class ElementsPath:
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
-        values = self.values
-        if not values.shape[1]:
+        if not self.values.shape[1]:
             return select_states(self.release, np.zeros(times.size, dtype=np.intp))
-        n = values.shape[2]
+        return in_blocks(self._block, times)
+
+    def _block(self, times: Floats) -> States:
+        """States at the given times, with the series of all of them side by side."""
+        values, n = self.values, self.values.shape[2]
         step = np.clip(np.searchsorted(values[TIME, :, 0], times, side="right") - 1, 0, None)
         coefficients = (values[:, step, :] @ to_coefficients(n).T).transpose(2, 0, 1)
         x = _instant(coefficients[:, TIME], values[TIME, step], times)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.blocks import in_blocks
 from reference.contact import contact_from_centre
 from reference.elliptic import Clock
 from reference.exact import release_well
@@ -68,7 +69,7 @@ class ExactPath:
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
-        return self._states(self.phase(times))
+        return in_blocks(lambda block: self._states(self.phase(block)), times)
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states on an even grid of the clock, without the contact point."""
