@@ -5,7 +5,6 @@ scripts, and a printer, sees the pictures. Every text is escaped by the template
 own content policy forbids it to load anything.
 """
 
-import base64
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,6 +23,7 @@ from harness.report.legend import Entry, entries
 from harness.report.naming import slug, slugs
 from harness.report.palette import PAPER_DARK, PAPER_LIGHT, Ink
 from harness.report.replaying import frames
+from harness.report.stills import address
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -136,7 +136,6 @@ def _drawing(
     name: str, picture: Picture, inks: Mapping[str, Ink], digests: Collection[str]
 ) -> Drawing:
     figure = picture.figure
-    still = base64.b64encode(picture.printed.svg.encode("utf-8")).decode("ascii")
     return Drawing(
         name=name,
         title=figure.title,
@@ -152,7 +151,7 @@ def _drawing(
         ),
         described=tuple(description(figure, inks)),
         legend=entries(figure),
-        still=f"data:image/svg+xml;base64,{still}",
+        still=address(picture.printed.svg),
         cases=tuple(digest for digest in figure.cases if digest in digests),
     )
 

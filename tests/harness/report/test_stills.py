@@ -1,0 +1,78 @@
+"""A picture in the page's own address is the picture that was drawn."""
+
+import re
+from collections.abc import Sequence
+from urllib.parse import unquote
+from xml.etree.ElementTree import Element, fromstring
+
+from harness.artefact import Artefact, Figure
+from harness.report.palette import palette
+from harness.report.printed import printed
+from harness.report.stills import address
+
+SVG = "{http://www.w3.org/2000/svg}"
+LINK = "{http://www.w3.org/1999/xlink}href"
+
+
+def drawn(figure: Figure) -> str:
+    kinds = [series.kind for panel in figure.panels for series in panel.series]
+    return printed(figure, palette(kinds)).svg
+
+
+def told(root: Element) -> list[tuple[str, dict[str, object], str]]:
+    """Return every element with what it looks like, but for names, and the style of a tick."""
+    ticks = {
+        f"#{one.get('id')}"
+        for one in root.iter(f"{SVG}path")
+        if len(steps(one.get("d", ""))) == len("MxyLxy") and "fill" not in one.get("style", "")
+    }
+    return [
+        (one.tag, {name: look(name, value) for name, value in said(one, ticks)}, text)
+        for one in root.iter()
+        if one.tag.startswith(SVG) and one.tag != f"{SVG}metadata"
+        for text in [(one.text or "").strip()]
+    ]
+
+
+def said(one: Element, ticks: set[str]) -> list[tuple[str, str]]:
+    tick = one.get(LINK) in ticks
+    return [(k, v) for k, v in one.attrib.items() if k != "id" and not (tick and k == "style")]
+
+
+def look(name: str, value: str) -> object:
+    if name == "style":
+        return [part.split(":", 1)[1].strip() for part in value.split(";") if part.strip()]
+    return steps(value) if name == "d" else value
+
+
+def steps(path: str) -> Sequence[str]:
+    found: Sequence[str] = re.findall(r"[A-Za-z]|-?[\d.]+", path)
+    return found
+
+
+def test_nothing_is_lost_and_it_is_shorter_than_in_base64(
+    artefacts: tuple[Artefact, ...], hostile: tuple[Artefact, ...]
+) -> None:
+    figures = [a for a in (*artefacts, *hostile) if isinstance(a, Figure)]
+    assert figures
+    for figure in figures:
+        svg = drawn(figure)
+        kind, comma, picture = address(svg).partition(",")
+        assert (kind, comma) == ("data:image/svg+xml", ",")
+        assert told(fromstring(unquote(picture))) == told(fromstring(svg))  # noqa: S314 # our own
+        assert len(picture) < len(svg)  # base64 makes it 1.33 times as long
+
+
+def test_every_reference_leads_somewhere(artefacts: tuple[Artefact, ...]) -> None:
+    for figure in (a for a in artefacts if isinstance(a, Figure)):
+        picture = unquote(address(drawn(figure)))
+        meant = set(re.findall(r'(?:href="|url\()#([\w-]+)', picture))
+        assert meant
+        assert meant <= set(re.findall(r' id="([^"]+)"', picture))
+
+
+def test_no_sign_ends_an_attribute_or_an_address() -> None:
+    picture = address('<svg d="M 1 2 \nL 3 4">\'&#%"<text>a\nL 1</text></svg>')
+    assert set(picture).isdisjoint("<>\"'&#\n")
+    assert "M1 2L3 4" in picture
+    assert unquote(picture).endswith("<text>a\nL 1</text></svg>")  # texts stay as they are
