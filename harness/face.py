@@ -13,7 +13,14 @@ from harness.engines.registry import names
 from harness.executors import local
 from harness.runner import Evaluation, evaluate, run
 from harness.store import Store
-from harness.studies.comparison import SUITES, design, read, results
+from harness.studies.comparison import (
+    SUITES,
+    Unsupported,
+    design,
+    parted,
+    read,
+    results,
+)
 from models.catalogue import load
 from models.scene import Scene
 
@@ -103,7 +110,7 @@ def suite(
     engines: Sequence[str] | None = None,
     settings: Mapping[str, Mapping[str, Value]] | None = None,
 ) -> tuple[Case, ...]:
-    """Return the cases of a suite.
+    """Return the cases of a suite that its engines can represent.
 
     Parameters
     ----------
@@ -114,12 +121,19 @@ def suite(
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
     """
-    scenes = {scene: load(scene) for scene in SUITES[name]}
     on_top = {engine: tuple(own.items()) for engine, own in (settings or {}).items()}
     return tuple(
         replace(case, options=case.options + on_top.get(case.engine, ()))
-        for case in design(name, stepping_engines(engines), scenes)
+        for case in _designed(name, engines)[0]
     )
+
+
+def _designed(
+    name: str, engines: Sequence[str] | None
+) -> tuple[tuple[Case, ...], tuple[Unsupported, ...]]:
+    """Return the cases of a suite, and what its engines cannot represent of it."""
+    scenes = {scene: load(scene) for scene in SUITES[name]}
+    return parted(design(name, stepping_engines(engines), scenes))
 
 
 def validate(
@@ -159,7 +173,7 @@ def validate(
         evaluations = run(
             suite(name, engines, settings), chosen, on_done, store=store, on_kept=on_kept
         )
-    return evaluations, read(evaluations)
+    return evaluations, read(evaluations, _designed(name, engines)[1])
 
 
 def stepping_engines(engines: Sequence[str] | None) -> tuple[str, ...]:

@@ -59,11 +59,18 @@ def check_effects(name: str, scene: Scene) -> None:
     UnsupportedEffectError
         Names the engines that can.
     """
-    for effect in scene.effects.declared():
-        capabilities = engine(name).capabilities
-        if effect not in capabilities.honours and effect not in capabilities.imposes:
-            able = [other for other in names() if _honours(other, effect)]
-            raise UnsupportedEffectError(name, effect, able)
+    for effect in missing_effects(name, scene):
+        able = [other for other in names() if _honours(other, effect)]
+        raise UnsupportedEffectError(name, effect, able)
+
+
+def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
+    """Return the effects that a scene declares and an engine neither honours nor imposes."""
+    declared = scene.effects.declared()
+    if not declared:
+        return ()
+    own = engine(name).capabilities
+    return tuple(e for e in declared if e not in own.honours and e not in own.imposes)
 
 
 def _honours(name: str, effect: str) -> bool:

@@ -34,6 +34,11 @@ _FULL: Mapping[str, Ladder] = MappingProxyType(
         "petals": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
         "wobble": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
         "cusps": (1e-4, 3e-5, 1e-5),
+        "tilted-plane": (1e-3, 3e-4, 1e-4),
+        "shaken-plane": (1e-3, 3e-4, 1e-4),
+        "off-centre-mass": (1e-3, 3e-4, 1e-4),
+        "slipping-rock": (1e-3, 3e-4, 1e-4),
+        "chaotic-can": (2e-4,),
     }
 )
 

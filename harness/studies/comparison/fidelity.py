@@ -12,17 +12,18 @@ from dataclasses import dataclass
 from harness.artefact import Table
 from harness.metrics.conservation import energy
 from harness.runner import Evaluation
-from harness.simulation import Outcome
 from harness.studies.comparison.curves import finest
+from harness.studies.comparison.ending import ended
 from harness.studies.comparison.rows import CASE, Row, frame, key
 from harness.studies.comparison.scorecard import AGREES_TURN, deviation
+from harness.studies.comparison.unsupported import Unsupported
 
 _COLUMNS: Mapping[str, str] = {
     **CASE,
     "quantity": "What was compared; the unit is its suffix.",
     "value": "Engine minus truth, or how far the contact is from the ideal one, which has zero.",
     "allowed": "Size up to which it agrees.",
-    "verdict": "In words: agrees; deviates, by what factor; failed; or not decidable.",
+    "verdict": "In words: agrees; deviates, by what factor; failed; unsupported; or not decidable.",
     "case": "Digest of the run; its command is in the list of cases.",
     "command": "Runs the case again.",
 }
@@ -57,7 +58,7 @@ class Quantity:
     bounces: bool = False
 
 
-def fidelity(evaluations: Sequence[Evaluation]) -> Table:
+def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
     """Return the verdicts on each profile of each engine, at its smallest timestep."""
     rows: list[Row] = []
     for e in finest(evaluations):
@@ -74,6 +75,17 @@ def fidelity(evaluations: Sequence[Evaluation]) -> Table:
                     "command": e.simulation.case.command(),
                 }
             )
+    rows += [
+        {
+            "scene": one.scene,
+            "engine": one.engine,
+            "profile": "matched",
+            "quantity": quantity.key,
+            "verdict": one.verdict,
+        }
+        for one in unsupported
+        for quantity in QUANTITIES
+    ]
     return Table(
         name="fidelity",
         title="Every quantity and its verdict",
@@ -85,8 +97,9 @@ def fidelity(evaluations: Sequence[Evaluation]) -> Table:
 
 def verdict(quantity: Quantity, e: Evaluation) -> str:
     """Return in words how an engine fares in a quantity."""
-    if e.simulation.outcome is not Outcome.FINISHED:
-        return f"failed: {e.simulation.outcome.name.lower().replace('_', ' ')}"
+    end = ended(e)
+    if end:
+        return end
     doubt = _undecidable(quantity, e)
     if doubt:
         return f"not decidable: {doubt}"
@@ -109,6 +122,10 @@ def _undecidable(quantity: Quantity, e: Evaluation) -> str:
         return "the exact motion asks the plane to pull"
     if quantity.bounces and not e.true_bounces:
         return "the scene has no bounce"
+    if quantity.key == _SLIP and e.simulation.case.scene.effects.slip is not None:
+        return "the scene lets the can slip"
+    if quantity.key == _ENERGY and e.energy_drift is None:
+        return "the scene does not conserve its energy"
     return ""
 
 
@@ -165,14 +182,17 @@ def _spendable(e: Evaluation) -> float:
     if e.truth is None:
         return math.nan
     scene, trajectory = e.simulation.case.scene, e.truth.trajectory
-    can = scene.can
+    can, point = scene.can, scene.effects.point_mass
     scale = can.mass * scene.gravity * can.radius
-    return (
-        float(energy(trajectory, scene)[0]) - can.mass * scene.gravity * can.half_height
-    ) / scale
+    flat = can.mass * scene.gravity * can.half_height
+    if point is not None:
+        flat += point.mass * scene.gravity * (can.half_height + point.z)
+    return (float(energy(trajectory, scene)[0]) - flat) / scale
 
 
 _TURN = "turn_error_deg"
+_SLIP = "slip_m_s"
+_ENERGY = "energy_drift"
 
 QUANTITIES = (
     # a tenth of a degree: what a protractor on the table would not show
@@ -190,7 +210,7 @@ QUANTITIES = (
     ),
     # against the fastest that the centre goes: creeping at a hundredth of it looks like rolling
     Quantity(
-        key="slip_m_s",
+        key=_SLIP,
         value=lambda e: _known(e.contact.max_slip) if e.contact else None,
         allowed=lambda e: _SEEN * _speed(e),
     ),
@@ -207,7 +227,7 @@ QUANTITIES = (
     ),
     # of what the can has to spend: phi follows it in proportion
     Quantity(
-        key="energy_drift",
+        key=_ENERGY,
         value=lambda e: _known(e.energy_drift),
         allowed=lambda e: _SEEN * _spendable(e),
         rolls=False,

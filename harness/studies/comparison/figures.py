@@ -12,6 +12,7 @@ from harness.runner import Evaluation
 from harness.studies.comparison.bounce_figure import bounce_figure, first_bounce, in_bounce
 from harness.studies.comparison.convergence_figure import convergence_figure
 from harness.studies.comparison.curves import MM, MS, digests, drawn_runs, label, longest, overlaid
+from harness.studies.comparison.ending import followed_best
 from harness.trajectory import Floats
 
 _ANGLES: tuple[tuple[str, str, Callable[[Motion], tuple[Floats, Floats]]], ...] = (
@@ -58,19 +59,23 @@ def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         )
         for name, title, curve in _ANGLES
     )
-    worst = max(drawn, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
-    best = min(drawn, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
     return Figure(
         name=f"{scene}-angles",
         title="The angles over the whole run",
-        seen=(
-            f"Closest to the exact motion is {label(best)}, with {_phi(best)} rad rms in phi. "
-            f"Farthest is {label(worst)}, with {_phi(worst)} rad."
-        ),
+        seen=followed_best(drawn) or _closest(drawn),
         panels=panels,
         columns=3,
         scene=scene,
         cases=digests(drawn),
+    )
+
+
+def _closest(drawn: Sequence[Evaluation]) -> str:
+    worst = max(drawn, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
+    best = min(drawn, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
+    return (
+        f"Closest to the exact motion is {label(best)}, with {_phi(best)} rad rms in phi. "
+        f"Farthest is {label(worst)}, with {_phi(worst)} rad."
     )
 
 
@@ -81,17 +86,12 @@ def _phi(e: Evaluation) -> str:
 def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the contact locus from above."""
     series = overlaid(drawn, lambda m: (m.locus[:, 0] * MM, m.locus[:, 1] * MM))
-    apart = sorted(
-        (e.errors.contact_locus_hausdorff * MM, label(e)) for e in drawn if e.errors is not None
-    )
-    (nearest, best), (farthest, worst) = apart[0], apart[-1]
     return Figure(
         name=f"{scene}-locus",
         title="The contact locus from above",
         seen=(
             "Each engine's locus is the centre of its contact points, weighted with their forces. "
-            f"That of {best} is within {nearest:.2g} mm of the exact curve, that of {worst} "
-            f"as much as {farthest:.2g} mm away."
+            f"{_apart(drawn)}"
         ),
         panels=(
             Panel(
@@ -104,16 +104,34 @@ def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     )
 
 
+def _apart(drawn: Sequence[Evaluation]) -> str:
+    """Return a sentence on the nearest and the farthest locus."""
+    apart = sorted(
+        (e.errors.contact_locus_hausdorff * MM, label(e)) for e in drawn if e.errors is not None
+    )
+    if not apart:
+        return "The scene is chaotic, and no locus follows the exact one to its end."
+    (nearest, best), (farthest, worst) = apart[0], apart[-1]
+    return (
+        f"That of {best} is within {nearest:.2g} mm of the exact curve, that of {worst} "
+        f"as much as {farthest:.2g} mm away."
+    )
+
+
 def _friction(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the friction ratio over time."""
     series = overlaid(drawn, lambda m: (m.time * MS, m.friction_ratio))
     exact = longest(drawn).truth
     peak = np.nanmax(exact.friction_ratio) if exact is not None else math.nan
-    second = (
-        "In places the exact motion asks the plane to pull; a can that is only pushed lifts off."
-        if drawn[0].truth_pulls
-        else f"Rolling without slipping asks for a friction coefficient of {peak:.3f} here."
-    )
+    slip = drawn[0].simulation.case.scene.effects.slip
+    if drawn[0].truth_pulls:
+        second = "In places the exact motion asks the plane to pull; a can only pushed lifts off."
+    elif slip is not None:
+        second = (
+            f"The plane gives {slip.mu:g} at most; the exact can slips where it would need more."
+        )
+    else:
+        second = f"Rolling without slipping asks for a friction coefficient of {peak:.3f} here."
     panels = [Panel(title="The whole run", x_label="time [ms]", y_label="|F|/N [1]", series=series)]
     true = first_bounce(drawn)
     if true is not None:
@@ -186,6 +204,8 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
 def _told(drawn: Sequence[Evaluation]) -> str:
     """Return where the errors of the farthest run are made, and how small they can be."""
     known = [e for e in drawn if e.errors is not None]
+    if not known:
+        return followed_best(drawn)
     worst = max(known, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
     best = min(known, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
     first = (

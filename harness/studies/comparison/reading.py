@@ -6,30 +6,54 @@ from collections.abc import Sequence
 from harness.artefact import Artefact, Prose
 from harness.runner import Evaluation
 from harness.simulation import Outcome
+from harness.studies.comparison.ending import followed_best
 from harness.studies.comparison.fidelity import fidelity
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.replay import replay
 from harness.studies.comparison.results import results
 from harness.studies.comparison.scorecard import scorecard
 from harness.studies.comparison.tables import bounces, orders, parity
+from harness.studies.comparison.unsupported import Unsupported
 
 
-def read(evaluations: Sequence[Evaluation]) -> tuple[Artefact, ...]:
-    """Return the artefacts of the comparison."""
+def read(
+    evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()
+) -> tuple[Artefact, ...]:
+    """Return the artefacts of the comparison, and say what was left out of it."""
     scenes = list(dict.fromkeys(e.simulation.case.scene.name for e in evaluations))
-    artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations)]
+    artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations, unsupported)]
     for scene in scenes:
         own = [e for e in evaluations if e.simulation.case.scene.name == scene]
         artefacts += [*replay(scene, own), *scene_figures(scene, own)]
-        artefacts.append(Prose(name=f"{scene}-cite", title="Source", text=_cite(own), scene=scene))
+        artefacts += [
+            Prose(
+                name=f"{scene}-assumptions",
+                title="What the exact motion supposes",
+                text=_supposed(own),
+                scene=scene,
+            ),
+            Prose(name=f"{scene}-cite", title="Source", text=_cite(own), scene=scene),
+        ]
     artefacts += [
-        fidelity(evaluations),
+        fidelity(evaluations, unsupported),
         results(evaluations),
         orders(evaluations),
         bounces(evaluations),
         parity(evaluations),
     ]
     return tuple(artefacts)
+
+
+def _supposed(own: Sequence[Evaluation]) -> str:
+    """Return what the exact motion breaks of what its model assumes, and how long it decides."""
+    broken = [
+        f"{finding.sentence} A model that would carry it: {finding.model}."
+        if finding.model
+        else finding.sentence
+        for finding in own[0].findings
+    ]
+    kept = "The exact motion keeps to everything that its model assumes."
+    return " ".join(part for part in (*(broken or [kept]), followed_best(own)) if part)
 
 
 def _cite(own: Sequence[Evaluation]) -> str:

@@ -26,6 +26,7 @@ _RESULTS: Mapping[str, str] = {
     "theta_rms_rad": "Root mean square error of theta, without jumps.",
     "contact_locus_rms_m": "Distance of the contact points at the same instant, rms.",
     "contact_locus_hausdorff_m": "Largest distance between the two loci as curves.",
+    "parts_at_s": "When the orientation is first 0.1 rad from the truth's; empty if it never is.",
     "energy_drift": "Largest departure of the energy from its first value, over m g R.",
     "max_penetration_m": "Depth of the deepest contact.",
     "max_slip_m_s": "Largest horizontal speed of the can's material at the contact point.",
@@ -79,6 +80,7 @@ def _result(e: Evaluation) -> Row:
     row: Row = {
         **key(e),
         "outcome": s.outcome.value + (f" ({s.note})" if s.note else ""),
+        "parts_at_s": e.parts_at,
         "energy_drift": e.energy_drift,
         "static_penetration_m": s.static_penetration,
         "simulated_s": None if e.motion is None else float(e.motion.time[-1]),

@@ -5,13 +5,14 @@ from collections.abc import Mapping, Sequence
 
 from harness.artefact import Table
 from harness.runner import Evaluation
-from harness.simulation import Outcome
+from harness.studies.comparison.ending import ended
 from harness.studies.comparison.rows import CASE, Row, frame
+from harness.studies.comparison.unsupported import Unsupported
 
 _COLUMNS: Mapping[str, str] = {
     "scene": CASE["scene"],
     "engine": CASE["engine"],
-    "shipped_verdict": "The engine as it ships: agrees, deviates, failed, or not decidable.",
+    "shipped_verdict": "As it ships: agrees, deviates, failed, unsupported, or not decidable.",
     "shipped_turn_error_deg": "First angle of turn, engine minus truth, as it ships.",
     "shipped_phi_rms_rad": "Root mean square error of phi, as it ships.",
     "best_verdict": "The same at the best that was run.",
@@ -28,9 +29,9 @@ AGREES_PHI = 0.01
 """Share of the largest true phi, for the rms error of phi: what a figure a hand wide would show."""
 
 
-def scorecard(evaluations: Sequence[Evaluation]) -> Table:
+def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
     """Return the scorecard of the comparison."""
-    rows = []
+    rows: list[Row] = []
     pairs = dict.fromkeys(
         (e.simulation.case.scene.name, e.simulation.case.engine) for e in evaluations
     )
@@ -43,6 +44,15 @@ def scorecard(evaluations: Sequence[Evaluation]) -> Table:
         shipped = next((e for e in own if e.simulation.case.profile == "default"), None)
         tuned = [e for e in own if e.simulation.case.profile != "default"]
         rows.append(_row(scene, engine, shipped, min(tuned, key=_badness, default=None)))
+    rows += [
+        {
+            "scene": one.scene,
+            "engine": one.engine,
+            "shipped_verdict": one.verdict,
+            "best_verdict": one.verdict,
+        }
+        for one in unsupported
+    ]
     return Table(
         name="scorecard",
         title="As it ships, and at its best",
@@ -102,8 +112,9 @@ def excess(e: Evaluation) -> float:
 
 def _undecided(e: Evaluation) -> str | None:
     """Return why a run has no error that could be weighed, or None if it has one."""
-    if e.simulation.outcome is not Outcome.FINISHED:
-        return f"failed: {e.simulation.outcome.name.lower().replace('_', ' ')}"
+    end = ended(e)
+    if end:
+        return end
     if e.errors is None:
         return "not decidable: there is no exact motion"
     if e.truth_pulls:
@@ -115,6 +126,6 @@ def _undecided(e: Evaluation) -> str | None:
     return None
 
 
-def _badness(e: Evaluation) -> tuple[bool, float]:
-    """Return what the best run has least of."""
-    return _undecided(e) is not None, excess(e)
+def _badness(e: Evaluation) -> tuple[bool, float, float]:
+    """Return what the best run has least of; of a chaotic scene it is followed longest."""
+    return _undecided(e) is not None, excess(e), -(math.inf if e.parts_at is None else e.parts_at)
