@@ -8,15 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harness.case import Case
-from harness.engines.reference import refusal, solved
+from harness.engines.reference import refusal, solved, truth
 from harness.studies.stability import examine, random_scenes
 from harness.studies.stability.survey import ALLOWED, compared
-from models import Can, Scene, hard_names, load
-
-QUICK = sorted(set(hard_names()) - {"thousand-bounces"})  # which takes eight seconds
+from models import Can, Effects, Scene, Slip, hard_names, load
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", hard_names())
 def test_each_hard_case_is_solved_or_refused_with_a_sentence(name: str) -> None:
     found = examine(load(name))
     assert not found.failure
@@ -99,3 +97,12 @@ def test_mass_length_and_gravity_leave_the_dimensionless_motion_alone(
 
     # the groups and the rates are rounded anew: some ulps, felt a few times over
     assert bounce(other, other_unit) == pytest.approx(bounce(scene, unit), rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_a_thousandth_of_friction_decides_what_is_examined(share: float) -> None:
+    gentle = load("gentle-rock")
+    mu = truth(gentle).bounces[0].peak_friction_ratio * share
+    found = examine(replace(gentle, effects=Effects(slip=Slip(mu=mu))))
+    assert ("rim slips" in found.refusal) is (share < 1.0)
+    assert found.failure == ""
