@@ -1,4 +1,4 @@
-"""A replay as the page plays it: arrays of single precision, as many as there are frames."""
+"""A replay as the page plays it: arrays as coarse as a screen, as many as there are frames."""
 
 import base64
 from typing import Any
@@ -14,8 +14,9 @@ def frames(replay: Replay) -> dict[str, Any]:
     Returns
     -------
     dict
-        Lengths in radii, so that what single precision rounds is far below a pixel; times in s,
-        as doubles: frames in a bounce are nanoseconds apart.
+        Lengths in radii; angles and places in steps of 1/65535 of their range, a tenth of a pixel
+        at most. phi in single precision, as its least value is where the bounce is; times in s, as
+        doubles: frames in a bounce are nanoseconds apart.
     """
     middle = _middle(replay)
     return {
@@ -26,11 +27,11 @@ def frames(replay: Replay) -> dict[str, Any]:
         "bodies": [
             {
                 "kind": body.kind,
-                "phi": _packed(body.phi),
-                "psi": _packed(body.psi),
-                "theta": _packed(body.theta),
-                "x": _packed((body.contact[:, 0] - middle[0]) / replay.radius),
-                "y": _packed((body.contact[:, 1] - middle[1]) / replay.radius),
+                "phi": _packed(body.phi, "f4"),
+                "psi": _stepped(body.psi),
+                "theta": _stepped(body.theta),
+                "x": _stepped((body.contact[:, 0] - middle[0]) / replay.radius),
+                "y": _stepped((body.contact[:, 1] - middle[1]) / replay.radius),
             }
             for body in replay.bodies
         ],
@@ -44,6 +45,18 @@ def _middle(replay: Replay) -> Floats:
     return middle
 
 
-def _packed(values: Floats, kind: str = "f4") -> dict[str, str]:
+_STEPS = 65535
+
+
+def _stepped(values: Floats) -> dict[str, Any]:
+    """Return numbers in two bytes each, of a range that has no gap; else in four."""
+    if not np.isfinite(values).all():
+        return _packed(values, "f4")
+    low, width = float(values.min()), float(np.ptp(values))
+    step = width / _STEPS if width > 0.0 else 1.0
+    return {**_packed(np.rint((values - low) / step), "u2"), "low": low, "step": step}
+
+
+def _packed(values: Floats, kind: str) -> dict[str, Any]:
     data = base64.b64encode(np.asarray(values).astype(f"<{kind}").tobytes()).decode("ascii")
     return {"dtype": kind, "bdata": data}

@@ -9,8 +9,9 @@
   const SLANT = 0.5, TURN = -0.6; // of the view: above the plane, and about the vertical, rad
   const STEPS = 48; // sides of the polygon that stands for a rim
 
-  function unpack({ dtype, bdata }) {
+  function unpack({ dtype, bdata, low, step }) {
     const bytes = Uint8Array.from(atob(bdata), (c) => c.charCodeAt(0));
+    if (dtype === "u2") return Float64Array.from(new Uint16Array(bytes.buffer), (n) => low + step * n);
     return new (dtype === "f8" ? Float64Array : Float32Array)(bytes.buffer);
   }
 
