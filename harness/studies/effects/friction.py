@@ -145,7 +145,7 @@ def _sliding(e: Evaluation) -> tuple[Floats, np.ndarray[tuple[int], np.dtype[np.
 def _phases(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Series, ...]:
     """Return a line at each coefficient, drawn where the rim sticks and where it slides."""
     series = []
-    for label, wanted, kind in (("slides", True, "pybullet"), ("sticks", False, "reference")):
+    for label, wanted, kind in (("slides", True, "truth"), ("sticks", False, "reference")):
         xs: list[Floats] = []
         ys: list[Floats] = []
         for mu, case in made.cases.get("reference", {}).items():
