@@ -41,7 +41,7 @@ from harness.store import Store
 from harness.trajectory import take
 from models.scene import Scene
 
-__all__ = ["Evaluation", "check", "evaluate", "lost", "measure", "run"]
+__all__ = ["Evaluation", "by_itself", "check", "evaluate", "lost", "measure", "run"]
 
 
 def check(case: Case) -> None:
@@ -71,6 +71,25 @@ def evaluate(case: Case) -> Evaluation:
     """
     check(case)
     return measure(_simulated(case))
+
+
+def by_itself(case: Case) -> Evaluation:
+    """Run a case and measure what can be said of it without holding it against the truth.
+
+    Raises
+    ------
+    HarnessError
+        As `evaluate` does.
+    """
+    check(case)
+    simulation = _simulated(case)
+    scene, trajectory = case.scene, simulation.trajectory
+    return Evaluation(
+        simulation=simulation,
+        energy_drift=None if trajectory is None else energy_drift(trajectory, scene),
+        findings=findings(scene) if trajectory is None and refusal(scene) else (),
+        divergence=None if trajectory is None else parting(scene),
+    )
 
 
 def _simulated(case: Case) -> Simulation:

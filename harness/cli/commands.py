@@ -29,7 +29,7 @@ from harness.cli.words import settings
 from harness.engines.reference import solved
 from harness.errors import InvalidSettingError, ParityError
 from harness.reach import check_reach
-from harness.runner import evaluate
+from harness.runner import by_itself, evaluate
 from harness.simulation import Outcome
 from models.catalogue import load, names
 from models.mjcf import mjcf
@@ -135,7 +135,7 @@ def reference(
     """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
     options = (("model", model), ("method", method), ("rtol", rtol))
     case = Case(scene=load(scene), engine="reference", options=options)
-    evaluation = evaluate(case)
+    evaluation = by_itself(case)
     simulation = evaluation.simulation
     known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
     found = solved(case, again=False) if known else None
