@@ -26,23 +26,27 @@ def told(root: Element) -> list[tuple[str, dict[str, object], str]]:
         for one in root.iter(f"{SVG}path")
         if len(steps(one.get("d", ""))) == len("MxyLxy") and "fill" not in one.get("style", "")
     }
+    rules = "".join(one.text or "" for one in root.iter(f"{SVG}style"))
+    classes = dict(re.findall(r"\.(c\d+)\{([^}]*)\}", rules))
     return [
-        (one.tag, {name: look(name, value) for name, value in said(one, ticks)}, text)
+        (one.tag, dict(look(*pair, classes) for pair in said(one, ticks)), text)
         for one in root.iter()
-        if one.tag.startswith(SVG) and one.tag != f"{SVG}metadata"
+        if one.tag.startswith(SVG) and one.tag not in {f"{SVG}metadata", f"{SVG}style"}
         for text in [(one.text or "").strip()]
     ]
 
 
 def said(one: Element, ticks: set[str]) -> list[tuple[str, str]]:
-    tick = one.get(LINK) in ticks
-    return [(k, v) for k, v in one.attrib.items() if k != "id" and not (tick and k == "style")]
+    left_out = {"id", "clip-path", LINK} | ({"style", "class"} if one.get(LINK) in ticks else set())
+    return [(name, value) for name, value in one.attrib.items() if name not in left_out]
 
 
-def look(name: str, value: str) -> object:
-    if name == "style":
-        return [part.split(":", 1)[1].strip() for part in value.split(";") if part.strip()]
-    return steps(value) if name == "d" else value
+def look(name: str, value: str, classes: dict[str, str]) -> tuple[str, object]:
+    """Return an attribute without the freedom of how to write it."""
+    if name in {"style", "class"}:
+        parts = (classes[value] if name == "class" else value).split(";")
+        return "style", [re.sub(r":\s+", ":", part.strip()) for part in parts if part.strip()]
+    return name, steps(value) if name == "d" else value
 
 
 def steps(path: str) -> Sequence[str]:
@@ -75,4 +79,11 @@ def test_no_sign_ends_an_attribute_or_an_address() -> None:
     picture = address('<svg d="M 1 2 \nL 3 4">\'&#%"<text>a\nL 1</text></svg>')
     assert set(picture).isdisjoint("<>\"'&#\n")
     assert "M1 2L3 4" in picture
-    assert unquote(picture).endswith("<text>a\nL 1</text></svg>")  # texts stay as they are
+    assert unquote(picture).endswith("<text>a\nL 1</text></svg>")
+
+
+def test_words_that_look_like_attributes_stay_as_they_are() -> None:
+    words = ' id="a" style="b" style="b" d="M 1 L 2" url(#c)'
+    assert unquote(address(f"<svg><text>{words}</text></svg>")).endswith(
+        f"<svg><text>{words}</text></svg>"
+    )
