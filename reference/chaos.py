@@ -24,8 +24,10 @@ GROWING = (1e-11, 1e-3)
 # Copies of a regular motion part like time, or its square; by more than this it takes chaos, and an
 # engine's error of 1e-5 becomes as large as the motion.
 CHAOTIC = 1e4
-# Where a motion takes more evaluations, copies are followed through that share of it alone.
+# A motion that takes more evaluations than this is seen in all its copies for its first part alone,
+# of about so many: else four copies would take longer than anybody waits.
 AFFORDED = 40_000
+FIRST_PART = 15_000
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
 
@@ -70,7 +72,8 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
     """
     if own is None:
         own = solve(problem, model="auto", outputs={"contact_locus"})
-    ends = own.t_end * min(1.0, AFFORDED / max(own.evaluations, 1))
+    dear = own.evaluations > AFFORDED
+    ends = own.t_end * (FIRST_PART / own.evaluations if dear else 1.0)
     times = own.grid()
     times = times[times <= ends]
     states, far = own.at(times), np.zeros_like(times)

@@ -108,7 +108,8 @@ def findings(scene: Scene) -> tuple[Finding, ...]:
 def parting(scene: Scene) -> Divergence | None:
     """Return how disturbed releases part, of a scene that may be chaotic; None of any other.
 
-    None, too, of one that calls for too much work to be followed at all, let alone five times.
+    None, too, of one that calls for too much work to be followed at all, let alone five times, and
+    of one that ends where it begins.
 
     An axisymmetric can on a level plane at rest is integrable: its copies part, but no faster than
     time itself.
@@ -116,7 +117,7 @@ def parting(scene: Scene) -> Divergence | None:
     if refusal(scene) or not {"point_mass", "shake", "tilt"} & set(scene.effects.declared()):
         return None
     own = truth(scene).solution
-    if own.outcome is Outcome.OUTWORKED:
+    if own.outcome is Outcome.OUTWORKED or own.t_end == 0.0:
         return None
     T, found = natural_time(scene), divergence(problem(scene), own)
     return Divergence(

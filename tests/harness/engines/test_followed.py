@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from harness.case import Case
-from harness.engines.reference import followed, solved, truth
+from harness.engines.reference import followed, parting, solved, truth
 from harness.engines.reference.followed import Followed
 from models import load
 from models.scene import Horizon
@@ -37,3 +37,9 @@ def test_it_keeps_the_last_and_only_what_was_followed(monkeypatch: pytest.Monkey
     assert [kept.find(problem, "auto") for problem in slipping] == [None, *motions[1:]]
     assert kept.find(slipping[2], "coulomb") is motions[2]
     assert kept.find(slipping[2], "general") is None
+
+
+def test_of_a_motion_that_ends_where_it_begins_no_copies_are_followed() -> None:
+    scene = replace(load("off-centre-mass"), horizon=Horizon(seconds=1e-150))
+    assert truth(scene).ends == 0.0
+    assert parting(scene) is None
