@@ -56,7 +56,7 @@ def scene_texts(draw: st.DrawFn) -> str:
             lines.append(f"{key} = {value}")
         if draw(st.integers(0, 15)) == _ODD:
             lines.append(f"{draw(_key)} = {draw(_value())}")
-    if draw(st.integers(0, 31)) == _ODD:
+    if draw(st.integers(0, 7)) == _ODD:
         for effect in draw(st.sets(st.sampled_from(sorted(KINDS)), max_size=2)):
             lines.append(f"[effects.{effect}]")
             lines += [f"{field.name} = {draw(_value())}" for field in fields(KINDS[effect])]
