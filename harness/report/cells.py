@@ -13,6 +13,7 @@ Tone = Literal["", "good", "fair", "bad", "none"]
 
 CASE = ("case", "digest")  # columns whose digests link to the cases
 COMMAND = "command"  # the column with what runs a row again
+_MOST = 400  # rows; a page of all studies stays below 12 MB, and no reader goes through more
 _LONG = 36  # letters; longer texts break into lines
 _JUDGED = ("verdict", "outcome")
 _TONES: dict[str, Tone] = {
@@ -70,7 +71,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Grid:
-    """A table ready to be shown, and its dictionary of all columns."""
+    """A table ready to be shown, its dictionary of all columns, how many rows its files have."""
 
     name: str
     title: str
@@ -78,6 +79,7 @@ class Grid:
     rows: tuple[tuple[Cell, ...], ...]
     meanings: tuple[tuple[str, str], ...]
     judged: bool
+    count: int
 
 
 def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
@@ -99,8 +101,9 @@ def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
         heads=heads,
         rows=tuple(
             tuple(_cell(head, dict(zip(names, row, strict=True)), table, digests) for head in heads)
-            for row in rows(table.frame)
+            for row in rows(table.frame.head(_MOST))
         ),
+        count=len(table.frame),
         judged=bool(table.verdicts),
         meanings=tuple((str(c), table.columns.get(str(c), "")) for c in table.frame.columns),
     )

@@ -6,7 +6,12 @@ from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 
+import pandas as pd
 import pytest
+
+from harness.artefact import Table
+from harness.provenance import Provenance
+from harness.report import write_report
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 
@@ -168,3 +173,16 @@ def test_hostile_texts_stay_texts(page: Page, hostile_page: Page) -> None:
         assert not any(name.startswith("on") for name in attributes)
     assert "owned" in hostile_page.all("title")[0][2]
     assert hostile_page.all("h1")[0][2].startswith("Two engines </script>")
+
+
+def test_a_long_table_says_how_much_of_it_is_in_its_files(made: Provenance, tmp_path: Path) -> None:
+    def written(count: int) -> str:
+        frame = pd.DataFrame({"n": range(count)})
+        table = Table(name="long", title="Long", frame=frame, columns={"n": "A number."})
+        out = tmp_path / str(count)
+        page = write_report([table], out, title="t", cases=(), provenance=made)
+        assert len((out / "tables" / "long.csv").read_text(encoding="utf-8").splitlines()) > count
+        return page.read_text(encoding="utf-8")
+
+    assert "The first 400 of 401 rows. All of them" in written(401)
+    assert "The first" not in written(400)

@@ -38,7 +38,7 @@ def table(number: int, rows: int) -> Table:
 
 def tables() -> list[Table]:
     """Return as many cells as all tables of the full suite have together, a short table first."""
-    return [table(0, 10), *(table(number, 500) for number in range(1, 7))]
+    return [table(0, 10), *(table(number, 400) for number in range(1, 9))]
 
 
 def test_a_large_page_answers_soon(browse: Open, made: Provenance, tmp_path: Path) -> None:
