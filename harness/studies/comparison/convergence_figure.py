@@ -1,7 +1,7 @@
 """The figure of convergence: errors against the timestep."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -17,7 +17,7 @@ def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure 
     for e in evaluations:
         if e.errors is not None and e.simulation.timestep is not None:
             ladders.setdefault((e.simulation.case.engine, e.simulation.case.profile), []).append(e)
-    if all(len(ladder) < 2 for ladder in ladders.values()):  # noqa: PLR2004 - a line has two ends
+    if all(len({e.simulation.timestep for e in own}) == 1 for own in ladders.values()):
         return None
     panels = []
     for title, label, read in _QUANTITIES:
@@ -49,25 +49,33 @@ def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure 
     return Figure(
         name=f"{scene}-convergence",
         title="Errors against the timestep",
-        seen=" ".join(_told(*ladder) for ladder in ladders.items()),
+        seen=_seen(ladders),
         panels=tuple(panels),
         scene=scene,
         cases=digests(evaluations),
     )
 
 
-def _told(name: tuple[str, str], ladder: Sequence[Evaluation]) -> str:
-    """Return a sentence on how the error of phi falls."""
-    engine, profile = name
-    points = sorted((e.simulation.timestep or math.nan, _phi(e)) for e in ladder)
-    (finest, least), (coarsest, most) = points[0], points[-1]
-    if len(points) == 1:
-        return f"{engine}, {profile}, has one timestep, with an error of phi of {least:.2g} rad."
-    order = observed_order([step for step, _ in points], [error for _, error in points])
+def _seen(ladders: Mapping[tuple[str, str], Sequence[Evaluation]]) -> str:
+    """Return two sentences: whose error is smallest and largest, and how errors fall."""
+    every = [
+        (_phi(e), f"{engine}, {profile}") for (engine, profile), own in ladders.items() for e in own
+    ]
+    (least, best), (most, worst) = min(every), max(every)
+    falls = [
+        f"{_order(own):.2g} in {engine}, {profile}"
+        for (engine, profile), own in ladders.items()
+        if len({e.simulation.timestep for e in own}) > 1
+    ]
     return (
-        f"From {coarsest:.2g} s to {finest:.2g} s the error of phi in {engine}, {profile}, goes "
-        f"from {most:.2g} to {least:.2g} rad, an order of {order.order:.2g}."
+        f"The error of phi is smallest in {best}, {least:.2g} rad, and largest in {worst}, "
+        f"{most:.2g} rad. It goes with the timestep to the power of {' and '.join(falls)}."
     )
+
+
+def _order(ladder: Sequence[Evaluation]) -> float:
+    steps = [e.simulation.timestep or math.nan for e in ladder]
+    return observed_order(steps, [_phi(e) for e in ladder]).order
 
 
 def _turn(e: Evaluation) -> float:
