@@ -94,13 +94,13 @@ def _seen(way: Path, evaluations: Mapping[Case, Evaluation]) -> str:
     """Return how to read the figure and what is missing in it."""
     lost = uncounted(evaluations.values())
     missing = (
-        f" In {lost} of {len(evaluations)} runs the turn cannot be counted; bars that rest on "
-        "them are left out."
+        f"; bars that rest on the {lost} of {len(evaluations)} runs whose turn cannot be counted "
+        "are left out"
         if lost
         else ""
     )
     return (
         f"Each bar is what closing one more gap takes away, from {way.engine} as it ships to "
         "matched. A mark off the end of its bar is interaction: alone, that gap takes away "
-        f"another amount.{missing}"
+        f"another amount{missing}."
     )

@@ -34,10 +34,9 @@ def work_precision(cost: Cost) -> Figure:
         name=f"{cost.plan.scene.name}-cost",
         title="What accuracy costs",
         seen=(
-            "Each mark is a run; lower and further left is better. A line joins one setting over "
-            "its ladder of timesteps. Marks along a horizontal line cost more and are no nearer: "
-            f"a plateau. On the front, beaten by nothing: {len(front)} runs of "
-            f"{', '.join(engines)}."
+            "Each mark is a run, a line joins one setting over its ladder of timesteps, and where "
+            "it is level, a plateau, more cost brings nothing. On the front, beaten by nothing "
+            f"that is lower or further left: {len(front)} runs of {', '.join(engines)}."
         ),
         panels=tuple(_panel(cost, quantity) for quantity in shown),
         scene=cost.plan.scene.name,
