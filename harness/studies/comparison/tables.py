@@ -92,6 +92,7 @@ _ORDER: Mapping[str, str] = {
     "spread": "Half the range of the slopes between neighbouring timesteps.",
     "timesteps": "How many timesteps it rests on.",
     "smallest_error": "Error at the smallest timestep, in the quantity's unit.",
+    "case": "Digest of the run at the smallest timestep; its command is in the list of cases.",
 }
 
 
@@ -121,6 +122,7 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
                         "spread": order.spread,
                         "timesteps": order.points,
                         "smallest_error": smallest,
+                        **link(ladder[steps.index(min(steps))]),
                     }
                 )
     return Table(name="orders", title="Observed order", frame=frame(rows, _ORDER), columns=_ORDER)
