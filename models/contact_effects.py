@@ -85,13 +85,13 @@ class Restitution:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Drilling:
-    """Torsional friction: a moment of at most `length` N about the normal, against drilling.
+class _Resistance:
+    """A moment that the contact holds against turning: at most `length` N.
 
     Parameters
     ----------
     length : float
-        Radius of the patch times its coefficient of friction, m, greater than zero.
+        Its arm, m, greater than zero.
 
     Raises
     ------
@@ -102,30 +102,21 @@ class Drilling:
     length: float
 
     def __post_init__(self) -> None:
-        """Refuse friction that would drive the can."""
+        """Refuse a moment that would drive the can."""
         object.__setattr__(self, "length", positive("length", self.length))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RollingResistance:
-    """A moment of at most `length` N in the plane, against the angular velocity in the plane.
+class Drilling(_Resistance):
+    """Torsional friction: a moment of at most `length` N about the normal, against drilling.
 
-    Parameters
-    ----------
-    length : float
-        Arm of rolling resistance, m, greater than zero.
-
-    Raises
-    ------
-    InvalidValueError
-        If the length is not positive and finite.
+    The arm is the radius of the patch times its coefficient of friction.
     """
 
-    length: float
 
-    def __post_init__(self) -> None:
-        """Refuse resistance that would drive the can."""
-        object.__setattr__(self, "length", positive("length", self.length))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollingResistance(_Resistance):
+    """A moment of at most `length` N in the plane, against the angular velocity in the plane."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

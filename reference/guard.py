@@ -40,7 +40,7 @@ class Finding:
     """
 
     sentence: str
-    model: str
+    model: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +98,7 @@ def _findings(solution: Solution, found: Guard) -> list[Finding]:
     findings = []
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
-        findings.append(Finding(sentence=solution.outcome.value, model=""))
+        findings.append(Finding(sentence=solution.outcome.value))
     if never_slips and found.normal_force <= 0:
         findings.append(
             Finding(

@@ -9,7 +9,6 @@ from harness.engines.reference.engine import ReferenceEngine
 from harness.engines.reference.guarding import (
     PARTED,
     Divergence,
-    Finding,
     Guard,
     findings,
     guard,
@@ -18,6 +17,7 @@ from harness.engines.reference.guarding import (
 from harness.engines.reference.posing import carried, refusal
 from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
 from harness.engines.reference.truth import Phase, Truth, sampled, solved, truth
+from reference import Finding
 
 __all__ = [
     "PARTED",

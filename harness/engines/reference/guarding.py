@@ -8,25 +8,10 @@ from harness.engines.horizon import natural_time
 from harness.engines.reference.posing import problem, refusal
 from harness.engines.reference.truth import Truth, sampled, truth
 from models.scene import Scene
-from reference import Outcome, divergence, examine
+from reference import Finding, Outcome, divergence, examine
 
 PARTED = 0.1
 """Angle between orientations, rad, from which two motions have nothing to do with each other."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
-    """An assumption that an exact motion breaks.
-
-    Parameters
-    ----------
-    sentence : str
-    model : str
-        The reference model that would carry it; empty if none does.
-    """
-
-    sentence: str
-    model: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,7 +79,7 @@ def guard(motion: Truth) -> Guard:
         phi_min=found.phi_min,
         phi_max=found.phi_max,
         gap=found.gap * scene.can.radius,
-        findings=tuple(Finding(sentence=f.sentence, model=f.model) for f in found.findings),
+        findings=found.findings,
     )
 
 
