@@ -68,10 +68,10 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
     problem : Problem
         Followed by the smallest model that carries it.
     own : Solution, optional
-        Of the problem itself, with its contact locus, if it is known.
+        Of the problem itself, if it is known.
     """
     if own is None:
-        own = solve(problem, model="auto", outputs={"contact_locus"})
+        own = solve(problem, model="auto")
     dear = own.evaluations > AFFORDED
     ends = own.t_end * (FIRST_PART / own.evaluations if dear else 1.0)
     times = own.grid()
@@ -81,7 +81,7 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
     for name in DISTURBED:
         value = getattr(problem, name)
         moved = replace(until, **{name: value + DISTURBANCE * max(abs(value), 1e-3)})
-        other = solve(moved, model="auto", outputs={"contact_locus"})
+        other = solve(moved, model="auto")
         seen = times <= other.t_end
         far[seen] = np.maximum(far[seen], _distance(states, other.at(times[seen]), seen))
         far[~seen] = np.maximum(far[~seen], PARTED)

@@ -104,8 +104,8 @@ class Equations(Protocol):
         """Return what happens at the contact, from states of shape (13, n)."""
         ...
 
-    def rates(self, y: Floats, mode: Mode) -> Floats:
-        """Rates of all rows in sigma, shape (13, n)."""
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         ...
 
     def turning(self, y: Floats) -> Floats:

@@ -86,8 +86,8 @@ class CoulombEquations:
         """Return the force of the plane, times S, and what it makes of the can."""
         return self._slipping(y) if mode.slips else self._sticking(y)
 
-    def rates(self, y: Floats, mode: Mode) -> Floats:
-        """Rates of all rows in sigma, shape (13, n)."""
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         at, found = Angles.of(y[LEAN]), self.contact(y, mode)
         w1, w2, w3 = y[W1], y[W2], y[W3]
         rotation = at.S * w3 - at.C * w1  # theta' S
@@ -97,11 +97,14 @@ class CoulombEquations:
         out[W2] = found.turning[1] + rotation * w1
         out[W3] = found.turning[2]
         out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
-        ahead, aside = np.zeros_like(w1), rotation
+        u1, u2 = y[U1], y[U2]
         if mode.slips:
-            u1, u2 = y[U1], y[U2]
             out[U1] = found.slipping[0] + w1 * u2
             out[U2] = found.slipping[1] - w1 * u1
+        if not along:
+            return out
+        ahead, aside = np.zeros_like(w1), rotation
+        if mode.slips:
             ahead, aside = at.S * u1, at.S * u2 + rotation
             out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
@@ -123,13 +126,13 @@ class CoulombEquations:
             (p.h * b1 + p.a_p * b3) / det,
         )
         F1b, F2, F3b = p.h * a2 + e1, a3 - p.h * a1 + e2, e3 - a2
-        force = np.stack([at.C * F1b - at.S * F3b, F2, at.S * F1b + at.C * F3b])
+        force = np.array([at.C * F1b - at.S * F3b, F2, at.S * F1b + at.C * F3b])
         zero = np.zeros_like(w1)
         return Contact(
             force=force,
-            moment=np.stack([zero, zero, zero]),
-            turning=np.stack([a1, a2, a3]),
-            slipping=np.stack([zero, zero]),
+            moment=np.array([zero, zero, zero]),
+            turning=np.array([a1, a2, a3]),
+            slipping=np.array([zero, zero]),
             grip=zero + 1,
         )
 
@@ -151,10 +154,10 @@ class CoulombEquations:
         u2 = F2 - (a3 - p.h * a1) + k2
         zero = np.zeros_like(w1)
         return Contact(
-            force=np.stack([F1, F2, N]),
-            moment=np.stack([zero, zero, zero]),
-            turning=np.stack([a1, a2, a3]),
-            slipping=np.stack([u1, u2]),
+            force=np.array([F1, F2, N]),
+            moment=np.array([zero, zero, zero]),
+            turning=np.array([a1, a2, a3]),
+            slipping=np.array([u1, u2]),
             grip=grip,
         )
 

@@ -118,14 +118,15 @@ def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
     x = low + (high - low) * np.clip((times - t_low) / width, 0, 1)
     slope = _derivative(coefficients)
     both = np.stack([coefficients, slope], axis=1)
+    # what round-off leaves of the time, and of the sum of a series: below it a step means nothing
+    noise = np.maximum(np.spacing(times), np.finfo(float).eps * np.abs(coefficients).sum(axis=0))
     for _ in range(MOST_ROUNDS):
         value, gradient = _series(both, x)
         excess = value - times
         low, high = np.where(excess < 0, x, low), np.where(excess > 0, x, high)
         new = x - excess / np.where(gradient > 0, gradient, np.inf)
         new = np.where((new < low) | (new > high), (low + high) / 2, new)
-        # below the resolution of the time itself a step means nothing
-        done = np.abs(excess) <= np.spacing(times)
+        done = np.abs(excess) <= noise
         moved = np.where(done, 0.0, new - x)
         x = x + moved
         if (np.abs(moved) <= 2 * np.finfo(float).eps).all():

@@ -7,17 +7,18 @@ through zero its root is found to round-off on the piece's own polynomial.
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
 
-from reference.contact_modes import Equations
+from reference.contact_modes import Contact, Equations
 from reference.incipient import slack
 from reference.pieces import Piece
 from reference.rows import LEAN, TIME, U1, U2, W2
 from reference.states import Floats
 
-LOOKS = np.linspace(0.0, 1.0, 41)
+LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 # ln tan(phi/2) below which a can lies flat: phi is 1e-26.
 FLAT = -60.0
 # Of the bracket under N: nearer to zero the normal force is no longer a number.
@@ -49,7 +50,20 @@ class Event:
     what: What
 
 
-Margin = Callable[[Floats], Floats]
+class Seen:
+    """A piece at some instants, and its contact there if anybody asks."""
+
+    def __init__(self, y: Floats, piece: Piece, equations: Equations) -> None:
+        self.y = y
+        self._piece, self._equations = piece, equations
+
+    @cached_property
+    def contact(self) -> Contact:
+        """What happens at the contact."""
+        return self._equations.contact(self.y, self._piece.mode)
+
+
+Margin = Callable[[Seen], Floats]
 
 
 def events(piece: Piece, equations: Equations, t_end: float) -> list[Event]:
@@ -63,10 +77,25 @@ def events(piece: Piece, equations: Equations, t_end: float) -> list[Event]:
     t_end : float
         The horizon.
     """
+    looks, y = np.array(LOOKS), piece.looked_at(LOOKS)
+    if piece.mode.slips:
+        # a slip that begins has no direction yet
+        begun = np.hypot(y[U1], y[U2]) > 0
+        looks, y = looks[begun], y[:, begun]
+    seen = Seen(y, piece, equations)
+
+    def crossings(margin: Margin) -> list[float]:
+        def one(c: float) -> float:
+            return float(margin(Seen(piece.at(np.array([c])), piece, equations))[0])
+
+        values = margin(seen)
+        down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
+        return [_root(one, float(looks[i]), float(looks[i + 1])) for i in down]
+
     found = [
         Event(c=c, what=what)
         for what, margin in _margins(piece, equations, t_end).items()
-        for c in _crossings(margin, piece)
+        for c in crossings(margin)
     ]
     return sorted(found, key=lambda event: event.c)
 
@@ -75,45 +104,29 @@ def _margins(piece: Piece, equations: Equations, t_end: float) -> dict[What, Mar
     """Return what must stay positive, in the mode of the piece."""
     mode = piece.mode
     margins: dict[What, Margin] = {
-        What.OVERTURNED: lambda y: -y[LEAN],
-        What.FLAT: lambda y: y[LEAN] - FLAT,
-        What.MAXIMUM: lambda y: -y[W2],
-        What.MINIMUM: lambda y: y[W2],
+        What.OVERTURNED: lambda seen: -seen.y[LEAN],
+        What.FLAT: lambda seen: seen.y[LEAN] - FLAT,
+        What.MAXIMUM: lambda seen: -seen.y[W2],
+        What.MINIMUM: lambda seen: seen.y[W2],
     }
     if np.isfinite(t_end):
-        margins[What.HORIZON] = lambda y: t_end - y[TIME]
+        margins[What.HORIZON] = lambda seen: t_end - seen.y[TIME]
     if not equations.pulls:
-        margins[What.LIFTS] = lambda y: equations.contact(y, mode).force[2]
+        margins[What.LIFTS] = lambda seen: seen.contact.force[2]
     if mode.slips:
-        margins[What.JAMS] = lambda y: equations.contact(y, mode).grip - LEAST_GRIP
+        margins[What.JAMS] = lambda seen: seen.contact.grip - LEAST_GRIP
     elif np.isfinite(equations.mu):
-        margins[What.SLIPS] = lambda y: slack(equations, y, mode)
+        margins[What.SLIPS] = lambda seen: slack(equations, seen.contact)
     if equations.drilling and mode.turns:
-        margins[What.HELD] = lambda y: mode.turns * equations.turning(y)
+        margins[What.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
-        margins[What.TURNS] = lambda y: spare(equations, y, piece)
+        margins[What.TURNS] = lambda seen: holds(equations, seen.contact)
     return margins
 
 
-def spare(equations: Equations, y: Floats, piece: Piece) -> Floats:
+def holds(equations: Equations, found: Contact) -> Floats:
     """How much more moment the plane could hold the can with, about the normal."""
-    found = equations.contact(y, piece.mode)
     return np.asarray(equations.drilling * found.force[2] - np.abs(found.moment[2]))
-
-
-def _crossings(margin: Margin, piece: Piece) -> list[float]:
-    looks, y = LOOKS, piece.at(LOOKS)
-    if piece.mode.slips:
-        # a slip that begins has no direction yet
-        begun = np.hypot(y[U1], y[U2]) > 0
-        looks, y = looks[begun], y[:, begun]
-    values = margin(y)
-    down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-
-    def one(c: float) -> float:
-        return float(margin(piece.at(np.array([c])))[0])
-
-    return [_root(one, float(looks[i]), float(looks[i + 1])) for i in down]
 
 
 def _root(margin: Callable[[float], float], left: float, right: float) -> float:

@@ -22,27 +22,27 @@ def dot(a: Floats, b: Floats) -> Floats:
 
 def cross(a: Floats, b: Floats) -> Floats:
     """Vector products."""
-    return np.stack(
+    return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )
 
 
 def to_level(vector: Floats, at: Angles) -> Floats:
     """From frame B to (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical."""
-    return np.stack(
+    return np.array(
         [at.C * vector[0] - at.S * vector[2], vector[1], at.S * vector[0] + at.C * vector[2]]
     )
 
 
 def to_body(vector: Floats, at: Angles) -> Floats:
     """Back from those directions to frame B."""
-    return np.stack(
+    return np.array(
         [at.C * vector[0] + at.S * vector[2], vector[1], at.C * vector[2] - at.S * vector[0]]
     )
 
 
 def to_precessing(vector: Floats, cos: Floats, sin: Floats) -> Floats:
     """From the world to (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical."""
-    return np.stack(
+    return np.array(
         [cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0], vector[2]]
     )

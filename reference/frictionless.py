@@ -103,16 +103,17 @@ class FrictionlessEquations:
         N = (at.S - reach * own - at.S * height * w2 * w2) / grip
         zero = np.zeros_like(w2)
         return Contact(
-            force=np.stack([zero, zero, N]),
-            moment=np.stack([zero, zero, zero]),
+            force=np.array([zero, zero, N]),
+            moment=np.array([zero, zero, zero]),
             # of frame B too, which turns with it
-            turning=np.stack([zero, own + reach * N / p.a, zero]),
-            slipping=np.stack([zero, zero]),
+            turning=np.array([zero, own + reach * N / p.a, zero]),
+            slipping=np.array([zero, zero]),
             grip=grip,
         )
 
-    def rates(self, y: Floats, mode: Mode) -> Floats:
-        """Rates of all rows in sigma, shape (13, n)."""
+    def rates(self, y: Floats, mode: Mode, *, along: bool = False) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); the place follows from the angles."""
+        del along
         at = Angles.of(y[LEAN])
         w1, w3 = self.momenta(at)
         out = np.zeros((ROWS, y.shape[1]))
@@ -185,7 +186,7 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedR
     apart = p.a * problem.psi_dot * np.sin(problem.phi) ** 2 - tilt * H_B
     equations = FrictionlessEquations(parameters=p, axial=H_B, apart=float(apart))
     if method == "regular":
-        run: Run = Follower(replace(problem, slip=(0.0, 0.0)), equations).run()
+        run: Run = Follower(replace(problem, slip=(0.0, 0.0)), equations, locus=False).run()
     else:
         run = _step_in_time(problem, H_B, method=method, rtol=rtol)
     cos, sin, (ahead, aside) = np.cos(problem.psi), np.sin(problem.psi), problem.slip

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from reference.contact_modes import Equations, Mode
+from reference.contact_modes import Contact, Equations, Mode
 from reference.rows import SLIP
 from reference.states import Floats
 
@@ -33,9 +33,9 @@ class Onset:
     power: int
 
 
-def slack(equations: Equations, y: Floats, mode: Mode) -> Floats:
-    """How much of the cone sticking leaves, (mu N - |F|) sin phi, shape (n,)."""
-    F1, F2, N = equations.contact(y, mode).force
+def slack(equations: Equations, found: Contact) -> Floats:
+    """How much of the cone a contact that sticks leaves, (mu N - |F|) sin phi, shape (n,)."""
+    F1, F2, N = found.force
     return np.asarray(equations.mu * N - np.hypot(F1, F2))
 
 

@@ -133,8 +133,8 @@ def _dispatch(
         "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),
         "reduced": lambda: (solve_reduced(problem, method=stepped, rtol=rtol), stepped),
         "frictionless": lambda: (solve_frictionless(problem, method=method, rtol=rtol), method),
-        "coulomb": lambda: (_follow_with_friction(problem), method),
-        "general": lambda: (_follow_with_everything(problem), method),
+        "coulomb": lambda: (_follow_with_friction(problem, locus=locus), method),
+        "general": lambda: (_follow_with_everything(problem, locus=locus), method),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -150,11 +150,12 @@ def _dispatch(
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
 
 
-def _follow_with_friction(problem: Problem) -> Run:
+def _follow_with_friction(problem: Problem, *, locus: bool) -> Run:
     mu = float("inf") if problem.effects.mu is None else problem.effects.mu
-    return Follower(problem, CoulombEquations(parameters=problem.parameters, mu=mu)).run()
+    equations = CoulombEquations(parameters=problem.parameters, mu=mu)
+    return Follower(problem, equations, locus=locus).run()
 
 
-def _follow_with_everything(problem: Problem) -> Run:
+def _follow_with_everything(problem: Problem, *, locus: bool) -> Run:
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
-    return Follower(problem, equations).run()
+    return Follower(problem, equations, locus=locus).run()

@@ -120,22 +120,25 @@ class GeneralEquations:
         """Return what happens at the contact, from states of shape (13, n)."""
         return self._contact(y, mode, self._setting(y, mode))
 
-    def rates(self, y: Floats, mode: Mode) -> Floats:
-        """Rates of all rows in sigma, shape (13, n)."""
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         e, here = self.effects, self._setting(y, mode)
         at, found = here.at, self._contact(y, mode, here)
         w1, w2, w3 = y[TURN]
         rotation = at.S * w3 - at.C * w1
         out = np.zeros((ROWS, y.shape[1]))
         out[LEAN] = -w2
-        out[TURN] = found.turning + rotation * np.stack([-w2, w1, np.zeros_like(w1)])
+        out[TURN] = found.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
         out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
+        u1, u2 = y[U1], y[U2]
+        if mode.slips:
+            out[U1] = found.slipping[0] + w1 * u2
+            out[U2] = found.slipping[1] - w1 * u1
+        if not along:
+            return out
         radius = 1 - e.rim + e.rim * at.S
         ahead, aside = at.S * e.rim * w2, radius * rotation
         if mode.slips:
-            u1, u2 = y[U1], y[U2]
-            out[U1] = found.slipping[0] + w1 * u2
-            out[U2] = found.slipping[1] - w1 * u1
             ahead, aside = ahead + at.S * u1, aside + at.S * u2
             out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
@@ -155,7 +158,7 @@ class GeneralEquations:
         kinetic = (here.mass * dot(here.velocity, here.velocity) + turning) / 2
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
         up = to_level(-here.arm, here.at)
-        place = np.stack(
+        place = np.array(
             [y[X] + up[0] * cos - up[1] * sin, y[Y] + up[0] * sin + up[1] * cos, up[2]]
         )
         gravity = np.asarray(self.effects.gravity.constant)
@@ -165,14 +168,14 @@ class GeneralEquations:
         p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])
         zero = np.zeros_like(at.S)
         mass, centre, inertia = _body(p, e, y[TOTAL] - y[PSI])
-        point = np.stack(
+        point = np.array(
             [zero - (1 - e.rim) - e.rim * at.S, zero, zero - (p.h - e.rim) - e.rim * at.C]
         )
         arm = point - centre
         turning = y[TURN]
-        slip = np.stack([y[U1], y[U2], zero]) if mode.slips else np.zeros((3, zero.size))
+        slip = np.array([y[U1], y[U2], zero]) if mode.slips else np.zeros((3, zero.size))
         rotation = at.S * y[W3] - at.C * y[W1]
-        through = np.stack(
+        through = np.array(
             [
                 e.rim * at.S * at.C * y[W2],
                 (1 - e.rim + e.rim * at.S) * rotation,
@@ -248,7 +251,7 @@ def _body(p: Parameters, e: Effects, theta: Floats) -> tuple[float, Floats, Floa
         return 1.0, np.zeros((3, n)), inertia
     share, x, y, z = e.mass.share, e.mass.x, e.mass.y, e.mass.z
     cos, sin = np.cos(theta), np.sin(theta)
-    place = np.stack([x * cos - y * sin, x * sin + y * cos, z + 0 * cos])
+    place = np.array([x * cos - y * sin, x * sin + y * cos, z + 0 * cos])
     square = np.eye(3)[..., None] * dot(place, place) - place[:, None] * place[None]
     return 1 + share, share / (1 + share) * place, inertia + share / (1 + share) * square
 

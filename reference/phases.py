@@ -15,9 +15,11 @@ from reference.incipient import Onset, onset, slack
 from reference.outcome import Outcome
 from reference.pieces import Piece, PiecesPath
 from reference.problem import Problem
-from reference.radau import STAGES, basis, coefficients, integrator, points, step
+from reference.radau import STAGES, basis, basis_at, coefficients, integrator, points, step
 from reference.rows import (
+    ALONG,
     LEAN,
+    LEAST_SLIP,
     ROWS,
     SLIP,
     TIME,
@@ -71,8 +73,9 @@ class PhasedRun(Run):
 class Follower:
     """One integration."""
 
-    def __init__(self, problem: Problem, equations: Equations) -> None:
+    def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
         self._equations = equations
+        self._locus = locus
         self._y = released(problem)
         self._length = FIRST
         self._evaluations = 0
@@ -97,7 +100,7 @@ class Follower:
                 self.watch.end(float(self._y[TIME]), ending)
                 break
             self._see(piece)
-        path = PiecesPath(self._pieces or [self._standing()], self._equations)
+        path = PiecesPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
         track = self.watch.track()
         there = path.at(track.times)
         extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
@@ -141,15 +144,21 @@ class Follower:
     def _rates(self, core: Floats, rows: Index) -> Floats:
         full = np.repeat(self._y[:, None], core.shape[1], axis=1)
         full[rows] = core
-        return self._equations.rates(full, self._mode)
+        return self._equations.rates(full, self._mode, along=False)
 
     def _completed(self, core: Floats, rows: Index, length: float) -> Floats:
-        """Coefficients of all rows: after the core the quadratures, those of the angles first."""
+        """Coefficients of all rows: after the core the quadratures, those of the angles first.
+
+        Only the place of the contact needs the angles before it; it and the works are left out
+        where the contact locus is not asked for.
+        """
         change = np.zeros((ROWS, STAGES))
         change[rows] = core
-        others = np.setdiff1d(np.arange(ROWS), rows)
-        for _ in range(2):
-            rates = self._equations.rates(self._y[:, None] + change, self._mode)
+        done = set(rows.tolist()) | (set() if self._locus else ALONG)
+        others = [row for row in range(ROWS) if row not in done]
+        for _ in range(2 if self._locus else 1):
+            y = self._y[:, None] + change
+            rates = self._equations.rates(y, self._mode, along=self._locus)
             change[others] = length * rates[others] @ integrator().T
         return coefficients(change)
 
@@ -160,7 +169,7 @@ class Follower:
         size = np.maximum(size, 1e-9 * size.max())
         # of a part of the angular velocity that is zero there is only the noise of the others
         size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
-        size[SLIP] = np.maximum(size[SLIP], np.finfo(float).tiny ** 0.25)
+        size[SLIP] = np.maximum(size[SLIP], LEAST_SLIP)
         return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
 
     def _guess(self, length: float) -> Floats:
@@ -172,7 +181,9 @@ class Follower:
             # on along the last step, as far as its polynomial means anything beyond its end
             head = last.coefficients[:, :EXTRAPOLATED]
             ahead = basis(last.cut + c / last.length)[:, :EXTRAPOLATED]
-            here = basis(np.array([last.cut]))[:, :EXTRAPOLATED]
+            here = (basis_at((1.0,)) if last.cut == 1.0 else basis(np.array([last.cut])))[
+                :, :EXTRAPOLATED
+            ]
             return np.asarray(head @ (ahead - here).T)
         if self._onset is None:
             return self._equations.rates(column, self._mode) * c
@@ -190,7 +201,8 @@ class Follower:
             return LONGEST
         u = self._y[SLIP]
         speed = np.hypot(*u)
-        slowing = -(u @ self._equations.rates(self._y[:, None], self._mode)[SLIP, 0]) / speed
+        rates = self._equations.rates(self._y[:, None], self._mode, along=False)
+        slowing = -(u @ rates[SLIP, 0]) / speed
         return float(SHARE * speed / slowing) if slowing > 0 else LONGEST
 
     def _see(self, piece: Piece) -> None:
@@ -236,7 +248,8 @@ class Follower:
         """Let a rim at rest stick if the cone allows it, else slip."""
         if self._mode.slips or np.isinf(self._equations.mu):
             return
-        if float(slack(self._equations, self._y[:, None], self._mode)[0]) < 0:
+        found = self._equations.contact(self._y[:, None], self._mode)
+        if float(slack(self._equations, found)[0]) < 0:
             self._begin_slip()
 
     def _begin_slip(self) -> None:

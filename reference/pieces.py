@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.contact_modes import Equations, Mode
-from reference.radau import STAGES, basis
+from reference.radau import STAGES, basis, basis_at
 from reference.rows import LEAN, PSI, TIME, TOTAL, U1, U2, W1, W2, W3, Angles, X, Y
 from reference.states import Floats, States
 
@@ -48,17 +48,26 @@ class Piece:
     @property
     def end(self) -> Floats:
         """State at the cut, shape (13,)."""
+        if self.cut == 1.0:
+            return self.looked_at((1.0,))[:, 0]
         return self.at(np.array([self.cut]))[:, 0]
+
+    def looked_at(self, c: tuple[float, ...]) -> Floats:
+        """State at places that every piece is looked at, shape (13, n)."""
+        return self.start[:, None] + self.coefficients @ basis_at(c).T
 
 
 class PiecesPath:
-    """Pieces one after the other."""
+    """Pieces one after the other, which know the contact's place and the works, or do not."""
 
-    def __init__(self, pieces: Sequence[Piece], equations: Equations) -> None:
+    def __init__(self, pieces: Sequence[Piece], equations: Equations, *, locus: bool) -> None:
         self._equations = equations
+        self._locus = locus
         self._starts = np.stack([piece.start for piece in pieces])
         self._coefficients = np.stack([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
+        spans = [float(piece.end[TIME] - piece.start[TIME]) for piece in pieces]
+        self._spans = np.maximum(spans, np.finfo(float).tiny)
         modes = [piece.mode for piece in pieces]
         self._modes = list(dict.fromkeys(modes))
         self._mode = np.array([self._modes.index(mode) for mode in modes])
@@ -87,17 +96,19 @@ class PiecesPath:
         """Where in its piece each time is: time grows, so halving finds it, and Newton sooner."""
         target = times - self._starts[number, TIME]
         series = self._coefficients[number, TIME]
+        noise = 2 * np.finfo(float).eps * np.abs(series).sum(axis=1)
         low, high = np.zeros_like(target), self._cuts[number].copy()
-        c = high / 2
+        c = high * np.clip(target / self._spans[number], 0.0, 1.0)
         for _ in range(HALVINGS):
             found = np.einsum("ij,ij->i", basis(c), series) - target
             low, high = np.where(found < 0, c, low), np.where(found < 0, high, c)
             slope = np.einsum("ij,ij->i", _slopes(c), series)
             with np.errstate(divide="ignore", invalid="ignore"):
                 better = c - found / slope
-            inside = (better > low) & (better < high)
+            inside = (better >= low) & (better <= high)
             new = np.where(inside, better, (low + high) / 2)
-            if (np.abs(new - c) <= 4 * np.finfo(float).eps * (1e-3 + c)).all():
+            stands = np.abs(new - c) <= 4 * np.finfo(float).eps * (1e-3 + c)
+            if (stands | (np.abs(found) <= noise)).all():
                 break
             c = new
         return np.asarray(np.clip(c, 0.0, self._cuts[number]))
@@ -126,8 +137,8 @@ class PiecesPath:
             theta=y[TOTAL] - y[PSI],
             theta_dot=y[W3] - psi_dot * at.C,
             spin=y[W3] + y[W1] * at.T,
-            x=y[X],
-            y=y[Y],
+            x=y[X] if self._locus else None,
+            y=y[Y] if self._locus else None,
             slip=np.stack([u1 * cos - u2 * sin, u1 * sin + u2 * cos], axis=-1),
             force=np.stack(
                 [force[0] * cos - force[1] * sin, force[0] * sin + force[1] * cos, force[2]],

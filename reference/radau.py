@@ -16,7 +16,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg.lapack import dgetrf, dgetrs
 
 from reference.states import Floats
 
@@ -80,6 +80,12 @@ def basis(c: Floats) -> Floats:
     return np.asarray(chebyshev.chebvander(2 * np.asarray(c) - 1, STAGES) - AT_START)
 
 
+@lru_cache(maxsize=8)
+def basis_at(c: tuple[float, ...]) -> Floats:
+    """Return the basis at places that are asked for again and again."""
+    return basis(np.array(c))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
     """A step that satisfies the equation at its points, or what was spent on one that does not.
@@ -133,13 +139,13 @@ def step(
             matrix[np.diag_indices(n * STAGES)] += 1.0
             if not np.isfinite(matrix).all():
                 return Step(change=None, evaluations=iteration + 1)
-            factors, before = lu_factor(matrix, check_finite=False), np.inf
+            factors, before = dgetrf(matrix)[:2], np.inf
         else:
             rates = field(y)
         residual = change - length * rates @ A.T
         if not np.isfinite(residual).all():
             return Step(change=None, evaluations=iteration + 1)
-        update = lu_solve(factors, residual.ravel(), check_finite=False).reshape(n, STAGES)
+        update = dgetrs(*factors, residual.ravel())[0].reshape(n, STAGES)
         change = change - update
         moved = float((np.abs(update) / np.maximum(size.max(axis=1), LEAST)[:, None]).max())
         if not moved < HOPELESS:

@@ -23,8 +23,12 @@ ROWS = 13
 LEAN, W1, W2, W3, PSI, TOTAL, TIME, U1, U2, X, Y, DISSIPATED, SUPPLIED = range(ROWS)
 TURN = [W1, W2, W3]
 SLIP = [U1, U2]
+# What nothing depends on: the place of the contact, and the works.
+ALONG = frozenset({X, Y, DISSIPATED, SUPPLIED})
 # A row may be zero: then it is measured against its neighbours, times this.
 FLOOR = 1e-12
+# Below this the square of a slip is no number any more.
+LEAST_SLIP = np.finfo(float).tiny ** 0.25
 
 Index = NDArray[np.intp]
 
@@ -61,15 +65,21 @@ def released(problem: Problem) -> Floats:
 
 
 def sizes(rows: Index, y: Floats) -> Floats:
-    """How large each entry is, for errors and differences to be measured against."""
-    full = np.ones((ROWS, y.shape[1]))
-    full[rows] = y
-    size = np.ones_like(full)
-    turning = np.abs(full[TURN]).max(axis=1, keepdims=True)
-    size[TURN] = np.maximum(turning, FLOOR * (1 + turning.max()))
-    slipping = np.hypot(full[U1], full[U2])
-    size[SLIP] = np.maximum(slipping, np.finfo(float).tiny ** 0.25)
-    return np.asarray(size[rows])
+    """How large each entry is, for errors and differences to be measured against.
+
+    Parameters
+    ----------
+    rows : ndarray of int
+        U1 and U2, if they are there, last.
+    y : ndarray, shape (rows, n)
+    """
+    size = np.ones_like(y)
+    turns = (rows >= W1) & (rows <= W3)
+    turning = np.abs(y[turns]).max(axis=1, keepdims=True)
+    size[turns] = np.maximum(turning, FLOOR * (1 + turning.max()))
+    if rows[-1] == U2:
+        size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
+    return size
 
 
 def snapshot_of(y: Floats) -> Snapshot:

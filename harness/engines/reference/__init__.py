@@ -12,6 +12,7 @@ from harness.engines.reference.guarding import (
     Guard,
     findings,
     guard,
+    may_be_chaotic,
     parting,
 )
 from harness.engines.reference.posing import carried, refusal
@@ -33,6 +34,7 @@ __all__ = [
     "carried",
     "findings",
     "guard",
+    "may_be_chaotic",
     "parting",
     "refusal",
     "sampled",

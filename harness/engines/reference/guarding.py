@@ -89,17 +89,23 @@ def findings(scene: Scene) -> tuple[Finding, ...]:
     return (Finding(sentence=reason),) if reason else guard(truth(scene)).findings
 
 
+def may_be_chaotic(scene: Scene) -> bool:
+    """Whether a scene declares what makes motions chaotic.
+
+    An axisymmetric can on a level plane at rest is integrable: its copies part, but no faster than
+    time itself.
+    """
+    return bool({"point_mass", "shake", "tilt"} & set(scene.effects.declared()))
+
+
 @lru_cache(maxsize=64)
 def parting(scene: Scene) -> Divergence | None:
     """Return how disturbed releases part, of a scene that may be chaotic; None of any other.
 
     None, too, of one that calls for too much work to be followed at all, let alone five times, and
     of one that ends where it begins.
-
-    An axisymmetric can on a level plane at rest is integrable: its copies part, but no faster than
-    time itself.
     """
-    if refusal(scene) or not {"point_mass", "shake", "tilt"} & set(scene.effects.declared()):
+    if refusal(scene) or not may_be_chaotic(scene):
         return None
     own = truth(scene).solution
     if own.outcome is Outcome.OUTWORKED or own.t_end == 0.0:
