@@ -8,7 +8,22 @@ from numpy.typing import NDArray
 
 from reference.contact_modes import Equations, Mode
 from reference.radau import STAGES, basis, basis_at
-from reference.rows import LEAN, PSI, TIME, TOTAL, U1, U2, W1, W2, W3, Angles, X, Y
+from reference.rows import (
+    DISSIPATED,
+    LEAN,
+    PSI,
+    SUPPLIED,
+    TIME,
+    TOTAL,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    X,
+    Y,
+)
 from reference.states import Floats, States
 
 # Halvings that find an instant in a piece to round-off.
@@ -83,6 +98,13 @@ class PiecesPath:
         """States at the given times, shape (n,)."""
         y, number = self.rows(np.asarray(times, dtype=float))
         return self._states(y, number)
+
+    def lost(self, times: Floats) -> Floats:
+        """Return the energy that is gone, less what was supplied, since the release, shape (n,)."""
+        if not self._locus:
+            raise ValueError("the works were not asked for: they come with the contact locus")
+        y, _ = self.rows(np.asarray(times, dtype=float))
+        return np.asarray(y[DISSIPATED] - y[SUPPLIED])
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states at four instants of each piece, and at the end."""

@@ -29,7 +29,7 @@ GAIN = {"mujoco": 100.0, "pybullet": 10.0}
 """Least ratio of a fixed timestep's cost to that of adaptive steps, at the same error."""
 
 _BRIEF = 25
-"""Runs of tens of milliseconds, of which the shortest counts: they are as long as one of seconds."""
+"""Runs of tens of milliseconds, of which the shortest counts: together as long as a fixed one."""
 
 _FIXED = (1e-5, 3e-6, 1e-6, 5e-7, 3e-7, 2e-7, 1.4e-7, 1e-7, 7e-8, 5e-8, 3e-8)
 

@@ -26,6 +26,8 @@ MATCHED_TIMESTEP = 1e-4
 OUT_OF_REACH = 1e6
 """rad/s and m/s: a velocity clamp that no scene meets."""
 
+SEQUENTIAL_IMPULSE = "CONSTRAINT_SOLVER_LCP_SI"
+
 URDF_FLAGS = (
     Setting(
         name="URDF_USE_IMPLICIT_CYLINDER",
@@ -40,6 +42,12 @@ URDF_FLAGS = (
         meaning="The declared moments; else those of the shape, of its bounding box for a prism.",
     ),
     Setting(
+        name="URDF_ENABLE_SLEEPING",
+        default=False,
+        matched=False,
+        meaning="A can that has been slow for two seconds is put to sleep and stands still.",
+    ),
+    Setting(
         name="useMaximalCoordinates",
         default=False,
         matched=False,
@@ -48,6 +56,35 @@ URDF_FLAGS = (
 )
 
 SOLVER = (
+    Setting(
+        name="numSubSteps",
+        default=0,
+        matched=0,
+        meaning="Parts that a timestep is stepped in, of 2 or more; forces are the last one's.",
+    ),
+    Setting(
+        name="constraintSolverType",
+        default=SEQUENTIAL_IMPULSE,
+        matched=SEQUENTIAL_IMPULSE,
+        choices=(
+            SEQUENTIAL_IMPULSE,
+            "CONSTRAINT_SOLVER_LCP_PGS",
+            "CONSTRAINT_SOLVER_LCP_DANTZIG",
+        ),
+        meaning="Algorithm that finds the contact impulses.",
+    ),
+    Setting(
+        name="useSplitImpulse",
+        default=0,
+        matched=0,
+        meaning="Pushes a deep penetration out without speed (1); of maximal coordinates alone.",
+    ),
+    Setting(
+        name="splitImpulsePenetrationThreshold",
+        default=None,
+        matched=None,
+        meaning="Distance below which an impulse is split, m, negative.",
+    ),
     Setting(
         name="numSolverIterations",
         default=50,
@@ -175,6 +212,7 @@ def in_force(case: Case, timestep: float) -> dict[str, Value]:
 
 
 SHIPPED_VALUES = {
+    "splitImpulsePenetrationThreshold": "-0.04 m",
     "contactERP": "0.08 (erp2)",
     "frictionERP": "0.2",
     "globalCFM": "0",

@@ -38,7 +38,7 @@ class Steps:
     def __init__(self, looks: Looks | None) -> None:
         self._looks = looks
         self._times: list[Floats] = []
-        self._taken = 0
+        self._taken, self._parts = 0, 1
         self._places: list[int] = []
         self._spans: list[int] = []
         self._states: list[_State] = []
@@ -51,6 +51,7 @@ class Steps:
     def take(self, world: PybulletWorld, stage: Stage) -> None:
         """Take the steps of a stage, looking at the state before a step and the contacts after."""
         client, can, ground = world.client, world.can, world.ground
+        self._parts = world.parts
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
         centred = world.reading
@@ -107,7 +108,7 @@ class Steps:
                 velocity=states[keep, 7:10],
                 angular_velocity=states[keep, 10:13],
                 contact_point=point,
-                contact_force=force,
+                contact_force=force * self._parts,
                 penetration=depth,
                 contact_count=bearing,
             )

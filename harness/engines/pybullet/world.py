@@ -4,7 +4,8 @@ The contact points that a step leaves behind belong to the state before it. Quat
 last in PyBullet and scalar first here; `getBaseVelocity` is in world coordinates already. What
 PyBullet moves is the centre of mass; what is handed over is the centre of the can. The shaking of a
 plane is a gravity that is set anew before each step. Every call names its client, so that worlds do
-not meet.
+not meet. Of a timestep in parts PyBullet hands over the impulse of the last one, divided by the
+whole timestep.
 """
 
 import math
@@ -20,7 +21,14 @@ import pybullet
 from harness.case import Case, Value
 from harness.engines.base import Contact, Floats
 from harness.engines.pybullet.frames import Frames, Reading, State
-from harness.engines.pybullet.settings import DYNAMICS, PROCESS_WIDE, SOLVER, URDF_FLAGS
+from harness.engines.pybullet.quiet import silence
+from harness.engines.pybullet.settings import (
+    DYNAMICS,
+    PROCESS_WIDE,
+    SEQUENTIAL_IMPULSE,
+    SOLVER,
+    URDF_FLAGS,
+)
 from harness.errors import RefusedModelError
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
@@ -55,7 +63,13 @@ class PybulletWorld:
         pybullet.setGravity(*self._gravity.tolist(), **here)
         pybullet.setTimeStep(timestep, **here)
         solver = {s.name: chosen[s.name] for s in SOLVER if chosen[s.name] is not None}
+        algorithm = solver.pop("constraintSolverType")
         pybullet.setPhysicsEngineParameter(**(dict(PROCESS_WIDE) | solver), **here)
+        if algorithm != SEQUENTIAL_IMPULSE:
+            number = getattr(pybullet, str(algorithm))
+            with silence():
+                pybullet.setPhysicsEngineParameter(constraintSolverType=number, **here)
+        self.parts = max(int(chosen["numSubSteps"]), 1)  # type: ignore[arg-type]
         flags = 0
         for setting in URDF_FLAGS:
             if setting.name.startswith("URDF_") and chosen[setting.name]:
@@ -205,7 +219,7 @@ class PybulletWorld:
         )
         return Contact(
             point=np.array((x, y, z)),
-            force=np.array((fx, fy, fz)),
+            force=np.array((fx, fy, fz)) * self.parts,
             penetration=depth,
             count=int(count),
         )

@@ -19,6 +19,7 @@ from models.rim import contact_offset
 from models.scene import Scene
 from reference import MODELS, Choice, Solution, SolverError, carries, smallest, solve
 from reference.contact import contact_force_in_world
+from reference.pieces import PiecesPath
 
 FOLLOWED = Followed()
 """What has been integrated from event to event, which may take seconds."""
@@ -89,6 +90,18 @@ class Truth:
     def grid(self) -> Floats:
         """Return sampling times that are dense by angle and hold every extremum of phi, s."""
         return self.solution.grid() * natural_time(self.scene)
+
+    def lost(self, times: Floats) -> Floats:
+        """Return the energy that the effects have taken since the release, shape (n,), J.
+
+        Nothing where the rim never slips and nothing resists.
+        """
+        path = self.solution.path
+        if not isinstance(path, PiecesPath):
+            return np.zeros_like(times)
+        can, T = self.scene.can, natural_time(self.scene)
+        unit = can.mass * self.scene.gravity * can.radius
+        return unit * path.lost(np.minimum(times / T, self.solution.t_end))
 
     def at(self, times: Floats) -> Trajectory:
         """Return the motion at the given times, shape (n,), s, none after `ends`."""

@@ -1,5 +1,6 @@
 """What was found, in words: a summary, and one page an engine."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
@@ -15,6 +16,10 @@ _PROFILES = {
 }
 
 
+_VERBS = {Verdict.UNRESOLVED: "is unresolved", Verdict.REFUSED: "is refused"}
+"""What an engine is said to do where the verdict is no verb."""
+
+
 def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[Finding]) -> Prose:
     """Return the summary: counts, and how the reference fared."""
     engines = dict.fromkeys(one.simulation.case.engine for one in judged)
@@ -26,8 +31,8 @@ def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[
     sentences = [
         f"{len(judged)} runs of {' and '.join(engines)} over {len(hard)} hard cases were judged.",
         (
-            f"The reference solves {solved} of the hard cases to 1e-9, formula against "
-            f"integration, and refuses {refused} with a sentence."
+            f"The reference solves {solved} of the hard cases to 1e-9 in two ways that agree, and "
+            f"refuses {refused} with a sentence."
         ),
         *(f"It fails on {finding.scene}: {finding.failure}." for finding in failed),
         f"Of {len(random)} random scenes it refuses {unsure} and fails on {wrong}.",
@@ -80,9 +85,11 @@ def _counted(own: Sequence[Judged], profile: str, words: str) -> str:
             # at the finest timestep at which it happens, where it is least to be expected
             one = min(failed, key=lambda one: one.simulation.timestep or 0.0)
             step = one.simulation.timestep or 0.0
+            sign = one.sign
+            seen = f"{sign.words} {sign.number:.2g} at {sign.time:.2g} s"
             examples.append(
-                f"{verdict.value} in {one.simulation.case.scene.name} down to a timestep of "
-                f"{step:.2g} s ({one.sign.words} {one.sign.number:.2g} at {one.sign.time:.2g} s)"
+                f"{_VERBS.get(verdict, verdict.value)} in {one.simulation.case.scene.name} down to "
+                f"a timestep of {step:.2g} s ({sign.words if math.isnan(sign.number) else seen})"
             )
     tail = f" It {'; it '.join(examples)}." if examples else ""
     return f"{words}, {len(runs)} runs: {told}.{tail}"

@@ -100,9 +100,11 @@ def test_mass_length_and_gravity_leave_the_dimensionless_motion_alone(
 
 
 @pytest.mark.parametrize("share", [0.999, 1.001])
-def test_a_thousandth_of_friction_decides_what_is_examined(share: float) -> None:
+def test_a_thousandth_of_friction_decides_by_which_models_it_is_examined(share: float) -> None:
     gentle = load("gentle-rock")
     mu = truth(gentle).bounces[0].peak_friction_ratio * share
     found = examine(replace(gentle, effects=Effects(slip=Slip(mu=mu))))
-    assert ("rim slips" in found.refusal) is (share < 1.0)
-    assert found.failure == ""
+    assert (found.failure, found.refusal) == ("", "")
+    assert found.disagreement <= ALLOWED
+    # a rim that slips is followed from event to event, one that rolls takes a step or two
+    assert (found.evaluations > 1000) is (share < 1.0)
