@@ -37,6 +37,16 @@ class BrokenEngineError(MissingPackageError):
         )
 
 
+class FallenEngineError(BrokenEngineError):
+    """Making an engine kills the process that does it, or never ends."""
+
+    def __init__(self, engine: str, entry: str, reason: str) -> None:
+        super(MissingPackageError, self).__init__(
+            f"engine '{engine}' falls while it is made from its entry point '{entry}' ({reason}); "
+            "leave it out with --engine, or uninstall its package"
+        )
+
+
 class UnknownSettingError(HarnessError, LookupError):
     """An engine has no setting of that name."""
 

@@ -7,6 +7,7 @@ import numpy as np
 from reference.conditioning import caveat
 from reference.contact_modes import Phase
 from reference.outcome import Outcome
+from reference.pieces import PiecesPath
 from reference.problem import Problem
 from reference.run import Path
 from reference.sampling import grid_by_angle
@@ -99,6 +100,22 @@ class Solution:
         if times.size and not (times.min() >= -slack and times.max() <= self.t_end + slack):
             raise ValueError(f"`times` must lie inside [0, {self.t_end!r}]")
         return self.path.at(np.clip(times, 0.0, self.t_end))
+
+    def lost(self, times: Floats) -> Floats:
+        """Energy that effects have taken since the release, over m g R.
+
+        Parameters
+        ----------
+        times : ndarray, shape (n,)
+            Inside [0, t_end], in sqrt(R/g).
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Zero of a model whose rim neither rubs nor is driven.
+        """
+        own = self.path
+        return own.lost(times) if isinstance(own, PiecesPath) else np.zeros_like(times)
 
     @property
     def caveat(self) -> str:

@@ -4,8 +4,10 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
 from harness.engines.base import Engine
+from harness.engines.rehearsal import fall
 from harness.errors import (
     BrokenEngineError,
+    FallenEngineError,
     MissingPackageError,
     UnknownEngineError,
     UnsupportedEffectError,
@@ -34,11 +36,13 @@ def engine(name: str) -> Engine:
     MissingPackageError
         If the package behind it cannot be imported.
     BrokenEngineError
-        If the package is there, but the engine cannot be made.
+        If the package is there, but the engine cannot be made, or falls over while it is.
     """
     entries = _entries()
     if name not in entries:
         raise UnknownEngineError(name, entries)
+    if reason := fall(entries[name]):
+        raise FallenEngineError(name, entries[name].value, reason)
     try:
         found: Engine = entries[name].load()()
     except ImportError as error:

@@ -4,5 +4,6 @@ from harness.isolation.inside import inside
 from harness.isolation.limits import NO_LIMITS, Limits
 from harness.isolation.loss import Loss, LostTaskError
 from harness.isolation.pool import Isolated
+from harness.isolation.serving import is_worker
 
-__all__ = ["NO_LIMITS", "Isolated", "Limits", "Loss", "LostTaskError", "inside"]
+__all__ = ["NO_LIMITS", "Isolated", "Limits", "Loss", "LostTaskError", "inside", "is_worker"]

@@ -20,6 +20,14 @@ _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _SHED_FIRST = "500"  # of 1000: short of memory, the system takes a worker and not the run
 
 
+_serving = False
+
+
+def is_worker() -> bool:
+    """Whether this process is one that serves tasks."""
+    return _serving
+
+
 def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     """Serve tasks from a connection until it is closed.
 
@@ -32,6 +40,8 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     imports : tuple of str
         Modules to import before the first task, so that no task's time is theirs.
     """
+    global _serving  # noqa: PLW0603 - what this process is, from its first moment to its last
+    _serving = True
     _die_with(owner)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")

@@ -19,7 +19,6 @@ from models.rim import contact_offset
 from models.scene import Scene
 from reference import MODELS, Choice, Solution, SolverError, carries, smallest, solve
 from reference.contact import contact_force_in_world
-from reference.pieces import PiecesPath
 
 FOLLOWED = Followed()
 """What has been integrated from event to event, which may take seconds."""
@@ -96,12 +95,9 @@ class Truth:
 
         Nothing where the rim never slips and nothing resists.
         """
-        path = self.solution.path
-        if not isinstance(path, PiecesPath):
-            return np.zeros_like(times)
         can, T = self.scene.can, natural_time(self.scene)
         unit = can.mass * self.scene.gravity * can.radius
-        return unit * path.lost(np.minimum(times / T, self.solution.t_end))
+        return unit * self.solution.lost(np.minimum(times / T, self.solution.t_end))
 
     def at(self, times: Floats) -> Trajectory:
         """Return the motion at the given times, shape (n,), s, none after `ends`."""

@@ -1,0 +1,77 @@
+"""Engines that fall while they are made: named, and nothing falls with them."""
+
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+from harness.engines import registry, rehearsal
+from harness.errors import BrokenEngineError, FallenEngineError
+from harness.isolation import Isolated, Limits
+
+CRASHES = "import ctypes\nctypes.string_at(0)\n"
+LEAVES = "import os\nos._exit(7)\n"
+HANGS = "while True:\n    pass\n"
+SOUND = """
+class Engine:
+    name, version, settings, capabilities = "mine", "1", (), None
+"""
+CRASHES_WHEN_ASKED = """
+import ctypes
+class Engine:
+    name, settings, capabilities = "mine", (), None
+    version = property(lambda self: ctypes.string_at(0))
+"""
+
+
+@pytest.fixture
+def planted(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> EntryPoint:
+    """Plant a module of the text that the test is given, and return an entry point to it."""
+    module = f"planted_{abs(hash(request.param))}"
+    (tmp_path / f"{module}.py").write_text(request.param, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    entry = EntryPoint(name=module, value=f"{module}:Engine", group=registry.GROUP)
+    monkeypatch.setattr(registry, "_entries", lambda: {module: entry})
+    return entry
+
+
+@pytest.mark.parametrize(
+    ("planted", "reason"),
+    [(CRASHES, "SIGSEGV"), (LEAVES, "code 7"), (CRASHES_WHEN_ASKED, "SIGSEGV")],
+    indirect=["planted"],
+)
+def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: str) -> None:
+    with pytest.raises(FallenEngineError, match=f"'{planted.name}' falls.*{reason}.*--engine"):
+        registry.engine(planted.name)
+
+
+@pytest.mark.parametrize("planted", [HANGS], indirect=True)
+def test_an_engine_that_never_ends_its_import_is_named(
+    planted: EntryPoint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rehearsal, "_PATIENCE", Limits(seconds=2.0))
+    with pytest.raises(FallenEngineError, match="longer than the 2 s allowed"):
+        registry.engine(planted.name)
+
+
+@pytest.mark.parametrize("planted", [SOUND], indirect=True)
+def test_a_sound_engine_is_made_as_before(planted: EntryPoint) -> None:
+    assert rehearsal.fall(planted) == ""
+    assert registry.engine(planted.name).version == "1"
+
+
+@pytest.mark.parametrize("planted", ["raise ValueError('no licence')\n"], indirect=True)
+def test_an_error_in_python_is_told_as_itself(planted: EntryPoint) -> None:
+    with pytest.raises(BrokenEngineError, match="ValueError: no licence") as caught:
+        registry.engine(planted.name)
+    assert not isinstance(caught.value, FallenEngineError)
+
+
+def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
+    unheard = EntryPoint(name="x", value="no_such_module:Engine", group=registry.GROUP)
+    with Isolated(1) as alone:
+        assert alone.submit(rehearsal.fall, unheard).result() == ""
+        assert alone.submit(rehearsal.is_worker).result()
+    assert not rehearsal.is_worker()
