@@ -1,5 +1,7 @@
 """What the tests of the harness share: scenes, and evaluations that several tests look at."""
 
+import re
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from harness.artefact import Figure
 from harness.case import Case, Value
 from harness.engines.registry import engine
 from harness.engines.settling import settle
@@ -28,6 +31,22 @@ def _own_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Keep what tests run in a store of their own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROCKINGCAN_STORE", str(tmp_path_factory.mktemp("store")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _two_sentences() -> Iterator[None]:
+    """Hold every figure that the harness makes in a test to two sentences on what is seen."""
+    made = Figure.__init__
+
+    def held(self: Figure, *args: object, **fields: object) -> None:
+        made(self, *args, **fields)
+        if sys._getframe(1).f_globals["__name__"].startswith("harness.studies"):  # noqa: SLF001
+            count = len(re.findall(r"[.!?](?=\s|$)", self.seen))
+            assert count == 2, f"{self.name}: {count} sentences: {self.seen}"
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "__init__", held)
         yield
 
 

@@ -108,7 +108,7 @@ def family() -> Figure:
         name="fig01-sing_perturb",
         title="The reduced equation as eps falls",
         seen=(
-            "As eps falls the bounce grows sharper and psi becomes a staircase: a period adds "
+            "As eps falls the bounce grows sharper and psi becomes a staircase. A period adds "
             f"{steps[2]:.0f}, {steps[1]:.0f} and {steps[0]:.0f} degrees for eps = 4e-6, 6.4e-7 and "
             f"1e-8, tending to {180 * PAPER_CAN.turn_ratio:.1f}."
         ),

@@ -46,8 +46,9 @@ def surface() -> Figure:
         name="fig01-hamiltonian_3D",
         title="The Hamiltonian surface",
         seen=(
-            f"A valley that falls with phi to H = {lowest[1]:.2e} at phi = {lowest[0]:.2e}, and "
-            f"behind it the wall that the repulsion raises at phi = 0, cut off here at {TOP:g}."
+            f"A valley falls with phi to H = {lowest[1]:.2e} at phi = {lowest[0]:.2e}. "
+            "Behind it stands the wall that the repulsion raises at phi = 0, cut off here at "
+            f"{TOP:g}."
         ),
         panels=(
             Panel(

@@ -65,7 +65,7 @@ def loci() -> Figure:
         title="The contact locus in four regimes",
         seen=(
             f"In a) each bounce runs {turn:.0f} degrees along a circle of the can's own radius, "
-            "anticlockwise as B_-2 > 0. In b) the can rolls far and straight near balance and "
+            "anticlockwise as B_-2 > 0; in b) the can rolls far and straight near balance and "
             f"turns in each fall; the figure is {told[1]:.0f} R across. c) and d) roll round "
             "circles, with wobbles and with cusps where theta' changes its sign."
         ),
@@ -89,7 +89,7 @@ def friction() -> Figure:
         title="The friction that rolling asks for",
         seen=(
             f"The ratio peaks at {peak:.4f} in the bounce, where h/a_p = {bound:.4f} is its "
-            f"leading value; elsewhere it is at most {ratio[~low].max():.3f}."
+            f"leading value. Elsewhere it is at most {ratio[~low].max():.3f}."
         ),
         panels=(
             Panel(

@@ -126,8 +126,8 @@ def equilibria() -> Figure:
         name="fig01-eqm_comparison",
         title="The equilibria, from the side",
         seen=(
-            f"At phi* = {math.degrees(balance):.2f} degrees the centre stands above the contact. "
-            f"There the can also rolls balanced with Theta = {rolling:.4f} Psi, where the paper's "
+            f"At phi* = {math.degrees(balance):.2f} degrees the centre stands above the contact; "
+            f"there the can also rolls balanced with Theta = {rolling:.4f} Psi, where the paper's "
             f"form has {(PAPER_CAN.a - PAPER_CAN.c) * math.cos(balance) / PAPER_CAN.c:.4f} Psi. "
             f"At 20 degrees it rolls steadily with Psi = 1, Theta = {steady:.3f} sqrt(g/R)."
         ),

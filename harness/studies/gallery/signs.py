@@ -43,7 +43,7 @@ def sign_map() -> Figure:
         title="Which way the can turns",
         seen=(
             f"Of {int(cycles.bounced.sum())} releases at phi = pi/100, {agrees:.2%} turn the way "
-            f"that the line theta' = {boundary_rotation(can, 1.0):.3f} psi' says, on which B_-2 "
+            f"that the line theta' = {boundary_rotation(can, 1.0):.3f} psi' says. On it B_-2 "
             "vanishes to leading order."
         ),
         panels=(

@@ -39,7 +39,7 @@ def maps(plan: Plan, cells: Cells) -> Figure:
     return Figure(
         name="sweep",
         title=f"{plan.scene.name} over {across.name} and {up.name}",
-        seen=_seen(plan),
+        seen=_seen(plan, panels[0].title, cells.image(plan.quantities[0])),
         panels=tuple(panels),
         columns=1 if len(panels) == 1 else 2,
     )
@@ -73,7 +73,7 @@ def curves(plan: Plan, points: Points, against: str | None) -> Figure:
     return Figure(
         name="sweep",
         title=f"{plan.scene.name} {over}",
-        seen=_seen(plan),
+        seen=_seen(plan, panels[0].title, panels[0].series[0].y),
         panels=tuple(panels),
         columns=1 if len(panels) == 1 else 2,
     )
@@ -85,14 +85,19 @@ def _wide(values: Floats) -> bool:
     return bool(there.size and there.min() > 0.0 and there.max() > _DECADES * there.min())
 
 
-def _seen(plan: Plan) -> str:
-    """Return what stands below the figure."""
+def _seen(plan: Plan, title: str, drawn: Floats) -> str:
+    """Return in two sentences what the first panel shows, and what is left out of all."""
     how = "the exact bounce" if plan.exact else plan.engine
-    words = [f"{plan.rows} scenes by {how}; blank is a scene without the quantity."]
+    there = drawn[np.isfinite(drawn)]
+    told = (
+        f"runs from {there.min():.4g} to {there.max():.4g}" if there.size else "is nowhere defined"
+    )
+    seen = f"{title} {told} in {plan.rows:,} scenes by {how}."
+    left_out = "Blank is a scene without the quantity"
     further = plan.axes[_FIRST_TWO:]
     if further and plan.sample == "grid":
         fixed = (f"{axis.name} = {axis.grid()[(axis.count or 1) // 2]:.6g}" for axis in further)
-        words.append(f"Drawn is the plane {', '.join(fixed)}; the table has all.")
+        left_out += f"; drawn is the plane {', '.join(fixed)}, the table has all"
     elif further:
-        words.append("The further parameters vary from cell to cell; the table has all.")
-    return " ".join(words)
+        left_out += "; the further parameters vary from cell to cell, the table has all"
+    return f"{seen} {left_out}."
