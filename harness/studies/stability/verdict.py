@@ -82,5 +82,10 @@ class Judged:
 
     @property
     def accurate(self) -> bool:
-        """Whether it follows the exact motion; if there is none, whether nothing failed."""
+        """Whether it follows the exact motion."""
+        return self.verdict is Verdict.ACCURATE
+
+    @property
+    def good(self) -> bool:
+        """Whether it is as good as can be told: accurate, or sound where no motion is exact."""
         return self.verdict in {Verdict.ACCURATE, Verdict.STABLE}

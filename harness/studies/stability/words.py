@@ -117,7 +117,7 @@ def _cures(own: Sequence[Judged], names: Sequence[str]) -> list[str]:
     for name in names:
         runs = [one for one in own if one.simulation.case.scene.name == name]
         shipped = next((one for one in runs if _as_shipped(one)), None)
-        if shipped is None or shipped.accurate:
+        if shipped is None or shipped.good:
             continue
         cured.setdefault(_cure(runs), []).append(f"{name} ({shipped.verdict.value})")
     return [f"{cure}: {', '.join(cases)}." for cure, cases in sorted(cured.items())]
@@ -129,13 +129,13 @@ def _as_shipped(one: Judged) -> bool:
 
 
 def _cure(runs: Sequence[Judged]) -> str:
-    """Return the setting that makes a case accurate, the simplest first."""
+    """Return the setting that makes a case good, the simplest first."""
     best: Mapping[str, float] = {
         profile: max(
             (
                 one.simulation.timestep or 0.0
                 for one in runs
-                if one.simulation.case.profile == profile and one.accurate
+                if one.simulation.case.profile == profile and one.good
             ),
             default=0.0,
         )
