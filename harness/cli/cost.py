@@ -17,13 +17,14 @@ from harness.campaign import Shelf
 from harness.case import Case
 from harness.cli import printing
 from harness.cli.answers import spell
+from harness.cli.cost_report import cost_report
 from harness.cli.files import write_text
 from harness.cli.running import Running, runs
 from harness.engines.registry import engine as engine_of
 from harness.engines.variants import paste
 from harness.errors import InvalidSettingError
 from harness.provenance import provenance
-from harness.report import check_writable, write_report
+from harness.report import check_writable
 from harness.runner import check
 from harness.studies.cost import CHOICES, FIXED, FOLLOWING, SUITES, Cost, Plan, expected, plan, read
 from harness.studies.cost import cost as put_together
@@ -106,7 +107,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
     page_folder = out / made.scene.name
     check_writable(page_folder)
     found = measure(made, out, running)
-    page = _report(found, page_folder)
+    page = cost_report(found, page_folder)
     if json:
         typer.echo(spell(_answer(found, target)))
         return
@@ -208,27 +209,6 @@ def _duration(seconds: float) -> str:
     if seconds < minute:
         return f"{seconds:.0f} s"
     return f"{seconds / minute:.0f} min" if seconds < hour else f"{seconds / hour:.1f} h"
-
-
-def _report(found: Cost, folder: Path) -> Path:
-    """Write the report of a study and return its page."""
-    return write_report(
-        read(found),
-        folder,
-        title=f"rockingcan, what accuracy costs: {found.plan.scene.name}",
-        cases=[
-            {
-                "digest": point.case.digest(point.version),
-                "label": point.case.label(),
-                "command": point.command,
-                "engine": point.case.engine,
-                "engine_version": point.version,
-                "outcome": point.outcome.value,
-            }
-            for point in found.points
-        ],
-        provenance=provenance(),
-    )
 
 
 def _print(found: Cost, target: float | None) -> None:

@@ -110,4 +110,6 @@ def paste(case: Case) -> str:
 
 
 def _arguments(settings: dict[str, Any]) -> str:
-    return ", ".join(f"{name}={value!r}" for name, value in settings.items())
+    """Return settings as arguments; a setting that is a word is one of PyBullet's constants."""
+    told = {n: f"pybullet.{v}" if isinstance(v, str) else repr(v) for n, v in settings.items()}
+    return ", ".join(f"{name}={value}" for name, value in told.items())

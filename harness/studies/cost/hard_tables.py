@@ -18,7 +18,8 @@ _ROWS: Mapping[str, str] = {
     "epsilon": "B_{-2}^2 (a_p + 1) of the exact motion: 1.4e-10 at the paper's release.",
     "cost_s_s": "Processor seconds per simulated second for one degree of turn, between rungs.",
     "at_most": "Whether no coarser step has an error to go by, so that it costs this or less.",
-    "command": "Runs the finer of the two cases again, in the folder given as --out.",
+    "case": "Digest of the finer of the two cases; its command is in the list of cases.",
+    "command": "Runs it again, in the folder given as --out.",
 }
 
 _EXPONENTS: Mapping[str, str] = {
@@ -36,6 +37,7 @@ def hard_rows(cost: Cost) -> list[dict[str, object]]:
     for hard, ladders in cost.hardness:
         for family, ladder in ladders:
             found = cost_of(offers(ladder, "turn_deg", steps=True), ONE_DEGREE)
+            told = _told(ladder, reached=found is not None)
             rows.append(
                 {
                     "engine": family.engine,
@@ -43,18 +45,24 @@ def hard_rows(cost: Cost) -> list[dict[str, object]]:
                     "epsilon": hard.epsilon,
                     "cost_s_s": None if found is None else found[0],
                     "at_most": None if found is None else found[1],
-                    "command": _command(ladder, reached=found is not None),
+                    "case": told.digest,
+                    "command": hard_command(told),
                 }
             )
     return rows
 
 
-def _command(ladder: Sequence[Point], *, reached: bool) -> str:
-    """Return the command of the coarsest rung within a degree, of the finest if there is none."""
+def _told(ladder: Sequence[Point], *, reached: bool) -> Point:
+    """Return the coarsest rung within a degree, the finest if there is none."""
     sold = offers(ladder, "turn_deg", steps=True)
-    within = [offer.point.case for offer in sold if offer.error <= ONE_DEGREE]
-    case = within[0] if reached else ladder[-1].case
-    return case.command().replace(case.scene.name, f"scenes/{case.scene.name}.toml", 1)
+    within = [offer.point for offer in sold if offer.error <= ONE_DEGREE]
+    return within[0] if reached else ladder[-1]
+
+
+def hard_command(point: Point) -> str:
+    """Return what runs a case of a scene that the study wrote beside its report."""
+    name = point.case.scene.name
+    return point.case.command().replace(name, f"scenes/{name}.toml", 1)
 
 
 def exponents(cost: Cost) -> dict[tuple[str, str], Exponent]:

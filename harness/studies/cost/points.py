@@ -61,6 +61,11 @@ class Point:
     command: str = ""
 
     @property
+    def digest(self) -> str:
+        """What names the case."""
+        return self.case.digest(self.version)
+
+    @property
     def cost(self) -> float:
         """Least processor seconds per simulated second; infinite where it was not measured."""
         return min(self.cpu) / self.simulated if self.cpu and self.simulated else math.inf

@@ -27,6 +27,7 @@ _PRICES: Mapping[str, str] = {
     "cost_median_s_s": "The same, median.",
     "relative_cost": "Cost over that of the cheapest of all at this target, reference included.",
     "relative_to_engines": "Cost over that of the cheapest stepping engine at this target.",
+    "case": "Digest of the case; its command is in the list of cases.",
     "command": "Runs the case again.",
 }
 
@@ -48,6 +49,7 @@ _POINTS: Mapping[str, str] = {
     "constraint_rows": "Rows that the solver worked on, summed over the steps.",
     "on_front": "Whether no other point is both cheaper and nearer in the target error.",
     "imposes": "What the settings make of the can that the scene does not declare.",
+    "case": "Digest of the case; its command is in the list of cases.",
     "command": "Runs the case again.",
 }
 
@@ -138,6 +140,7 @@ def _offer(offer: Offer) -> dict[str, object]:
         "error_deg": offer.error,
         "cost_s_s": _known(point.cost),
         "cost_median_s_s": _known(point.median),
+        "case": point.digest,
         "command": point.command,
     }
 
@@ -181,6 +184,7 @@ def points(cost: Cost) -> Table:
             "constraint_rows",
             "on_front",
             "outcome",
+            "case",
             "command",
         ),
         scene=cost.plan.scene.name,
@@ -206,6 +210,7 @@ def _point(p: Point, *, on_front: bool) -> dict[str, object]:
         "constraint_rows": p.rows,
         "on_front": on_front,
         "imposes": p.imposes,
+        "case": p.digest,
         "command": p.command,
     }
 
