@@ -8,10 +8,15 @@ The error indicator. Near the flat state the tilt of the axis, w = phi exp(i chi
 chi = psi sqrt(a_p/(a_p + 1)), moves on a straight line past the origin at constant speed; a first
 order step of length dt misses its direction by about dt |w'|/|w|. The rule keeps that at `ETA`, and
 keeps the turn of the body in a step there as well, between bounds tied to the natural time
-sqrt(R/g). It looks at the state alone, so it is deterministic and needs no rejected steps; steps
-are powers of two, so that times are exact sums and a soft contact sees few changes of its
-stiffness; and since |w| can halve at most in the time |w|/(2 |w'|), that long the step may be kept
-without looking again.
+sqrt(R/g). What a step misses on the way into a bounce is made good on the way out, but not for a
+can that spins about its axis: of its turn an error is left that was measured to go with the axial
+rate s and with the step, 50 ETA s sqrt(R/g) degrees. So the faster it spins, the less is allowed:
+ETA/(1 + |s| sqrt(R/g)/SPIN).
+
+The rule looks at the state alone, so it is deterministic and needs no rejected steps; steps are
+powers of two, so that times are exact sums and a soft contact sees few changes of its stiffness;
+and since |w| can halve at most in the time |w|/(2 |w'|), that long the step may be kept without
+looking again.
 
 Drake's convex error-controlled integrator (Kurtz and Castro, "CENIC") estimates the error of a step
 by step doubling and rejects what exceeds a tolerance. That serves any scene at three solves a step;
@@ -32,6 +37,9 @@ from models.can import Can
 
 ETA = 0.01
 """Share of the distance to the flat state that the tilt may move in a step, and rad of turn."""
+
+SPIN = 0.015
+"""Axial rate in natural units at which half of ETA is allowed: 0.004 degrees of the turn."""
 
 ETA_SETTING = Setting(
     name="eta",
@@ -140,16 +148,19 @@ class Adaptive(Schedule):
     limit : float
         s.
     eta : float
-        The error indicator to keep.
+        The error indicator to keep where the can does not spin about its axis.
+    unit : float
+        Natural time of the scene, s.
     """
 
     def __init__(
-        self, can: Can, *, largest: float, smallest: float, limit: float, eta: float
+        self, can: Can, *, largest: float, smallest: float, limit: float, eta: float, unit: float
     ) -> None:
         self.largest = power_of_two(largest)
         self._smallest = min(power_of_two(smallest), self.largest)
         self._limit = limit
         self._eta = eta
+        self._unit = unit
         self._slowness = can.slowness
         self._time = 0.0
         self._ended = False
@@ -159,12 +170,13 @@ class Adaptive(Schedule):
         if self._ended:
             return None
         rate = self.rate(quaternion, angular_velocity)
-        if not rate * self.largest > self._eta:  # a rate that is no number ends with the run
+        eta = self.eta(quaternion, angular_velocity)
+        if not rate * self.largest > eta:  # a rate that is no number ends with the run
             timestep = self.largest
-        elif rate * self._smallest >= self._eta:
+        elif rate * self._smallest >= eta:
             timestep = self._smallest
         else:
-            timestep = power_of_two(self._eta / rate)
+            timestep = power_of_two(eta / rate)
         count = _LONGEST_STAGE
         if rate * timestep * count > 0.5:  # noqa: PLR2004 - half the way to the flat state
             count = max(1, int(0.5 / (rate * timestep)))
@@ -192,6 +204,14 @@ class Adaptive(Schedule):
         along = (a_x * v_x + a_y * v_y) / square
         across = (a_x * v_y - a_y * v_x) / square
         return max(math.hypot(along, self._slowness * across), spin)
+
+    def eta(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> float:
+        """Return the error indicator to keep: less, the faster the can spins about its axis."""
+        w, x, y, z = quaternion
+        o_x, o_y, o_z = angular_velocity
+        a_x, a_y, a_z = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+        axial = abs(a_x * o_x + a_y * o_y + a_z * o_z)
+        return self._eta / (1.0 + axial * self._unit / SPIN)
 
 
 def power_of_two(value: float) -> float:

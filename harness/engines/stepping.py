@@ -173,6 +173,7 @@ class PhysicsEngine(ABC, Generic[W]):
             smallest=SMALLEST_SHARE * natural_time(scene),
             limit=limit,
             eta=float(prepared.settings["eta"]),  # type: ignore[arg-type]
+            unit=natural_time(scene),
         )
         adaptive.looks = looks
         return adaptive, max(size, _ADAPTIVE_LOOK)

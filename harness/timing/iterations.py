@@ -73,5 +73,6 @@ def _timestep(simulation: Simulation, trajectory: Trajectory, place: int) -> flo
         smallest=SMALLEST_SHARE * natural,
         limit=natural,
         eta=float(simulation.settings["eta"]),  # type: ignore[arg-type]
+        unit=natural,
     ).next(trajectory.quaternion[place].tolist(), trajectory.angular_velocity[place].tolist())
     return fixed if stage is None else stage.timestep

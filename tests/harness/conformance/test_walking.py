@@ -45,7 +45,7 @@ def test_walking_follows_a_schedule_that_changes_its_steps(brief: Scene) -> None
     case = Case(scene=replace(brief, horizon=Horizon(seconds=0.16)), engine="mujoco")
     world = engine("mujoco").open(case)
     world.place(*release_state(brief.can, brief.release))
-    limits = {"largest": 1e-3, "smallest": 1e-6, "limit": 0.16, "eta": 1e-3}
+    limits = {"largest": 1e-3, "smallest": 1e-6, "limit": 0.16, "eta": 1e-3, "unit": 0.06}
     found = whole(list(walk(world, Adaptive(brief.can, **limits), 64)))
     steps = np.diff(found.time)
     assert len(np.unique(steps)) > 1

@@ -13,11 +13,12 @@ from models import Horizon, Release, load
 from models.kinematics import angular_velocity, quaternion
 
 CAN = load("paper-release").can
+UNIT = 0.0614  # s, the can's natural time
 PHI_DOT = 2.0  # rad/s, about that of the paper's release before its bounce
 
 
 def adaptive(*, limit: float = 1.0, eta: float = ETA) -> Adaptive:
-    return Adaptive(CAN, largest=1e-4, smallest=1e-10, limit=limit, eta=eta)
+    return Adaptive(CAN, largest=1e-4, smallest=1e-10, limit=limit, eta=eta, unit=UNIT)
 
 
 def state(phi: float, phi_dot: float, psi_dot: float) -> tuple[list[float], list[float]]:
