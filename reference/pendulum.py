@@ -28,6 +28,10 @@ from reference.states import Floats, States, initial_states, states_of
 from reference.track import Track
 
 SAMPLES = 200
+# Of the lean at release: a fall that is shorter is timed by its speed.
+SHORT = 0.1
+# Points of a quadrature of a function that hardly changes.
+POINTS = 16
 
 
 def frequency(parameters: Parameters) -> float:
@@ -49,6 +53,8 @@ class Pendulum:
         -1 if the can leans on the flat side of balance, 1 beyond it; 1 if it goes over.
     offset, rate : float
         Argument of the elliptic function at release, and its rate in time.
+    phi, phi_dot : float
+        Release.
     """
 
     parameters: Parameters
@@ -56,6 +62,8 @@ class Pendulum:
     side: float
     offset: float
     rate: float
+    phi: float
+    phi_dot: float
 
     def nutation(self, times: Floats) -> tuple[Floats, Floats]:
         """Return phi and phi' at the given times, shape (n,)."""
@@ -76,6 +84,8 @@ class Pendulum:
     def time_at(self, phi: float) -> float:
         """Return when the nutation is `phi`, on the way away from the balancing angle."""
         lean, m = phi - self.parameters.balancing_angle, self.constant
+        if abs(phi - self.phi) < SHORT * abs(self.phi - self.parameters.balancing_angle):
+            return self._short_time_to(phi)
         if m < 0:
             x = float(ellipkinc((np.pi + lean) / 2, 1 / (1 - m)))
         else:
@@ -85,6 +95,26 @@ class Pendulum:
             cn2 = m * (1 / sine2 - 1) / (1 - m)
             x = float(np.sqrt(sn2) * elliprf(cn2, m / sine2, 1.0))
         return (x - self.offset) / self.rate
+
+    def _short_time_to(self, phi: float) -> float:
+        """Return when the nutation is `phi`, near the release, from dt = dphi'/(w^2 sin d).
+
+        Elliptic functions would give the time as a difference of near numbers; here the squares of
+        speeds differ by 4 w^2 (sin^2(d/2) - sin^2(d0/2)), which is a product.
+        """
+        w, start = frequency(self.parameters), self.phi - self.parameters.balancing_angle
+        near = np.sin((phi - self.phi) / 2) * np.sin((phi - self.phi) / 2 + start)
+        end = float(np.copysign(np.sqrt(self.phi_dot**2 + 4 * w**2 * near), start))
+        gained = end - self.phi_dot
+        if end * self.phi_dot > 0:
+            gained = 4 * w**2 * near / (end + self.phi_dot)
+        nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+        speed = self.phi_dot + gained * (nodes + 1) / 2
+        sine2 = (
+            np.sin(start / 2) ** 2 + (speed - self.phi_dot) * (speed + self.phi_dot) / (2 * w) ** 2
+        )
+        pull = w**2 * 2 * np.sqrt(sine2 * (1 - sine2)) * np.sign(start)
+        return float(gained / 2 * (weights / pull).sum())
 
 
 def planar_motion(parameters: Parameters, phi: float, phi_dot: float = 0.0) -> Pendulum:
@@ -101,12 +131,22 @@ def planar_motion(parameters: Parameters, phi: float, phi_dot: float = 0.0) -> P
             side=1.0,
             offset=float(ellipkinc((np.pi + lean) / 2, kappa**-2)),
             rate=float(np.copysign(kappa * w, phi_dot)),
+            phi=phi,
+            phi_dot=phi_dot,
         )
     side = 1.0 if lean > 0 else -1.0
     # sn(x0) = d'/(2 w kappa sin(d/2)), positive on the way out
     sn = 0.0 if phi_dot == 0 else side * speed / (sine * np.sqrt(1 - m))
     offset = float(sn * elliprf(1 - sn**2, 1 - (1 - m) * sn**2, 1.0))
-    return Pendulum(parameters=parameters, constant=m, side=side, offset=offset, rate=w)
+    return Pendulum(
+        parameters=parameters,
+        constant=m,
+        side=side,
+        offset=offset,
+        rate=w,
+        phi=phi,
+        phi_dot=phi_dot,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
