@@ -1,6 +1,7 @@
 """Try what must not lose work, and write down how it went."""
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -10,7 +11,7 @@ import typer
 from harness.artefact import Table
 from harness.cli import printing
 from harness.cli.files import write_text
-from harness.errors import OutputError
+from harness.errors import InvalidSettingError, OutputError
 from harness.faults import TRIALS, Demands, Trial
 from harness.faults.processes import end_all
 from harness.provenance import provenance
@@ -28,39 +29,62 @@ _COLUMNS = {
 
 def faults(
     kills: Annotated[int, typer.Option(min=1, help="How many times the program is killed.")] = 50,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TRIAL",
+            help=f"Try this alone and write no report: {', '.join(TRIALS)}; repeat it.",
+        ),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder to write into; made if it is missing.")] = Path(
         "reports"
     ),
 ) -> None:
-    """Kill it, crash it, hang it, fill its disk, stop it, take its workers; write faults.md.
+    """Kill it, crash it, hang it, fill its disk, stop it, take its workers, sweep; write faults.md.
 
-    Leaves with code 1 if something was lost.
+    Leaves with code 1 if something was lost, or took too long.
     """
+    for name in only or ():
+        if name not in TRIALS:
+            raise InvalidSettingError("--only", name, ", ".join(TRIALS))
+    if not only:
+        _make(out)
+    found = _tried([name for name in TRIALS if not only or name in only], Demands(kills=kills))
+    rows = [(t.name, "passed" if t.passed else "FAILED", "\n".join(t.found)) for t in found]
+    console = printing.out()
+    console.print(printing.table("Faults", ("trial", "verdict", "found"), rows))
+    if not only:
+        write_text(_markdown(found), out / "faults.md")
+        write_text(csv_text(_table(found)), out / "faults.csv")
+        console.print(f"\nThe report: {out / 'faults.md'}")
+    if not all(trial.passed for trial in found):
+        raise typer.Exit(1)
+
+
+def _make(out: Path) -> None:
+    """Make the folder of the report, before anything takes its time."""
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
+
+
+def _tried(names: Sequence[str], demands: Demands) -> list[Trial]:
+    """Carry trials out beside a progress bar; what an interrupted one began is ended."""
     found: list[Trial] = []
     with printing.progress() as bar, tempfile.TemporaryDirectory(prefix="rockingcan-") as folder:
-        task = bar.add_task("starting", total=len(TRIALS))
+        task = bar.add_task("starting", total=len(names))
 
         def told(words: str) -> None:
             bar.update(task, description=words)
 
         try:
-            for trial in TRIALS:
-                found.append(trial(Demands(kills=kills), Path(folder), told))
+            for name in names:
+                found.append(TRIALS[name](demands, Path(folder), told))
                 bar.advance(task)
         finally:
             end_all()
-    write_text(_markdown(found), out / "faults.md")
-    write_text(csv_text(_table(found)), out / "faults.csv")
-    rows = [(t.name, "passed" if t.passed else "FAILED", "\n".join(t.found)) for t in found]
-    console = printing.out()
-    console.print(printing.table("Faults", ("trial", "verdict", "found"), rows))
-    console.print(f"\nThe report: {out / 'faults.md'}")
-    if not all(trial.passed for trial in found):
-        raise typer.Exit(1)
+    return found
 
 
 def _table(found: list[Trial]) -> Table:

@@ -15,6 +15,7 @@ import typer
 from typer.exceptions import TyperException
 
 from harness.cli.commands import app
+from harness.cli.standard_output import keep_for_answers
 from harness.errors import ClusterError, HarnessError, OutputError, ParityError
 from harness.interruption import Interrupted, listen
 from harness.store import StoreWarning
@@ -30,7 +31,7 @@ Show = Callable[[Warning | str, type[Warning], str, int, TextIO | None, str | No
 def main() -> None:
     """Run the command line and leave with its exit code."""
     listen()
-    _keep_standard_output()
+    keep_for_answers()
     sys.exit(code_of(sys.argv[1:]))
 
 
@@ -45,6 +46,7 @@ def code_of(arguments: list[str]) -> int:
 def _code_of(arguments: list[str]) -> int:
     try:
         code = app(arguments, prog_name="rockingcan", standalone_mode=False)
+        sys.stdout.flush()  # what cannot be said is to be known before the code is
     except Interrupted as error:
         return _complain(_stopped(error, arguments), error.exit_code)
     except (HarnessError, ModelError, TyperException) as error:
@@ -114,11 +116,3 @@ def _complain(message: str, code: int = WRONG_USE) -> int:
     """Say on standard error what was wrong, and return the exit code."""
     sys.stderr.write(f"rockingcan: {message}\n")
     return code
-
-
-def _keep_standard_output() -> None:
-    """Keep standard output for answers: what engines print from C goes to standard error."""
-    sys.stdout.flush()
-    answers = os.dup(1)
-    os.dup2(2, 1)
-    sys.stdout = os.fdopen(answers, "w", encoding="utf-8")

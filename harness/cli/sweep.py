@@ -15,7 +15,7 @@ from harness.cli import printing
 from harness.cli.answers import spell
 from harness.cli.words import settings
 from harness.errors import HarnessError, InvalidSettingError
-from harness.executors import Serial, cluster, local
+from harness.executors import Serial, check_address, cluster, local
 from harness.interruption import Interrupted
 from harness.isolation.limits import sensible
 from harness.provenance import provenance
@@ -75,6 +75,8 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     For example: rockingcan sweep paper-release --over release.psi_dot=-1:1:401
     --over release.theta_dot=-1:1:401 --out reports/signs
     """
+    if on is not None:
+        check_address(on)
     asked = list(quantity or ())
     if against is not None and quantity and against not in asked:
         asked.append(against)

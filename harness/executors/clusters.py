@@ -6,13 +6,14 @@ is lost, that is the machine's doing and the task is done elsewhere.
 """
 
 import importlib
+import re
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, Future
 from importlib.metadata import version
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
-from harness.errors import ClusterError, MissingPackageError
+from harness.errors import ClusterError, InvalidSettingError, MissingPackageError
 from harness.isolation import Limits, Loss, LostTaskError, inside
 
 P = ParamSpec("P")
@@ -20,6 +21,13 @@ T = TypeVar("T")
 
 _PATIENCE = 10.0
 """s for a scheduler to answer."""
+
+_ADDRESS = re.compile(
+    r"((tcp|tls|ucx|ws|wss)://)?(\[[0-9a-fA-F:.]+(%\w+)?\]|[\w.-]+):(?P<port>[0-9]{1,5})/?",
+    re.ASCII,
+)
+_LAST_PORT = 2**16 - 1
+_FORM = "the address of a Dask scheduler, such as tcp://host:8786"
 
 _TASKS_A_THREAD = 2
 """One that runs and one that has arrived: the network's delay does not show."""
@@ -37,11 +45,14 @@ def cluster(address: str, limits: Limits) -> "Cluster":
 
     Raises
     ------
+    InvalidSettingError
+        If it is no address.
     MissingPackageError
         If `distributed` is not installed.
     ClusterError
         If no scheduler answers, it has no workers, or they have another rockingcan.
     """
+    check_address(address)
     try:
         dask: Any = importlib.import_module("distributed")  # an extra: most runs need no cluster
     except ImportError as error:
@@ -59,6 +70,18 @@ def cluster(address: str, limits: Limits) -> "Cluster":
         client.close()
         raise
     return Cluster(client, limits)
+
+
+def check_address(address: str) -> None:
+    """Refuse what is no address; Dask's own client would find out late, and not let go.
+
+    Raises
+    ------
+    InvalidSettingError
+    """
+    found = _ADDRESS.fullmatch(address)
+    if found is None or not 0 < int(found["port"]) <= _LAST_PORT:
+        raise InvalidSettingError("--on", address, _FORM)
 
 
 def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package ships no types

@@ -1,4 +1,7 @@
-"""Trials of what must not lose work: kills, fallen engines, full disks, signals, lost workers."""
+"""Trials of what must not lose work: kills, fallen engines, full disks, signals, lost workers.
+
+And of what must stay quick: sweeps of a million releases.
+"""
 
 from harness.faults.trial import Trial
 from harness.faults.trials import TRIALS, Demands

@@ -1,14 +1,16 @@
 """The trials in their order."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 from harness.faults.deadly import deadly
 from harness.faults.disk import disk
 from harness.faults.kills import kills
 from harness.faults.lost_worker import lost_worker
 from harness.faults.signals import signals
+from harness.faults.sweeps import Sizes, sweeps
 from harness.faults.trial import Trial
 
 
@@ -19,17 +21,23 @@ class Demands:
     Parameters
     ----------
     kills : int
+    sweeps : Sizes
     """
 
     kills: int = 50
+    sweeps: Sizes = field(default_factory=Sizes)
 
 
 Told = Callable[[str], None]
 
-TRIALS: tuple[Callable[[Demands, Path, Told], Trial], ...] = (
-    lambda demands, folder, told: kills(demands.kills, folder, told),
-    lambda _, folder, told: deadly(folder, told),
-    lambda _, folder, told: disk(folder, told),
-    lambda _, folder, told: signals(folder, told),
-    lambda _, folder, told: lost_worker(folder, told),
+TRIALS: Mapping[str, Callable[[Demands, Path, Told], Trial]] = MappingProxyType(
+    {
+        "kills": lambda demands, folder, told: kills(demands.kills, folder, told),
+        "engines": lambda _, folder, told: deadly(folder, told),
+        "disk": lambda _, folder, told: disk(folder, told),
+        "signals": lambda _, folder, told: signals(folder, told),
+        "worker": lambda _, folder, told: lost_worker(folder, told),
+        "sweeps": lambda demands, folder, told: sweeps(demands.sweeps, folder, told),
+    }
 )
+"""By the names under which one is asked for alone."""

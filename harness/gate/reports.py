@@ -6,7 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import pandas as pd
+import pyarrow.parquet as pq
 
 from harness.case import Case
 from harness.gate.baseline import FILE, read_baseline
@@ -76,7 +76,10 @@ def read_scores(folder: Path) -> Scores:
 def _scores(
     folder: Path, manifest: Mapping[str, Any], told: Mapping[str, Mapping[str, Any]]
 ) -> Scores:
-    rows = pd.read_parquet(folder / RESULTS).to_dict("records")
+    # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
+    with pq.ParquetFile(folder / RESULTS, pre_buffer=False) as file:
+        table = file.read(use_threads=False)
+    rows = table.to_pandas(use_threads=False).to_dict("records")
     found: dict[Identity, Score] = {}
     versions = {"rockingcan": str(manifest["provenance"]["rockingcan"])}
     for row in rows:

@@ -89,7 +89,9 @@ def write_arrays(arrays: Mapping[str, Array]) -> bytes:
 
 def read_arrays(content: bytes, widths: Mapping[str, int | None]) -> dict[str, Array]:
     """Return the arrays of a Parquet file; None is the width of an array of one dimension."""
-    table = parquet.read_table(pa.BufferReader(content))
+    # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
+    with parquet.ParquetFile(pa.BufferReader(content), pre_buffer=False) as file:
+        table = file.read(use_threads=False)
     found: dict[str, Array] = {}
     for name, width in widths.items():
         if width is None:

@@ -55,7 +55,7 @@ class Store:
 
     def has(self, kind: str, key: str) -> bool:
         """Whether there is an entry; `get` may still find it broken."""
-        return not self.fresh and self.path(kind, key).is_file()
+        return not self.fresh and self.path(kind, key).exists()
 
     def get(self, kind: str, key: str) -> Content | None:
         """Return what is kept, or None if nothing is.
@@ -114,6 +114,7 @@ class Store:
         path = self.path(kind, key)
         try:
             with finishing():
+                self._make_way(kind, key)
                 file = None
                 if content.arrays:
                     arrays = write_arrays(content.arrays)
@@ -154,7 +155,7 @@ class Store:
     def reject(self, kind: str, key: str, reason: str) -> None:
         """Set a broken entry aside, with a `StoreWarning` that says why."""
         path, place = self.path(kind, key), self.folder / ASIDE
-        place.mkdir(exist_ok=True)
+        place.mkdir(parents=True, exist_ok=True)
         for file in (path, *path.parent.glob(f"{key}-*.parquet")):
             try:
                 file.rename(place / f"{kind}-{file.stem}-{uuid.uuid4().hex[:8]}{file.suffix}")
@@ -170,6 +171,12 @@ class Store:
     def path(self, kind: str, key: str) -> Path:
         """Return where the record of an entry is."""
         return self.folder / kind / key[:2] / f"{key}.json"
+
+    def _make_way(self, kind: str, key: str) -> None:
+        """Set aside an entry in whose place is a folder, which no file can replace."""
+        path = self.path(kind, key)
+        if any(file.is_dir() for file in (path, *path.parent.glob(f"{key}-*.parquet"))):
+            self.reject(kind, key, "a folder is where a file of it belongs")
 
     def _write(self, path: Path, content: bytes) -> None:
         """Write a file so that it is there whole or not at all, after a power cut too."""

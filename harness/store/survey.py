@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from pathlib import Path
 
 from harness.errors import StoreError
 from harness.store.entry import About
@@ -13,6 +14,9 @@ from harness.store.folder import ASIDE, DRAFTS, Store
 
 _RECENT = 3600.0
 """s: arrays without a record may belong to a program that is about to write it."""
+
+_SHELF = 2
+"""Characters of a key that name the folder of its entry."""
 
 
 class State(Enum):
@@ -47,7 +51,7 @@ class Found:
 
 
 def survey(store: Store, *, thoroughly: bool = False) -> Iterator[Found]:
-    """Yield every entry.
+    """Yield every entry; one that another program removes meanwhile is none.
 
     Parameters
     ----------
@@ -55,22 +59,32 @@ def survey(store: Store, *, thoroughly: bool = False) -> Iterator[Found]:
     thoroughly : bool
         True to read the arrays too and check them.
     """
-    for path in sorted(store.folder.glob("*/??/*.json")):
-        kind, key = path.parent.parent.name, path.stem
-        about, reason = None, ""
-        size = path.stat().st_size
-        try:
-            record = store.record(kind, key)
-            about = record.about
-            if record.arrays_file is not None:
-                arrays = path.with_name(record.arrays_file)
-                size += arrays.stat().st_size if arrays.exists() else 0
-            if thoroughly:
-                store.read(kind, key)
-        except StoreError as error:
-            reason = str(error)
-        state = State.BROKEN if reason else State.WHOLE
-        yield Found(kind=kind, key=key, state=state, about=about, size=size, reason=reason)
+    for path in _entries(store, ".json"):
+        found = _found(store, path, thoroughly=thoroughly)
+        if found is not None:
+            yield found
+
+
+def _found(store: Store, path: Path, *, thoroughly: bool) -> Found | None:
+    """Return the entry of a record's file, or None if it has gone meanwhile."""
+    kind, key = path.parent.parent.name, path.stem
+    about, reason = None, ""
+    size = _size(path)
+    try:
+        record = store.record(kind, key)
+        about = record.about
+        if record.arrays_file is not None:
+            size += _size(path.with_name(record.arrays_file))
+        if thoroughly:
+            store.read(kind, key)
+    except FileNotFoundError:
+        return None
+    except StoreError as error:
+        if not path.exists():  # a record goes before its arrays
+            return None
+        reason = str(error)
+    state = State.BROKEN if reason else State.WHOLE
+    return Found(kind=kind, key=key, state=state, about=about, size=size, reason=reason)
 
 
 def prune(store: Store, keep: Callable[[About], bool]) -> tuple[int, int]:
@@ -89,9 +103,9 @@ def prune(store: Store, keep: Callable[[About], bool]) -> tuple[int, int]:
     for found in list(survey(store)):
         if found.state is State.BROKEN or found.about is None or not keep(found.about):
             path = store.path(found.kind, found.key)
-            path.unlink(missing_ok=True)
+            _remove(path)
             for arrays in path.parent.glob(f"{found.key}-*.parquet"):
-                arrays.unlink(missing_ok=True)
+                _remove(arrays)
             removed += 1
     _remove_left_over(store)
     return removed, before - _bytes(store)
@@ -100,14 +114,54 @@ def prune(store: Store, keep: Callable[[About], bool]) -> tuple[int, int]:
 def _remove_left_over(store: Store) -> None:
     """Remove drafts of programs that are gone, arrays without a record, what was set aside."""
     shutil.rmtree(store.folder / ASIDE, ignore_errors=True)
-    for draft in (store.folder / DRAFTS).glob("*"):
+    for draft in _listed(store.folder / DRAFTS):
         owner = draft.name.partition("-")[0]
         if not (owner.isdigit() and _lives(int(owner))):
-            draft.unlink(missing_ok=True)
-    for arrays in store.folder.glob("*/??/*.parquet"):
+            _remove(draft)
+    for arrays in _entries(store, ".parquet"):
         record = arrays.with_name(f"{arrays.stem.rpartition('-')[0]}.json")
-        if not record.exists() and time.time() - arrays.stat().st_mtime > _RECENT:
-            arrays.unlink(missing_ok=True)
+        if not record.exists() and _age(arrays) > _RECENT:
+            _remove(arrays)
+
+
+def _remove(path: Path) -> None:
+    """Remove a file, or a folder that somebody put in its place; what is gone is gone."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _entries(store: Store, suffix: str) -> Iterator[Path]:
+    """Yield the files KIND/KK/KEY of a suffix, in order of their names."""
+    for kind in _listed(store.folder):
+        for shelf in _listed(kind):
+            if len(shelf.name) == _SHELF:
+                yield from (path for path in _listed(shelf) if path.suffix == suffix)
+
+
+def _listed(place: Path) -> list[Path]:
+    """Return what is in a folder, sorted; nothing if it is none, or has gone meanwhile."""
+    try:
+        return sorted(place.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+
+
+def _size(path: Path) -> int:
+    """Return the bytes of a file; none if it has gone meanwhile."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
+
+
+def _age(path: Path) -> float:
+    """Return the seconds since a file was written; none if it has gone meanwhile."""
+    try:
+        return time.time() - path.stat().st_mtime
+    except FileNotFoundError:
+        return 0.0
 
 
 def _lives(process: int) -> bool:
@@ -121,4 +175,7 @@ def _lives(process: int) -> bool:
 
 
 def _bytes(store: Store) -> int:
-    return sum(path.stat().st_size for path in store.folder.rglob("*") if path.is_file())
+    # a walk passes over what goes meanwhile, as a glob does not
+    return sum(
+        _size(Path(root, name)) for root, _, names in os.walk(store.folder) for name in names
+    )

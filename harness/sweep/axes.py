@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import InvalidSettingError
 from harness.sweep.parameters import PARAMETERS, Floats, check_range
@@ -62,11 +63,23 @@ class Axis:
         unit = PARAMETERS[self.name].unit
         return f"{self.name} [{unit}]" if unit else self.name
 
-    def grid(self) -> Floats:
-        """Return the values of a grid, shape (count,)."""
-        count = self.count or 1
-        make = np.geomspace if self.log else np.linspace
-        return np.asarray(make(self.low, self.high, count), dtype=np.float64)
+    def values(self, places: NDArray[np.intp]) -> Floats:
+        """Return some values of a grid, those of `linspace` or `geomspace`, shape of `places`.
+
+        Bit for bit: each from its own place alone, so that a long axis takes no memory.
+
+        Parameters
+        ----------
+        places : ndarray of int
+            From 0 for `low` to `count` - 1 for `high`.
+        """
+        last, ends = (self.count or 1) - 1, np.array((self.low, self.high))
+        if not self.log:
+            return _evenly(ends, last, places)
+        found: Floats = np.power(10.0, _evenly(np.log10(ends), last, places))
+        found[places == last] = self.high  # a power of a logarithm is not where it was
+        found[places == 0] = self.low
+        return found
 
     def at(self, share: Floats) -> Floats:
         """Return the values at shares in [0, 1] of the way, shape of `share`."""
@@ -88,6 +101,20 @@ class Axis:
         """Return the axis as it is typed."""
         count = "" if self.count is None else f":{self.count}"
         return f"{self.name}={'log:' if self.log else ''}{self.low!r}:{self.high!r}{count}"
+
+
+def _evenly(ends: Floats, last: int, places: NDArray[np.intp]) -> Floats:
+    """Return low + (high - low) place / last, by numpy's own operations in numpy's own order."""
+    low, high = ends
+    way = high - low
+    if not last:
+        return np.asarray(places * way + low, dtype=np.float64)
+    step = way / last
+    # of a range of denormal numbers a step is none
+    steps = places / np.float64(last) * way if step == 0.0 else places * step
+    found: Floats = steps + low
+    found[places == last] = high
+    return found
 
 
 def read_axis(text: str) -> Axis:

@@ -6,12 +6,10 @@ process however that ends.
 """
 
 import fcntl
-import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -23,23 +21,10 @@ from harness.sweep.parameters import PARAMETERS, Floats
 from harness.sweep.partition import Part
 from harness.sweep.planning import Plan
 from harness.sweep.quantities import QUANTITIES
+from harness.sweep.stated import DAMAGED, LOCK, PARTS, SUFFIX, check_same, write_plan
 
-PLAN = "sweep.json"
-PARTS = "parts"
-DAMAGED = "damaged"
-_FORMAT = "rockingcan-sweep"
 _OF_PLAN = b"rockingcan.plan"
 _OUTCOME = "How the scene ended; says why where the numbers are missing."
-
-
-class PlanMismatchError(HarnessError, ValueError):
-    """The folder holds another sweep than the one that is asked for."""
-
-    def __init__(self, out: Path, differing: str) -> None:
-        super().__init__(
-            f"'{out}' holds another sweep, which differs in {differing}; "
-            "choose another folder with --out, or remove this one"
-        )
 
 
 class Folder:
@@ -58,17 +43,24 @@ class Folder:
 
     def path(self, index: int) -> Path:
         """Return the file of a partition."""
-        return self.parts / f"part-{index:06d}-{self._digest}.parquet"
+        return self.parts / f"part-{index:06d}-{self._digest}{SUFFIX}"
 
     def missing(self) -> list[int]:
-        """Return the partitions that are not there, in order; damaged ones are set aside."""
+        """Return the partitions that are not there, in order; damaged ones are set aside.
+
+        Raises
+        ------
+        OutputError
+            If a damaged one cannot be.
+        """
         gone = []
         for index in range(self.plan.partitions):
             path = self.path(index)
             if path.exists() and not self._sound(index):
                 aside = self.out / DAMAGED
-                aside.mkdir(exist_ok=True)
-                self.damaged.append(path.rename(aside / path.name))
+                with _writing(self.out):
+                    aside.mkdir(exist_ok=True)
+                    self.damaged.append(path.rename(aside / path.name))
             if not path.exists():
                 gone.append(index)
         return gone
@@ -115,8 +107,10 @@ class Folder:
                 ) from error
 
     def _table(self, index: int) -> pa.Table:
+        # in this thread alone: one of Arrow's own that outlives the interpreter can abort it
         path = self.path(index)
-        return pq.read_table(path, page_checksum_verification=True, partitioning=None)
+        with pq.ParquetFile(path, page_checksum_verification=True, pre_buffer=False) as file:
+            return file.read(use_threads=False)
 
     def _sound(self, index: int) -> bool:
         """Whether the file of a partition is what was written."""
@@ -141,58 +135,34 @@ def opened(out: Path, plan: Plan) -> Iterator[Folder]:
         If the folder cannot be written, holds something else, or a sweep is at work there.
     """
     folder = Folder(out, plan)
-    try:
+    with _writing(out):
         if out.exists() and not out.is_dir():
             raise OutputError(f"cannot write a sweep to '{out}': it is a file, not a folder")
-        if out.exists() and any(out.iterdir()):
-            _check_same(out, plan)
+        check_same(out, plan)  # before anything is written into a folder of others
         folder.parts.mkdir(parents=True, exist_ok=True)
-        _write_plan(out, plan)
-        with (out / ".lock").open("w") as lock:
+        lock = (out / LOCK).open("w")
+    with lock:
+        with _writing(out):
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 raise OutputError(f"a sweep is already at work in '{out}'; wait for it") from None
+            check_same(out, plan)  # another sweep may have begun since
+            write_plan(out, plan)
             for draft in folder.parts.glob(".*.draft"):
                 draft.unlink()
-            yield folder
+        yield folder
+
+
+@contextmanager
+def _writing(out: Path) -> Iterator[None]:
+    """Say of a folder that it cannot be written to; what is said already passes as it is."""
+    try:
+        yield
     except OSError as error:
-        if isinstance(error, OutputError):
+        if isinstance(error, HarnessError):
             raise
         raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
-
-
-def _write_plan(out: Path, plan: Plan) -> None:
-    """Write the plan, if it is not there yet, whole or not at all."""
-    place = out / PLAN
-    if place.exists():
-        return
-    told = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.told()}
-    draft = out / f".{PLAN}.draft"
-    draft.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-    draft.replace(place)
-
-
-def _check_same(out: Path, plan: Plan) -> None:
-    """Refuse a folder that holds anything but this sweep."""
-    ours = {".lock", f".{PLAN}.draft", PARTS}
-    if not (out / PLAN).exists() and {path.name for path in out.iterdir()} <= ours:
-        return  # stopped before its plan was written
-    try:
-        found: Any = json.loads((out / PLAN).read_text(encoding="utf-8"))
-        there = found["plan"] if found["format"] == _FORMAT else None
-    except (OSError, ValueError, KeyError, TypeError):
-        there = None
-    if not isinstance(there, dict):
-        raise OutputError(
-            f"will not write a sweep to '{out}': the folder is not empty and holds no sweep of "
-            "rockingcan; choose another folder with --out"
-        )
-    here = plan.told()
-    differing = [key for key in here | there if here.get(key) != there.get(key)]
-    if differing:
-        words = [f"{key} ({there.get(key)!r:.200} there)" for key in differing if key != "scene"]
-        raise PlanMismatchError(out, ", ".join((["the scene"] * ("scene" in differing)) + words))
 
 
 def _table(part: Part, digest: str) -> pa.Table:

@@ -8,11 +8,12 @@ import hashlib
 import json
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from harness.case import Case, Value
@@ -22,7 +23,7 @@ from harness.runner import check
 from harness.sweep.axes import Axis
 from harness.sweep.parameters import Floats, scene_at
 from harness.sweep.quantities import DEFAULT, QUANTITIES
-from models.errors import ModelError
+from models.errors import InvalidValueError, ModelError
 from models.scene import Scene
 
 SAMPLES = ("grid", "random", "sobol", "halton")
@@ -94,16 +95,20 @@ class Plan:
         start = index * self.rows_per_partition
         return range(start, min(start + self.rows_per_partition, self.rows))
 
+    def places(self, rows: range) -> tuple[NDArray[np.intp], ...]:
+        """Return which value of each axis of a grid consecutive rows have, each of shape (n,)."""
+        shape = tuple(axis.count or 1 for axis in self.axes)
+        return np.unravel_index(np.arange(rows.start, rows.stop), shape)
+
     def values(self, rows: range) -> dict[str, Floats]:
         """Return the parameters of consecutive rows, each of shape (n,), by their names.
 
         The last axis of a grid varies fastest.
         """
         if self.sample == "grid":
-            shape = tuple(axis.count or 1 for axis in self.axes)
-            places = np.unravel_index(np.arange(rows.start, rows.stop), shape)
+            places = self.places(rows)
             return {
-                axis.name: axis.grid()[place] for axis, place in zip(self.axes, places, strict=True)
+                axis.name: axis.values(place) for axis, place in zip(self.axes, places, strict=True)
             }
         shares = _shares(self.sample, self.seed, len(self.axes), rows)
         return {axis.name: axis.at(shares[:, n]) for n, axis in enumerate(self.axes)}
@@ -137,8 +142,13 @@ class Plan:
 
     def digest(self) -> str:
         """Return 16 hexadecimal digits that name the plan."""
-        text = json.dumps(self.told(), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
+        return digest_of(self.told())
+
+
+def digest_of(told: Mapping[str, Any]) -> str:
+    """Return 16 hexadecimal digits that name a plan, from what it says of itself."""
+    text = json.dumps(told, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def plan(
@@ -217,8 +227,16 @@ def _check_axes(scene: Scene, axes: Sequence[Axis]) -> None:
         for end in (axis.low, axis.high):
             try:
                 scene_at(scene, {axis.name: end})
-            except (ModelError, TypeError) as error:
+            except InvalidValueError as error:
+                own = error.key == axis.name.rpartition(".")[2]
+                allowed = error.allowed if own else f"with `{error.key}` {error.allowed}"
+                raise InvalidSettingError(f"--over {axis.name}", end, allowed) from None
+            except ModelError as error:
                 raise InvalidSettingError(f"--over {axis.name}", end, str(error)) from None
+            except TypeError:
+                effect = axis.name.rpartition(".")[0]
+                only = f"nothing, unless the scene itself declares `{effect}` with its constants"
+                raise InvalidSettingError(f"--over {axis.name}", end, only) from None
 
 
 def _check_sample(axes: Sequence[Axis], sample: str, count: int | None, seed: int | None) -> None:
@@ -237,7 +255,7 @@ def _check_sample(axes: Sequence[Axis], sample: str, count: int | None, seed: in
             "--sample", sample, "random, sobol or halton beside --count and --seed"
         )
     if sample != "grid" and (count is None or count < 1):
-        raise InvalidSettingError("--count", count, f"how many scenes the {sample} sample has")
+        raise InvalidSettingError("--count", count, f"a whole number of {sample} scenes, 1 or more")
     if seed is not None and seed < 0:
         raise InvalidSettingError("--seed", seed, "zero or greater")
 

@@ -96,7 +96,8 @@ def _seen(plan: Plan, title: str, drawn: Floats) -> str:
     left_out = "Blank is a scene without the quantity"
     further = plan.axes[_FIRST_TWO:]
     if further and plan.sample == "grid":
-        fixed = (f"{axis.name} = {axis.grid()[(axis.count or 1) // 2]:.6g}" for axis in further)
+        middles = [axis.values(np.array([(axis.count or 1) // 2]))[0] for axis in further]
+        fixed = (f"{a.name} = {m:.6g}" for a, m in zip(further, middles, strict=True))
         left_out += f"; drawn is the plane {', '.join(fixed)}, the table has all"
     elif further:
         left_out += "; the further parameters vary from cell to cell, the table has all"

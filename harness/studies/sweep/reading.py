@@ -144,9 +144,10 @@ class _Sum:
 def _in_the_slice(plan: Plan, part: Part) -> Floats:
     """Return which rows a map shows: of a grid those in the middle of all further axes."""
     there = np.ones(len(part.rows), dtype=bool)
-    for axis in plan.axes[_IN_A_MAP:]:
-        if axis.count is not None:
-            there &= part.parameters[axis.column] == axis.grid()[axis.count // 2]
+    if plan.sample == "grid":
+        places = plan.places(part.rows)
+        for axis, place in zip(plan.axes[_IN_A_MAP:], places[_IN_A_MAP:], strict=True):
+            there &= place == (axis.count or 1) // 2
     return there
 
 

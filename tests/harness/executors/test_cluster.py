@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import ClusterError, MissingPackageError
-from harness.executors import cluster
+from harness.errors import ClusterError, InvalidSettingError, MissingPackageError
+from harness.executors import check_address, cluster
 from harness.faults.lost_worker import lost_worker
 from harness.isolation import NO_LIMITS
 
@@ -14,6 +14,26 @@ def test_without_a_scheduler_it_says_how_to_start_one(monkeypatch: pytest.Monkey
     monkeypatch.setattr("harness.executors.clusters._PATIENCE", 0.5)
     with pytest.raises(ClusterError, match=r"no Dask scheduler answers .* dask scheduler"):
         cluster("tcp://127.0.0.1:1", NO_LIMITS)
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["nonsense", "", "tcp://host", "host:", "host:0", "host:65536", "tcp://a b:1", "http://a:1"],
+)
+def test_what_is_no_address_is_refused_before_anything_is_tried(
+    address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.import_module", lambda name: pytest.fail(f"{name} is wanted"))
+    with pytest.raises(InvalidSettingError, match=r"--on.*such as tcp://host:8786"):
+        cluster(address, NO_LIMITS)
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["host:8786", "tcp://127.0.0.1:1", "tls://node-1.site.org:65535", "tcp://[fe80::1%eth0]:8786"],
+)
+def test_an_address_of_any_kind_is_taken(address: str) -> None:
+    check_address(address)
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
 """The trials of the fault report, shorter: five kills, and the others as they are."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from harness.faults.deadly import deadly
 from harness.faults.disk import disk
 from harness.faults.kills import kills
 from harness.faults.signals import signals
+from harness.faults.sweeps import Sizes, _Part, sweeps
 from harness.faults.trial import Trial
 
 pytestmark = pytest.mark.slow  # programs that are started dozens of times
@@ -28,3 +30,73 @@ def test_nothing_is_lost_in_five_kills(tmp_path: Path) -> None:
     found = kills(5, tmp_path, lambda _: None)
     assert found.passed, found.found
     assert "5 random moments" in found.done
+
+
+TINY = Sizes(maps=((2, 10), (4, 10), (8, 10), (10, 10)), runs=20, telling=False)
+
+
+def test_sweeps_are_timed_weighed_and_compared(tmp_path: Path) -> None:
+    found = sweeps(TINY, tmp_path, lambda _: None)
+    assert found.passed, found.found
+    command, cost, scaling = found.found
+    assert command.startswith("100 releases, the whole command")
+    # the interpreter with arrays and figures is some 100 MB
+    assert 30 < float(command.split("at most ")[1].split(" MB")[0]) < 500
+    assert all(f"us of {count}" in cost for count in (20, 40, 80, 100))
+    assert "1 files, the same to the byte" in scaling
+    assert all("(of so few not judged)" in part for part in (cost, scaling))
+    assert list((tmp_path / "command" / "map" / "parts").iterdir())
+
+
+_SLOW = """
+import os, time
+block = bytearray(b"1" * 60_000_000)
+child = os.fork()
+time.sleep(0.5)
+if child:
+    print('"scenes": 100')
+"""
+"""Two processes of 60 MB each, half a second long."""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "megabytes", "code", "passed"),
+    [
+        (60.0, 500.0, 0, True),
+        (0.4, 500.0, 0, False),
+        (60.0, 100.0, 0, False),
+        (60.0, 500.0, 3, False),
+    ],
+)
+def test_a_command_that_takes_too_long_or_too_much_or_fails_does_not_pass(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    seconds: float,
+    megabytes: float,
+    code: int,
+    *,
+    passed: bool,
+) -> None:
+    monkeypatch.setattr(
+        "harness.faults.sweeps._PROGRAM", f"{_SLOW}\nos._exit({code})" if code else _SLOW
+    )
+    monkeypatch.setattr("harness.faults.sweeps._SECONDS", seconds)
+    monkeypatch.setattr("harness.faults.sweeps._MEMORY", megabytes * 1e6)
+    monkeypatch.setattr("harness.faults.sweeps._cost", lambda *_: _Part(words="", passed=True))
+    monkeypatch.setattr("harness.faults.sweeps._scaling", lambda *_: _Part(words="", passed=True))
+    found = sweeps(TINY, tmp_path, lambda _: None)
+    assert found.passed is passed, found.found
+    held = float(found.found[0].split("at most ")[1].split(" MB")[0])
+    assert held > 120
+
+
+@pytest.mark.parametrize("telling", [True, False])
+def test_ratios_are_judged_where_they_tell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, telling: bool
+) -> None:
+    fine = _Part(words="", passed=True)
+    monkeypatch.setattr("harness.faults.sweeps._whole_command", lambda *_: fine)
+    monkeypatch.setattr("harness.faults.sweeps._FLAT", 0.0)
+    monkeypatch.setattr("harness.faults.sweeps._scaling", lambda *_: fine)
+    found = sweeps(replace(TINY, telling=telling), tmp_path, lambda _: None)
+    assert found.passed is not telling

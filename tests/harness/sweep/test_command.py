@@ -6,12 +6,16 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 
 from harness.cli.main import code_of
+from harness.errors import ClusterError
+from harness.executors import Serial
 
 SIGNS = (
     "sweep",
@@ -78,6 +82,7 @@ def test_wrong_use_is_one_message(tmp_path: Path, capsys: pytest.CaptureFixture[
         (*over, "--set", "rtol=soon"),
         (*over, "--count", "3"),
         (*over, "--jobs", "0"),
+        (*over, "--on", "nonsense"),
     ):
         assert code_of([*words, *out]) == 2
         said = capsys.readouterr()
@@ -85,6 +90,45 @@ def test_wrong_use_is_one_message(tmp_path: Path, capsys: pytest.CaptureFixture[
         assert said.err.startswith("rockingcan: ")
         assert len(said.err.splitlines()) == 1
         assert not (tmp_path / "out").exists()
+
+
+def test_an_unreachable_cluster_is_not_the_folders_fault(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.executors.clusters._PATIENCE", 0.5)
+    over = ("sweep", "gentle-rock", "--over", "can.h=1:2:3", "--out", str(tmp_path / "out"))
+    assert code_of([*over, "--on", "tcp://127.0.0.1:1"]) == 2
+    said = capsys.readouterr().err.strip()
+    assert said.startswith("rockingcan: no Dask scheduler answers at 'tcp://127.0.0.1:1'")
+    assert said.endswith("0 of 3 scenes are written.")
+
+
+class Leaving(Serial):
+    """A cluster that does one task and is gone."""
+
+    _left = False
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401 - as in the interface
+        """Do the first task."""
+        future: Future[Any] = super().submit(fn, *args, **kwargs)
+        if self._left:
+            future = Future()
+            future.set_exception(ClusterError("the scheduler is gone"))
+        self._left = True
+        return future
+
+
+def test_a_cluster_that_goes_away_leaves_what_is_written_and_says_how_much(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("harness.sweep.planning.EXACT_ROWS", 4)
+    monkeypatch.setattr("harness.cli.sweep.cluster", lambda *_: Leaving())
+    over = ("sweep", "gentle-rock", "--over", "can.h=1:2:9", "--out", str(tmp_path / "out"))
+    assert code_of([*over, "--on", "tcp://127.0.0.1:1"]) == 2
+    said = capsys.readouterr().err.strip()
+    assert said == "rockingcan: the scheduler is gone. 4 of 9 scenes are written."
+    assert code_of([*over, "--json"]) == 0
+    assert capsys.readouterr().err.strip().startswith("4 of 9 scenes are there, 5 to go")
 
 
 @pytest.mark.slow

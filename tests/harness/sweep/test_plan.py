@@ -1,5 +1,6 @@
 """Plans: which scenes, cut how, and what is refused before anything runs."""
 
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -24,6 +25,35 @@ def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest(planned: Planne
     assert chosen.rows == 9
     assert values["release.psi_dot"].tolist() == [-1.0] * 3 + [0.0] * 3 + [1.0] * 3
     assert values["can.h"].tolist() == pytest.approx([0.1, 1.0, 10.0] * 3, rel=1e-15)
+
+
+@settings(max_examples=300, deadline=None)
+@given(data=st.data(), spacing=st.sampled_from(["even", "log"]), count=st.integers(1, 3000))
+def test_values_of_a_grid_are_those_of_numpy_to_the_bit(
+    data: st.DataObject, spacing: str, count: int
+) -> None:
+    log = spacing == "log"
+    numbers = st.floats(1e-100 if log else -1e100, 1e100)
+    low, high = data.draw(numbers), data.draw(numbers)
+    axis = Axis(name="release.psi_dot", low=low, high=high, count=count, log=log)
+    whole = (np.geomspace if log else np.linspace)(low, high, count)
+    cut = data.draw(st.integers(0, count))
+    for places in (np.arange(cut), np.arange(cut, count), np.array([count // 2, 0, count - 1])):
+        assert axis.values(places).tobytes() == whole[places].tobytes()
+
+
+@pytest.mark.parametrize("spacing", ["", "log:"])
+def test_a_long_axis_takes_no_memory(planned: Planned, spacing: str) -> None:
+    chosen = planned("gentle-rock", f"release.psi_dot={spacing}0.5:2:60000000")
+    tracemalloc.start()
+    try:
+        first, last = chosen.values(chosen.span(0)), chosen.values(chosen.span(1831))
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 8e6  # ten columns of a partition of 32768; the axis itself is 480 MB
+    assert first["release.psi_dot"][0] == 0.5
+    assert last["release.psi_dot"][-1] == 2.0
 
 
 @pytest.mark.parametrize("sample", ["random", "sobol", "halton"])
@@ -124,6 +154,30 @@ def test_wrong_use_is_refused_with_what_is_allowed(planned: Planned, fault: str)
         planned("gentle-rock", *over, **more)
     for part in parts:
         assert part in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("over", "more", "allowed"),
+    [
+        ("effects.slip.mu=-1:1:3", {}, "cannot be -1.0; allowed: a finite number, zero or greater"),
+        (
+            "effects.compliance.damping=0:1:3",
+            {},
+            "unless the scene itself declares `effects.compliance` with its constants",
+        ),
+        (
+            "can.h=1:2",
+            {"sample": "halton", "count": 0},
+            "setting '--count' cannot be 0; allowed: a whole number of halton scenes, 1 or more",
+        ),
+    ],
+)
+def test_a_refusal_says_once_what_is_allowed(
+    planned: Planned, over: str, more: dict[str, Any], allowed: str
+) -> None:
+    with pytest.raises(HarnessError) as caught:
+        planned("gentle-rock", over, **more)
+    assert str(caught.value).endswith(allowed)
 
 
 def test_nothing_to_vary_is_refused() -> None:

@@ -1,0 +1,150 @@
+"""A store in which others write and remove meanwhile, and folders lie where files belong."""
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from harness.store import About, Content, State, Store, StoreWarning, prune, survey
+from harness.store.entry import Record
+from harness.store.folder import ASIDE, DRAFTS
+from tests.harness.store.test_store import KEY, content, put
+
+OTHER = KEY[:-2] + "cd"
+"""In the folder of `KEY`."""
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """Return an empty store."""
+    return Store(folder=tmp_path / "store")
+
+
+def folder_in_place_of(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+    (path / "mine").write_text("kept", encoding="utf-8")
+
+
+def test_an_entry_that_goes_before_it_is_looked_at_is_none(store: Store) -> None:
+    put(store)
+    gone = put(store, OTHER)
+    found = survey(store, thoroughly=True)
+    assert next(found).key == KEY
+    gone.unlink()
+    assert list(found) == []
+
+
+@pytest.mark.parametrize("moment", ["before its record is read", "before its arrays are"])
+def test_an_entry_that_goes_while_it_is_looked_at_is_none(
+    store: Store, monkeypatch: pytest.MonkeyPatch, moment: str
+) -> None:
+    put(store)
+    path = put(store, OTHER)
+    usual = Store.record
+
+    def record(self: Store, kind: str, key: str) -> Record:
+        if key == OTHER and moment == "before its record is read":
+            path.unlink()
+        found = usual(self, kind, key)
+        if key == OTHER:
+            for file in path.parent.glob(f"{OTHER}*"):
+                file.unlink()
+        return found
+
+    monkeypatch.setattr(Store, "record", record)
+    assert [found.key for found in survey(store, thoroughly=True)] == [KEY]
+
+
+def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(store: Store) -> None:
+    put(store)
+    done = threading.Event()
+
+    def others() -> None:
+        place = store.folder / DRAFTS
+        while not done.is_set():
+            passing = [place / f"{os.getpid()}-{number}-x.json" for number in range(20)]
+            shelves = [store.folder / "things" / f"{number:02d}" for number in range(20)]
+            for shelf in shelves:
+                shelf.mkdir(exist_ok=True)
+                passing += [shelf / f"{shelf.name}-{name}.parquet" for name in "ab"]
+            for path in passing:
+                path.write_bytes(b"")
+            for path in passing:
+                path.unlink(missing_ok=True)
+            for shelf in shelves:
+                shelf.rmdir()
+
+    thread = threading.Thread(target=others)
+    thread.start()
+    try:
+        for _ in range(60):
+            assert [found.key for found in survey(store, thoroughly=True)] == [KEY]
+            assert prune(store, lambda _: True)[0] == 0
+    finally:
+        done.set()
+        thread.join()
+
+
+@pytest.mark.parametrize("which", ["json", "parquet"])
+def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: Store, which: str) -> None:
+    path = put(store)
+    folder_in_place_of(next(path.parent.glob(f"*.{which}")))
+    (found,) = survey(store, thoroughly=True)
+    assert found.state is State.BROKEN
+    assert "Is a directory" in found.reason
+    with pytest.warns(StoreWarning, match="Is a directory; it is set aside"):
+        assert store.get("things", KEY) is None
+    assert [place.read_text() for place in (store.folder / ASIDE).rglob("mine")] == ["kept"]
+
+
+@pytest.mark.parametrize("which", ["json", "parquet"])
+def test_what_is_kept_over_a_folder_sets_it_aside(store: Store, which: str) -> None:
+    path = put(store)
+    folder_in_place_of(next(path.parent.glob(f"*.{which}")))
+    fresh = Store(folder=store.folder, fresh=True)  # which never looks at what is there
+    with pytest.warns(StoreWarning, match="a folder is where a file of it belongs"):
+        put(fresh)
+    found = store.get("things", KEY)
+    assert found is not None
+    assert found.arrays["count"].tobytes() == content().arrays["count"].tobytes()
+    assert [place.read_text() for place in (store.folder / ASIDE).rglob("mine")] == ["kept"]
+
+
+@pytest.mark.parametrize("where", ["record", "arrays", "draft"])
+def test_pruning_removes_folders_in_place_of_files(store: Store, where: str) -> None:
+    path = put(store)
+    draft = store.folder / DRAFTS / "999999999-dead-x.json"
+    draft.write_text("half", encoding="utf-8")
+    place = {"record": path, "arrays": next(path.parent.glob("*.parquet")), "draft": draft}[where]
+    folder_in_place_of(place)
+    prune(store, lambda about: where == "draft" and about.label == "a case")
+    assert not place.exists()
+
+
+def test_reading_leaves_no_thread_that_could_outlive_the_program(store: Store) -> None:
+    store.put("things", KEY, About(label="a case"), Content(record={}, arrays=content().arrays))
+    program = f"""
+import sys
+from pathlib import Path
+sys.path.insert(0, {str(Path(__file__).parents[3])!r})
+from harness.store import Store
+
+
+def threads():
+    names = [place.read_text() for place in Path("/proc/self/task").glob("*/comm")]
+    return len([name for name in names if not name.startswith("jemalloc")])  # it runs no Python
+
+
+before = threads()
+found = Store(folder=Path({str(store.folder)!r})).get("things", {KEY!r})
+assert found is not None and len(found.arrays["count"]) == 50
+print(threads() - before)
+"""
+    done = subprocess.run(  # noqa: S603 - our own program
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout == "0\n"
