@@ -1,4 +1,4 @@
-"""How a rim can touch the plane: sticking or slipping, turning about the normal or held."""
+"""How a rim can touch the plane: sticking or slipping, rolling or resting, turning or held."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -41,10 +41,13 @@ class Mode:
     turns : int
         Sense of turning about the normal where that meets friction; 0 where friction holds it, and
         where there is none.
+    rests : bool
+        Whether rolling resistance holds the level part of the angular velocity at zero.
     """
 
     slips: bool = False
     turns: int = 0
+    rests: bool = False
 
     @property
     def kind(self) -> Kind:
@@ -89,6 +92,11 @@ class Equations(Protocol):
     @property
     def drilling(self) -> float:
         """Arm of the moment against turning about the normal."""
+        ...
+
+    @property
+    def resistance(self) -> float:
+        """Arm of the moment against rolling."""
         ...
 
     @property

@@ -69,6 +69,11 @@ class CoulombEquations:
         return 0.0
 
     @property
+    def resistance(self) -> float:
+        """No arm: rolling meets no resistance."""
+        return 0.0
+
+    @property
     def pulls(self) -> bool:
         """Whether the plane may pull: under a rim that never slips it is not asked."""
         return bool(np.isinf(self.mu))

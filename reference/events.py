@@ -13,8 +13,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from reference.contact_modes import Contact, Equations
-from reference.incipient import slack
+from reference.incipient import LEAN_OF_CAN, slack
 from reference.pieces import Piece
+from reference.rolled import stands
 from reference.rows import LEAN, TIME, U1, U2, W2
 from reference.states import Floats
 
@@ -23,8 +24,6 @@ LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 FLAT = -60.0
 # Of the bracket under N: nearer to zero the normal force is no longer a number.
 LEAST_GRIP = 1e-6
-# A slip slower than this and slowing is about to stop: round-off of the can's own velocity.
-STOPPED = 1e-14
 
 
 class What(Enum):
@@ -40,6 +39,7 @@ class What(Enum):
     JAMS = auto()
     HELD = auto()
     TURNS = auto()
+    ROLLS = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +82,10 @@ def events(piece: Piece, equations: Equations, t_end: float) -> list[Event]:
         # a slip that begins has no direction yet
         begun = np.hypot(y[U1], y[U2]) > 0
         looks, y = looks[begun], y[:, begun]
+    if equations.resistance and not piece.mode.rests:
+        # nor has a rolling that does
+        begun = np.logical_not(stands(y))
+        looks, y = looks[begun], y[:, begun]
     seen = Seen(y, piece, equations)
 
     def crossings(margin: Margin) -> list[float]:
@@ -106,9 +110,12 @@ def _margins(piece: Piece, equations: Equations, t_end: float) -> dict[What, Mar
     margins: dict[What, Margin] = {
         What.OVERTURNED: lambda seen: -seen.y[LEAN],
         What.FLAT: lambda seen: seen.y[LEAN] - FLAT,
-        What.MAXIMUM: lambda seen: -seen.y[W2],
-        What.MINIMUM: lambda seen: seen.y[W2],
     }
+    if mode.rests:
+        margins[What.ROLLS] = lambda seen: slack(equations, seen.contact, LEAN_OF_CAN)
+    else:
+        margins[What.MAXIMUM] = lambda seen: -seen.y[W2]
+        margins[What.MINIMUM] = lambda seen: seen.y[W2]
     if np.isfinite(t_end):
         margins[What.HORIZON] = lambda seen: t_end - seen.y[TIME]
     if not equations.pulls:

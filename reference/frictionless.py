@@ -77,6 +77,11 @@ class FrictionlessEquations:
         return 0.0
 
     @property
+    def resistance(self) -> float:
+        """No arm either."""
+        return 0.0
+
+    @property
     def pulls(self) -> bool:
         """Whether the plane may pull: it may not."""
         return False

@@ -11,8 +11,9 @@ the plane's frame, and drag,
 
 hence (w', u') = (w', u')_free + D (Q, F) with a matrix D that is symmetric and positive definite:
 what is held (u_z always; u while the rim sticks; the turning about the normal while drilling
-friction holds it) fixes as many components of (Q, F), and what slides has a moment or force that is
-proportional to the normal force:
+friction holds it, and the level part w_h of the turning while rolling resistance does) fixes as
+many components of (Q, F), and what slides has a moment or force that is proportional to the normal
+force:
 
     F = -mu N u/|u|,    Q_z = -l_d N sign(w_z),    Q_h = -l_r N w_h/|w_h|.
 
@@ -51,7 +52,7 @@ from reference.rows import (
 from reference.states import Floats
 
 # Components of (w', u') and of (Q, F) along (cos psi, sin psi, 0), (-sin psi, cos psi, 0), z.
-TURNING_Z, SLIP_1, SLIP_2, NORMAL = 2, 3, 4, 5
+ROLLING_1, ROLLING_2, TURNING_Z, SLIP_1, SLIP_2, NORMAL = range(6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,6 +95,11 @@ class GeneralEquations:
         return self.effects.drilling
 
     @property
+    def resistance(self) -> float:
+        """Arm of the moment against rolling."""
+        return self.effects.rolling_resistance
+
+    @property
     def pulls(self) -> bool:
         """Whether the plane may pull: where no law needs the normal force, it is not asked."""
         e = self.effects
@@ -125,7 +131,8 @@ class GeneralEquations:
         e, here = self.effects, self._setting(y, mode)
         at, found = here.at, self._contact(y, mode, here)
         w1, w2, w3 = y[TURN]
-        rotation = at.S * w3 - at.C * w1
+        # without level turning the axes stay, to the last bit
+        rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
         out = np.zeros((ROWS, y.shape[1]))
         out[LEAN] = -w2
         out[TURN] = found.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
@@ -213,6 +220,8 @@ class GeneralEquations:
             held = [SLIP_1, SLIP_2, NORMAL]
         if e.drilling and not mode.turns:
             held = [TURNING_Z, *held]
+        if mode.rests:
+            held = [ROLLING_1, ROLLING_2, *held]
         # what a unit of normal force brings with it
         law = np.zeros((6, at.S.size))
         law[NORMAL] = 1.0
@@ -220,9 +229,9 @@ class GeneralEquations:
             law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / np.hypot(y[U1], y[U2])
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
-        if e.rolling_resistance:
+        if e.rolling_resistance and not mode.rests:
             level = to_level(w, at)[:2]
-            law[:2] = -e.rolling_resistance * level / np.hypot(*level)
+            law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / np.hypot(*level)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)

@@ -9,13 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reference.beginnings import Beginning, begin, begin_roll, begin_slip, settled, straight_on
 from reference.contact_modes import Equations, Kind, Mode, Phase
-from reference.events import STOPPED, Event, What, events
-from reference.incipient import Onset, onset, slack
+from reference.events import Event, What, events
+from reference.halting import at_rest, halted, left_of_roll, left_of_slip
 from reference.outcome import Outcome
 from reference.pieces import Piece, PiecesPath
 from reference.problem import Problem
 from reference.radau import STAGES, basis, basis_at, coefficients, integrator, points, step
+from reference.rolled import HARDLY, sizes_of_rolling, stands
 from reference.rows import (
     ALONG,
     LEAN,
@@ -24,8 +26,6 @@ from reference.rows import (
     SLIP,
     TIME,
     TURN,
-    U1,
-    U2,
     W2,
     Index,
     released,
@@ -46,7 +46,7 @@ LONGEST = 8.0
 FIRST = 0.05
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
-# Where slip is about to stop a step covers this share of what is left of it.
+# Where a slip or a rolling is about to stop a step covers this share of what is left of it.
 SHARE = 0.8
 # Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
 # hangs on it. `cusps` with friction, the hardest of the catalogue, takes 170 thousand.
@@ -80,15 +80,17 @@ class Follower:
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Piece] = []
-        self._onset: Onset | None = None
-        self._mode = self._turning(Mode(slips=problem.slip != (0.0, 0.0)))
-        falls = equations.rates(self._y[:, None], self._mode)[W2, 0]
+        mode = Mode(slips=problem.slip != (0.0, 0.0))
+        if equations.resistance and stands(self._y[:, None])[0]:
+            self._y, mode = at_rest(self._y, mode)
+        now = begin(equations, self._y, mode)
+        falls = equations.rates(now.hardly(self._y), now.mode)[W2, 0]
         self.watch = Watch(problem, fall=-float(falls))
-        normal = equations.contact(self._y[:, None], self._mode).force[2, 0]
-        if normal <= 0 and not equations.pulls:
-            self.watch.end(0.0, Outcome.LIFTED)
-        else:
-            self._settle()
+        self._go_on(now)
+
+    @property
+    def _mode(self) -> Mode:
+        return self._now.mode
 
     def run(self) -> PhasedRun:
         """Follow the can to its end."""
@@ -114,15 +116,17 @@ class Follower:
 
     def _step(self) -> Piece | None:
         """Take the longest step that is resolved, unless too much has been spent."""
-        length = min(self._length, LONGEST, self._left_of_slip())
+        length = min(self._length, LONGEST, self._left())
         rows = self._equations.core(self._mode)
+        rolls = self._equations.resistance and not self._mode.rests
+        size = sizes_of_rolling if rolls else sizes
         while length > SHORTEST and self._evaluations <= MOST_WORK:
             taken = step(
                 lambda core: self._rates(core, rows)[rows],
                 self._y[rows],
                 length,
                 self._guess(length)[rows],
-                lambda core: sizes(rows, core),
+                lambda core: size(rows, core),
             )
             self._evaluations += taken.evaluations * STAGES
             if taken.change is None:
@@ -140,6 +144,13 @@ class Follower:
                 start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode
             )
         return None
+
+    def _left(self) -> float:
+        """Return how far to go while something slows down: not beyond its end."""
+        if self._now.at_once:
+            return LONGEST
+        here = self._equations, self._y, self._mode
+        return SHARE * min(left_of_slip(*here), left_of_roll(*here))
 
     def _rates(self, core: Floats, rows: Index) -> Floats:
         full = np.repeat(self._y[:, None], core.shape[1], axis=1)
@@ -170,14 +181,17 @@ class Follower:
         # of a part of the angular velocity that is zero there is only the noise of the others
         size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
         size[SLIP] = np.maximum(size[SLIP], LEAST_SLIP)
+        if self._equations.resistance:
+            # where it all but holds the can, moments of size 1 leave their round-off
+            size[TURN] = np.maximum(size[TURN], QUIET)
         return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
 
     def _guess(self, length: float) -> Floats:
         """Guess the change in a step: straight on."""
-        column = self._y[:, None]
         c = length * points()
         last = self._pieces[-1] if self._pieces else None
-        if self._onset is None and last is not None and last.mode == self._mode:
+        now = self._now
+        if not now.at_once and last is not None and last.mode == now.mode:
             # on along the last step, as far as its polynomial means anything beyond its end
             head = last.coefficients[:, :EXTRAPOLATED]
             ahead = basis(last.cut + c / last.length)[:, :EXTRAPOLATED]
@@ -185,25 +199,7 @@ class Follower:
                 :, :EXTRAPOLATED
             ]
             return np.asarray(head @ (ahead - here).T)
-        if self._onset is None:
-            return self._equations.rates(column, self._mode) * c
-        rates = self._equations.rates(column, replace(self._mode, slips=False))
-        slip = self._onset
-        guess = rates * c
-        guess[SLIP] = (
-            slip.size * c**slip.power * np.array([[np.cos(slip.angle)], [np.sin(slip.angle)]])
-        )
-        return guess
-
-    def _left_of_slip(self) -> float:
-        """Return how far to go while slip slows down: not beyond its end."""
-        if not self._mode.slips or self._onset is not None:
-            return LONGEST
-        u = self._y[SLIP]
-        speed = np.hypot(*u)
-        rates = self._equations.rates(self._y[:, None], self._mode, along=False)
-        slowing = -(u @ rates[SLIP, 0]) / speed
-        return float(SHARE * speed / slowing) if slowing > 0 else LONGEST
+        return straight_on(self._equations, self._y, now, c)
 
     def _see(self, piece: Piece) -> None:
         """Report a step, up to the first thing that ends it, and go on from there."""
@@ -221,7 +217,7 @@ class Follower:
                 break
         piece = replace(piece, cut=cut)
         self._pieces.append(piece)
-        self._y, self._onset = piece.end, None
+        self._y, self._now = piece.end, Beginning(mode=self._mode)
         self._switch(ending)
         if not self.watch.ended():
             self.watch.advance(float(self._y[TIME]))
@@ -231,56 +227,53 @@ class Follower:
         if event is not None and event.what in ENDINGS:
             self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
         elif event is not None and event.what is What.SLIPS:
-            self._begin_slip()
+            now = begin_slip(self._equations, self._y, self._now)
+            self._go_on(settled(self._equations, self._y, now))
+        elif event is not None and event.what is What.ROLLS:
+            now = begin_roll(self._equations, self._y, self._now)
+            self._go_on(settled(self._equations, self._y, now))
+            self._turned(before=0.0)
         elif event is not None:
-            self._mode = self._turning(self._mode)
-            self._settle()
-        elif self._mode.slips:
-            slows = self._left_of_slip() < LONGEST
-            if slows and float(np.hypot(*self._y[SLIP])) <= STOPPED:
-                self._y[SLIP] = 0.0
-                self._mode = replace(self._mode, slips=False)
-                # the steps of a slip that stops are as short as what is left of it, not the next's
-                self._length = FIRST
-                self._settle()
+            self._go_on(begin(self._equations, self._y, self._mode))
+        else:
+            self._halt()
 
-    def _settle(self) -> None:
-        """Let a rim at rest stick if the cone allows it, else slip."""
-        if self._mode.slips or np.isinf(self._equations.mu):
-            return
-        found = self._equations.contact(self._y[:, None], self._mode)
-        if float(slack(self._equations, found)[0]) < 0:
-            self._begin_slip()
+    def _halt(self) -> None:
+        """Hold what has all but stopped, if it may be held."""
+        before = float(self._y[W2])
+        self._y, mode = halted(self._equations, self._y, self._mode)
+        if mode != self._mode:
+            rests = mode.rests and not self._mode.rests
+            # the steps of what stops are as short as what is left of it, not the next's
+            self._length = FIRST
+            self._go_on(begin(self._equations, self._y, mode))
+            if rests:
+                self._turned(before=before)
 
-    def _begin_slip(self) -> None:
-        self._onset = onset(self._equations, self._y, self._mode)
-        if self._onset is None:
-            normal = self._equations.contact(self._y[:, None], self._mode).force[2, 0]
-            self.watch.end(float(self._y[TIME]), Outcome.LIFTED if normal <= 0 else Outcome.JAMMED)
-            return
-        self._mode = replace(self._mode, slips=True)
-        self._length = min(self._length, FIRST)
+    def _turned(self, *, before: float) -> None:
+        """Report an extremum where phi comes to rest, or begins to move."""
+        roll = self._now.roll
+        after = 0.0 if roll is None else float(np.sin(roll.angle))
+        if not self.watch.ended() and np.sign(before) != np.sign(after):
+            maximum = before < 0 or (before == 0 and after > 0)
+            self.watch.extremum(float(self._y[TIME]), snapshot_of(self._y), maximum=maximum)
 
-    def _turning(self, mode: Mode) -> Mode:
-        """Return the mode in which turning about the normal goes on, or is held."""
-        if not self._equations.drilling:
-            return mode
-        column = self._y[:, None]
-        turning = float(self._equations.turning(column)[0])
-        held = replace(mode, turns=0)
-        found = self._equations.contact(column, held)
-        limit, needed = self._equations.drilling * found.force[2, 0], found.moment[2, 0]
-        small = 1e-12 * (1 + float(np.abs(self._y[[U1, U2, W2]]).max()))
-        if abs(turning) > small:
-            return replace(mode, turns=int(np.sign(turning)))
-        if abs(needed) < limit:
-            return held
-        return replace(mode, turns=int(-np.sign(needed)))
+    def _go_on(self, now: Beginning) -> None:
+        """Go on as it begins, or end."""
+        self._now = now
+        if now.at_once:
+            self._length = min(self._length, FIRST)
+        if now.ending is not None:
+            self.watch.end(float(self._y[TIME]), now.ending)
 
     def _standing(self) -> Piece:
+        series = np.zeros((ROWS, STAGES + 1))
+        # what begins has its direction, though there is no step
+        if self._now.at_once:
+            series[:, 1] = HARDLY * self._guess(1.0)[:, -1]
         return Piece(
             start=self._y,
-            coefficients=np.zeros((ROWS, STAGES + 1)),
+            coefficients=series,
             cut=1.0,
             length=0.0,
             mode=self._mode,

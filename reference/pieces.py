@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.contact_modes import Equations, Mode
+from reference.frames import to_level
 from reference.radau import STAGES, basis, basis_at
+from reference.rolled import rolled, stands
 from reference.rows import (
     DISSIPATED,
     LEAN,
@@ -15,6 +17,7 @@ from reference.rows import (
     SUPPLIED,
     TIME,
     TOTAL,
+    TURN,
     U1,
     U2,
     W1,
@@ -28,7 +31,7 @@ from reference.states import Floats, States
 
 # Halvings that find an instant in a piece to round-off.
 HALVINGS = 60
-# How far into a piece a slip that begins with it has a direction.
+# How far into a piece a slip, or a rolling, that begins with it has a direction.
 AHEAD = 1e-3
 # Where within a piece its nodes are looked at.
 LOOKS = (0.0, 0.25, 0.5, 0.75)
@@ -169,7 +172,12 @@ class PiecesPath:
         )
 
     def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:
-        """Give a slip that begins at this instant the direction that it is about to take."""
+        """Give what begins at this instant the direction that it is about to take."""
+        if self._equations.resistance and not mode.rests and (resting := stands(y)).any():
+            ahead = self._coefficients[number[resting]] @ basis(np.array([AHEAD]))[0]
+            level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
+            y = y.copy()
+            y[:, resting] = rolled(y[:, resting], level / np.hypot(*level))
         still = np.flatnonzero(np.hypot(y[U1], y[U2]) == 0)
         if not mode.slips or not still.size:
             return y

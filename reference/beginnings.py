@@ -1,0 +1,166 @@
+"""What a contact begins to do where a law changes: what holds, and what gives way and how.
+
+Everything at rest is held first. What asks for more than its limit is let go, and begins in the
+direction of its own acceleration (`reference.incipient`); as that changes what the others ask for
+they are looked at again, until all agree: the level turning first, then the turning about the
+normal, then the slip.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.contact_modes import Contact, Equations, Mode
+from reference.incipient import LEAN_OF_CAN, RIM, Onset, onset, slack
+from reference.outcome import Outcome
+from reference.rolled import with_level
+from reference.rows import SLIP, TURN, U1, U2, W2
+from reference.states import Floats
+
+# Rounds in which slip and rolling that begin together find their directions, each with the other's;
+# a Newton iteration starts from them, to which a guess is enough.
+ROUNDS = 12
+AGREED = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Beginning:
+    """What happens from an instant on.
+
+    Attributes
+    ----------
+    mode : Mode
+    slip, roll : Onset or None
+        How it begins, if it does.
+    ending : Outcome or None
+        Why there is nothing to follow.
+    """
+
+    mode: Mode
+    slip: Onset | None = None
+    roll: Onset | None = None
+    ending: Outcome | None = None
+
+    @property
+    def at_once(self) -> bool:
+        """Whether something begins from nothing."""
+        return self.slip is not None or self.roll is not None
+
+    def hardly(self, y: Floats) -> Floats:
+        """Return a state, shape (13, 1), in which all that begins has begun hardly."""
+        column = y[:, None]
+        if self.roll is not None:
+            column = LEAN_OF_CAN.hardly(column, self.roll.direction[:, None])
+        if self.slip is not None:
+            column = RIM.hardly(column, self.slip.direction[:, None])
+        return column
+
+
+def begin(equations: Equations, y: Floats, mode: Mode) -> Beginning:
+    """Return how a motion goes on.
+
+    Parameters
+    ----------
+    equations : Equations
+    y : ndarray, shape (13,)
+    mode : Mode
+        With all held that is at rest.
+    """
+    now = Beginning(mode=turning(equations, y[:, None], mode))
+    found = equations.contact(now.hardly(y), now.mode)
+    if not equations.pulls and found.force[2, 0] <= 0:
+        return replace(now, ending=Outcome.LIFTED)
+    return settled(equations, y, now)
+
+
+def settled(equations: Equations, y: Floats, now: Beginning) -> Beginning:
+    """Let go of what is held beyond its limit, until all the rest holds."""
+    while now.ending is None:
+        then = _give_way(equations, y, now)
+        if then == now:
+            break
+        now = then
+    return _agree(equations, y, now) if now.slip and now.roll and now.ending is None else now
+
+
+def begin_slip(equations: Equations, y: Floats, now: Beginning) -> Beginning:
+    """Let the rim slip."""
+    slip = onset(equations, now.hardly(y)[:, 0], now.mode)
+    if slip is None:
+        return replace(now, ending=_no_way(equations.contact(now.hardly(y), now.mode)))
+    return replace(now, mode=RIM.freed(now.mode), slip=slip)
+
+
+def begin_roll(equations: Equations, y: Floats, now: Beginning) -> Beginning:
+    """Let the can roll."""
+    roll = onset(equations, now.hardly(y)[:, 0], now.mode, LEAN_OF_CAN)
+    if roll is None:
+        return replace(now, ending=_no_way(equations.contact(now.hardly(y), now.mode)))
+    return replace(now, mode=LEAN_OF_CAN.freed(now.mode), roll=roll)
+
+
+def straight_on(equations: Equations, y: Floats, now: Beginning, ahead: Floats) -> Floats:
+    """Guess the change of a state, shape (13, n), so much later, shape (n,) in sigma."""
+    column = replace(now, slip=None).hardly(y)
+    sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
+    guess = equations.rates(column, sticking) * ahead
+    if now.roll is not None:
+        level = now.roll.size * ahead**now.roll.power * now.roll.direction[:, None]
+        guess[TURN] = with_level(y[:, None] + guess, level)[TURN] - y[TURN, None]
+    if now.slip is not None:
+        guess[SLIP] = now.slip.size * ahead**now.slip.power * now.slip.direction[:, None]
+    return guess
+
+
+def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
+    """Return the mode in which turning about the normal goes on, or is held."""
+    if not equations.drilling:
+        return mode
+    about = float(equations.turning(column)[0])
+    held = replace(mode, turns=0)
+    found = equations.contact(column, held)
+    limit, needed = equations.drilling * found.force[2, 0], found.moment[2, 0]
+    small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
+    if abs(about) > small:
+        return replace(mode, turns=int(np.sign(about)))
+    if abs(needed) < limit:
+        return held
+    return replace(mode, turns=int(-np.sign(needed)))
+
+
+def _give_way(equations: Equations, y: Floats, now: Beginning) -> Beginning:
+    """Let go of one thing that is held beyond its limit."""
+    found = equations.contact(now.hardly(y), now.mode)
+    if now.mode.rests and slack(equations, found, LEAN_OF_CAN)[0] < 0:
+        return begin_roll(equations, y, now)
+    if equations.drilling and now.mode.turns == 0:
+        mode = turning(equations, now.hardly(y), now.mode)
+        if mode != now.mode:
+            return replace(now, mode=mode)
+    if not now.mode.slips and np.isfinite(equations.mu) and slack(equations, found)[0] < 0:
+        return begin_slip(equations, y, now)
+    return now
+
+
+def _agree(equations: Equations, y: Floats, now: Beginning) -> Beginning:
+    """Find the directions of a slip and a rolling that begin together."""
+    for _ in range(ROUNDS):
+        before = now
+        now = begin_roll(equations, y, replace(now, roll=None, mode=replace(now.mode, rests=True)))
+        if now.ending is None:
+            now = begin_slip(
+                equations, y, replace(now, slip=None, mode=replace(now.mode, slips=False))
+            )
+        if now.ending is not None or _apart(before, now) < AGREED:
+            break
+    return now
+
+
+def _apart(one: Beginning, other: Beginning) -> float:
+    """How much two beginnings differ in their directions."""
+    pairs = ((one.slip, other.slip), (one.roll, other.roll))
+    return max(float(np.abs(a.direction - b.direction).max()) for a, b in pairs if a and b)
+
+
+def _no_way(found: Contact) -> Outcome:
+    return Outcome.LIFTED if found.force[2, 0] <= 0 else Outcome.JAMMED

@@ -1,0 +1,65 @@
+"""How far it is to where a slip, or a rolling that meets resistance, comes to rest."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.contact_modes import Equations, Mode
+from reference.frames import to_level
+from reference.rolled import BESIDE, level_turning, with_level
+from reference.rows import LEAN, SLIP, TURN, Angles
+from reference.states import Floats
+
+# A slip or a level turning slower than this and slowing is about to stop: round-off of the can's
+# own velocity.
+STOPPED = 1e-14
+
+
+def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
+    """Return sigma until the slip of a state, shape (13,), stops at its rate; inf if it never does.
+
+    Parameters
+    ----------
+    equations : Equations
+    y : ndarray, shape (13,)
+    mode : Mode
+    """
+    if not mode.slips:
+        return np.inf
+    rates = equations.rates(y[:, None], mode, along=False)
+    return _until_none(y[SLIP], rates[SLIP, 0])
+
+
+def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
+    """Return sigma until the level turning stops; inf if nothing resists it, or it never does."""
+    if not equations.resistance or mode.rests:
+        return np.inf
+    column = y[:, None]
+    turning = to_level(equations.contact(column, mode).turning, Angles.of(column[LEAN]))
+    return _until_none(level_turning(column)[:, 0], turning[:2, 0])
+
+
+def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
+    """Return a state without what has all but stopped, and the mode that holds it."""
+    if np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left_of_slip(equations, y, mode)):
+        y, mode = y.copy(), replace(mode, slips=False)
+        y[SLIP] = 0.0
+    if not equations.resistance:
+        return y, mode
+    # beside a turning about the vertical the little that is left has no direction
+    least = STOPPED + BESIDE * float(np.abs(y[TURN]).max())
+    speed = float(np.hypot(*level_turning(y[:, None])[:, 0]))
+    if speed <= least and np.isfinite(left_of_roll(equations, y, mode)):
+        y, mode = at_rest(y, mode)
+    return y, mode
+
+
+def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
+    """Return a state without level turning, of which there was only round-off, that is held."""
+    return with_level(y[:, None], np.zeros((2, 1)))[:, 0], replace(mode, rests=True)
+
+
+def _until_none(velocity: Floats, acceleration: Floats) -> float:
+    speed = np.hypot(*velocity)
+    slowing = -(velocity @ acceleration) / speed
+    return float(speed / slowing) if slowing > 0 else np.inf
