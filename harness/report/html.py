@@ -5,6 +5,7 @@ scripts, and a printer, sees the pictures. Every text is escaped by the template
 own content policy forbids it to load anything.
 """
 
+import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,7 +19,7 @@ from harness.provenance import Provenance
 from harness.report.cells import Grid, grid
 from harness.report.chapter import Chapter
 from harness.report.contents import Part, Picture, Report
-from harness.report.interactive import description, plotly_packed
+from harness.report.interactive import description, packed, plotly_packed
 from harness.report.legend import Entry, entries
 from harness.report.naming import slug, slugs
 from harness.report.palette import PAPER_DARK, PAPER_LIGHT, Ink
@@ -83,6 +84,7 @@ def page(report: Report) -> str:
     )
     environment.filters["paragraphs"] = _paragraphs
     environment.filters["slug"] = slug
+    environment.filters["packed"] = lambda told: packed(json.dumps(told, separators=(",", ":")))
     return environment.get_template("index.html").render(
         title=report.title,
         opening=_section(report, report.opening, anchor="summary"),

@@ -49,8 +49,8 @@
     });
   }
 
-  function read(element) {
-    const told = JSON.parse(element.querySelector(".frames").textContent);
+  async function read(element) {
+    const told = JSON.parse(await unpacked(element.querySelector(".frames")));
     const bodies = told.bodies.map((one) => ({
       ...one,
       ...Object.fromEntries(["phi", "psi", "theta", "x", "y"].map((name) => [name, unpack(one[name])])),
@@ -120,6 +120,8 @@
     const slider = element.querySelector("input"), clock = element.querySelector(".clock");
     const play = element.querySelector(".play"), pace = element.querySelector("select");
     const canvases = [...element.querySelectorAll("canvas")];
+    const controls = element.querySelectorAll("button, input, select");
+    controls.forEach((control) => { control.disabled = true; }); // until there is something to play
     let replay, frame = 0, playing = false, before = 0;
 
     function show() {
@@ -174,10 +176,13 @@
       show();
     });
     still.addEventListener("change", () => { stop(); });
+    let opened = false;
     return {
-      open() {
-        if (replay) return;
-        replay = read(element);
+      async open() {
+        if (opened) return;
+        opened = true;
+        replay = await read(element);
+        controls.forEach((control) => { control.disabled = false; });
         label();
         show();
         new ResizeObserver(show).observe(element.querySelector(".stage"));

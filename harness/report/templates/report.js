@@ -1,3 +1,10 @@
+// Text that the page holds packed; a browser that cannot unpack it shows the pictures.
+async function unpacked(element) {
+  const packed = Uint8Array.from(atob(element.textContent), (c) => c.charCodeAt(0));
+  const plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(plain).text();
+}
+
 // Draws each figure as a reader comes near it, and makes legends, tables and contents answer.
 (() => {
   "use strict";
@@ -63,13 +70,10 @@
     };
   }
 
-  // The library is in the page, packed; a browser that cannot unpack it shows the pictures.
   let library;
   async function unpack() {
-    const packed = Uint8Array.from(atob(document.getElementById("plotly").textContent), (c) => c.charCodeAt(0));
-    const plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
     const script = document.createElement("script");
-    script.textContent = await new Response(plain).text();
+    script.textContent = await unpacked(document.getElementById("plotly"));
     document.head.append(script);
   }
 
@@ -78,7 +82,7 @@
     figure.state = "drawing";
     try {
       await (library ??= unpack());
-      figure.panels = JSON.parse(figure.element.querySelector(".described").textContent);
+      figure.panels = JSON.parse(await unpacked(figure.element.querySelector(".described")));
       for (const [index, graph] of figure.graphs.entries()) {
         const { data, layout } = coloured(figure.panels[index], figure.hidden);
         graph.given = figure.panels[index].layout;
@@ -198,7 +202,11 @@
   function sort(head, ascending) {
     const column = head.cellIndex, body = head.closest("table").tBodies[0];
     const numeric = head.classList.contains("number");
-    const key = (row) => row.cells[column].dataset.sort;
+    const key = (row) => {
+      const cell = row.cells[column], text = cell.textContent.trim().toLowerCase();
+      if (numeric) return cell.title || undefined; // its exact value
+      return cell.dataset.sort ?? (text === "–" ? undefined : text);
+    };
     const order = (a, b) => (numeric ? Number(a) - Number(b) : a.localeCompare(b, "en", { numeric: true }));
     const rows = [...body.rows].sort((one, other) => {
       const a = key(one), b = key(other);
