@@ -7,8 +7,9 @@ is lost, that is the machine's doing and the task is done elsewhere.
 
 import importlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
+from contextlib import contextmanager
 from importlib.metadata import version
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
@@ -28,6 +29,8 @@ _ADDRESS = re.compile(
 )
 _LAST_PORT = 2**16 - 1
 _FORM = "the address of a Dask scheduler, such as tcp://host:8786"
+
+_GONE = "the scheduler let go of a task, or is gone; start again to go on"
 
 _TASKS_A_THREAD = 2
 """One that runs and one that has arrived: the network's delay does not show."""
@@ -101,6 +104,15 @@ def _version() -> str:
     return version("rockingcan")
 
 
+@contextmanager
+def _reached() -> Iterator[None]:
+    """Say of a scheduler that no longer answers that it is gone."""
+    try:
+        yield
+    except OSError as error:  # timeouts and closed connections of Dask are among these
+        raise ClusterError(f"{_GONE} ({error})") from error
+
+
 class Cluster(Executor):
     """Runs tasks on the workers of a Dask cluster.
 
@@ -120,15 +132,16 @@ class Cluster(Executor):
     @property
     def window(self) -> int:
         """How many tasks keep it busy."""
-        threads: dict[str, int] = self._client.nthreads()
+        with _reached():
+            threads: dict[str, int] = self._client.nthreads()
         return _TASKS_A_THREAD * max(1, sum(threads.values()))
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
         """Have a task done; its exception, if any, is in the future."""
         future: Future[T] = Future()
         future.set_running_or_notify_cancel()
-        # not pure: two tasks alike are two tasks
-        theirs = self._client.submit(inside, self._limits, fn, *args, pure=False, **kwargs)
+        with _reached():  # not pure: two tasks alike are two tasks
+            theirs = self._client.submit(inside, self._limits, fn, *args, pure=False, **kwargs)
         self._futures.add(theirs)
         theirs.add_done_callback(lambda done: self._settle(future, done))
         return future
@@ -141,8 +154,7 @@ class Cluster(Executor):
         except dask.KilledWorker as error:
             future.set_exception(LostTaskError(Loss.STOPPED, f"killed: with its worker, {error}"))
         except CancelledError:
-            lost = "the scheduler let go of a task, or is gone; start again to go on"
-            future.set_exception(ClusterError(lost))
+            future.set_exception(ClusterError(_GONE))
         except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
             future.set_exception(error)
         finally:

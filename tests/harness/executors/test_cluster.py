@@ -6,6 +6,7 @@ import pytest
 
 from harness.errors import ClusterError, InvalidSettingError, MissingPackageError
 from harness.executors import check_address, cluster
+from harness.executors.clusters import Cluster
 from harness.faults.lost_worker import lost_worker
 from harness.isolation import NO_LIMITS
 
@@ -34,6 +35,26 @@ def test_what_is_no_address_is_refused_before_anything_is_tried(
 )
 def test_an_address_of_any_kind_is_taken(address: str) -> None:
     check_address(address)
+
+
+class Gone:
+    """The client of a scheduler that no longer answers."""
+
+    def nthreads(self) -> None:
+        """Find nobody."""
+        raise TimeoutError("timed out")
+
+    def submit(self, *_: object, **__: object) -> None:
+        """Find the line cut."""
+        raise ConnectionError("the line is cut")
+
+
+def test_a_scheduler_that_no_longer_answers_is_said_to_be_gone() -> None:
+    executor = Cluster(Gone(), NO_LIMITS)
+    with pytest.raises(ClusterError, match="is gone; start again to go on"):
+        executor.submit(int)
+    with pytest.raises(ClusterError, match="is gone; start again to go on"):
+        _ = executor.window
 
 
 def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
