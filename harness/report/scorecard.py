@@ -188,6 +188,7 @@ def _price(row: Row, prices: Sequence[Row], scene: str) -> dict[str, Any]:
             return {
                 "price_s_s": told["cost_s_s"] if reached else None,
                 "price_s_s_verdict": verdict,
+                "price_s_s_case": told.get("case"),
             }
     return {"price_s_s_verdict": "not decidable: the price list has no such settings"}
 

@@ -93,38 +93,32 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
                 f"({e.simulation.case.scene.name}, timestep "
                 f"{'up to ' if profile == 'adaptive' else ''}{e.simulation.timestep:.2g} s)."
             )
-    sentences += [_uncounted(evaluations), _endings(evaluations)]
-    return Prose(name="summary", title="Summary", text=" ".join(sentences))
+    paragraphs = (" ".join(sentences), f"{_uncounted(evaluations)} {_endings(evaluations)}")
+    return Prose(name="summary", title="Summary", text="\n\n".join(paragraphs))
 
 
 def _uncounted(evaluations: Sequence[Evaluation]) -> str:
     """Return a sentence on the runs whose record cannot tell how often psi went round."""
-    names = [
-        f"{e.simulation.case.scene.name} in {e.simulation.case.engine} "
-        f"({e.simulation.case.profile})"
-        for e in evaluations
-        if e.bounces and not e.bounces[0].resolved
-    ]
-    if not names:
+    runs = [e for e in evaluations if e.bounces and not e.bounces[0].resolved]
+    if not runs:
         return "Every record is dense enough to count the turns."
-    return f"Too coarse to count the turns: {', '.join(dict.fromkeys(names))}."
+    return f"Too coarse to count the turns: {_runs(runs)}."
 
 
 def _endings(evaluations: Sequence[Evaluation]) -> str:
     """Return a sentence on the runs that ended before their horizon."""
-    ends: dict[Outcome, list[str]] = {}
+    ends: dict[Outcome, list[Evaluation]] = {}
     for e in evaluations:
-        case, outcome = e.simulation.case, e.simulation.outcome
-        if outcome is not Outcome.FINISHED:
-            words = f"{case.scene.name} in {case.engine} ({case.profile})"
-            ends.setdefault(outcome, []).append(words)
+        if e.simulation.outcome is not Outcome.FINISHED:
+            ends.setdefault(e.simulation.outcome, []).append(e)
     if not ends:
         return "Every run reached its horizon."
-    return (
-        "Before the horizon ended: "
-        + "; ".join(
-            f"{', '.join(dict.fromkeys(names))}, {outcome.name.lower().replace('_', ' ')}"
-            for outcome, names in ends.items()
-        )
-        + "."
-    )
+    told = (f"{outcome.name.lower().replace('_', ' ')}, {_runs(e)}" for outcome, e in ends.items())
+    return f"Before the horizon ended: {'; '.join(told)}."
+
+
+def _runs(evaluations: Sequence[Evaluation]) -> str:
+    """Return how many runs, and of which scenes."""
+    scenes = dict.fromkeys(e.simulation.case.scene.name for e in evaluations)
+    count = len(evaluations)
+    return f"{count} {'run' if count == 1 else 'runs'} of {', '.join(scenes)}"
