@@ -18,14 +18,11 @@ from reference.states import Floats
 PLENTY = 1.0
 # Height of the far rim over R that no can has: below an atom's 1e-10 m for a radius of 0.1 m.
 ATOM = 1e-9
-ENDINGS = {
-    Outcome.OVERTURNED,
-    Outcome.FELL_FLAT,
-    Outcome.LIFTED,
-    Outcome.JAMMED,
-    Outcome.OUTWORKED,
-    Outcome.STALLED,
-}
+# What a can does next that is no longer touching at one point of its rim.
+ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, Outcome.JAMMED}
+# A solver's own limits.
+LIMITS = {Outcome.OUTWORKED, Outcome.STALLED}
+NONE_CARRIES = "No reference model carries it."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +33,8 @@ class Finding:
     ----------
     sentence : str
     model : str
-        The reference model that would carry it; empty if none does.
+        The larger reference model that would carry it; empty if none does, or the same would with
+        another effect declared.
     """
 
     sentence: str
@@ -98,35 +96,31 @@ def _findings(solution: Solution, found: Guard) -> list[Finding]:
     findings = []
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
+        findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))
+    if solution.outcome in LIMITS:
         findings.append(Finding(sentence=solution.outcome.value))
     if never_slips and found.normal_force <= 0:
+        pull = f"Rolling asks the plane to pull, with up to {-found.normal_force:.4g} m g: "
         findings.append(
-            Finding(
-                sentence=(
-                    f"Rolling asks the plane to pull, with up to {-found.normal_force:.4g} m g: "
-                    "a can that is only pushed lifts off."
-                ),
-                model="",
-            )
+            Finding(sentence=f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}")
         )
     elif never_slips and found.friction_ratio > PLENTY:
-        findings.append(
-            Finding(
-                sentence=(
-                    f"Rolling needs a friction of {found.friction_ratio:.4g}, which few pairs "
-                    "have: with less the rim slips, and the scene should declare it."
-                ),
-                model="coulomb" if not solution.problem.effects.declared() else "general",
-            )
-        )
+        findings.append(_slippery(solution, found.friction_ratio))
     if found.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+        near = f"The far rim comes within {found.gap:.2g} R of the plane, less than an atom: "
         findings.append(
             Finding(
-                sentence=(
-                    f"The far rim comes within {found.gap:.2g} R of the plane, less than an atom: "
-                    "a real can touches it with more than one point."
-                ),
-                model="",
+                sentence=f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
             )
         )
     return findings
+
+
+def _slippery(solution: Solution, ratio: float) -> Finding:
+    """Say that a rim that never slips needs more friction than there is."""
+    needs = (
+        f"Rolling needs a friction of {ratio:.4g}, which few pairs have: with less the rim slips"
+    )
+    if solution.problem.effects.declared():
+        return Finding(sentence=f"{needs}. Declare slip: `general` carries it.")
+    return Finding(sentence=f"{needs}, and the scene should declare slip.", model="coulomb")

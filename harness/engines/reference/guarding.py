@@ -93,9 +93,11 @@ def may_be_chaotic(scene: Scene) -> bool:
     """Whether a scene declares what makes motions chaotic.
 
     An axisymmetric can on a level plane at rest is integrable: its copies part, but no faster than
-    time itself.
+    time itself. With a point mass on its axis it is such a can, of another height.
     """
-    return bool({"point_mass", "shake", "tilt"} & set(scene.effects.declared()))
+    point = scene.effects.point_mass
+    off_axis = point is not None and (point.x != 0.0 or point.y != 0.0)
+    return off_axis or bool({"shake", "tilt"} & set(scene.effects.declared()))
 
 
 @lru_cache(maxsize=64)
