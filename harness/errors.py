@@ -14,7 +14,7 @@ class UnknownEngineError(HarnessError, LookupError):
     """No engine of that name is installed."""
 
     def __init__(self, name: str, available: Iterable[str]) -> None:
-        super().__init__(f"unknown engine '{name}'; there is: {', '.join(sorted(available))}")
+        super().__init__(f"unknown engine '{name}'; there are: {', '.join(sorted(available))}")
 
 
 class MissingPackageError(HarnessError, ImportError):
@@ -70,6 +70,19 @@ class UnsupportedEffectError(HarnessError, ValueError):
         super().__init__(
             f"engine '{engine}' cannot represent the effect '{effect}' that the scene declares; "
             f"engines that can: {others}"
+        )
+
+
+class FaintEffectError(UnsupportedEffectError):
+    """A scene declares an effect that is weaker than the weakest that the engine takes."""
+
+    def __init__(
+        self, engine: str, key: str, value: float, least: float, able: Iterable[str]
+    ) -> None:
+        others = ", ".join(sorted(able)) or "none of the installed engines"
+        super(UnsupportedEffectError, self).__init__(
+            f"engine '{engine}' cannot represent 'effects.{key}' = {value:g} that the scene "
+            f"declares: it takes {least:g} or more; engines that can: {others}"
         )
 
 

@@ -140,8 +140,9 @@ def check_fits(effects: Effects, can: Can) -> None:
     if abs(mass.z) > can.half_height:
         allowed = f"inside the can: at most {can.half_height:g} from its centre"
         raise InvalidValueError("point_mass.z", mass.z, allowed)
-    for name, other in (("x", mass.y), ("y", mass.x)):
-        value = getattr(mass, name)
-        if value * value + other * other > can.radius**2:
-            allowed = f"inside the can: at most {can.radius:g} from its axis"
-            raise InvalidValueError(f"point_mass.{name}", value, allowed)
+    if mass.x * mass.x + mass.y * mass.y > can.radius**2:
+        # the larger of the two is to blame, and the other one may be as well
+        blamed, other = ("x", "y") if abs(mass.x) >= abs(mass.y) else ("y", "x")
+        away = "" if getattr(mass, other) == 0.0 else f", with {other} at {getattr(mass, other):g}"
+        allowed = f"inside the can: at most {can.radius:g} from its axis{away}"
+        raise InvalidValueError(f"point_mass.{blamed}", getattr(mass, blamed), allowed)

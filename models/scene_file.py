@@ -53,7 +53,7 @@ def read_scene(path: str | Path) -> Scene:
     try:
         file = FileTable.model_validate(tomllib.loads(text))
     except ValidationError as error:
-        problems = [_sentence(detail) for detail in error.errors()]
+        problems = [_sentence(detail) for detail in _told_once(error.errors())]
         if len(problems) > MOST_PROBLEMS:
             problems[MOST_PROBLEMS:] = [f"has {len(problems) - MOST_PROBLEMS} more such problems"]
         raise SceneFileError(path, problems) from None
@@ -83,6 +83,18 @@ def _text(path: Path) -> str:
         return content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise SceneFileError(path, [f"is not UTF-8 text (byte {error.start})"]) from None
+
+
+def _told_once(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Leave out missing keys of a table of an effect with an unknown one: it is one of them."""
+    misspelt = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
+    return [
+        detail
+        for detail in details
+        if detail["type"] != "missing"
+        or detail["loc"][0] != "effects"
+        or detail["loc"][:-1] not in misspelt
+    ]
 
 
 _KINDS = {float: "a number", int: "an integer", str: "a string"}

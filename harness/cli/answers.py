@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.bounce import Bounce
+from harness.engines.reference import Divergence
 from harness.runner import Evaluation
 
 Answer = dict[str, Any]
@@ -37,7 +38,7 @@ def reference_answer(e: Evaluation, bounces: Sequence[Bounce]) -> Answer:
 
 
 def run_answer(e: Evaluation) -> Answer:
-    """Return the answer of `run`: the motion in numbers, its errors and its contact."""
+    """Return the answer of `run`: the motion in numbers, its errors, its contact, and chaos."""
     errors, contact = e.errors, e.contact
     return reference_answer(e, e.bounces) | {
         "errors": {
@@ -54,6 +55,20 @@ def run_answer(e: Evaluation) -> Answer:
             "lift_off_fraction": contact and contact.lift_off_fraction,
             "multi_contact_fraction": contact and contact.multi_contact_fraction,
         },
+        "divergence": divergence_answer(e.divergence),
+        "parts_at_s": e.parts_at,
+    }
+
+
+def divergence_answer(found: Divergence | None) -> Answer | None:
+    """Return how disturbed releases part; None of a scene that cannot be chaotic."""
+    if found is None:
+        return None
+    return {
+        "chaotic": found.chaotic,
+        "growth": found.growth,
+        "lyapunov_time_s": found.lyapunov_time,
+        "parted_s": found.parted,
     }
 
 

@@ -197,7 +197,8 @@ def run(  # noqa: PLR0917 - a parameter an option
         if simulation.parity:
             console.print(printing.parity(simulation.parity))
         if simulation.outcome is not Outcome.MISMATCH:
-            console.print(*printing.motion(run_answer(evaluation)))
+            answer = run_answer(evaluation)
+            console.print(*printing.motion(answer), *printing.parting(answer), sep="\n")
     if simulation.outcome is Outcome.MISMATCH:
         raise ParityError(case.label(), simulation.note)
 

@@ -16,6 +16,7 @@ from rich.table import Table
 
 from harness.artefact import Table as Data
 from harness.cli.answers import Answer
+from harness.engines.reference import PARTED
 from harness.simulation import ParityRow
 
 _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
@@ -67,9 +68,40 @@ def motion(answer: Answer) -> Iterable[Table]:
         keys = list(answer["bounces"][0])
         rows = [[bounce[key] for key in keys] for bounce in answer["bounces"]]
         yield table("Bounces", keys, rows)
-    for part, title in (("errors", "Errors, engine minus truth"), ("contact", "Contact")):
+    parts = {"errors": "Errors, engine minus truth", "contact": "Contact"}
+    if _chaotic(answer):
+        del parts["errors"]  # there are none, and `parting` says why
+    for part, title in parts.items():
         if part in answer:
             yield table(title, list(answer[part]), [list(answer[part].values())])
+
+
+def chaos(answer: Answer) -> Iterable[str]:
+    """Yield how fast disturbances of a chaotic motion grow, in words; nothing of any other."""
+    if _chaotic(answer):
+        found = answer["divergence"]
+        yield (
+            f"Chaotic: a disturbance grows by e in {found['lyapunov_time_s']:.3g} s; one part in "
+            f"1e12 becomes {PARTED:g} rad at {found['parted_s']:.3g} s, and beyond nothing can be "
+            "compared."
+        )
+
+
+def parting(answer: Answer) -> Iterable[str]:
+    """Yield in words how long a run can be compared with the exact motion, a paragraph each."""
+    yield from chaos(answer)
+    at, why = answer["parts_at_s"], ""
+    if _chaotic(answer):
+        why = " What differs in the end is no error, so no errors are given."
+    if at is not None:
+        yield f"The engine is {PARTED:g} rad away from the exact motion from {at:.3g} s on.{why}"
+    elif why:
+        yield f"The engine is never {PARTED:g} rad away from the exact motion.{why}"
+
+
+def _chaotic(answer: Answer) -> bool:
+    """Whether an answer says that a motion is chaotic."""
+    return bool(answer.get("divergence") and answer["divergence"]["chaotic"])
 
 
 def parity(rows: Sequence[ParityRow]) -> Table:

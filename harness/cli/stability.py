@@ -15,7 +15,8 @@ from harness.campaign import Listener, complete
 from harness.case import Case
 from harness.cli import printing
 from harness.cli.running import Running, runs
-from harness.errors import InvalidSettingError
+from harness.engines import registry
+from harness.errors import InvalidSettingError, MissingPackageError
 from harness.isolation import LostTaskError
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
@@ -37,6 +38,7 @@ from harness.studies.stability import (
     scenes,
     verdicts,
 )
+from models.catalogue import load
 from models.scene import Scene
 
 _SHARE = 100
@@ -72,6 +74,11 @@ def stability(
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
     chosen, engines = SUITES[suite], face.stepping_engines(engine)
+    for name in engines:
+        if not _steps(name):
+            able = ", ".join(each for each in face.stepping_engines(None) if _steps(each))
+            allowed = f"{able}: stability judges engines that take timesteps"
+            raise InvalidSettingError("--engine", name, allowed)
     cases = design(chosen, engines)
     for case in cases:
         check(case)
@@ -103,6 +110,15 @@ def stability(
     console.print(f"\nThe report: {page}")
     if any(finding.failure for finding in (*hard, *random)):
         raise typer.Exit(1)
+
+
+def _steps(name: str) -> bool:
+    """Whether an engine takes timesteps; one whose package is missing may."""
+    try:
+        chosen = registry.engine(name)
+    except MissingPackageError:
+        return True
+    return chosen.timestep(Case(scene=load("gentle-rock"), engine=name)) is not None
 
 
 def judged_runs(

@@ -7,7 +7,7 @@ the static penetration are written once, against it.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -31,10 +31,14 @@ class Capabilities:
         Effects that it simulates where a scene declares them.
     imposes : mapping of str to str
         Effects that it adds to every scene, declared or not, each with a sentence that says how.
+    least : mapping of str to float
+        Constants of effects, such as "drilling.length", of which an engine makes a small one this
+        large, SI units; none at all, where that is allowed, stays none.
     """
 
     honours: frozenset[str]
     imposes: Mapping[str, str]
+    least: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +56,8 @@ class Setting:
         What profile `adaptive` takes where it differs from `matched`.
     choices : tuple of str
         The words allowed, where the setting is a word.
+    positive : bool
+        Whether a number has to be greater than zero.
     meaning : str
         One sentence: what it does to a rolling can.
     """
@@ -61,6 +67,7 @@ class Setting:
     matched: Value | Callable[[float], Value]
     adaptive: Value = None
     choices: tuple[str, ...] = ()
+    positive: bool = False
     meaning: str
 
 
@@ -224,7 +231,8 @@ def _checked(setting: Setting, value: Value, timestep: float) -> Value:
         fits = isinstance(value, int) and not isinstance(value, bool) and value >= 0
         allowed = "an integer, zero or greater"
     else:
-        fits, allowed = _is_number(value), "a finite number"
+        fits = _is_number(value) and (not setting.positive or float(value) > 0.0)  # type: ignore[arg-type]
+        allowed = "a finite number" + (" greater than zero" if setting.positive else "")
         value = float(value) if fits else value  # type: ignore[arg-type]
     if not fits:
         raise InvalidSettingError(setting.name, value, allowed)

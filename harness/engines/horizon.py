@@ -58,11 +58,11 @@ class Watch:
     def over(self, kept: Trajectory) -> Outcome | None:
         """Return how the run ended if these samples end it (at `ended_at`, s), else None."""
         speed = np.sum(kept.velocity**2, axis=1)
-        if not np.isfinite(speed).all() or speed.max() > _LARGEST_GAIN * self._scale:
-            return Outcome.DIVERGED
+        sound = speed <= _LARGEST_GAIN * self._scale  # false for what is no number
         phi = half_angles(kept.quaternion)[0]
-        for time, tilt in zip(kept.time.tolist(), phi.tolist(), strict=True):
-            outcome = self._see(time, tilt)
+        samples = (kept.time.tolist(), phi.tolist(), sound.tolist())
+        for time, tilt, good in zip(*samples, strict=True):
+            outcome = self._see(time, tilt) if good else Outcome.DIVERGED
             if outcome is not None:
                 self.ended_at = time
                 return outcome

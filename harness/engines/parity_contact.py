@@ -34,6 +34,7 @@ _OBLIQUE = np.array((math.cos(0.4), math.sin(0.4), 0.0))
 
 _FALLING = 10.0  # m/s: what gravity adds in a few steps is little beside it
 _FEW = 40  # steps of a fall and an impact
+_LIGHT = 0.01  # of the weight: with less, what a step misses is no longer small beside the arm
 _SLOW = 20.0  # times the rate that the resistance could stop in one step
 
 
@@ -55,16 +56,23 @@ class _Stand:
         self.world.step()
         return self.world.contact()
 
-    def moment(self, spin: Floats) -> tuple[Floats, float] | None:
-        """Return the plane's moment about the contact and the normal force, spun on the spot."""
+    def moments(self, spin: Floats) -> Iterator[tuple[Floats, float]]:
+        """Yield the plane's moment about the contact and the normal force, spun on the spot.
+
+        Pressed harder and harder, up to the weight or as hard as the engine lets the can be.
+        """
+        weight = self.whole.mass * max(self.scene.gravity, 1.0)
         twist = Twist(velocity=-np.cross(spin, self.offset), angular_velocity=spin)
         for share in _DEPTHS:
             depth = share * self.scene.can.radius
-            contact = self.press(depth, twist)
-            if contact.force[2] > 0.0:
-                break
-        else:
-            return None
+            normal = float(self.press(depth, twist).force[2])
+            if normal >= _LIGHT * weight:
+                yield self._moment(depth, twist), normal
+            if normal >= weight:
+                return
+
+    def _moment(self, depth: float, twist: Twist) -> Floats:
+        """Return the plane's moment about the contact in the step that was just taken, N m."""
         start = Pose(
             position=self.touching.position - depth * _UP, quaternion=self.touching.quaternion
         )
@@ -72,8 +80,8 @@ class _Stand:
         gained = self._momentum(self.world.pose(), self.world.twist(), point)
         gained = (gained - self._momentum(start, twist, point)) / self.timestep
         gravity = gravity_vector(self.scene) + shaking(self.scene, 0.0, self.timestep)
-        arm = self._centre(start) - point
-        return gained - np.cross(arm, self.whole.mass * gravity), float(contact.force[2])
+        moment: Floats = gained - np.cross(self._centre(start) - point, self.whole.mass * gravity)
+        return moment
 
     def _centre(self, pose: Pose) -> Floats:
         centre: Floats = pose.position + _in_world(pose, self.whole.centre)
@@ -161,20 +169,21 @@ def _resistance(stand: _Stand, quantity: str, length: float, axis: Floats) -> Fi
     """Read the arm of a moment that turning about an axis meets."""
     moments = np.linalg.eigvalsh(stand.whole.inertia)
     stopped = length * stand.whole.mass * max(stand.scene.gravity, 1.0) * stand.timestep
-    found = stand.moment((1.0 + _SLOW * stopped / moments[0]) * axis)
-    arm = math.nan
-    if found is not None:
-        moment, normal = found
-        against = moment[2] if axis is _UP else math.hypot(moment[0], moment[1])
-        arm = abs(float(against)) / normal
+    spin = (1.0 + _SLOW * stopped / moments[0]) * axis
+    arms = [
+        (abs(float(moment[2])) if axis is _UP else math.hypot(moment[0], moment[1])) / normal
+        for moment, normal in stand.moments(spin)
+    ]
     return Finding(
         quantity=quantity,
         unit="m",
         declared=length,
-        found=arm,
+        # pressed lightly, the friction that keeps a turning can on the spot has a large share of a
+        # cone that the moment shares with it; pressed hard, a soft one holds back less than it may
+        found=max(arms, default=math.nan),
         # a cone that is shared with sliding is short of what the spin slides within the step
         tolerance=length * (1e-3 + 50.0 * (stand.timestep / natural_time(stand.scene)) ** 2),
-        how="moment over the normal force, in one step of turning on the spot",
+        how="moment over the normal force, in one step of turning on the spot, at the best load",
     )
 
 

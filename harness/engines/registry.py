@@ -1,5 +1,6 @@
 """Engines by name: whatever is installed under the entry point group `rockingcan.engines`."""
 
+from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
@@ -7,6 +8,7 @@ from harness.engines.base import Engine
 from harness.engines.rehearsal import fall
 from harness.errors import (
     BrokenEngineError,
+    FaintEffectError,
     FallenEngineError,
     MissingPackageError,
     UnknownEngineError,
@@ -56,31 +58,50 @@ def engine(name: str) -> Engine:
 
 
 def check_effects(name: str, scene: Scene) -> None:
-    """Refuse a scene that declares an effect which an engine neither honours nor imposes.
+    """Refuse a scene with an effect which an engine neither honours nor imposes, or not so weak.
 
     Raises
     ------
-    UnsupportedEffectError
+    UnsupportedEffectError, FaintEffectError
         Names the engines that can.
     """
     for effect in missing_effects(name, scene):
-        able = [other for other in names() if _honours(other, effect)]
+        able = [other for other in names() if _honours(other, effect, scene)]
+        for key, value, least in _faint(name, scene):
+            if key.startswith(f"{effect}."):
+                raise FaintEffectError(name, key, value, least, able)
         raise UnsupportedEffectError(name, effect, able)
 
 
 def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
-    """Return the effects that a scene declares and an engine neither honours nor imposes."""
+    """Return the effects that a scene declares and an engine does not represent.
+
+    It neither honours nor imposes them, or makes more of them than the scene declares.
+    """
     declared = scene.effects.declared()
     if not declared:
         return ()
     own = engine(name).capabilities
-    return tuple(e for e in declared if e not in own.honours and e not in own.imposes)
+    faint = {key.partition(".")[0] for key, _, _ in _faint(name, scene)}
+    known = (own.honours | set(own.imposes)) - faint
+    return tuple(effect for effect in declared if effect not in known)
 
 
-def _honours(name: str, effect: str) -> bool:
-    """Whether an engine is there and simulates an effect."""
+def _faint(name: str, scene: Scene) -> Iterator[tuple[str, float, float]]:
+    """Yield the constants that a scene declares weaker than an engine takes them: key and both."""
+    for key, least in engine(name).capabilities.least.items():
+        effect, _, constant = key.partition(".")
+        if effect in scene.effects.declared():
+            value = getattr(getattr(scene.effects, effect), constant)
+            if 0.0 < value < least:
+                yield key, value, least
+
+
+def _honours(name: str, effect: str, scene: Scene) -> bool:
+    """Whether an engine is there and simulates an effect as a scene declares it."""
     try:
-        return effect in engine(name).capabilities.honours
+        honours = effect in engine(name).capabilities.honours
+        return honours and effect not in missing_effects(name, scene)
     except MissingPackageError:
         return False
 

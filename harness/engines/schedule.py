@@ -46,6 +46,7 @@ ETA_SETTING = Setting(
     default=None,
     matched=None,
     adaptive=ETA,
+    positive=True,
     meaning="Adaptive only: share of its way that the tilt moves in a step, rad of turn likewise.",
 )
 """The one setting of adaptive stepping, the same in all engines."""
@@ -114,12 +115,16 @@ class Fixed(Schedule):
     limit : float
         s; the last state is the last before or at it.
     size : int
-        Steps in a stage; may be changed between two stages.
+        Most steps in a stage; may be changed between two stages.
+    first : int, optional
+        Most steps in the first stage, and twice as many in each that follows, so that what breaks
+        at once is seen at once.
     """
 
-    def __init__(self, timestep: float, limit: float, size: int) -> None:
+    def __init__(self, timestep: float, limit: float, size: int, first: int | None = None) -> None:
         self.largest = timestep
         self.size = size
+        self._grown = math.inf if first is None else first
         self._done = 0
         # both ends are recorded; the share absorbs the round-off of the division
         self._total = int(limit / timestep * (1.0 + 1e-12)) + 1
@@ -129,7 +134,8 @@ class Fixed(Schedule):
         del quaternion, angular_velocity
         if self._done >= self._total:
             return None
-        count = min(self.size, self._total - self._done)
+        count = int(min(self.size, self._grown, self._total - self._done))
+        self._grown *= 2
         # counted, not summed: an engine's own clock drifts by round-off
         times = np.arange(self._done, self._done + count) * np.float64(self.largest)
         ahead = self._total - self._done

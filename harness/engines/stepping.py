@@ -39,6 +39,11 @@ W = TypeVar("W", bound=World)
 _FEWEST, _MOST = 16, 16384
 """Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
+_FIRST = 64
+"""Steps in the first chunk of fixed steps; each that follows may be twice as long. What starts
+wrong breaks within some tens of steps, and nine short looks are little beside a run that does not.
+"""
+
 _ADAPTIVE_LOOK = 1024
 """Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
 
@@ -161,10 +166,9 @@ class PhysicsEngine(ABC, Generic[W]):
         """Return the schedule of a case, and how many steps to take between two looks."""
         case, timestep = prepared.case, self.timestep(prepared.case)
         scene, limit = case.scene, longest_time(case.scene)
-        size = _size(Foresight(scene), timestep)
         looks = Looks(natural_time(scene) / SAMPLES_IN_TIME)
         if case.profile != "adaptive":
-            fixed = Fixed(timestep, limit, size)
+            fixed = Fixed(timestep, limit, _size(Foresight(scene), timestep), _FIRST)
             fixed.looks = looks
             return fixed, 1  # a stage is a chunk
         adaptive = Adaptive(
@@ -176,7 +180,7 @@ class PhysicsEngine(ABC, Generic[W]):
             unit=natural_time(scene),
         )
         adaptive.looks = looks
-        return adaptive, max(size, _ADAPTIVE_LOOK)
+        return adaptive, _ADAPTIVE_LOOK
 
 
 def _size(foresight: Foresight, timestep: float) -> int:

@@ -88,7 +88,28 @@ bounces = 1
             "[effects]\npoint_mass = { mass = 1e-3, x = 0.03, y = 0.03 }\n[horizon]",
             (
                 "key 'effects.point_mass.x' is 0.03, but must be inside the can: "
+                "at most 0.037 from its axis, with y at 0.03"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\npoint_mass = { mass = 1e-3, x = 0.0, y = -0.05 }\n[horizon]",
+            (
+                "key 'effects.point_mass.y' is -0.05, but must be inside the can: "
                 "at most 0.037 from its axis"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\nslip = { nu = 0.3 }\n[horizon]",
+            "key 'effects.slip.nu' is unknown; allowed are mu",
+        ),
+        (
+            "[horizon]",
+            "[effects]\ncompliance = { stifness = 1e4 }\n[horizon]",
+            (
+                "key 'effects.compliance.stifness' is unknown, did you mean 'stiffness'? "
+                "allowed are stiffness, damping"
             ),
         ),
         (

@@ -19,6 +19,7 @@ from harness.engines.mujoco.chunks import STATE, chunk_of, control
 from harness.engines.mujoco.gaps import EFFORTS, GAPS
 from harness.engines.mujoco.settings import (
     DEFAULT_TIMESTEP,
+    FAINTEST,
     MATCHED_TIMESTEP,
     SETTINGS,
     in_force,
@@ -63,6 +64,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             "several contacts": "near the flat state three points of the rim bear the load",
             "gyroscopic term": "Euler takes it explicitly, and a free spin gains energy",
         },
+        least=dict.fromkeys(("slip.mu", "drilling.length", "rolling_resistance.length"), FAINTEST),
     )
     # as shipped the cone is a pyramid, in which sliding and turning share even more
     imposed_by_default = frozenset({"arm of drilling", "arm of rolling resistance"})

@@ -12,11 +12,16 @@ a damper in place of the stiffest contact there is.
 
 from collections.abc import Mapping
 
+import mujoco
+
 from harness.case import Case, Value
 from harness.engines.base import Setting, resolve
 from harness.engines.schedule import ETA_SETTING
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, spring
+
+FAINTEST = float(mujoco.mjMINMU)
+"""What MuJoCo makes of a coefficient of friction, or an arm in m, that is smaller: 1e-5."""
 
 DEFAULT_TIMESTEP = 0.002
 MATCHED_TIMESTEP = 1e-4
@@ -48,6 +53,7 @@ OPTIONS = (
         name="impratio",
         default=1.0,
         matched=100.0,
+        positive=True,
         meaning="Hardness of friction over that of the normal; slip creep goes with its inverse.",
     ),
     Setting(

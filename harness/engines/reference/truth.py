@@ -17,7 +17,7 @@ from harness.trajectory import Trajectory
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset
 from models.scene import Scene
-from reference import MODELS, Choice, Solution, SolverError, carries, smallest, solve
+from reference import METHODS, MODELS, Choice, Solution, SolverError, carries, smallest, solve
 from reference.contact import contact_force_in_world
 
 FOLLOWED = Followed()
@@ -157,12 +157,20 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
         raise InvalidSettingError("release.height", case.scene.release.height, "zero: on the rim")
     chosen = resolve(case, SETTINGS, 0.0)
     posed = problem(case.scene, seconds)
-    choices = {name: chosen[name] for name in ("method",) if chosen[name] != "auto"}
-    model = str(chosen["model"])
-    if model in MODELS and model != "auto" and not carries(model, posed):
+    model, method, rtol = str(chosen["model"]), str(chosen["method"]), float(chosen["rtol"])  # type: ignore[arg-type]
+    for name, value, known_words in (
+        ("model", model, MODELS),
+        ("method", method, ("auto", *METHODS)),
+    ):
+        if value not in known_words:
+            raise InvalidSettingError(name, value, ", ".join(known_words))
+    if not 0.0 < rtol < 1.0:
+        raise InvalidSettingError("rtol", rtol, "greater than 0 and less than 1")
+    if model != "auto" and not carries(model, posed):
         needed = smallest(posed)
         allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
         raise InvalidSettingError("model", model, allowed)
+    choices = {} if method == "auto" else {"method": method}
     known = None if again or choices else FOLLOWED.find(posed, model)
     if known is not None:
         return Truth(scene=case.scene, solution=known)
@@ -170,12 +178,13 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
         solution = solve(
             posed,
             model=model,
-            rtol=float(chosen["rtol"]),  # type: ignore[arg-type]
+            rtol=rtol,
             outputs=frozenset(() if model in WITHOUT_LOCUS else ("contact_locus",)),
-            **choices,  # type: ignore[arg-type]
+            **choices,
         )
-    except SolverError as error:
-        raise InvalidSettingError("model, method or rtol", dict(chosen), str(error)) from error
+    except SolverError as error:  # what is left: a method that the model does not know
+        allowed = f"auto or regular: {error}"
+        raise InvalidSettingError("method", method, allowed) from error
     FOLLOWED.keep(solution)
     return Truth(scene=case.scene, solution=solution)
 

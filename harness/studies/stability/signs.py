@@ -42,7 +42,7 @@ def spendable(trajectory: Trajectory, scene: Scene) -> float:
 
 
 def diverged(e: Evaluation) -> Sign | None:
-    """Return when the numbers broke."""
+    """Return when the numbers broke: the record of such a run ends there."""
     if e.simulation.outcome is not Outcome.DIVERGED:
         return None
     trajectory = e.simulation.trajectory

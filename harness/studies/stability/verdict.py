@@ -50,7 +50,7 @@ class Sign:
     number : float
         The number behind it.
     words : str
-        What the number is.
+        What the number is; its unit, if it has one, comes last, after a comma.
     """
 
     time: float

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from harness.artefact import Prose
 from harness.studies.stability.limits import Limit
 from harness.studies.stability.survey import Finding
-from harness.studies.stability.verdict import MEANINGS, Judged, Verdict
+from harness.studies.stability.verdict import MEANINGS, Judged, Sign, Verdict
 
 _PROFILES = {
     "default": "As it ships",
@@ -18,6 +18,9 @@ _PROFILES = {
 
 _VERBS = {Verdict.UNRESOLVED: "is unresolved", Verdict.REFUSED: "is refused"}
 """What an engine is said to do where the verdict is no verb."""
+
+_UNITS = {"rad", "m/s", "s"}
+"""Units in which the words of a sign may end."""
 
 
 def summary(judged: Sequence[Judged], hard: Sequence[Finding], random: Sequence[Finding]) -> Prose:
@@ -85,14 +88,22 @@ def _counted(own: Sequence[Judged], profile: str, words: str) -> str:
             # at the finest timestep at which it happens, where it is least to be expected
             one = min(failed, key=lambda one: one.simulation.timestep or 0.0)
             step = one.simulation.timestep or 0.0
-            sign = one.sign
-            seen = f"{sign.words} {sign.number:.2g} at {sign.time:.2g} s"
             examples.append(
                 f"{_VERBS.get(verdict, verdict.value)} in {one.simulation.case.scene.name} down to "
-                f"a timestep of {step:.2g} s ({sign.words if math.isnan(sign.number) else seen})"
+                f"a timestep of {step:.2g} s ({seen(one.sign)})"
             )
     tail = f" It {'; it '.join(examples)}." if examples else ""
     return f"{words}, {len(runs)} runs: {told}.{tail}"
+
+
+def seen(sign: Sign) -> str:
+    """Return a sign as a person says it: what was seen, how much of it, and when."""
+    if math.isnan(sign.number):
+        return sign.words
+    words, _, unit = sign.words.rpartition(", ")
+    much = f"{sign.number:.2g}"
+    told = f"{words} {much} {unit}" if words and unit in _UNITS else f"{sign.words} {much}"
+    return f"{told}, at {sign.time:.2g} s"
 
 
 def _steps(limits: Sequence[Limit]) -> str:
@@ -119,7 +130,7 @@ def _cures(own: Sequence[Judged], names: Sequence[str]) -> list[str]:
         shipped = next((one for one in runs if _as_shipped(one)), None)
         if shipped is None or shipped.good:
             continue
-        cured.setdefault(_cure(runs), []).append(f"{name} ({shipped.verdict.value})")
+        cured.setdefault(_cure(runs, shipped), []).append(f"{name} ({shipped.verdict.value})")
     return [f"{cure}: {', '.join(cases)}." for cure, cases in sorted(cured.items())]
 
 
@@ -128,7 +139,7 @@ def _as_shipped(one: Judged) -> bool:
     return case.profile == "default" and case.timestep is None
 
 
-def _cure(runs: Sequence[Judged]) -> str:
+def _cure(runs: Sequence[Judged], shipped: Judged) -> str:
     """Return the setting that makes a case good, the simplest first."""
     best: Mapping[str, float] = {
         profile: max(
@@ -142,10 +153,10 @@ def _cure(runs: Sequence[Judged]) -> str:
         for profile in _PROFILES
     }
     if best["default"]:
-        return "Cured by a shorter timestep alone"
+        than = "shorter" if best["default"] < (shipped.simulation.timestep or 0.0) else "longer"
+        return f"Cured by a {than} timestep alone, at {best['default']:.0e} s"
     if best["matched"]:
-        decade = f"{best['matched']:.0e}"
-        return f"Cured by profile matched at {decade} s"
+        return f"Cured by profile matched at {best['matched']:.0e} s"
     if best["adaptive"]:
         return "Cured by profile adaptive"
     return "Cured by nothing that was tried"

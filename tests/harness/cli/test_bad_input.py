@@ -130,6 +130,61 @@ def test_other_wrong_use_is_refused(told: Command, words: tuple[str, ...]) -> No
     is_one_clear_message(told(*words))
 
 
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (("--model", "bogus"), ("'model' cannot be 'bogus'", "auto, pendulum, frictionless")),
+        (("--method", "bogus"), ("'method' cannot be 'bogus'", "auto, regular, marching")),
+        (("--rtol", "2"), ("'rtol' cannot be 2.0", "greater than 0 and less than 1")),
+        (("--model", "general", "--method", "RK45"), ("'method' cannot be 'RK45'", "auto")),
+    ],
+    ids=str,
+)
+def test_only_the_choice_of_the_reference_that_is_wrong_is_named(
+    told: Command, words: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    is_one_clear_message(told("reference", "gentle-rock", *words), *parts)
+
+
+@pytest.mark.parametrize(
+    ("effect", "key", "value"),
+    [
+        ("drilling", "length", "9e-6"),
+        ("rolling_resistance", "length", "9e-6"),
+        ("slip", "mu", "9e-6"),
+    ],
+)
+def test_an_effect_weaker_than_an_engine_takes_is_refused_naming_those_that_can(
+    told: Command, scene_file: Callable[..., Path], effect: str, key: str, value: str
+) -> None:
+    path = scene_file(("[effects]", f"[effects.{effect}]\n{key} = {value}"))
+    answer = told("run", str(path), "--engine", "mujoco")
+    able = "engines that can: pybullet, reference"
+    is_one_clear_message(answer, f"'effects.{effect}.{key}' = 9e-06", "1e-05 or more", able)
+
+
+@pytest.mark.parametrize("ratio", ["0", "-1"])
+def test_a_ratio_that_mujoco_does_not_have_is_refused(told: Command, ratio: str) -> None:
+    words = ("run", "gentle-rock", "--engine", "mujoco", "--set", f"impratio={ratio}")
+    is_one_clear_message(told(*words), "impratio", ratio, "greater than zero")
+
+
+def test_stability_judges_engines_that_take_timesteps(told: Command) -> None:
+    answer = told("stability", "--engine", "reference")
+    is_one_clear_message(answer, "'reference'", "mujoco, pybullet", "engines that take timesteps")
+    bogus = told("stability", "--engine", "bogus")
+    is_one_clear_message(bogus, "'bogus'; there are: mujoco, pybullet, reference")
+
+
+def test_a_misspelt_constant_of_an_effect_is_one_message(
+    told: Command, scene_file: Callable[..., Path]
+) -> None:
+    path = scene_file(("[effects]", "[effects.slip]\nnu = 0.3"))
+    answer = told("reference", str(path))
+    is_one_clear_message(answer, "'effects.slip.nu' is unknown", "allowed are mu")
+    assert "missing" not in answer.err
+
+
 def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
     told: Command, scene_file: Callable[..., Path]
 ) -> None:
@@ -191,6 +246,7 @@ class Missing:
     """An entry point whose package is not installed."""
 
     name: str = "mujoco"
+    value: str = "harness.engines.mujoco:MujocoEngine"
 
     def load(self) -> object:
         """Fail as an import does."""

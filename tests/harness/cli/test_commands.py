@@ -139,13 +139,35 @@ def test_a_run_answers_in_the_promised_keys_and_with_nothing_else(
     answer = typed("run", "gentle-rock", "--engine", name, *words, "--json")
     assert (answer.code, answer.err) == (0, "")
     found = answer.json()
-    assert set(found) == MOTION | {"errors", "contact"}
+    assert set(found) == MOTION | {"errors", "contact", "divergence", "parts_at_s"}
     assert set(found["errors"]) == ERRORS
     assert set(found["contact"]) == CONTACT
     assert [set(bounce) for bounce in found["bounces"]] == [BOUNCE]
     assert len(found["errors"]["angle_of_turn_deg"]) == 1
     assert len(found["errors"]["peak_friction_ratio"]) == 1
     assert found["scene"] == "gentle-rock"
+
+
+def test_a_chaotic_run_says_when_it_parts_and_how_fast_disturbances_grow(told: Command) -> None:
+    words = ("run", "chaotic-can", "--engine", "mujoco", "--timestep", "1e-3")
+    found, shown = told(*words, "--json").json(), told(*words).out
+    divergence, parts_at = found["divergence"], found["parts_at_s"]
+    assert divergence["chaotic"]
+    assert divergence["growth"] > 1e4
+    assert 0.1 < parts_at < divergence["parted_s"]
+    assert f"grows by e in {divergence['lyapunov_time_s']:.3g} s" in shown
+    assert f"0.1 rad away from the exact motion from {parts_at:.3g} s on" in shown
+    assert "no errors are given" in shown
+    assert "Errors" not in shown  # no row of dashes
+
+
+def test_a_run_that_is_not_chaotic_says_nothing_of_chaos(told: Command) -> None:
+    words = ("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-4")
+    found, shown = told(*words, "--json").json(), told(*words).out
+    assert (found["divergence"], found["parts_at_s"]) == (None, None)
+    assert "Errors" in shown
+    assert "haotic" not in shown
+    assert "away from the exact motion" not in shown
 
 
 def test_what_is_unknown_is_null_and_not_nan(

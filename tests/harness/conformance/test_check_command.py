@@ -60,7 +60,7 @@ def test_an_engine_that_breaks_it_leaves_with_one(monkeypatch: pytest.MonkeyPatc
 
 
 def test_an_unknown_engine_is_wrong_use() -> None:
-    with pytest.raises(UnknownEngineError, match=r"'nothing'; there is: .*mujoco"):
+    with pytest.raises(UnknownEngineError, match=r"'nothing'; there are: .*mujoco"):
         CliRunner().invoke(app, ["nothing"], catch_exceptions=False)
 
 

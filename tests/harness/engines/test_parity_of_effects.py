@@ -78,6 +78,21 @@ def test_what_an_engine_honours_is_equal(
         assert found[quantity].declared == pytest.approx(declared, rel=1e-12, abs=1e-15)
 
 
+@pytest.mark.parametrize("timestep", [1e-2, 2e-3, 1e-3, 1e-4])
+@pytest.mark.parametrize("length", [1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("effect", ["drilling", "rolling_resistance"])
+@pytest.mark.parametrize("name", ENGINES)
+def test_an_arm_is_found_at_any_timestep_however_short_it_is(
+    gentle: Scene, name: str, effect: str, length: float, timestep: float
+) -> None:
+    kind = {"drilling": Drilling, "rolling_resistance": RollingResistance}[effect]
+    scene = replace(gentle, effects=Effects(**{effect: kind(length=length)}))
+    arm = rows(scene, name, timestep)[f"arm of {effect.replace('_', ' ')}"]
+    assert arm.verdict == "equal"
+    # a hundredth up to a millisecond; a step of ten is a sixth of the natural time
+    assert arm.found == pytest.approx(length, rel=0.01 if timestep <= 2e-3 else 0.1)
+
+
 @pytest.mark.parametrize("name", ENGINES)
 def test_effects_that_do_not_meet_are_equal_together(gentle: Scene, name: str) -> None:
     both = declaring(gentle, "tilt", "shake", "point_mass", "slip")

@@ -72,6 +72,15 @@ def test_fixed_times_are_multiples() -> None:
     assert times == [n * 1e-3 for n in range(11)]
 
 
+def test_stages_may_grow_to_their_size_without_a_change_of_the_times() -> None:
+    schedule = Fixed(1e-3, 0.1, 16, first=3)
+    stages = []
+    while (stage := schedule.next((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) is not None:
+        stages.append(stage.times.tolist())
+    assert [len(times) for times in stages] == [3, 6, 12, 16, 16, 16, 16, 16]
+    assert [time for times in stages for time in times] == [n * 1e-3 for n in range(101)]
+
+
 @pytest.mark.parametrize(("engine", "bound"), [("mujoco", 0.01), ("pybullet", 0.05)])
 def test_the_paper_release_turns_right(engine: str, bound: float) -> None:
     e = evaluate(Case(scene=load("paper-release"), engine=engine, profile="adaptive"))

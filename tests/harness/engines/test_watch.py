@@ -10,7 +10,7 @@ import pytest
 from harness.bounce import PROMINENCE
 from harness.engines.horizon import FLAT_ALLOWANCE, Watch, longest_time, natural_time
 from harness.simulation import Outcome
-from harness.trajectory import Trajectory
+from harness.trajectory import Trajectory, take
 from models import Horizon, Scene, quaternion
 
 Made = Callable[..., Trajectory]
@@ -118,7 +118,37 @@ def test_speeds_that_are_none_or_huge_have_diverged(
 ) -> None:
     velocity = np.zeros((3, 3))
     velocity[1, 2] = speed
-    assert Watch(gentle).over(made(3, velocity=velocity)) is Outcome.DIVERGED
+    watch = Watch(gentle)
+    assert watch.over(made(3, velocity=velocity)) is Outcome.DIVERGED
+
+
+@pytest.mark.parametrize("part", [1, 100, 4001])
+def test_a_run_ends_where_its_speed_is_first_too_large(
+    made: Made, gentle: Scene, part: int
+) -> None:
+    watch = Watch(replace(gentle, horizon=Horizon(seconds=1.0)))
+    phi, zero = bouncing(6.5), np.zeros(len(TIME))
+    velocity = np.zeros((len(TIME), 3))
+    velocity[:, 2] = 1e3 * (TIME >= 0.3)
+    whole = made(len(TIME), time=TIME, velocity=velocity, quaternion=quaternion(phi, zero, zero))
+    outcomes = [
+        watch.over(take(whole, np.arange(left, min(left + part, len(TIME)))))
+        for left in range(0, int(0.3 * 4000) + 1, part)
+    ]
+    assert outcomes[-1] is Outcome.DIVERGED
+    assert set(outcomes[:-1]) <= {None}
+    assert watch.ended_at == 0.3
+
+
+def test_what_comes_after_the_end_does_not_change_how_a_run_ended(
+    made: Made, gentle: Scene
+) -> None:
+    over = np.array((0.4, 2.0, 0.4))
+    velocity = np.zeros((3, 3))
+    velocity[2, 2] = 1e3
+    watch = Watch(gentle)
+    told_at_once = made(3, velocity=velocity, quaternion=quaternion(over, np.zeros(3), np.zeros(3)))
+    assert watch.over(told_at_once) is Outcome.OVERTURNED
 
 
 def test_a_fast_release_has_not_diverged(made: Made, gentle: Scene) -> None:

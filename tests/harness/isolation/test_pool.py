@@ -69,7 +69,7 @@ def test_errors_come_back_as_what_they_are(pool: Isolated) -> None:
         pool.submit(tasks.fail).result()
     assert "in fail" in caught.value.__notes__[0]
     # an error that cannot be made of its message comes as the nearest kind that can
-    with pytest.raises(HarnessError, match="unknown engine 'ode'; there is: mujoco"):
+    with pytest.raises(HarnessError, match="unknown engine 'ode'; there are: mujoco"):
         pool.submit(tasks.refuse).result()
     with pytest.raises(Exception, match="as it does"):
         pool.submit(tasks.fail_stubbornly).result()

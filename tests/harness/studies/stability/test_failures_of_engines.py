@@ -1,5 +1,6 @@
 """The detectors on real engines: a case of each failure, which must keep being recognised."""
 
+import numpy as np
 import pytest
 
 from harness.case import Case
@@ -46,6 +47,23 @@ def test_a_failure_is_recognised(  # noqa: PLR0917 - a parameter a column
     seconds = load(scene).horizon.seconds
     assert seconds is not None
     assert 0.0 <= found.sign.time <= seconds
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_a_run_ends_when_its_numbers_break(engine: str) -> None:
+    case = Case(scene=load("start-in-penetration"), engine=engine, timestep=5e-6)
+    e = evaluate(case)
+    path, found = e.simulation.trajectory, judge(e)
+    assert path is not None
+    assert found.verdict is Verdict.DIVERGES
+    speed = np.linalg.norm(path.velocity, axis=1)
+    limit = 24.0  # m/s: a thousand times the energy of this can at its release, and a little less
+    assert speed[-1] > limit
+    assert (speed[:-1] < 1.1 * limit).all()
+    assert (found.sign.time, found.sign.number) == (path.time[-1], speed[-1])
+    # the can is shot up within a millisecond, and nothing is stepped after the chunk that shows it
+    assert found.sign.time < 1e-3
+    assert e.simulation.steps == round(found.sign.time / 5e-6) + 1
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,71 @@
+"""What the pages of engines say: numbers with their units, and the timesteps that cure."""
+
+import math
+
+import pytest
+
+from harness.case import Case
+from harness.simulation import Outcome, Simulation
+from harness.studies.stability.verdict import Judged, Sign, Verdict
+from harness.studies.stability.words import engine_page, seen
+from models import load
+
+
+@pytest.mark.parametrize(
+    ("words", "number", "said"),
+    [
+        ("largest phi since, rad", 0.001, "largest phi since 0.001 rad, at 0.12 s"),
+        ("speed reached, m/s", 48.0, "speed reached 48 m/s, at 0.12 s"),
+        ("depth over the radius", 0.3, "depth over the radius 0.3, at 0.12 s"),
+        (
+            "error of phi over its largest, rms",
+            0.02,
+            "error of phi over its largest, rms 0.02, at 0.12 s",
+        ),
+        ("no numbers in the first step", math.nan, "no numbers in the first step"),
+    ],
+)
+def test_a_unit_stays_with_its_number(words: str, number: float, said: str) -> None:
+    assert seen(Sign(time=0.12, number=number, words=words)) == said
+
+
+def judged(
+    scene: str, verdict: Verdict, timestep: float, profile: str = "default", *, own: bool = False
+) -> Judged:
+    """Return a run with a verdict; `own` is at the timestep that the engine ships with."""
+    case = Case(
+        scene=load(scene),
+        engine="mujoco",
+        profile=profile,
+        timestep=None if own else timestep,
+    )
+    simulation = Simulation(
+        case=case,
+        outcome=Outcome.FINISHED,
+        trajectory=None,
+        engine_version="0",
+        model="mujoco",
+        timestep=timestep,
+    )
+    sign = Sign(time=0.12, number=0.001, words="largest phi since, rad")
+    return Judged(simulation=simulation, verdict=verdict, sign=sign)
+
+
+def test_what_cures_a_case_is_told_with_its_largest_timestep() -> None:
+    names = ("fast-spin", "planar-fall", "tall-can", "tiny-can", "hundred-g")
+    runs = [
+        *(judged(name, Verdict.FLAT, 2e-3, own=True) for name in names),
+        judged("fast-spin", Verdict.ACCURATE, 1e-3),
+        judged("fast-spin", Verdict.ACCURATE, 2e-4),
+        judged("planar-fall", Verdict.ACCURATE, 2e-4),
+        judged("tall-can", Verdict.ACCURATE, 5e-3),
+        judged("tiny-can", Verdict.ACCURATE, 2e-5, "matched"),
+    ]
+    text = engine_page("mujoco", runs, (), names).text
+    flat = f"({Verdict.FLAT.value})"
+    assert f"Cured by a shorter timestep alone, at 1e-03 s: fast-spin {flat}." in text
+    assert f"Cured by a shorter timestep alone, at 2e-04 s: planar-fall {flat}." in text
+    assert f"Cured by a longer timestep alone, at 5e-03 s: tall-can {flat}." in text
+    assert f"Cured by profile matched at 2e-05 s: tiny-can {flat}." in text
+    assert f"Cured by nothing that was tried: hundred-g {flat}." in text
+    assert "(largest phi since 0.001 rad, at 0.12 s)" in text
