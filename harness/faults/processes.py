@@ -70,13 +70,19 @@ def living(group: int) -> list[int]:
 
 
 def resident(group: int) -> int:
-    """Return the bytes that the processes of a group hold in memory, shared ones each time."""
-    held = 0
+    """Return the bytes that the processes of a group hold in memory, shared ones each time.
+
+    A child with exactly its parent's sizes is between fork and exec: its memory is its parent's.
+    """
+    sizes, parents = {}, {}
     for process in living(group):
+        place = Path("/proc", str(process))
         with suppress(OSError):  # it has gone meanwhile
-            pages = Path("/proc", str(process), "statm").read_text(encoding="utf-8").split()[1]
-            held += int(pages) * os.sysconf("SC_PAGE_SIZE")
-    return held
+            sizes[process] = (place / "statm").read_text(encoding="utf-8")
+            words = (place / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+            parents[process] = int(words[1])
+    own = [s for process, s in sizes.items() if sizes.get(parents.get(process, 0)) != s]
+    return sum(int(size.split()[1]) for size in own) * os.sysconf("SC_PAGE_SIZE")
 
 
 def left_behind(group: int) -> int:
