@@ -3,8 +3,9 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from harness.case import Case
@@ -97,6 +98,77 @@ def test_mass_length_and_gravity_leave_the_dimensionless_motion_alone(
 
     # the groups and the rates are rounded anew: some ulps, felt a few times over
     assert bounce(other, other_unit) == pytest.approx(bounce(scene, unit), rel=1e-12)
+
+
+FLOOR = 1e-6
+"""Of a time or an angle, against which its error is held where it vanishes itself."""
+SCENES = tuple(random_scenes(60))
+ULPS = 4.0 * float(np.finfo(float).eps)
+"""How a neighbour differs: the groups and the rates of a scaled scene are rounded twice."""
+NEIGHBOURS = 64.0
+"""Roundings of the groups fall where those of two neighbours do not, and an integrator's steps."""
+LOST = 1e-3
+"""Where neighbours are as far apart as this, one ulp decides, and no scaling can be held to it."""
+
+
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(
+    scene=st.sampled_from(SCENES),
+    mass=st.floats(-6.0, 6.0),
+    radius=st.floats(-3.0, 1.0),
+    gravity=st.floats(-5.0, 3.0),
+)
+def test_scaling_leaves_random_cans_in_every_regime_alone(
+    scene: Scene, mass: float, radius: float, gravity: float
+) -> None:
+    """Of what can be known of each: a neighbour some ulps away says how far that is."""
+    groups = {"a": scene.can.a, "c": scene.can.c, "h": scene.can.h}
+    unit = math.sqrt(scene.can.radius / scene.gravity)
+
+    def moved(*, mass: float, radius: float, gravity: float, ulps: float = 0.0) -> Scene:
+        other, release = math.sqrt(radius / gravity), scene.release
+        rates = ("phi_dot", "psi_dot", "theta_dot")
+        # apart from each other, too: where they cancel, that is what round-off changes
+        signs = zip(rates, (1.0, -1.0, 1.0), strict=True)
+        return replace(
+            scene,
+            can=Can.from_groups(mass=mass, radius=radius, **groups),
+            gravity=gravity,
+            release=replace(
+                release,
+                phi=release.phi * (1.0 + ulps),
+                **{
+                    name: getattr(release, name) * (unit / other) * (1.0 + sign * ulps)
+                    for name, sign in signs
+                },
+            ),
+        )
+
+    def dimensionless(scene: Scene) -> tuple[str, np.ndarray]:
+        unit, motion = (
+            math.sqrt(scene.can.radius / scene.gravity),
+            solved(Case(scene=scene, engine="reference")),
+        )
+        figures = [motion.ends / unit]
+        for found in motion.bounces:
+            figures += [found.time / unit, found.phi_min, found.angle_of_turn]
+            figures += [found.rotation_turn, found.peak_psi_dot * unit]
+        return motion.solution.outcome.name, np.array(figures)
+
+    def apart(one: np.ndarray, other: np.ndarray) -> float:
+        return float((np.abs(one - other) / np.maximum(np.abs(one), FLOOR)).max())
+
+    own = {"mass": scene.can.mass, "radius": scene.can.radius, "gravity": scene.gravity}
+    outcome, plain = dimensionless(moved(**own))
+    near = [dimensionless(moved(**own, ulps=ulps)) for ulps in (-ULPS, ULPS)]
+    assume(all(name == outcome and other.size == plain.size for name, other in near))
+    spread = max(apart(plain, other) for _, other in near)
+    assume(spread < LOST)
+    scaled, found = dimensionless(
+        moved(mass=10.0**mass, radius=10.0**radius, gravity=10.0**gravity)
+    )
+    assert scaled == outcome
+    assert apart(plain, found) <= max(1e-12, NEIGHBOURS * spread)
 
 
 @pytest.mark.parametrize("share", [0.999, 1.001])
