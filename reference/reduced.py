@@ -156,7 +156,9 @@ def solve_reduced(problem: Problem, *, method: str, rtol: float) -> Run:
     spin_of += known.spin_minus_two.scaled(equation.B_minus_two)
     rate_of, spin_rate_of = _slope(Psi_of), _slope(spin_of)
 
+    @np.errstate(divide="ignore", invalid="ignore")
     def field(_t: float, y: Floats) -> Floats:
+        # a stage may lie beyond the flat state, where nothing is a number: its step is refused
         phi, Phi = y[:1], float(y[1])
         Psi, spin = float(Psi_of.at(phi)[0]), float(spin_of.at(phi)[0])
         dPsi, dspin = float(rate_of.at(phi)[0]) * Phi, float(spin_rate_of.at(phi)[0]) * Phi

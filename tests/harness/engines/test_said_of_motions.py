@@ -1,0 +1,104 @@
+"""What is said of an exact motion: which may be chaotic, and what carries what it breaks."""
+
+from dataclasses import replace
+
+import pytest
+
+from harness.case import Case
+from harness.cli.model_answer import model_answer, sentences
+from harness.engines.reference import findings, may_be_chaotic, parting, solved
+from harness.errors import TrajectoryError
+from harness.runner import by_itself
+from harness.simulation import Outcome
+from models import Damping, Effects, Horizon, PointMass, RollingResistance, Scene, Tilt, load
+
+GENTLE = load("gentle-rock")
+
+
+def with_effects(**effects: object) -> Scene:
+    return replace(GENTLE, effects=Effects(**effects))  # type: ignore[arg-type]
+
+
+def said(scene: Scene, model: str = "auto") -> list[str]:
+    """Return what a person reads of the model beside the numbers."""
+    case = Case(scene=scene, engine="reference", options=(("model", model),))
+    e = by_itself(case)
+    known = e.simulation.trajectory is not None or e.simulation.outcome is Outcome.FINISHED
+    return list(sentences(model_answer(e, solved(case) if known else None, model)))
+
+
+@pytest.mark.parametrize(
+    ("scene", "chaotic"),
+    [
+        (GENTLE, False),
+        (with_effects(point_mass=PointMass(mass=1e-3, z=0.02)), False),
+        (with_effects(point_mass=PointMass(mass=1e-3, y=0.01, z=0.02)), True),
+        (with_effects(point_mass=PointMass(mass=1e-3, z=0.02), tilt=Tilt(angle=0.1)), True),
+    ],
+    ids=["ideal", "mass on the axis", "mass off the axis", "tilted"],
+)
+def test_what_is_axisymmetric_on_a_level_plane_is_not_chaotic(
+    scene: Scene, *, chaotic: bool
+) -> None:
+    assert may_be_chaotic(scene) is chaotic
+    assert (parting(scene) is not None) is chaotic
+
+
+def test_a_can_that_rolling_resistance_holds_is_a_motion_like_any_other() -> None:
+    phi = GENTLE.can.balancing_angle
+    release = replace(GENTLE.release, phi=phi, psi_dot=0.0, theta_dot=0.0)
+    scene = replace(
+        with_effects(rolling_resistance=RollingResistance(length=3e-5)),
+        release=release,
+        horizon=Horizon(seconds=0.5),
+    )
+    e = by_itself(Case(scene=scene, engine="reference"))
+    assert e.simulation.outcome is Outcome.FINISHED
+    assert e.simulation.trajectory is not None
+    assert findings(scene) == ()
+
+
+@pytest.mark.parametrize(
+    ("scene", "words", "model"),
+    [
+        (load("wobble"), "the scene should declare slip.", "coulomb"),
+        (
+            replace(load("wobble"), effects=Effects(damping=Damping(linear=1e-6, angular=1e-6))),
+            "Declare slip: `general` carries it.",
+            "",
+        ),
+        (
+            load("planar-fall"),
+            "met the plane at once. No reference model carries it.",
+            "",
+        ),
+    ],
+    ids=["rolling", "general", "flat"],
+)
+def test_a_finding_says_what_carries_it(scene: Scene, words: str, model: str) -> None:
+    (found,) = findings(scene)
+    assert found.sentence.endswith(words)
+    assert found.model == model
+    (read,) = (sentence for sentence in said(scene) if sentence.startswith("Finding"))
+    assert ("would carry it" in read) is bool(model)
+
+
+def test_a_formula_that_falls_back_says_so() -> None:
+    (read,) = (s for s in said(load("planar-fall"), "exact") if s.startswith("Model"))
+    assert "Asked for exact" in read
+    assert "where nothing bounces it falls back to rolling" in read
+    assert "The smallest is pendulum." in read
+    (read,) = (s for s in said(GENTLE, "exact") if s.startswith("Model: exact"))
+    assert "falls back" not in read
+
+
+def test_a_model_without_a_locus_is_named_though_the_motion_ends_early() -> None:
+    (read,) = said(load("planar-fall"), "reduced")
+    assert read.startswith("Model: reduced, 2 equations. Asked for;")
+
+
+def test_what_is_no_motion_is_no_answer() -> None:
+    e = by_itself(Case(scene=GENTLE, engine="reference"))
+    broken = replace(e.simulation, outcome=Outcome.BROKEN, trajectory=None, note="no number")
+    with pytest.raises(TrajectoryError, match="no number"):
+        model_answer(replace(e, simulation=broken), None, "auto")
