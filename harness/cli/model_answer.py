@@ -4,8 +4,10 @@ from collections.abc import Iterable
 from dataclasses import asdict
 
 from harness.cli.answers import Answer
-from harness.engines.reference import Truth, guard
+from harness.engines.reference import Truth, guard, refusal, solved
+from harness.errors import TrajectoryError
 from harness.runner import Evaluation
+from harness.simulation import Outcome
 
 
 def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
@@ -15,9 +17,14 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
     ----------
     e : Evaluation
     found : Truth or None
-        None of a scene without a motion.
+        None of a scene without a motion to show.
     asked : str
         The model that was asked for.
+
+    Raises
+    ------
+    TrajectoryError
+        If the reference returned what is no motion, which nobody may take for an answer.
     """
     divergence = e.divergence
     answer: Answer = {
@@ -37,12 +44,17 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         },
     }
     if found is None:
-        return answer
+        if e.simulation.outcome is Outcome.BROKEN:
+            raise TrajectoryError(f"{e.simulation.case.label()}: {e.simulation.note}")
+        if refusal(e.simulation.case.scene):
+            return answer
+        # a model without a locus, of a motion that ends early: there is no trajectory, but a model
+        found = solved(e.simulation.case, again=False)
     own = found.chosen if asked == "auto" else found.solved_as
     answer |= {
         "model": own.model,
         "equations": own.equations,
-        "why": own.why,
+        "why": _why(found, asked),
         "method": found.solution.method,
         "phases": [
             {"kind": phase.kind, "start_s": phase.start, "end_s": phase.end}
@@ -60,6 +72,20 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
             "least_gap_m": seen.gap,
         }
     return answer
+
+
+def _why(found: Truth, asked: str) -> str:
+    """Return why this model; where nothing bounces the closed formula of a bounce has no answer."""
+    own, needed = found.solved_as, found.chosen
+    if asked == "auto":
+        return needed.why
+    if asked != "exact" or own.model == asked:
+        return own.why
+    smallest = "" if own.model == needed.model else f" The smallest is {needed.model}."
+    return (
+        f"Asked for exact, the closed formula of a bounce: where nothing bounces it falls back to "
+        f"{own.model}, the same equations integrated.{smallest} {needed.why}"
+    )
 
 
 def sentences(answer: Answer) -> Iterable[str]:
