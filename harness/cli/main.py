@@ -113,6 +113,6 @@ def _told(error: TyperException) -> str:
 
 
 def _complain(message: str, code: int = WRONG_USE) -> int:
-    """Say on standard error what was wrong, and return the exit code."""
-    sys.stderr.write(f"rockingcan: {message}\n")
+    """Say on standard error what was wrong, each line as ours, and return the exit code."""
+    sys.stderr.writelines(f"rockingcan: {line}\n" for line in message.splitlines())
     return code

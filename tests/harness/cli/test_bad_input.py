@@ -185,6 +185,17 @@ def test_a_misspelt_constant_of_an_effect_is_one_message(
     assert "missing" not in answer.err
 
 
+def test_of_several_faults_each_line_is_a_message_of_its_own(
+    told: Command, scene_file: Callable[..., Path]
+) -> None:
+    path = scene_file(("[effects]", "[effects.compliance]\nstifness = 1e4\nx = 1.0"))
+    answer = told("reference", str(path))
+    assert answer.code == WRONG_USE
+    lines = answer.err.splitlines()
+    assert len(lines) == 2
+    assert all(line.startswith(f"rockingcan: scene file '{path}'") for line in lines)
+
+
 def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
     told: Command, scene_file: Callable[..., Path]
 ) -> None:
