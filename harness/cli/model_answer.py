@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import asdict
 
-from harness.cli.answers import Answer
+from harness.cli.answers import Answer, divergence_answer
+from harness.cli.printing import chaos
 from harness.engines.reference import Truth, guard, refusal, solved
 from harness.errors import TrajectoryError
 from harness.runner import Evaluation
@@ -26,7 +27,6 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
     TrajectoryError
         If the reference returned what is no motion, which nobody may take for an answer.
     """
-    divergence = e.divergence
     answer: Answer = {
         "model": None,
         "equations": None,
@@ -35,13 +35,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         "phases": [],
         "guard": None,
         "findings": [asdict(finding) for finding in e.findings],
-        "divergence": divergence
-        and {
-            "chaotic": divergence.chaotic,
-            "growth": divergence.growth,
-            "lyapunov_time_s": divergence.lyapunov_time,
-            "parted_s": divergence.parted,
-        },
+        "divergence": divergence_answer(e.divergence),
     }
     if found is None:
         if e.simulation.outcome is Outcome.BROKEN:
@@ -97,13 +91,7 @@ def sentences(answer: Answer) -> Iterable[str]:
     if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
-    divergence = answer["divergence"]
-    if divergence is not None and divergence["chaotic"]:
-        yield (
-            f"Chaotic: a disturbance grows by e in {divergence['lyapunov_time_s']:.3g} s; one part "
-            f"in 1e12 becomes 0.1 rad at {divergence['parted_s']:.3g} s, and beyond nothing can be "
-            "compared."
-        )
+    yield from chaos(answer)
     for finding in answer["findings"]:
         carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
         yield f"Finding: {finding['sentence']}{carried}"
