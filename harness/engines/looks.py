@@ -44,6 +44,10 @@ class Looks:
         """Whether a step of this length, s, is ever to be taken without a look."""
         return self._often * timestep <= 1.0 / LOOKS
 
+    def steps(self, timestep: float) -> float:
+        """Return the steps of this length, s, from one look to the next where no angle moves."""
+        return 1.0 / (self._often * timestep)
+
     def pause(
         self, quaternion: Sequence[float], angular_velocity: Sequence[float], timestep: float
     ) -> int:

@@ -26,8 +26,17 @@ def control(world: MujocoWorld, times: Floats) -> dict[str, Any]:
     return {"control": forces[None], "control_spec": mujoco.mjtState.mjSTATE_XFRC_APPLIED}
 
 
-def chunk_of(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Chunk:
-    """Return the steps from states (n, 14) with the sensors of the same instants (n, 8)."""
+def chunk_of(
+    world: MujocoWorld,
+    times: Floats,
+    states: Floats,
+    sensors: Floats,
+    spans: Integers | None = None,
+) -> Chunk:
+    """Return the steps from states (n, 14) with the sensors of the same instants (n, 8).
+
+    Where not every step was read, `spans` says for how many each stands.
+    """
     count = _sound(states)
     contacts = sensors[:, 0].copy()
     contacts[count:] = 0.0
@@ -41,6 +50,7 @@ def chunk_of(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats)
         constraint_rows=contacts.astype(np.int64) * world.rows_per_contact,
         sound=count == len(states) and not _unstable(world.data),
         read=read,
+        spans=spans,
     )
 
 

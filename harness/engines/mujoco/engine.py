@@ -24,6 +24,7 @@ from harness.engines.mujoco.settings import (
     SETTINGS,
     in_force,
 )
+from harness.engines.mujoco.sparing import glanced, spares
 from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
 from harness.engines.mujoco.world import MujocoWorld, alike
 from harness.engines.schedule import Schedule, Stage
@@ -86,6 +87,12 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)
+        if spares(world, schedule) and schedule.looks is not None:
+            while (stage := _next(schedule, state)) is not None:
+                states, seen, places, spans = glanced(world, stage, schedule.looks)
+                if len(places):
+                    yield chunk_of(world, stage.times[places], states, seen, spans)
+            return
         # the schedule is asked after a chunk was seen: what is seen may change what comes
         while (stage := _next(schedule, state)) is not None:
             befores, sensors, times = [], [], []
