@@ -11,7 +11,8 @@ keeps the turn of the body in a step there as well, between bounds tied to the n
 sqrt(R/g). What a step misses on the way into a bounce is made good on the way out, but not for a
 can that spins about its axis: of its turn an error is left that was measured to go with the axial
 rate s and with the step, 50 ETA s sqrt(R/g) degrees. So the faster it spins, the less is allowed:
-ETA/(1 + |s| sqrt(R/g)/SPIN).
+ETA/(1 + |s| sqrt(R/g)/SPIN), and no less than a hundredth of ETA: a can that spins faster still is
+a top, and no step that is affordable turns it right.
 
 The rule looks at the state alone, so it is deterministic and needs no rejected steps; steps are
 powers of two, so that times are exact sums and a soft contact sees few changes of its stiffness;
@@ -40,6 +41,9 @@ ETA = 0.01
 
 SPIN = 0.015
 """Axial rate in natural units at which half of ETA is allowed: 0.004 degrees of the turn."""
+
+LEAST = 0.01
+"""Of ETA, however fast a can spins."""
 
 ETA_SETTING = Setting(
     name="eta",
@@ -217,7 +221,7 @@ class Adaptive(Schedule):
         o_x, o_y, o_z = angular_velocity
         a_x, a_y, a_z = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
         axial = abs(a_x * o_x + a_y * o_y + a_z * o_z)
-        return self._eta / (1.0 + axial * self._unit / SPIN)
+        return max(self._eta / (1.0 + axial * self._unit / SPIN), LEAST * self._eta)
 
 
 def power_of_two(value: float) -> float:
