@@ -1,8 +1,6 @@
 """A folder of a sweep: resumed, refused, mended, and the same to the byte whoever fills it."""
 
-import fcntl
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -117,76 +115,6 @@ def test_what_is_no_sweep_is_left_alone(chosen: Plan, tmp_path: Path, thing: str
         opened(out, chosen).__enter__()
     left = out if out.is_file() else next(out.iterdir())
     assert left.read_text() == "mine"
-
-
-def test_two_sweeps_do_not_share_a_folder(chosen: Plan, tmp_path: Path) -> None:
-    with (
-        opened(tmp_path / "out", chosen),
-        pytest.raises(OutputError, match="already at work"),
-    ):
-        opened(tmp_path / "out", chosen).__enter__()
-    with opened(tmp_path / "out", chosen):  # the lock goes with its holder
-        pass
-
-
-def test_of_two_sweeps_begun_at_once_in_an_empty_folder_one_is_refused(
-    chosen: Plan, planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    out = tmp_path / "out"
-    other = planned("gentle-rock", "release.psi_dot=1:3:2")
-    real = fcntl.flock
-
-    def late(*words: Any) -> None:  # noqa: ANN401 - as fcntl has it
-        monkeypatch.setattr(fcntl, "flock", real)
-        carried_out(out, other)  # from its first look at the folder to its last partition
-        real(*words)
-
-    monkeypatch.setattr(fcntl, "flock", late)
-    with pytest.raises(PlanMismatchError):
-        opened(out, chosen).__enter__()
-    assert json.loads((out / "sweep.json").read_text())["digest"] == other.digest()
-    assert [other.digest() in name for name in contents(out)] == [True]
-
-
-@pytest.mark.parametrize("damage", ["emptied", "cut short", "a number changed"])
-def test_a_plan_that_cannot_be_read_says_what_to_do_and_that_helps(
-    chosen: Plan, planned: Planned, tmp_path: Path, damage: str
-) -> None:
-    out = tmp_path / "out"
-    carried_out(out, chosen)
-    (out / "report").mkdir()
-    place = out / "sweep.json"
-    whole = place.read_text()
-    hurt = {"emptied": "", "cut short": whole[:99], "a number changed": whole.replace("15", "16")}
-    place.write_text(hurt[damage])
-    before = contents(out)
-    with pytest.raises(OutputError, match=r"plan .* cannot be read .*remove '.*sweep\.json' and"):
-        opened(out, chosen).__enter__()
-    assert place.read_text() == hurt[damage]
-    place.unlink()
-    # partitions without a plan are of another sweep for all others
-    with pytest.raises(PlanMismatchError, match="its partitions"):
-        opened(out, planned("petals", "release.psi_dot=1:3:15")).__enter__()
-    with opened(out, chosen) as folder:
-        assert folder.missing() == []
-    assert place.read_text() == whole
-    assert contents(out) == before
-
-
-def test_a_plan_is_on_the_disk_before_it_has_its_name(
-    chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    flushed: list[str] = []
-    real = os.fsync
-
-    def fsync(handle: int) -> None:
-        flushed.append(Path(f"/proc/self/fd/{handle}").readlink().name)
-        assert "sweep.json" not in flushed
-        real(handle)
-
-    monkeypatch.setattr(os, "fsync", fsync)
-    with opened(tmp_path / "out", chosen):
-        assert flushed == [".sweep.json.draft", "out"]
 
 
 def test_reading_leaves_no_thread_that_could_outlive_the_program(
