@@ -10,7 +10,7 @@ from harness.faults.program import Order, register, started
 from harness.faults.trial import Trial
 
 _SECONDS = 12.0
-"""Allowed for a case: sound ones take tenths of a second, and a gibibyte is eaten in two or three."""
+"""Allowed for a case: sound ones take tenths of a second, a gibibyte is eaten in some seconds."""
 
 _MEMORY = 1.0 * 2**30
 """Allowed for a case: an engine and the reference use a fifth of it."""
