@@ -116,7 +116,7 @@ class FrictionlessEquations:
             grip=grip,
         )
 
-    def rates(self, y: Floats, mode: Mode, *, along: bool = False) -> Floats:
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); the place follows from the angles."""
         del along
         at = Angles.of(y[LEAN])

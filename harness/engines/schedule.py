@@ -203,10 +203,9 @@ class Adaptive(Schedule):
         The horizontal part u of the axis moves with u' = (Omega x axis): its share along u is
         phi'/phi, its share across is psi'.
         """
-        w, x, y, z = quaternion
         o_x, o_y, o_z = angular_velocity
         spin = math.sqrt(o_x * o_x + o_y * o_y + o_z * o_z)
-        a_x, a_y, a_z = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+        a_x, a_y, a_z = _axis(quaternion)
         square = a_x * a_x + a_y * a_y
         if square == 0.0:
             return math.inf
@@ -217,11 +216,16 @@ class Adaptive(Schedule):
 
     def eta(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> float:
         """Return the error indicator to keep: less, the faster the can spins about its axis."""
-        w, x, y, z = quaternion
         o_x, o_y, o_z = angular_velocity
-        a_x, a_y, a_z = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+        a_x, a_y, a_z = _axis(quaternion)
         axial = abs(a_x * o_x + a_y * o_y + a_z * o_z)
         return max(self._eta / (1.0 + axial * self._unit / SPIN), LEAST * self._eta)
+
+
+def _axis(quaternion: Sequence[float]) -> tuple[float, float, float]:
+    """Return the can's axis in the world."""
+    w, x, y, z = quaternion
+    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
 def power_of_two(value: float) -> float:

@@ -1,7 +1,8 @@
 """The reference on hard and random scenes: exact formula against integration, energy, cost.
 
-The two are independent: the formula is a quadrature between turning points (no time stepping), the
-integrator marches through the bounce. Energy is weighed by `models`, which knows neither.
+Where the can bounces the formula is a quadrature between turning points, without time stepping, and
+the integrator marches; elsewhere two sets of equations are integrated, or one has a closed form.
+Energy is weighed by `models`, which knows none of them.
 """
 
 import math

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from harness.executors import Serial
-from harness.sweep import Part, Plan, opened, plan, read_axis, sweep
+from harness.sweep import Part, Plan, opened, plan, planning, read_axis, sweep
 from models import load
 
 Planned = Callable[..., Plan]
@@ -21,6 +21,19 @@ def planned() -> Planned:
         return plan(load(scene), [read_axis(text) for text in over], **more)  # type: ignore[arg-type]
 
     return make
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cut sweeps small, so that a few rows are many partitions."""
+    monkeypatch.setattr(planning, "EXACT_ROWS", 50)
+    monkeypatch.setattr(planning, "ENGINE_ROWS", 3)
+
+
+@pytest.fixture
+def chosen(planned: Planned) -> Plan:
+    """Return a sweep of 225 releases."""
+    return planned("gentle-rock", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
 
 
 def carried_out(out: Path, chosen: Plan) -> pd.DataFrame:

@@ -14,22 +14,13 @@ import pytest
 from harness.errors import OutputError
 from harness.executors import Serial, local
 from harness.isolation import Loss, LostTaskError
-from harness.sweep import Part, Plan, PlanMismatchError, opened, planning, sweep
+from harness.sweep import Part, Plan, PlanMismatchError, opened, sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 
 Planned = Callable[..., Plan]
 
 
-@pytest.fixture(autouse=True)
-def _small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cut sweeps small, so that a few rows are many partitions."""
-    monkeypatch.setattr(planning, "EXACT_ROWS", 50)
-    monkeypatch.setattr(planning, "ENGINE_ROWS", 3)
-
-
-@pytest.fixture
-def chosen(planned: Planned) -> Plan:
-    return planned("gentle-rock", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+pytestmark = pytest.mark.usefixtures("small")
 
 
 class Stopped(Exception):  # noqa: N818 - stands for a signal

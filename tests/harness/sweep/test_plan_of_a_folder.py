@@ -10,22 +10,13 @@ from typing import Any
 import pytest
 
 from harness.errors import OutputError
-from harness.sweep import Plan, PlanMismatchError, opened, planning
+from harness.sweep import Plan, PlanMismatchError, opened
 from tests.harness.sweep.conftest import carried_out, contents
 
 Planned = Callable[..., Plan]
 
 
-@pytest.fixture(autouse=True)
-def _small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cut sweeps small, so that a few rows are many partitions."""
-    monkeypatch.setattr(planning, "EXACT_ROWS", 50)
-    monkeypatch.setattr(planning, "ENGINE_ROWS", 3)
-
-
-@pytest.fixture
-def chosen(planned: Planned) -> Plan:
-    return planned("gentle-rock", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+pytestmark = pytest.mark.usefixtures("small")
 
 
 def test_two_sweeps_do_not_share_a_folder(chosen: Plan, tmp_path: Path) -> None:
