@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from harness.bounce import Bounce
-from harness.case import Case, Value
+from harness.case import Case
 from harness.engines.base import Floats, resolve
 from harness.engines.horizon import natural_time
 from harness.engines.reference.followed import Followed
@@ -19,12 +19,6 @@ from models.rim import contact_offset
 from models.scene import Scene
 from reference import METHODS, MODELS, Choice, Solution, SolverError, carries, smallest, solve
 from reference.contact import contact_force_in_world
-
-FOLLOWED = Followed()
-"""What has been integrated from event to event, which may take seconds."""
-
-_ANSWERED: "dict[tuple[Scene, tuple[tuple[str, Value], ...], float | None], Truth]" = {}
-"""The last motion that was solved: a command that prints it asks for it, and its samples, again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,6 +139,10 @@ def _offset(scene: Scene, phi: Floats, psi: Floats) -> Floats:
     return offset
 
 
+FOLLOWED: Followed[Truth] = Followed()
+"""What has been solved, which may take seconds."""
+
+
 def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> Truth:
     """Return the exact motion of a case's scene, up to its own horizon or for so many seconds.
 
@@ -173,13 +171,10 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
         needed = smallest(posed)
         allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
         raise InvalidSettingError("model", model, allowed)
-    asked = (case.scene, case.options, seconds)
-    if not again and asked in _ANSWERED:
-        return _ANSWERED[asked]
     choices = {} if method == "auto" else {"method": method}
-    known = None if again or choices else FOLLOWED.find(posed, model)
+    known = None if again or choices else FOLLOWED.find(case.scene, posed, model)
     if known is not None:
-        return Truth(scene=case.scene, solution=known)
+        return known
     try:
         solution = solve(
             posed,
@@ -191,10 +186,10 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
     except SolverError as error:  # what is left: a method that the model does not know
         allowed = f"auto or regular: {error}"
         raise InvalidSettingError("method", method, allowed) from error
-    FOLLOWED.keep(solution)
-    _ANSWERED.clear()
-    _ANSWERED[asked] = Truth(scene=case.scene, solution=solution)
-    return _ANSWERED[asked]
+    found = Truth(scene=case.scene, solution=solution)
+    if not choices:
+        FOLLOWED.keep(case.scene, posed, model, found)
+    return found
 
 
 @lru_cache(maxsize=64)

@@ -9,7 +9,7 @@ from harness.engines.reference import followed, parting, solved, truth
 from harness.engines.reference.followed import Followed
 from models import load
 from models.scene import Horizon
-from reference import PAPER_CAN, Effects, Problem, solve
+from reference import PAPER_CAN, Effects, Problem
 
 
 def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
@@ -24,19 +24,22 @@ def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
     assert timed.ends == pytest.approx(0.011, rel=1e-12)
 
 
-def test_it_keeps_the_last_and_only_what_was_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_keeps_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(followed, "MOST", 2)
-    kept = Followed()
-    rolling = solve(Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, duration=0.1))
-    kept.keep(rolling)
-    assert kept.find(rolling.problem, "auto") is None
-    slipping = [replace(rolling.problem, effects=Effects(mu=mu)) for mu in (0.1, 0.2, 0.3)]
-    motions = [solve(problem) for problem in slipping]
-    for motion in motions:
-        kept.keep(motion)
-    assert [kept.find(problem, "auto") for problem in slipping] == [None, *motions[1:]]
-    assert kept.find(slipping[2], "coulomb") is motions[2]
-    assert kept.find(slipping[2], "general") is None
+    kept: Followed[str] = Followed()
+    scene = load("slipping-rock")
+    rolling = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, duration=0.1)
+    slipping = [replace(rolling, effects=Effects(mu=mu)) for mu in (0.1, 0.2, 0.3)]
+    for number, problem in enumerate(slipping):
+        kept.keep(scene, problem, "auto", str(number))
+    assert [kept.find(scene, problem, "auto") for problem in slipping] == [None, "1", "2"]
+    # what "auto" means is what was solved, and no other model, nor another scene
+    assert kept.find(scene, slipping[2], "coulomb") == "2"
+    assert kept.find(scene, slipping[2], "general") is None
+    assert kept.find(load("gentle-rock"), slipping[2], "auto") is None
+    # where the rim rolls "auto" is the formula, which is not the integration
+    kept.keep(scene, rolling, "auto", "formula")
+    assert kept.find(scene, rolling, "rolling") is None
 
 
 def test_of_a_motion_that_ends_where_it_begins_no_copies_are_followed() -> None:
