@@ -20,8 +20,10 @@ from reference.rows import LEAN, TIME, U1, U2, W2
 from reference.states import Floats
 
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
-# ln tan(phi/2) below which a can lies flat: phi is 1e-26.
-FLAT = -60.0
+# ln tan(phi/2) below which a can lies flat: phi is 1e-80, as in the march of the can that rolls.
+FLAT = -184.0
+# The same where friction has a part in the momenta: below 1e-26 its round-off would lift the can.
+FLAT_BY_FRICTION = -60.0
 # Of the bracket under N: nearer to zero the normal force is no longer a number.
 LEAST_GRIP = 1e-6
 
@@ -107,9 +109,10 @@ def events(piece: Piece, equations: Equations, t_end: float) -> list[Event]:
 def _margins(piece: Piece, equations: Equations, t_end: float) -> dict[What, Margin]:
     """Return what must stay positive, in the mode of the piece."""
     mode = piece.mode
+    flat = FLAT if equations.pulls else FLAT_BY_FRICTION
     margins: dict[What, Margin] = {
         What.OVERTURNED: lambda seen: -seen.y[LEAN],
-        What.FLAT: lambda seen: seen.y[LEAN] - FLAT,
+        What.FLAT: lambda seen: seen.y[LEAN] - flat,
     }
     if mode.rests:
         margins[What.ROLLS] = lambda seen: slack(equations, seen.contact, LEAN_OF_CAN)

@@ -12,8 +12,8 @@ from reference.frictionless import solve_frictionless
 from reference.marching import march
 from reference.measure import measure_bounces
 from reference.newton_euler import GeneralEquations
-from reference.pendulum import solve_pendulum
 from reference.phases import Follower, PhasedRun
+from reference.planar import solve_pendulum
 from reference.problem import Problem
 from reference.reduced import solve_reduced
 from reference.rocking import rock

@@ -4,10 +4,17 @@ With psi' = theta' = 0 the nutation obeys (eq01:nonlin_pendulum), with the lean 
 
     d'' = w^2 sin d,      w^2 = sqrt(1 + h^2)/(a_p + 1).
 
-With m = sin^2(d/2) - (d'/(2 w))^2, a constant of the motion,
+With s = sin(|d|/2), u = |d'|/(2 w) and the constant of the motion m = s^2 - u^2,
 
-    sin(|d|/2) = sqrt(m)/dn(w t + x0 | 1 - m)      if m >= 0 (it turns back on its own side),
-    (pi + d)/2 = am(u0 +- kappa w t | 1/kappa^2)   if m < 0 (it goes over the top), kappa^2 = 1 - m.
+    s = sqrt(m)/dn(w t | 1 - m)                          if m >= 0: it turns back on its own side,
+    s = k' |sd(w t/k | k^2)|, k'^2 = 1 - k^2 = -m k^2    if m < 0: it goes over the top,
+
+where t counts from the turning back or from the top. The time between two speeds is
+
+    w t = int_y^x du/sqrt((u^2 + m)(1 - m - u^2)) = (x^2 - y^2) R_F(A^2, B^2, C^2),
+
+with A = x s_x c_y + y s_y c_x, B = x c_x s_y + y c_y s_x and C = x s_y c_y + y s_x c_x, where
+s and c are sin and cos of half the lean at either speed (DLMF 19.29.19): nothing in it cancels.
 
 The paper's closed solution below eq01:nonlin_pendulum is misprinted twice: its scaled time has
 sqrt(h^2 + 1) where the fourth root belongs, and it gives phi where the integral is the time.
@@ -16,28 +23,45 @@ sqrt(h^2 + 1) where the fourth root belongs, and it gives phi where the integral
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ellipj, ellipkinc, ellipkm1, elliprf
+from scipy.special import ellipkm1, elliprf
 
-from reference.contact import contact_from_centre
 from reference.elliptic import squared_sn_cn
-from reference.outcome import Outcome
 from reference.parameters import Parameters
-from reference.problem import Problem
-from reference.run import Run
-from reference.states import Floats, States, initial_states, states_of
-from reference.track import Track
+from reference.states import Floats
 
-SAMPLES = 200
-# Of the lean at release: a fall that is shorter is timed by its speed.
-SHORT = 0.1
-# Points of a quadrature of a function that hardly changes.
-POINTS = 16
+# A motion that would come to rest in balance is told from one that turns back far closer to it than
+# doubles can, but takes no longer than some hundred natural times.
+BALANCED = 1e-200
 
 
 def frequency(parameters: Parameters) -> float:
     """Rate w at which the can falls away from balance, in sqrt(g/R)."""
     p = parameters
     return float(np.sqrt(np.sqrt(1 + p.h**2) / p.pendulum_inertia))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instant:
+    """A speed u = |d'|/(2 w) of the motion, and sin and cos of half the lean there."""
+
+    speed: float
+    sine: float
+    cosine: float
+
+
+def instant(speed: float, lean: float) -> Instant:
+    """Return the instant of a speed and a lean."""
+    sine, cosine = abs(float(np.sin(lean / 2))), float(np.cos(lean / 2))
+    return Instant(speed=float(speed), sine=sine, cosine=cosine)
+
+
+def scaled_time(slow: Instant, fast: Instant, gained: float) -> float:
+    """Return w t between two speeds; `gained` is the difference of their squares."""
+    x, y = fast, slow
+    first = x.speed * x.sine * y.cosine + y.speed * y.sine * x.cosine
+    second = x.speed * x.cosine * y.sine + y.speed * y.cosine * x.sine
+    third = x.speed * y.sine * y.cosine + y.speed * x.sine * x.cosine
+    return gained * float(elliprf(first**2, second**2, third**2)) if gained else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,9 +74,9 @@ class Pendulum:
     constant : float
         m; negative where the can goes over its balancing angle.
     side : float
-        -1 if the can leans on the flat side of balance, 1 beyond it; 1 if it goes over.
-    offset, rate : float
-        Argument of the elliptic function at release, and its rate in time.
+        Sign of the lean at release; if the can goes over, of phi'.
+    since : float
+        Time at release, in sqrt(R/g), from the turning back or the top.
     phi, phi_dot : float
         Release.
     """
@@ -60,152 +84,73 @@ class Pendulum:
     parameters: Parameters
     constant: float
     side: float
-    offset: float
-    rate: float
+    since: float
     phi: float
     phi_dot: float
 
     def nutation(self, times: Floats) -> tuple[Floats, Floats]:
         """Return phi and phi' at the given times, shape (n,)."""
-        x = self.offset + self.rate * np.asarray(times)
-        m = self.constant
-        if m < 0:
-            _, _, slope, half = ellipj(x, 1 / (1 - m))
-            lean, lean_dot = 2 * half - np.pi, 2 * slope * self.rate
+        w = frequency(self.parameters)
+        m = self.constant if self.constant < 0 else max(self.constant, BALANCED)
+        elapsed = w * (self.since + np.asarray(times))
+        complementary = m if m > 0 else -m / (1 - m)
+        scale = 1.0 if m > 0 else np.sqrt(1 - m)
+        fraction = np.minimum(scale * np.abs(elapsed) / ellipkm1(complementary), 1.0)
+        sn2, cn2 = (
+            found[:, 0] for found in squared_sn_cn(fraction[:, None], np.array([complementary]))
+        )
+        dn2 = cn2 + complementary * sn2
+        if m > 0:
+            sine2, speed2 = m / dn2, (1 - m) * m * sn2 / dn2
+            of_lean, of_speed = np.full_like(elapsed, self.side), self.side * np.sign(elapsed)
         else:
-            fraction = np.minimum(np.abs(x) / ellipkm1(m), 1.0)
-            sn2, cn2 = squared_sn_cn(fraction[:, None], np.array([m]))
-            dn = np.sqrt(cn2 + m * sn2)[:, 0]
-            lean = 2 * self.side * np.arcsin(np.minimum(np.sqrt(m) / dn, 1.0))
-            speed = 2 * np.sqrt((1 - m) * m * sn2[:, 0]) / dn * self.rate
-            lean_dot = self.side * np.sign(x) * speed
+            sine2 = complementary * sn2 / dn2
+            speed2 = sine2 - m
+            of_lean, of_speed = self.side * np.sign(elapsed), np.full_like(elapsed, self.side)
+        lean = 2 * of_lean * np.arcsin(np.minimum(np.sqrt(sine2), 1.0))
+        lean_dot = 2 * w * of_speed * np.sqrt(speed2)
         return np.asarray(self.parameters.balancing_angle + lean), np.asarray(lean_dot)
 
     def time_at(self, phi: float) -> float:
         """Return when the nutation is `phi`, on the way away from the balancing angle."""
-        lean, m = phi - self.parameters.balancing_angle, self.constant
-        if abs(phi - self.phi) < SHORT * abs(self.phi - self.parameters.balancing_angle):
-            return self._short_time_to(phi)
+        w, m = frequency(self.parameters), self.constant
+        start, lean = (angle - self.parameters.balancing_angle for angle in (self.phi, phi))
+        release = instant(abs(self.phi_dot) / (2 * w), start)
+        # the difference of the squares of sines, as a product
+        gained = float(np.sin((phi - self.phi) / 2) * np.sin((phi - self.phi) / 2 + start))
+        if start * lean > 0 and self.phi_dot * lean >= 0:
+            end = instant(np.sqrt(release.speed**2 + gained), lean)
+            return scaled_time(release, end, gained) / w
         if m < 0:
-            x = float(ellipkinc((np.pi + lean) / 2, 1 / (1 - m)))
+            end = instant(np.sqrt(np.sin(lean / 2) ** 2 - m), lean)
         else:
-            sine2 = np.sin(lean / 2) ** 2
-            # sn^2, cn^2 and dn^2 at that point, none of them a difference of near numbers
-            sn2 = max(1 - m / sine2, 0.0) / (1 - m)
-            cn2 = m * (1 / sine2 - 1) / (1 - m)
-            x = float(np.sqrt(sn2) * elliprf(cn2, m / sine2, 1.0))
-        return (x - self.offset) / self.rate
-
-    def _short_time_to(self, phi: float) -> float:
-        """Return when the nutation is `phi`, near the release, from dt = dphi'/(w^2 sin d).
-
-        Elliptic functions would give the time as a difference of near numbers; here the squares of
-        speeds differ by 4 w^2 (sin^2(d/2) - sin^2(d0/2)), which is a product.
-        """
-        w, start = frequency(self.parameters), self.phi - self.parameters.balancing_angle
-        near = np.sin((phi - self.phi) / 2) * np.sin((phi - self.phi) / 2 + start)
-        end = float(np.copysign(np.sqrt(self.phi_dot**2 + 4 * w**2 * near), start))
-        gained = end - self.phi_dot
-        if end * self.phi_dot > 0:
-            gained = 4 * w**2 * near / (end + self.phi_dot)
-        nodes, weights = np.polynomial.legendre.leggauss(POINTS)
-        speed = self.phi_dot + gained * (nodes + 1) / 2
-        sine2 = (
-            np.sin(start / 2) ** 2 + (speed - self.phi_dot) * (speed + self.phi_dot) / (2 * w) ** 2
-        )
-        pull = w**2 * 2 * np.sqrt(sine2 * (1 - sine2)) * np.sign(start)
-        return float(gained / 2 * (weights / pull).sum())
+            end = instant(np.sqrt(release.speed**2 + gained), lean)
+        return _since_extremum(m, end) / w - self.since
 
 
 def planar_motion(parameters: Parameters, phi: float, phi_dot: float = 0.0) -> Pendulum:
     """Return the planar motion from a release."""
     w = frequency(parameters)
     lean = phi - parameters.balancing_angle
-    sine, speed = abs(np.sin(lean / 2)), phi_dot / (2 * w)
-    m = float((sine - speed) * (sine + speed))
-    if m < 0:
-        kappa = np.sqrt(1 - m)
-        return Pendulum(
-            parameters=parameters,
-            constant=m,
-            side=1.0,
-            offset=float(ellipkinc((np.pi + lean) / 2, kappa**-2)),
-            rate=float(np.copysign(kappa * w, phi_dot)),
-            phi=phi,
-            phi_dot=phi_dot,
-        )
-    side = 1.0 if lean > 0 else -1.0
-    # sn(x0) = d'/(2 w kappa sin(d/2)), positive on the way out
-    sn = 0.0 if phi_dot == 0 else side * speed / (sine * np.sqrt(1 - m))
-    offset = float(sn * elliprf(1 - sn**2, 1 - (1 - m) * sn**2, 1.0))
+    release = instant(abs(phi_dot) / (2 * w), lean)
+    m = (release.sine - release.speed) * (release.sine + release.speed)
+    outward = 1.0 if lean * phi_dot > 0 else -1.0
     return Pendulum(
         parameters=parameters,
         constant=m,
-        side=side,
-        offset=offset,
-        rate=w,
+        side=float(np.copysign(1.0, phi_dot if m < 0 else lean)),
+        since=outward * _since_extremum(m, release) / w,
         phi=phi,
         phi_dot=phi_dot,
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlanarPath:
-    """The planar motion as states: psi, theta and the contact point stay what they were."""
-
-    problem: Problem
-    pendulum: Pendulum
-    t_end: float
-
-    def at(self, times: Floats) -> States:
-        """States at the given times, shape (n,)."""
-        phi, phi_dot = self.pendulum.nutation(times)
-        zero = np.zeros_like(phi)
-        release = initial_states(self.problem)
-        point = contact_from_centre(release, self.problem.parameters)[0]
-        return States(
-            phi=phi,
-            phi_dot=phi_dot,
-            psi=zero + self.problem.psi,
-            psi_dot=zero,
-            theta=zero + self.problem.theta,
-            theta_dot=zero,
-            spin=zero,
-            x=zero + point[0],
-            y=zero + point[1],
+def _since_extremum(m: float, end: Instant) -> float:
+    """Return w t from the turning back, or from the top."""
+    if m < 0:
+        return scaled_time(
+            Instant(speed=float(np.sqrt(-m)), sine=0.0, cosine=1.0), end, end.sine**2
         )
-
-    def nodes(self) -> tuple[Floats, States]:
-        """Return times and states on an even grid."""
-        times = np.linspace(0, self.t_end, SAMPLES)
-        return times, self.at(times)
-
-
-def solve_pendulum(problem: Problem) -> Run:
-    """Follow the planar motion until the can lies flat, its side meets the plane, or time is up.
-
-    Rates of precession and rotation are left out: this is the model in which they have no effect.
-    """
-    p = problem.parameters
-    motion = planar_motion(p, problem.phi, problem.phi_dot)
-    over = motion.constant < 0
-    down = problem.phi_dot < 0 if over else motion.side < 0
-    outcome = Outcome.FELL_FLAT if down else Outcome.OVERTURNED
-    t_end = motion.time_at(0.0 if down else np.pi / 2)
-    if not np.isfinite(t_end) or (problem.phi == p.balancing_angle and problem.phi_dot == 0):
-        outcome, t_end = Outcome.STEADY, 2 * np.pi / frequency(p)
-    if problem.duration is not None and problem.duration < t_end:
-        outcome, t_end = Outcome.FINISHED, problem.duration
-    track = Track(
-        outcome=outcome,
-        t_end=float(t_end),
-        times=np.empty(0),
-        extrema=states_of([]),
-        maximum=np.empty(0, dtype=bool),
-    )
-    return Run(
-        path=PlanarPath(problem=problem, pendulum=motion, t_end=float(t_end)),
-        track=track,
-        steps=0,
-        evaluations=0,
-    )
+    least = max(m, BALANCED)
+    turn = Instant(speed=0.0, sine=float(np.sqrt(least)), cosine=float(np.sqrt(1 - least)))
+    return scaled_time(turn, end, end.speed**2)

@@ -137,7 +137,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
     if not finding.failure:
         return finding
     ulp = _of_an_ulp(scene, one)
-    if not (ulp > ALLOWED and off <= ULPS * ulp):
+    if not max(off, ALLOWED) <= ULPS * ulp:
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
     reason = f"One ulp of the release or of the can {does}: a double cannot hold it."

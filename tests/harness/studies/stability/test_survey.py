@@ -32,6 +32,20 @@ def test_random_scenes_do_not_fail_and_are_the_same_every_time() -> None:
     assert [found.failure for found in map(examine, scenes) if found.failure] == []
 
 
+@pytest.mark.parametrize(
+    ("number", "outcome"),
+    [
+        pytest.param(1833, "overturned", id="phi falls to 1e-26 and rises"),
+        pytest.param(3911, "overturned", id="barely over the top"),
+        pytest.param(5464, "fell flat", id="a fall of a third of the lean"),
+    ],
+)
+def test_random_scenes_that_once_failed(number: int, outcome: str) -> None:
+    found = examine(list(random_scenes(number + 1))[number])
+    assert (found.outcome, found.failure, found.refusal) == (outcome, "", "")
+    assert found.disagreement <= ALLOWED
+
+
 def test_what_one_ulp_decides_is_refused_and_not_called_a_failure() -> None:
     """Beside steady rolling the force is what is left of terms that cancel to eight digits."""
     scene = load("gentle-rock")
