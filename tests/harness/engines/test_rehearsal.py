@@ -22,6 +22,13 @@ class Engine:
     name, settings, capabilities = "mine", (), None
     version = property(lambda self: ctypes.string_at(0))
 """
+HANGS_WHEN_ASKED = """
+class Engine:
+    name, version, settings, capabilities = "mine", "1", (), None
+    def timestep(self, case):
+        while case.profile == "adaptive":
+            pass
+"""
 
 
 @pytest.fixture
@@ -47,8 +54,8 @@ def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: 
         registry.engine(planted.name)
 
 
-@pytest.mark.parametrize("planted", [HANGS], indirect=True)
-def test_an_engine_that_never_ends_its_import_is_named(
+@pytest.mark.parametrize("planted", [HANGS, HANGS_WHEN_ASKED], indirect=True)
+def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
     planted: EntryPoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rehearsal, "_PATIENCE", Limits(seconds=2.0))
