@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.bounce import PROMINENCE
 from harness.simulation import Outcome
-from harness.trajectory import Trajectory
+from harness.trajectory import Floats, Trajectory
 from models.kinematics import half_angles
 from models.scene import Scene
 
@@ -54,12 +54,16 @@ class Watch:
         spin = rates.phi_dot**2 + rates.psi_dot**2 + rates.theta_dot**2
         reach = scene.can.bounding_radius
         self._scale = spin * reach**2 + scene.gravity * reach
+        self._patience = FLAT_ALLOWANCE * natural_time(scene)
 
     def over(self, kept: Trajectory) -> Outcome | None:
         """Return how the run ended if these samples end it (at `ended_at`, s), else None."""
         speed = np.sum(kept.velocity**2, axis=1)
         sound = speed <= _LARGEST_GAIN * self._scale  # false for what is no number
         phi = half_angles(kept.quaternion)[0]
+        if sound.all() and self._goes_on(phi):
+            self._last_up = float(kept.time[-1])
+            return None
         samples = (kept.time.tolist(), phi.tolist(), sound.tolist())
         for time, tilt, good in zip(*samples, strict=True):
             outcome = self._see(time, tilt) if good else Outcome.DIVERGED
@@ -67,6 +71,24 @@ class Watch:
                 self.ended_at = time
                 return outcome
         return None
+
+    def _goes_on(self, phi: Floats) -> bool:
+        """Take samples into account that only fall, or only rise, as those before did, if so."""
+        first, last, rises = float(phi[0]), float(phi[-1]), np.diff(phi)
+        if self._falling:
+            on = first <= min(self._valley, self._largest) and bool((rises <= 0.0).all())
+            lowest, largest = last, self._largest
+        else:
+            on = first >= self._peak and bool((rises >= 0.0).all())
+            lowest, largest = first, max(self._largest, last)
+        if not on or lowest <= PROMINENCE * largest or largest >= math.pi / 2.0:
+            return False
+        self._largest = largest
+        if self._falling:
+            self._valley = last
+        else:
+            self._peak = last
+        return True
 
     def _see(self, time: float, phi: float) -> Outcome | None:
         """Take one sample into account."""
@@ -76,7 +98,7 @@ class Watch:
         margin = PROMINENCE * self._largest
         if phi > margin:
             self._last_up = time
-        elif time - self._last_up > FLAT_ALLOWANCE * natural_time(self._scene):
+        elif time - self._last_up > self._patience:
             return Outcome.FLAT
         if self._falling:
             self._valley = min(self._valley, phi)

@@ -121,8 +121,8 @@ class Fixed(Schedule):
     size : int
         Most steps in a stage; may be changed between two stages.
     first : int, optional
-        Most steps in the first stage, and twice as many in each that follows, so that what breaks
-        at once is seen at once.
+        Most steps in the first stage, and four times as many in each that follows, so that what
+        breaks at once is seen at once.
     """
 
     def __init__(self, timestep: float, limit: float, size: int, first: int | None = None) -> None:
@@ -139,7 +139,7 @@ class Fixed(Schedule):
         if self._done >= self._total:
             return None
         count = int(min(self.size, self._grown, self._total - self._done))
-        self._grown *= 2
+        self._grown *= 4
         # counted, not summed: an engine's own clock drifts by round-off
         times = np.arange(self._done, self._done + count) * np.float64(self.largest)
         ahead = self._total - self._done

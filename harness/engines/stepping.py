@@ -40,8 +40,8 @@ _FEWEST, _MOST = 16, 16384
 """Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
 _FIRST = 64
-"""Steps in the first chunk of fixed steps; each that follows may be twice as long. What starts
-wrong breaks within some tens of steps, and nine short looks are little beside a run that does not.
+"""Steps in the first chunk of fixed steps; each that follows may be four times as long. What starts
+wrong breaks within some tens of steps, and four short looks are little beside a run that does not.
 """
 
 _ADAPTIVE_LOOK = 1024

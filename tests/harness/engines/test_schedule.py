@@ -77,7 +77,7 @@ def test_stages_may_grow_to_their_size_without_a_change_of_the_times() -> None:
     stages = []
     while (stage := schedule.next((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) is not None:
         stages.append(stage.times.tolist())
-    assert [len(times) for times in stages] == [3, 6, 12, 16, 16, 16, 16, 16]
+    assert [len(times) for times in stages] == [3, 12, 16, 16, 16, 16, 16, 6]
     assert [time for times in stages for time in times] == [n * 1e-3 for n in range(101)]
 
 

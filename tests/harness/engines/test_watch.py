@@ -52,6 +52,21 @@ def test_it_ends_after_the_maximum_that_closes_the_last_bounce(
     assert closing < when < closing + 0.1415 / (np.pi * 6.5) + 2e-3
 
 
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("part", [1, 3, 17, 250])
+def test_what_it_says_does_not_depend_on_the_parts(
+    made: Made, gentle: Scene, seed: int, part: int
+) -> None:
+    """Told whole, no stretch only falls or only rises; in parts most do, some across a turn."""
+    random = np.random.default_rng(seed)
+    steps = np.linspace(0.0, 1.0, 41)
+    heights = 10.0 ** random.uniform(-4.0, 0.1, len(steps))
+    heights[0] = gentle.release.phi
+    phi = np.interp(TIME, steps, heights)
+    scene = replace(gentle, horizon=Horizon(bounces=int(random.integers(1, 9))))
+    assert told(made, scene, TIME, phi, part) == told(made, scene, TIME, phi, len(TIME))
+
+
 def test_too_few_bounces_do_not_end_it(made: Made, gentle: Scene) -> None:
     scene = replace(gentle, horizon=Horizon(bounces=7))
     assert told(made, scene, TIME, bouncing(6.5)) == (None, math.inf)
