@@ -54,6 +54,9 @@ class Foresight:
         if self._timed:
             return np.inf
         since = self._now - self._turned
-        # a rise takes as long as the fall; while it is still to come, as long as that has taken
-        left = _MARGIN * self._fall - since if self._rising else since
+        if self._rising:
+            left = _MARGIN * self._fall - since  # a rise takes as long as the fall
+        else:
+            # as long as the fall has taken; half of it where the run may end soon after a rise
+            left = since if self._turned == 0.0 else since / 2.0
         return max(left, self._shortest)

@@ -36,7 +36,8 @@ from models.state import Pose, Twist
 
 W = TypeVar("W", bound=World)
 
-_FEWEST, _MOST = 16, 16384
+_FEWEST = 16
+MOST = 16384
 """Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
 _FIRST = 64
@@ -141,11 +142,17 @@ class PhysicsEngine(ABC, Generic[W]):
         return [self.simulate(case) for case in cases]
 
     def leanest(self, world: W, steps: int) -> None:
-        """Step so many times and keep every state: the leanest loop that leaves a record."""
+        """Step so many times and do nothing else: no reading, no record."""
+        for _ in range(steps):
+            world.step()
+
+    def keeping(self, world: W, steps: int) -> None:
+        """Step so many times and keep each state and contact: the leanest loop with a record."""
         kept = []
         for _ in range(steps):
-            kept.append((world.pose(), world.twist()))
+            state = world.pose(), world.twist()
             world.step()
+            kept.append((*state, world.contact()))
 
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
@@ -185,4 +192,4 @@ class PhysicsEngine(ABC, Generic[W]):
 
 def _size(foresight: Foresight, timestep: float) -> int:
     """Return the steps to take before looking at the horizon."""
-    return int(min(max(foresight.ahead() / timestep, _FEWEST), _MOST))
+    return int(min(max(foresight.ahead() / timestep, _FEWEST), MOST))

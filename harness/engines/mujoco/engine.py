@@ -27,8 +27,8 @@ from harness.engines.mujoco.settings import (
 from harness.engines.mujoco.sparing import glanced, spares
 from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
 from harness.engines.mujoco.world import MujocoWorld, alike
-from harness.engines.schedule import Schedule, Stage
-from harness.engines.stepping import PhysicsEngine
+from harness.engines.schedule import Fixed, Schedule, Stage
+from harness.engines.stepping import MOST, PhysicsEngine
 from harness.simulation import Simulation
 
 
@@ -121,6 +121,14 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)
         rollout.rollout(world.model, world.data, state[None], **told)
+
+    def keeping(self, world: MujocoWorld, steps: int) -> None:
+        """Step so many times in C and keep each state and the sensors of its contact."""
+        state = np.empty(mujoco.mj_stateSize(world.model, STATE))
+        mujoco.mj_getState(world.model, world.data, state, STATE)
+        schedule = Fixed(world.timestep, world.timestep * (steps - 1), MOST)
+        while (stage := _next(schedule, state)) is not None:
+            state = _roll(world, stage, state)[0][-1]
 
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases; those that differ in their release alone are stepped together, in C."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 
 import numpy as np
+import pybullet
 
 from harness.case import Case, Value
 from harness.engines.base import Capabilities
@@ -95,6 +96,18 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         step, client = world.stepper(times), world.client
         for _ in range(steps):
             step(client)
+
+    def keeping(self, world: PybulletWorld, steps: int) -> None:
+        """Step so many times and keep what PyBullet says of each state and contact, as it is."""
+        step = world.stepper(np.arange(steps) * np.float64(world.timestep))
+        can, ground, client = world.can, world.ground, world.client
+        kept = []
+        for _ in range(steps):
+            pose = pybullet.getBasePositionAndOrientation(can, client)
+            twist = pybullet.getBaseVelocity(can, client)
+            step(client)
+            contacts = pybullet.getContactPoints(can, ground, physicsClientId=client)
+            kept.append((pose, twist, contacts))
 
 
 def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:
