@@ -25,12 +25,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ellipkm1, elliprf
 
+from reference.balance import short_of_balance
 from reference.elliptic import squared_sn_cn
 from reference.parameters import Parameters
 from reference.states import Floats
 
-# A motion that would come to rest in balance is told from one that turns back far closer to it than
-# doubles can, but takes no longer than some hundred natural times.
+# Where round-off says that the can would come to rest in balance, it comes this near, as m.
 BALANCED = 1e-200
 
 
@@ -38,6 +38,11 @@ def frequency(parameters: Parameters) -> float:
     """Rate w at which the can falls away from balance, in sqrt(g/R)."""
     p = parameters
     return float(np.sqrt(np.sqrt(1 + p.h**2) / p.pendulum_inertia))
+
+
+def lean_of(parameters: Parameters, phi: float) -> float:
+    """Return phi - phi*, with all its digits beside balance."""
+    return -float(short_of_balance(np.asarray(parameters.h), np.asarray(phi)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +119,7 @@ class Pendulum:
     def time_at(self, phi: float) -> float:
         """Return when the nutation is `phi`, on the way away from the balancing angle."""
         w, m = frequency(self.parameters), self.constant
-        start, lean = (angle - self.parameters.balancing_angle for angle in (self.phi, phi))
+        start, lean = (lean_of(self.parameters, angle) for angle in (self.phi, phi))
         release = instant(abs(self.phi_dot) / (2 * w), start)
         # the difference of the squares of sines, as a product
         gained = float(np.sin((phi - self.phi) / 2) * np.sin((phi - self.phi) / 2 + start))
@@ -131,7 +136,7 @@ class Pendulum:
 def planar_motion(parameters: Parameters, phi: float, phi_dot: float = 0.0) -> Pendulum:
     """Return the planar motion from a release."""
     w = frequency(parameters)
-    lean = phi - parameters.balancing_angle
+    lean = lean_of(parameters, phi)
     release = instant(abs(phi_dot) / (2 * w), lean)
     m = (release.sine - release.speed) * (release.sine + release.speed)
     outward = 1.0 if lean * phi_dot > 0 else -1.0

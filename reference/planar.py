@@ -58,7 +58,10 @@ def solve_pendulum(problem: Problem) -> Run:
     down = problem.phi_dot < 0 if over else motion.side < 0
     outcome = Outcome.FELL_FLAT if down else Outcome.OVERTURNED
     t_end = motion.time_at(0.0 if down else np.pi / 2)
-    if motion.constant == 0 and problem.phi_dot * (problem.phi - p.balancing_angle) <= 0:
+    balanced = problem.phi == p.balancing_angle and problem.phi_dot == 0
+    arrives = motion.constant == 0 and problem.phi_dot * motion.side < 0
+    if problem.bounces is not None and (balanced or arrives):
+        # a double is never quite in balance, and stays there as long as its last digit lets it
         outcome, t_end = Outcome.STEADY, 2 * np.pi / frequency(p)
     if problem.duration is not None and problem.duration < t_end:
         outcome, t_end = Outcome.FINISHED, problem.duration

@@ -84,3 +84,41 @@ def test_the_nutation_at_the_time_of_a_nutation_is_that(
     found, found_rate = motion.nutation(np.array([motion.time_at(phi)]))
     assert found[0] == pytest.approx(phi, rel=1e-13)
     assert found_rate[0] * rate > 0
+
+
+def from_rest(start: float, end: mpf) -> mpf:
+    """Time from rest beside the top, by the energy; lean = start cosh(x) takes its root away."""
+    inertia = mpf(PAPER_CAN.pendulum_inertia)
+    top = mp.atan(1 / mpf(PAPER_CAN.h))
+    lean, size = mpf(start) - top, sqrt(1 + mpf(PAPER_CAN.h) ** 2)
+
+    def slowness(x: mpf) -> mpf:
+        reached = lean * mp.cosh(x)
+        drop = size * 2 * mp.sin((reached - lean) / 2) * mp.sin((reached + lean) / 2)
+        return lean * mp.sinh(x) / sqrt(2 * drop / inertia) * (1 if lean > 0 else -1)
+
+    return quad(slowness, linspace(0, mp.acosh((end - top) / lean), 20), method="gauss-legendre")
+
+
+@pytest.mark.parametrize("off", [1e-14, -1e-14, 1e-12, -1e-12, 1e-9, -1e-9, 1e-5, -1e-5, 0.1, -0.1])
+def test_beside_balance_a_fall_takes_as_long_as_in_forty_digits(off: float) -> None:
+    start = PAPER_CAN.balancing_angle + off
+    with mp.workdps(60):
+        expected = from_rest(start, mpf(0) if off < 0 else mp.pi / 2)
+    problem = Problem(parameters=PAPER_CAN, phi=start, bounces=1)
+    for model in ("pendulum", "rolling"):
+        assert solve(problem, model=model).t_end == pytest.approx(float(expected), rel=1e-14)
+
+
+@pytest.mark.parametrize("model", ["pendulum", "rolling"])
+def test_a_balanced_can_stands_as_long_as_its_last_digit_lets_it(model: str) -> None:
+    balance = PAPER_CAN.balancing_angle
+    asked = Problem(parameters=PAPER_CAN, phi=balance, bounces=1)
+    assert solve(asked, model=model).outcome is Outcome.STEADY
+    stands = Problem(parameters=PAPER_CAN, phi=balance, duration=50.0)
+    assert solve(stands, model=model).outcome is Outcome.FINISHED
+    with mp.workdps(60):
+        falls = from_rest(balance, mpf(0))
+    found = solve(Problem(parameters=PAPER_CAN, phi=balance, duration=60.0), model=model)
+    assert found.outcome is Outcome.FELL_FLAT
+    assert found.t_end == pytest.approx(float(falls), rel=1e-14)
