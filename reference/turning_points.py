@@ -140,9 +140,12 @@ def _upper(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
     phi = release + rise
     state = level(well, phi, -rise)
     negative = state.slope > 0  # g = slope (r - phi), and r - phi < 0
+    # beside balance two roots may lie between two points, also between the release and the first
     force = nutation_force(well.can, state.b, state.spin, phi)
-    dips = np.zeros_like(negative)
-    dips[1:] = (force[:-1] < 0) & (force[1:] > 0) & ~negative[:-1] & ~negative[1:]
+    at_release = nutation_force(well.can, well.b, well.spin, release)
+    before = np.vstack((at_release, force[:-1]))
+    dips = (before < 0) & (force > 0) & ~negative
+    dips[1:] &= ~negative[:-1]
     found = np.asarray(negative.any(axis=0))
     first = np.where(found, negative.argmax(axis=0), GRID - 1)
     columns = np.arange(release.size)
@@ -151,12 +154,11 @@ def _upper(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
     candidate = dips.any(axis=0)
     if candidate.any():
         at = dips.argmax(axis=0)
-        bottom = bracketed_roots(
-            lambda x: _force_above(well, x), rise[np.maximum(at - 1, 0), columns], rise[at, columns]
-        )
+        start = np.where(at > 0, rise[at - 1, columns], 0.0)
+        bottom = bracketed_roots(lambda x: _force_above(well, x), start, rise[at, columns])
         deep = candidate & (_g_above(well, bottom) < 0) & (~found | (at <= first))
         right = np.where(deep, bottom, right)
-        left = np.where(deep, rise[np.maximum(at - 1, 0), columns], left)
+        left = np.where(deep, start, left)
         found |= deep
     root = bracketed_roots(lambda x: _g_above(well, x), left, right)
     return np.asarray(np.where(found, root, UPRIGHT - release)), found

@@ -71,6 +71,23 @@ def test_formula_and_integrator_agree_in_all_that_a_bounce_reports() -> None:
             assert one == pytest.approx(other, rel=1e-10)
 
 
+@pytest.mark.parametrize("off", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("share", [0.9, 1e-3, -1e-3, -0.9])
+def test_a_release_that_moves_beside_balance_turns_back(off: float, share: float) -> None:
+    """Just below balance there are two turning points, one on either side of it."""
+    p = PAPER_CAN
+    thrown = share * off * math.sqrt(math.hypot(1, p.h) / p.pendulum_inertia)
+    release = {"phi": p.balancing_angle - off, "phi_dot": thrown, "psi_dot": 1e-9, "theta_dot": 0.0}
+    assert exact_bounces(**CAN, **release).bounced.all()
+    asked = Problem(parameters=p, bounces=2, **release)
+    exact, rolling = solve(asked, model="exact"), solve(asked, model="rolling")
+    assert exact.model == "exact"
+    assert exact.maxima == pytest.approx(rolling.maxima, rel=1e-10, abs=1e-10)
+    for mine, theirs in zip(exact.bounces, rolling.bounces, strict=True):
+        assert mine.phi_min == pytest.approx(theirs.phi_min, rel=1e-10)
+        assert mine.angle_of_turn == pytest.approx(theirs.angle_of_turn, rel=1e-10)
+
+
 def test_one_can_and_many_cans_agree() -> None:
     phi = np.linspace(0.01, 0.5, 40)
     one = exact_bounces(**CAN, phi=phi, psi_dot=1e-3, theta_dot=-2e-3)

@@ -136,7 +136,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
     )
     if not finding.failure:
         return finding
-    ulp = _of_an_ulp(scene, one)
+    ulp = _of_an_ulp(scene, other)
     if not max(off, ALLOWED) <= ULPS * ulp:
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
