@@ -172,7 +172,8 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
         allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
         raise InvalidSettingError("model", model, allowed)
     choices = {} if method == "auto" else {"method": method}
-    known = None if again or choices else FOLLOWED.find(case.scene, posed, model)
+    plain = {name for name, _ in case.options} <= {"model"}
+    known = FOLLOWED.find(case.scene, posed, model) if plain and not again else None
     if known is not None:
         return known
     try:
@@ -187,7 +188,7 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
         allowed = f"auto or regular: {error}"
         raise InvalidSettingError("method", method, allowed) from error
     found = Truth(scene=case.scene, solution=solution)
-    if not choices:
+    if plain:
         FOLLOWED.keep(case.scene, posed, model, found)
     return found
 

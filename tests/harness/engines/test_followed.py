@@ -24,6 +24,17 @@ def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
     assert timed.ends == pytest.approx(0.011, rel=1e-12)
 
 
+def test_a_tolerance_of_its_own_is_no_truth() -> None:
+    scene = load("gentle-rock")
+
+    def reduced(**options: float) -> float:
+        told = (("model", "reduced"), *options.items())
+        case = Case(scene=scene, engine="reference", options=told)
+        return float(solved(case, again=False).bounces[0].angle_of_turn)
+
+    assert reduced(rtol=1e-2) != reduced() == reduced()
+
+
 def test_it_keeps_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(followed, "MOST", 2)
     kept: Followed[str] = Followed()
