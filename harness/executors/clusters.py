@@ -10,11 +10,11 @@ import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager
-from importlib.metadata import version
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
 from harness.errors import ClusterError, InvalidSettingError, MissingPackageError
+from harness.executors.likeness import REMEDY, alike, differences, likeness
 from harness.isolation import Limits, Loss, LostTaskError, inside
 
 P = ParamSpec("P")
@@ -53,7 +53,7 @@ def cluster(address: str, limits: Limits) -> "Cluster":
     MissingPackageError
         If `distributed` is not installed.
     ClusterError
-        If no scheduler answers, it has no workers, or they have another rockingcan.
+        If no scheduler answers, it has no workers, or they would not compute as this process.
     """
     check_address(address)
     try:
@@ -89,19 +89,27 @@ def check_address(address: str) -> None:
 
 def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package ships no types
     """Refuse a cluster that cannot run cases as they would run here."""
-    found: dict[str, str] = client.run(_version)
+    found: dict[str, dict[str, str] | Exception]
+    try:
+        found = client.run(likeness, on_error="return")
+    except Exception as error:
+        raise ClusterError(
+            f"workers of the cluster at '{address}' cannot say what they compute with "
+            f"({type(error).__name__}: {error}); {REMEDY}"
+        ) from error
     if not found:
         raise ClusterError(f"the cluster at '{address}' has no workers; start: dask worker ADDRESS")
-    other = sorted({told for told in found.values() if told != _version()})
-    if other:
+    here, others = likeness(), []
+    for place, there in sorted(found.items()):
+        if isinstance(there, Exception):
+            others.append(f"{place} cannot say ({type(there).__name__}: {there})")
+        elif other := differences(there, here):
+            others.append(f"{place} has {', '.join(other)}")
+    if others:
         raise ClusterError(
-            f"workers of the cluster at '{address}' have rockingcan {', '.join(other)}, and this "
-            f"is {_version()}: their results would not be the same; install one version"
+            f"workers of the cluster at '{address}' would not compute as it is done here: "
+            f"{'; '.join(others)}; {REMEDY}"
         )
-
-
-def _version() -> str:
-    return version("rockingcan")
 
 
 @contextmanager
@@ -126,7 +134,8 @@ class Cluster(Executor):
 
     def __init__(self, client: Any, limits: Limits) -> None:  # noqa: ANN401 - it ships no types
         self._client = client
-        self._limits = limits
+        self.limits = limits
+        self._here = likeness()
         self._futures: set[Any] = set()
 
     @property
@@ -141,7 +150,9 @@ class Cluster(Executor):
         future: Future[T] = Future()
         future.set_running_or_notify_cancel()
         with _reached():  # not pure: two tasks alike are two tasks
-            theirs = self._client.submit(inside, self._limits, fn, *args, pure=False, **kwargs)
+            theirs = self._client.submit(
+                inside, self.limits, alike, self._here, fn, *args, pure=False, **kwargs
+            )
         self._futures.add(theirs)
         theirs.add_done_callback(lambda done: self._settle(future, done))
         return future

@@ -1,0 +1,127 @@
+"""Workers that would compute otherwise are refused: what differs is named, and where."""
+
+import importlib
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.engines.registry import GROUP
+from harness.errors import ClusterError
+from harness.executors import cluster, likeness
+from harness.executors.clusters import _check
+from harness.executors.likeness import alike, differences
+from harness.isolation import NO_LIMITS
+from harness.store.code import fingerprint
+
+ROOT = Path(__file__).parents[3]
+HERE = likeness.likeness()
+
+
+@pytest.fixture
+def anew() -> Iterator[None]:
+    """Ask again what this process computes with, before a test and after."""
+    likeness._likeness.cache_clear()  # noqa: SLF001
+    yield
+    likeness._likeness.cache_clear()  # noqa: SLF001
+
+
+class Client:
+    """The client of a cluster whose workers say what they are told to."""
+
+    def __init__(self, *said: dict[str, str] | Exception) -> None:
+        self._said = {f"tcp://node-{n}:1": what for n, what in enumerate(said)}
+
+    def run(self, *_: object, **__: object) -> dict[str, dict[str, str] | Exception]:
+        """Ask each worker."""
+        return self._said
+
+
+def test_workers_alike_are_taken() -> None:
+    _check(Client(HERE, HERE), "host:1")
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("sources of rockingcan", "node-1:1 has sources of rockingcan other (here "),
+        ("mujoco", "node-1:1 has mujoco other (here "),
+        ("pybullet", "pybullet other"),
+        ("Python", "Python other"),
+    ],
+)
+def test_a_worker_that_differs_is_named_with_what_differs(key: str, words: str) -> None:
+    with pytest.raises(ClusterError) as caught:
+        _check(Client(HERE, HERE | {key: "other"}), "host:1")
+    assert words in str(caught.value)
+    assert "node-0" not in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_another_numpy_is_said_to_be_that_and_not_other_sources() -> None:
+    other = HERE | {"numpy": "1.0", "sources of rockingcan": "follows from it"}
+    assert differences(other, HERE) == [f"numpy 1.0 (here {HERE['numpy']})"]
+
+
+def test_a_worker_without_rockingcan_is_named() -> None:
+    with pytest.raises(ClusterError, match=r"node-0:1 cannot say \(ModuleNotFoundError"):
+        _check(Client(ModuleNotFoundError("No module named 'harness'")), "host:1")
+
+
+@pytest.mark.usefixtures("anew")
+def test_an_engine_of_somebody_else_that_both_have_must_be_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / "somebodys.py"
+    monkeypatch.syspath_prepend(str(tmp_path))
+    entry = EntryPoint("theirs", "somebodys:Engine", GROUP)
+    monkeypatch.setattr(likeness, "entry_points", lambda **_: [entry])
+    said = []
+    for content in ("A = 1\n", "A = 2\n"):
+        source.write_text(content, encoding="utf-8")
+        fingerprint.cache_clear()
+        likeness._likeness.cache_clear()  # noqa: SLF001
+        said.append(likeness.likeness())
+    (found,) = [words for words in differences(*said) if "theirs" in words]
+    assert found.startswith("engine theirs unknown ")
+    without = {key: value for key, value in said[0].items() if key != "engine theirs"}
+    assert differences(said[0], without) == []  # what only the worker has is nobody's result
+
+
+def test_a_task_is_not_done_by_a_worker_that_came_later_and_differs() -> None:
+    assert alike(HERE, max, 1, 2) == 2
+    with pytest.raises(ClusterError, match=r"a worker on '.*' would not .* scipy .*\(here 0\.0\)"):
+        alike(HERE | {"scipy": "0.0"}, max, 1, 2)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # those of the cluster's own threads are not ours
+def test_a_worker_with_an_edited_checkout_of_the_same_version_is_refused(tmp_path: Path) -> None:
+    for package in ("harness", "models", "reference"):
+        shutil.copytree(ROOT / package, tmp_path / package)
+    edited = tmp_path / "harness" / "metrics" / "conservation.py"
+    edited.write_text(edited.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    dask: Any = importlib.import_module("distributed")
+    with dask.LocalCluster(
+        n_workers=0, dashboard_address=None, local_directory=str(tmp_path / "dask")
+    ) as machines:
+        address = machines.scheduler_address
+        program = "import sys; from dask.__main__ import main; sys.exit(main())"
+        words = ["worker", address, "--no-nanny", "--no-dashboard", "--nthreads", "1"]
+        words += ["--local-directory", str(tmp_path / "worker")]
+        worker = subprocess.Popen(  # noqa: S603 - the program of the cluster
+            [sys.executable, "-c", program, *words], cwd=tmp_path, stderr=subprocess.DEVNULL
+        )
+        try:
+            with dask.Client(address, set_as_default=False) as client:
+                client.wait_for_workers(1, timeout=60)
+            with pytest.raises(ClusterError, match=r"tcp://.* has sources of rockingcan \w{16} "):
+                cluster(address, NO_LIMITS)
+        finally:
+            worker.terminate()
+            worker.wait(30)
