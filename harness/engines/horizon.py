@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from harness.bounce import PROMINENCE
+from harness.errors import InvalidSettingError
 from harness.simulation import Outcome
 from harness.trajectory import Floats, Trajectory
 from models.kinematics import half_angles
@@ -19,6 +20,9 @@ BOUNCE_ALLOWANCE = 100.0
 
 FLAT_ALLOWANCE = 20.0
 """Natural times below the prominence after which a can that does not rise is called flat."""
+
+_COUNTABLE = 1e15
+"""Steps: what a double counts one by one; a run is ended long before."""
 
 _LARGEST_GAIN = 1e3
 """Kinetic energy, over that of the release and m g (R + H), from which a run counts as diverged."""
@@ -36,6 +40,19 @@ def longest_time(scene: Scene) -> float:
     if scene.horizon.seconds is not None:
         return scene.horizon.seconds
     return BOUNCE_ALLOWANCE * natural_time(scene) * (scene.horizon.bounces or 1)
+
+
+def countable(timestep: float, scene: Scene) -> None:
+    """Refuse a timestep, s, of which a run may need more than can be counted.
+
+    Raises
+    ------
+    InvalidSettingError
+    """
+    longest = longest_time(scene)
+    if longest / timestep > _COUNTABLE:
+        allowed = f"at least {longest / _COUNTABLE:.2g} s, for a run may last {longest:.2g} s"
+        raise InvalidSettingError("timestep", timestep, allowed)
 
 
 class Watch:

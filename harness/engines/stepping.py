@@ -14,7 +14,7 @@ from harness.case import Case, Value
 from harness.engines.base import Capabilities, Effort, Gap, Setting, World, resolve
 from harness.engines.chunk import Chunk
 from harness.engines.foresight import Foresight
-from harness.engines.horizon import longest_time, natural_time
+from harness.engines.horizon import countable, longest_time, natural_time
 from harness.engines.looks import Looks
 from harness.engines.parity import parity
 from harness.engines.recorder import SAMPLES_IN_TIME
@@ -75,7 +75,15 @@ class PhysicsEngine(ABC, Generic[W]):
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
 
     def timestep(self, case: Case) -> float:
-        """Return the timestep of a case, s; the largest of an adaptive one."""
+        """Return the timestep of a case, s; the largest of an adaptive one.
+
+        Raises
+        ------
+        InvalidSettingError
+            If it is so short that nobody could count the steps.
+        """
+        if case.timestep is not None:
+            countable(case.timestep, case.scene)
         if case.profile == "adaptive":
             return power_of_two(case.timestep or LARGEST_SHARE * natural_time(case.scene))
         if case.timestep is not None:

@@ -227,11 +227,20 @@ class Confuses(Toy):
         return [self.simulate(case) for case in reversed(cases)]
 
 
+class Cheerful(Toy):
+    """Finishes, whatever the speed."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+        fine = whole.outcome is not Outcome.DIVERGED
+        return whole if fine else replace(whole, outcome=Outcome.FINISHED)
+
+
 BROKEN = {
     WrongShape: {"trajectory": r"`position` has shape \(\d+, 2\)"},
     BackwardsInTime: {"trajectory": "increase strictly"},
     NotANumber: {"trajectory": "`velocity` is no number at sample 0"},
     RaisesOnDivergence: {"divergence": "FloatingPointError: the numbers exploded"},
+    Cheerful: {"divergence": "without bound, and the outcome is FINISHED"},
     Random: {"repeats": "two runs of one case differ"},
     Remembers: {"repeats after another": "otherwise after another case"},
     Late: {"newton": "misfit", "same instant": "distance"},

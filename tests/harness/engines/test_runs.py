@@ -162,6 +162,15 @@ def test_a_hopeless_timestep_ends_in_an_honest_outcome(
         assert e.simulation.outcome is not Outcome.FINISHED
 
 
+@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("profile", ["matched", "adaptive"])
+def test_a_timestep_whose_steps_nobody_counts_is_refused(
+    brief: Scene, name: str, profile: str
+) -> None:
+    with pytest.raises(InvalidSettingError, match="'timestep' cannot be 1e-300; allowed: at least"):
+        engine(name).timestep(Case(scene=brief, engine=name, profile=profile, timestep=1e-300))
+
+
 @pytest.mark.parametrize("name", ALL)
 def test_an_unknown_setting_is_refused_with_those_there_are(brief: Scene, name: str) -> None:
     case = Case(scene=brief, engine=name, options=(("viscosity", 1.0),))
