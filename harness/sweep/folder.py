@@ -1,8 +1,8 @@
 """The folder of a sweep: its plan, and one Parquet file a partition, each whole or not there.
 
-A file is named by its partition and by the digest of the plan, and carries checksums; one that is
-damaged is set aside and made again. While a sweep is at work it holds a lock, which goes with its
-process however that ends.
+A file is named by its partition, by the digest of the plan, and by the first half of its own
+SHA-256; one that is not what its name says is damaged, and set aside to be made again. While a
+sweep is at work it holds a lock, which goes with its process however that ends.
 """
 
 import fcntl
@@ -11,20 +11,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from harness.errors import HarnessError, OutputError
 from harness.interruption import finishing
-from harness.sweep.parameters import PARAMETERS, Floats
+from harness.store.entry import checksum
 from harness.sweep.partition import Part
 from harness.sweep.planning import Plan
-from harness.sweep.quantities import QUANTITIES
-from harness.sweep.stated import DAMAGED, LOCK, PARTS, SUFFIX, check_same, write_plan
+from harness.sweep.stated import DAMAGED, LOCK, NAME, PARTS, SUFFIX, check_same, write_plan
+from harness.sweep.table import part_of, table_of
 
-_OF_PLAN = b"rockingcan.plan"
-_OUTCOME = "How the scene ended; says why where the numbers are missing."
+_DIGITS = 32
+"""Of a SHA-256, in a name: none of 2^64 damaged files passes."""
 
 
 class Folder:
@@ -41,9 +40,14 @@ class Folder:
         """The folder of the partitions, which reads as one table."""
         return self.out / PARTS
 
-    def path(self, index: int) -> Path:
-        """Return the file of a partition."""
-        return self.parts / f"part-{index:06d}-{self._digest}{SUFFIX}"
+    def there(self) -> dict[int, list[Path]]:
+        """Return the files of the partitions by their names alone, whether sound or not."""
+        found: dict[int, list[Path]] = {}
+        for path in sorted(self.parts.glob(f"*{SUFFIX}")):
+            name = NAME.fullmatch(path.name)
+            if name is not None and name["plan"] == self._digest:
+                found.setdefault(int(name["index"]), []).append(path)
+        return found
 
     def missing(self) -> list[int]:
         """Return the partitions that are not there, in order; damaged ones are set aside.
@@ -53,15 +57,16 @@ class Folder:
         OutputError
             If a damaged one cannot be.
         """
-        gone = []
+        there, gone = self.there(), []
         for index in range(self.plan.partitions):
-            path = self.path(index)
-            if path.exists() and not self._sound(index):
-                aside = self.out / DAMAGED
-                with _writing(self.out):
-                    aside.mkdir(exist_ok=True)
-                    self.damaged.append(path.rename(aside / path.name))
-            if not path.exists():
+            sound = False
+            for path in there.get(index, ()):
+                # a second of the same partition would be in the table twice
+                if sound or _content(path) is None:
+                    self._set_aside(path)
+                else:
+                    sound = True
+            if not sound:
                 gone.append(index)
         return gone
 
@@ -74,12 +79,12 @@ class Folder:
             If it cannot be written, such as to a full disk.
         """
         with finishing():
-            table = _table(part, self._digest)
-            path = self.path(part.index)
-            draft = path.with_name(f".{path.name}.draft")
+            content = _bytes(table_of(part, self._digest))
+            name = f"part-{part.index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
+            path, draft = self.parts / name, self.parts / f".{name}.draft"
             try:
                 with draft.open("wb") as file:
-                    pq.write_table(table, file, compression="zstd", write_page_checksum=True)
+                    file.write(content)
                     file.flush()
                     os.fsync(file.fileno())
                 draft.replace(path)
@@ -98,29 +103,26 @@ class Folder:
         OutputError
             If one is missing, or is not what was written.
         """
+        there = self.there()
         for index in range(self.plan.partitions):
-            try:
-                yield _part(self._table(index), index, self.plan)
-            except (OSError, pa.ArrowException) as error:
+            paths = there.get(index, [])
+            content = _content(paths[0]) if len(paths) == 1 else None
+            if content is None:
                 raise OutputError(
-                    f"cannot read '{self.path(index)}' ({error}); run the sweep again to mend it"
-                ) from error
+                    f"partition {index} in '{self.parts}' is missing or damaged; run the sweep "
+                    "again to mend it"
+                )
+            try:
+                yield part_of(_table(content), index, self.plan)
+            except pa.ArrowException as error:  # whole, but of another Arrow
+                raise OutputError(f"cannot read '{paths[0]}' ({error}); remove it") from error
 
-    def _table(self, index: int) -> pa.Table:
-        # in this thread alone: one of Arrow's own that outlives the interpreter can abort it
-        path = self.path(index)
-        with pq.ParquetFile(path, page_checksum_verification=True, pre_buffer=False) as file:
-            return file.read(use_threads=False)
-
-    def _sound(self, index: int) -> bool:
-        """Whether the file of a partition is what was written."""
-        try:
-            table = self._table(index)
-        except (OSError, pa.ArrowException):
-            return False
-        told: bytes = (table.schema.metadata or {}).get(_OF_PLAN, b"")
-        rows: int = table.num_rows
-        return told == self._digest.encode() and rows == len(self.plan.span(index))
+    def _set_aside(self, path: Path) -> None:
+        """Move a damaged partition out of the table."""
+        aside = self.out / DAMAGED
+        with _writing(self.out):
+            aside.mkdir(exist_ok=True)
+            self.damaged.append(path.rename(aside / path.name))
 
 
 @contextmanager
@@ -165,43 +167,30 @@ def _writing(out: Path) -> Iterator[None]:
         raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
 
 
-def _table(part: Part, digest: str) -> pa.Table:
-    """Return a part as a table; what is no number is missing, and units are in the names."""
-    columns: dict[str, tuple[pa.Array, str]] = {
-        "row": (pa.array(np.arange(part.rows.start, part.rows.stop)), "Number of the scene.")
-    }
-    for known in PARAMETERS.values():
-        if known.column in part.parameters:
-            told = f"{known.name} of the scene."
-            columns[known.column] = (pa.array(part.parameters[known.column]), told)
-    for name, values in part.quantities.items():
-        numbers = pa.array(values, mask=np.isnan(values))
-        columns[name] = (numbers, QUANTITIES[name].meaning)
-    outcome = pa.DictionaryArray.from_arrays(part.code.astype(np.int32), list(part.sentences))
-    columns["outcome"] = (outcome, _OUTCOME)
-    schema = pa.schema(
-        [
-            pa.field(name, array.type, metadata={"description": told})
-            for name, (array, told) in columns.items()
-        ],
-        metadata={_OF_PLAN: digest.encode()},
-    )
-    return pa.Table.from_arrays([array for array, _ in columns.values()], schema=schema)
+def _check(content: bytes) -> str:
+    """Return what the name of a file says of its content."""
+    return checksum(content)[:_DIGITS]
 
 
-def _part(table: pa.Table, index: int, plan: Plan) -> Part:
-    """Return a table as the part that it was written from."""
-    outcome = table.column("outcome").combine_chunks()
-    sentences = [str(sentence) for sentence in outcome.dictionary.to_pylist()]
+def _content(path: Path) -> bytes | None:
+    """Return what is in the file of a partition, or None if it is not what was written."""
+    name = NAME.fullmatch(path.name)
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    return content if name is not None and name["check"] == _check(content) else None
 
-    def numbers(name: str) -> Floats:
-        return np.asarray(table.column(name).to_numpy(zero_copy_only=False), dtype=np.float64)
 
-    return Part(
-        index=index,
-        rows=plan.span(index),
-        parameters={axis.column: numbers(axis.column) for axis in plan.axes},
-        quantities={name: numbers(name) for name in plan.quantities},
-        code=outcome.indices.to_numpy(zero_copy_only=False).astype(np.int64),
-        sentences=tuple(sentences),
-    )
+def _bytes(table: pa.Table) -> bytes:
+    """Return a table as the content of a file."""
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, compression="zstd", write_page_checksum=True)
+    content: bytes = sink.getvalue().to_pybytes()
+    return content
+
+
+def _table(content: bytes) -> pa.Table:
+    # in this thread alone: one of Arrow's own that outlives the interpreter can abort it
+    with pq.ParquetFile(pa.BufferReader(content), pre_buffer=False) as file:
+        return file.read(use_threads=False)

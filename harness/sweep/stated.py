@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,11 @@ PARTS = "parts"
 DAMAGED = "damaged"
 LOCK = ".lock"
 SUFFIX = ".parquet"
+NAME = re.compile(
+    r"part-(?P<index>[0-9]{6,})-(?P<plan>[0-9a-f]{16})-(?P<check>[0-9a-f]{32})\.parquet"
+)
+"""Of the file of a partition: its number, the digest of its plan, the checksum of its content."""
+
 _DRAFT = f".{PLAN}.draft"
 _FORMAT = "rockingcan-sweep"
 _REPORT = "report"
@@ -74,9 +80,9 @@ def _check_without_plan(out: Path, plan: Plan) -> None:
     ours = {LOCK, _DRAFT, PLAN, PARTS} | ({DAMAGED, _REPORT} if LOCK in names else set())
     if names - ours:
         raise _foreign(out)
-    ending = f"-{plan.digest()}{SUFFIX}"
     for path in (out / PARTS).glob(f"*{SUFFIX}"):
-        if not path.name.endswith(ending):
+        name = NAME.fullmatch(path.name)
+        if name is None or name["plan"] != plan.digest():
             raise PlanMismatchError(out, f"its partitions, such as {path.name}")
 
 

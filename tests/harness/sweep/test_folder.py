@@ -1,6 +1,7 @@
 """A folder of a sweep: resumed, refused, mended, and the same to the byte whoever fills it."""
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -8,7 +9,6 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import pyarrow.parquet as pq
 import pytest
 
 from harness.errors import OutputError
@@ -49,33 +49,72 @@ def test_a_second_start_does_what_is_missing_and_nothing_else(chosen: Plan, tmp_
         sweep(folder, Serial(), lambda part: pytest.fail(f"{part.index} was made again"))
 
 
-@pytest.mark.parametrize("damage", ["cut short", "a byte changed", "emptied", "of another sweep"])
+def file_of(out: Path, index: int) -> Path:
+    """Return the file of a partition."""
+    (path,) = (out / "parts").glob(f"part-{index:06d}-*")
+    return path
+
+
+@pytest.mark.parametrize("damage", ["cut short", "emptied", "of another sweep", "a folder"])
 def test_a_damaged_partition_is_set_aside_and_made_again(
     chosen: Plan, planned: Planned, tmp_path: Path, damage: str
 ) -> None:
     out = tmp_path / "out"
     carried_out(out, chosen)
     before = contents(out)
-    with opened(out, chosen) as folder:
-        victim = folder.path(3)
-    content = bytearray(victim.read_bytes())
+    victim = file_of(out, 3)
+    content = victim.read_bytes()
     if damage == "cut short":
         victim.write_bytes(content[: len(content) // 2])
-    elif damage == "a byte changed":
-        content[len(content) // 3] ^= 1
-        victim.write_bytes(content)
     elif damage == "emptied":
         victim.write_bytes(b"")
+    elif damage == "a folder":
+        victim.unlink()
+        victim.mkdir()
     else:
         other = planned("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
         carried_out(tmp_path / "other", other)
-        with opened(tmp_path / "other", other) as folder:
-            victim.write_bytes(folder.path(3).read_bytes())
+        victim.write_bytes(file_of(tmp_path / "other", 3).read_bytes())
     with opened(out, chosen) as folder:
         assert folder.missing() == [3]
         assert [path.name for path in folder.damaged] == [victim.name]
         sweep(folder, Serial())
     assert contents(out) == before
+
+
+def test_no_bit_of_a_partition_can_change_unseen(chosen: Plan, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    carried_out(out, chosen)
+    victim = file_of(out, 0)
+    whole = victim.read_bytes()
+    with opened(out, chosen) as folder:
+        for place in range(0, len(whole), 7):  # all regions of the file, all bits of a byte
+            hurt = bytearray(whole)
+            hurt[place] ^= 1 << place % 8
+            victim.write_bytes(hurt)
+            with pytest.raises(OutputError, match=r"partition 0 .* damaged; run .* again"):
+                list(folder.read())
+            if place % 700 == 0:  # that which reads is that which sets aside
+                assert folder.missing() == [0]
+        victim.write_bytes(whole)
+        assert folder.missing() == []
+        assert sum(len(part.rows) for part in folder.read()) == 225
+
+
+def test_a_partition_that_is_there_twice_counts_once(chosen: Plan, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    whole = carried_out(out, chosen)
+    before = contents(out)
+    sound = file_of(out, 3)
+    twin = sound.with_name(f"{sound.stem[:-32]}{'f' * 32}.parquet")
+    twin.write_bytes(sound.read_bytes())
+    with opened(out, chosen) as folder:
+        with pytest.raises(OutputError, match="run the sweep again"):
+            list(folder.read())
+        assert folder.missing() == []
+        assert [path.name for path in folder.damaged] == [twin.name]
+    assert contents(out) == before
+    assert table(out).equals(whole)
 
 
 def test_another_sweep_is_refused_and_the_difference_named(
@@ -152,16 +191,15 @@ def test_a_draft_that_a_killed_sweep_left_goes(chosen: Plan, tmp_path: Path) -> 
 def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
     chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(_table: Any, file: Any, **_: Any) -> None:  # noqa: ANN401 - as pyarrow has it
-        file.write(b"half")
+    def full(_handle: int) -> None:
         raise OSError(28, "No space left on device")
 
     out = tmp_path / "out"
     with opened(out, chosen) as folder, monkeypatch.context() as patched:
-        patched.setattr(pq, "write_table", full)
+        patched.setattr(os, "fsync", full)
         with pytest.raises(OutputError, match=r"No space left.*goes on"):
             sweep(folder, Serial())
-    assert contents(out) == {}
+    assert list((out / "parts").iterdir()) == []
     carried_out(out, chosen)
 
 
