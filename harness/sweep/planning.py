@@ -10,6 +10,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from scipy.stats import qmc
 from harness.case import Case, Value
 from harness.engines.registry import engine as engine_named
 from harness.errors import InvalidSettingError
+from harness.keys import code_of
 from harness.runner import check
 from harness.sweep.axes import Axis
 from harness.sweep.parameters import Floats, scene_at
@@ -55,6 +57,8 @@ class Plan:
     engine, profile, timestep, options
         As for a `Case`.
     engine_version : str
+    program : tuple of (str, str)
+        What computes it: packages and their versions, and the fingerprint of the sources.
     quantities : tuple of str
     exact : bool
         By the exact bounce alone.
@@ -70,6 +74,7 @@ class Plan:
     timestep: float | None
     options: tuple[tuple[str, Value], ...]
     engine_version: str
+    program: tuple[tuple[str, str], ...]
     quantities: tuple[str, ...]
     exact: bool
 
@@ -133,6 +138,7 @@ class Plan:
             "seed": self.seed,
             "engine": self.engine,
             "engine_version": self.engine_version,
+            "program": dict(self.program),
             "profile": self.profile,
             "timestep_s": self.timestep,
             "settings": {name: repr(value) for name, value in self.options},
@@ -199,6 +205,7 @@ def plan(
         timestep=case.timestep,
         options=case.options,
         engine_version=engine_named(engine).version,
+        program=_program(engine),
         quantities=asked,
         exact=engine == "reference"
         and formula
@@ -208,6 +215,12 @@ def plan(
     if not 1 <= chosen.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", chosen.rows, f"at most {MOST_ROWS} scenes in all")
     return chosen
+
+
+def _program(engine: str) -> tuple[tuple[str, str], ...]:
+    """Return what computes the rows of a sweep: with another they might not go together."""
+    packages = [(name, version(name)) for name in ("rockingcan", "numpy", "scipy")]
+    return (*packages, ("sources", code_of(engine, __name__)))
 
 
 def _of_effects(axis: Axis) -> bool:

@@ -21,6 +21,7 @@ NAME = re.compile(
 
 _DRAFT = f".{PLAN}.draft"
 _FORMAT = "rockingcan-sweep"
+_PROGRAM = "program"
 _REPORT = "report"
 """What the command makes of a sweep, beside it."""
 
@@ -32,6 +33,17 @@ class PlanMismatchError(HarnessError, ValueError):
         super().__init__(
             f"'{out}' holds another sweep, which differs in {differing}; "
             "choose another folder with --out, or remove this one"
+        )
+
+
+class ProgramMismatchError(PlanMismatchError):
+    """The folder holds this sweep, as far as another program made it."""
+
+    def __init__(self, out: Path, differing: str) -> None:
+        super(PlanMismatchError, self).__init__(
+            f"'{out}' holds this sweep as another program made it, with {differing}: rows of both "
+            "might not go together; choose another folder with --out, or remove this one to make "
+            "all anew"
         )
 
 
@@ -59,7 +71,7 @@ def check_same(out: Path, plan: Plan) -> None:
     Raises
     ------
     PlanMismatchError
-        If another sweep is there.
+        If another sweep is there, or this one as another program made it.
     OutputError
         If something else is, or the plan that is there cannot be read.
     """
@@ -68,9 +80,19 @@ def check_same(out: Path, plan: Plan) -> None:
         return
     here, there = plan.told(), _read(out)
     differing = [key for key in here | there if here.get(key) != there.get(key)]
+    if differing == [_PROGRAM]:
+        raise ProgramMismatchError(out, _other_program(here[_PROGRAM], there.get(_PROGRAM)))
     if differing:
         words = [f"{key} ({there.get(key)!r:.200} there)" for key in differing if key != "scene"]
         raise PlanMismatchError(out, ", ".join((["the scene"] * ("scene" in differing)) + words))
+
+
+def _other_program(here: dict[str, str], there: object) -> str:
+    """Return in words in what a program differs from this one."""
+    if not isinstance(there, dict):
+        return "no word of which"
+    other = [name for name in here if here[name] != there.get(name)]
+    return ", ".join(f"{name} {there.get(name)} (now {here[name]})" for name in other)
 
 
 def _check_without_plan(out: Path, plan: Plan) -> None:

@@ -4,6 +4,7 @@ import fcntl
 import json
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 
 from harness.errors import OutputError
 from harness.sweep import Plan, PlanMismatchError, opened
+from harness.sweep.planning import digest_of
 from tests.harness.sweep.conftest import carried_out, contents
 
 Planned = Callable[..., Plan]
@@ -87,3 +89,51 @@ def test_a_plan_is_on_the_disk_before_it_has_its_name(
     monkeypatch.setattr(os, "fsync", fsync)
     with opened(tmp_path / "out", chosen):
         assert flushed == [".sweep.json.draft", "out"]
+
+
+@pytest.mark.parametrize("part", ["sources", "numpy", "scipy"])
+def test_a_sweep_that_another_program_began_is_not_gone_on_with(
+    chosen: Plan, tmp_path: Path, part: str
+) -> None:
+    out = tmp_path / "out"
+    carried_out(out, replace(chosen, program=tuple({**dict(chosen.program), part: "0"}.items())))
+    before = contents(out)
+    words = rf"this sweep as another program made it, with {part} 0 \(now .*--out, or remove"
+    with pytest.raises(PlanMismatchError, match=words):
+        opened(out, chosen).__enter__()
+    assert contents(out) == before
+    (out / "sweep.json").unlink()
+    with pytest.raises(PlanMismatchError, match="its partitions"):
+        opened(out, chosen).__enter__()
+
+
+def test_a_plan_that_does_not_say_which_program_began_it_is_refused(
+    chosen: Plan, tmp_path: Path
+) -> None:
+    place = tmp_path / "out" / "sweep.json"
+    place.parent.mkdir()
+    told = chosen.told()
+    del told["program"]
+    content = {"format": "rockingcan-sweep", "digest": digest_of(told), "plan": told}
+    place.write_text(json.dumps(content))
+    with pytest.raises(PlanMismatchError, match="another program made it, with no word of which"):
+        opened(place.parent, chosen).__enter__()
+
+
+@pytest.mark.parametrize("engine", ["reference", "mujoco"])
+def test_the_program_of_a_plan_is_its_engines_and_that_of_sweeps(
+    engine: str, planned: Planned, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[str, ...]] = []
+
+    def asking(*names: str) -> str:
+        asked.append(names)
+        return "0123456789abcdef"
+
+    monkeypatch.setattr("harness.sweep.planning.code_of", asking)
+    made = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
+    assert dict(made.program)["sources"] == "0123456789abcdef"
+    assert asked == [(engine, "harness.sweep.planning")]
+    monkeypatch.undo()
+    again = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
+    assert again.digest() != made.digest()
