@@ -165,7 +165,8 @@ def read_record(content: bytes, kind: str, key: str) -> Record:
             arrays_sha256=arrays["sha256"],
             widths=arrays["widths"],
         )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    # too deep a nesting is a RecursionError
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, StoreError):
             raise
         raise StoreError("it is no whole record") from error
