@@ -47,6 +47,16 @@ class FallenEngineError(BrokenEngineError):
         )
 
 
+class SpeechlessEngineError(BrokenEngineError):
+    """An engine does not say with which timestep it runs a case."""
+
+    def __init__(self, engine: str, case: str, reason: str) -> None:
+        super(MissingPackageError, self).__init__(
+            f"engine '{engine}' falls when it is asked for the timestep of the case '{case}' "
+            f"({reason}); leave it out with --engine, or mend its adapter"
+        )
+
+
 class UnknownSettingError(HarnessError, LookupError):
     """An engine has no setting of that name."""
 

@@ -48,7 +48,8 @@ def code_of(name: str, *modules: str) -> str:
 def version_of(name: str) -> str:
     """Return the version of an engine, or "unknown" if its adapter cannot tell."""
     try:
-        return engine(name).version
+        version: object = engine(name).version
+        return version if isinstance(version, str) else "unknown"
     except Exception:  # noqa: BLE001 - an adapter is somebody's program
         return "unknown"
 

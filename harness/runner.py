@@ -4,15 +4,17 @@ A case is evaluated where it runs, so that what travels back is small: the recor
 truth at the same instants, and the numbers.
 """
 
+import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from harness.campaign import Listener, complete
 from harness.case import Case
-from harness.engines.base import resolve
+from harness.engines.base import Engine, resolve
 from harness.engines.reference import (
     PARTED,
     Truth,
@@ -22,8 +24,8 @@ from harness.engines.reference import (
     sampled,
     truth,
 )
-from harness.engines.registry import check_effects, engine
-from harness.engines.soundness import fault
+from harness.engines.registry import check_effects, engine, is_ours, timestep_of
+from harness.engines.soundness import fault, raised
 from harness.errors import HarnessError, TrajectoryError
 from harness.evaluation import Evaluation
 from harness.executors import Serial
@@ -41,7 +43,7 @@ from harness.store import Store
 from harness.trajectory import take
 from models.scene import Scene
 
-__all__ = ["Evaluation", "by_itself", "check", "evaluate", "lost", "measure", "run"]
+__all__ = ["Evaluation", "attempt", "by_itself", "check", "evaluate", "lost", "measure", "run"]
 
 
 def check(case: Case) -> None:
@@ -57,7 +59,7 @@ def check(case: Case) -> None:
     check_reach(case.scene)
     check_effects(case.engine, case.scene)
     chosen = engine(case.engine)
-    resolve(case, chosen.settings, chosen.timestep(case) or 0.0)
+    resolve(case, chosen.settings, timestep_of(case, chosen) or 0.0)
 
 
 def evaluate(case: Case) -> Evaluation:
@@ -71,6 +73,34 @@ def evaluate(case: Case) -> Evaluation:
     """
     check(case)
     return measure(_simulated(case))
+
+
+def attempt(case: Case) -> Evaluation:
+    """Run a case among others and measure it: what its adapter raises is its outcome, whatever.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use that `check` finds, or that only an engine of this project finds when it
+        compiles the case; it says of which case.
+    """
+    check(case)
+    chosen = engine(case.engine)
+    if is_ours(chosen):
+        try:
+            return measure(_simulated(case))
+        except HarnessError as error:
+            error.add_note(f"It is of the case '{case.label()}'.")
+            raise
+    verb = "simulate"
+    try:
+        simulation = _simulated(case)
+        verb = "pickle"
+        simulation = pickle.loads(pickle.dumps(simulation))  # noqa: S301 - just made
+        verb = "measure"
+        return measure(simulation)
+    except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
+        return Evaluation(simulation=_broken(case, raised(error, verb), _version(chosen)))
 
 
 def by_itself(case: Case) -> Evaluation:
@@ -94,9 +124,8 @@ def by_itself(case: Case) -> Evaluation:
 
 def _simulated(case: Case) -> Simulation:
     """Return an engine's answer to a case, or in what its adapter broke its contract."""
-    chosen, version = engine(case.engine), "unknown"
+    chosen = engine(case.engine)
     try:
-        version = chosen.version
         answer = chosen.simulate(case)
         reason = fault(answer, case)
     except TrajectoryError as error:
@@ -104,12 +133,15 @@ def _simulated(case: Case) -> Simulation:
     except HarnessError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
-        reason = f"`simulate` raised {type(error).__name__}: {error}"
-    return _broken(case, reason, version) if reason else answer
+        reason = raised(error)
+    return _broken(case, reason, _version(chosen)) if reason else answer
 
 
 def _broken(case: Case, reason: str, version: str) -> Simulation:
     """Return that a case came to nothing, and why."""
+    step = None
+    with suppress(Exception):  # an adapter that broke its contract once may do it again
+        step = timestep_of(case)
     return Simulation(
         case=case,
         outcome=Outcome.BROKEN,
@@ -117,8 +149,16 @@ def _broken(case: Case, reason: str, version: str) -> Simulation:
         trajectory=None,
         engine_version=version,
         model=case.engine,
-        timestep=engine(case.engine).timestep(case),
+        timestep=step,
     )
+
+
+def _version(chosen: Engine) -> str:
+    """Return the version of an engine, or "unknown" if its adapter cannot tell."""
+    with suppress(Exception):
+        version: object = chosen.version
+        return version if isinstance(version, str) else "unknown"
+    return "unknown"
 
 
 def measure(simulation: Simulation) -> Evaluation:
@@ -206,7 +246,7 @@ def run(
     Raises
     ------
     HarnessError
-        Before anything runs, if a case is wrong use.
+        Before anything runs, if a case is wrong use; else as `attempt` does.
     """
     for case in cases:
         check(case)
@@ -217,7 +257,7 @@ def run(
     return tuple(
         complete(
             cases,
-            evaluate,
+            attempt,
             Serial() if executor is None else executor,
             lost=lost,
             shelf=None if store is None else evaluations(store),

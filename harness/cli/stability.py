@@ -20,7 +20,7 @@ from harness.errors import InvalidSettingError, MissingPackageError
 from harness.isolation import LostTaskError
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
-from harness.runner import check, evaluate, lost
+from harness.runner import attempt, check, lost
 from harness.studies.stability import (
     SUITES,
     Finding,
@@ -115,10 +115,9 @@ def stability(
 def _steps(name: str) -> bool:
     """Whether an engine takes timesteps; one whose package is missing may."""
     try:
-        chosen = registry.engine(name)
+        return registry.timestep_of(Case(scene=load("gentle-rock"), engine=name)) is not None
     except MissingPackageError:
         return True
-    return chosen.timestep(Case(scene=load("gentle-rock"), engine=name)) is not None
 
 
 def judged_runs(
@@ -153,7 +152,7 @@ def judged_runs(
 
 
 def _judged(case: Case) -> Judged:
-    return judge(evaluate(case))
+    return judge(attempt(case))
 
 
 def _lost(case: Case, error: LostTaskError) -> Judged:

@@ -4,16 +4,21 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
+from harness.case import Case
 from harness.engines.base import Engine
-from harness.engines.rehearsal import fall
+from harness.engines.rehearsal import asked, at_home, fall
+from harness.engines.soundness import raised
 from harness.errors import (
     BrokenEngineError,
     FaintEffectError,
     FallenEngineError,
+    HarnessError,
     MissingPackageError,
+    SpeechlessEngineError,
     UnknownEngineError,
     UnsupportedEffectError,
 )
+from harness.isolation import LostTaskError, is_worker
 from models.scene import Scene
 
 GROUP = "rockingcan.engines"
@@ -55,6 +60,51 @@ def engine(name: str) -> Engine:
         reason = f"{type(error).__name__}: {error}"
         raise BrokenEngineError(name, entries[name].value, reason) from error
     return found
+
+
+def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
+    """Return the timestep of a case, s; None for a solver that chooses its own.
+
+    An engine of somebody else's is asked in a process of its own first: it may not survive it.
+
+    Parameters
+    ----------
+    case : Case
+    chosen : Engine, optional
+        That of the case, if it is at hand.
+
+    Raises
+    ------
+    HarnessError
+        If the engine refuses the case as wrong use.
+    BrokenEngineError
+        If it raises anything else, kills its process, or does not answer.
+    """
+    own = engine(case.engine) if chosen is None else chosen
+    entry = None if is_worker() else _foreign(case.engine, type(own))
+    try:
+        return own.timestep(case) if entry is None else asked(entry, case)
+    except HarnessError:
+        raise
+    except Exception as error:
+        told = str(error) if isinstance(error, LostTaskError) else raised(error, "timestep")
+        raise SpeechlessEngineError(case.engine, case.label(), told) from error
+
+
+def is_ours(chosen: Engine) -> bool:
+    """Whether an engine is of this project."""
+    return _is_ours(type(chosen))
+
+
+def _is_ours(kind: type[Engine]) -> bool:
+    return kind.__module__.partition(".")[0] in _OURS
+
+
+@cache
+def _foreign(name: str, kind: type[Engine]) -> str | None:
+    """Return the entry point of an engine that is not of this project; None if it is."""
+    entry = None if _is_ours(kind) else _entries().get(name)
+    return None if entry is None or at_home(entry) else entry.value
 
 
 def check_effects(name: str, scene: Scene) -> None:

@@ -14,6 +14,8 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from harness.errors import HarnessError
+
 READY = b"ready"
 
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
@@ -71,8 +73,10 @@ def _done(task: bytes) -> bytes:
         fn, args, kwargs = pickle.loads(task)  # noqa: S301 - from the owner of this process
         return pickle.dumps((fn(*args, **kwargs), None), pickle.HIGHEST_PROTOCOL)
     except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
-        error.add_note(f"in a worker:\n{traceback.format_exc()}")
-        return pickle.dumps((None, _portable(error)), pickle.HIGHEST_PROTOCOL)
+        sent = _portable(error)
+        if not isinstance(error, HarnessError):  # which says all that there is to say
+            sent.add_note(f"in a worker:\n{traceback.format_exc()}")
+        return pickle.dumps((None, sent), pickle.HIGHEST_PROTOCOL)
 
 
 def _portable(error: Exception) -> Exception:
@@ -81,10 +85,13 @@ def _portable(error: Exception) -> Exception:
         copy = pickle.loads(pickle.dumps(error))  # noqa: S301 - just made
         if isinstance(copy, type(error)) and str(copy) == str(error):
             return error
+    said = ""
+    with suppress(Exception):  # an error of somebody's may not be able to say what it is
+        said = str(error)
     # an ancestor that is made of its message alone: for ours the root, which callers look for
     simple = next((kind for kind in type(error).__mro__ if "__init__" not in vars(kind)), None)
     with suppress(Exception):
-        sent = simple(str(error)) if simple is not None else None
+        sent = simple(said) if simple is not None else None
         if isinstance(sent, Exception):
             return sent
-    return RuntimeError(f"{type(error).__name__}: {error}")
+    return RuntimeError(f"{type(error).__name__}: {said}")

@@ -13,7 +13,7 @@ from harness.engines.horizon import natural_time
 from harness.engines.reference import Truth, solved, truth
 from harness.isolation import LostTaskError
 from harness.metrics.motion import shares
-from harness.runner import Evaluation, evaluate, lost
+from harness.runner import Evaluation, attempt, lost
 from harness.simulation import Simulation
 from harness.timing.iterations import iterations
 from harness.timing.record import Record
@@ -39,9 +39,9 @@ def measured(case: Case) -> Record:
     Raises
     ------
     HarnessError
-        For wrong use.
+        For wrong use, as `attempt` does.
     """
-    evaluation = evaluate(case)
+    evaluation = attempt(case)
     simulation = evaluation.simulation
     found: dict[str, float | None] = _of_evaluation(evaluation)
     simulated = None if evaluation.motion is None else float(evaluation.motion.time[-1])

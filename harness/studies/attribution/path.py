@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from harness.case import Case, Value
 from harness.engines.base import TIMESTEP, Engine, Gap, Setting
 from harness.engines.carried import check_exact
-from harness.engines.registry import engine
+from harness.engines.registry import engine, timestep_of
 from harness.errors import InvalidSettingError
 from models.scene import Scene
 
@@ -93,9 +93,9 @@ def path(
     """
     check_exact(scene)
     chosen = engine(engine_name)
-    shipped = chosen.timestep(Case(scene=scene, engine=engine_name, profile="default"))
+    shipped = timestep_of(Case(scene=scene, engine=engine_name, profile="default"))
     end = Case(scene=scene, engine=engine_name, profile="matched", timestep=timestep)
-    matched = chosen.timestep(end)
+    matched = timestep_of(end)
     if shipped is None or matched is None:
         raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
     return Path(

@@ -16,7 +16,7 @@ from harness.engines.base import TIMESTEP
 from harness.engines.carried import check_exact
 from harness.engines.horizon import natural_time
 from harness.engines.reference import carried, truth
-from harness.engines.registry import engine
+from harness.engines.registry import engine, timestep_of
 from harness.engines.schedule import ETA
 from harness.engines.variants import COMMON, Variant, variants
 from harness.errors import InvalidSettingError
@@ -225,7 +225,7 @@ def run(plan: Plan) -> tuple[Case, ...]:
 
 def expected(case: Case) -> float:
     """Return how much work a case is, in steps; some number alike for a solver of its own steps."""
-    timestep = engine(case.engine).timestep(case)
+    timestep = timestep_of(case)
     if timestep is None:
         return _SETUP_STEPS
     exact = truth(case.scene).ends

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from harness.case import Case
 from harness.engines.reference import truth
-from harness.engines.registry import engine
+from harness.engines.registry import timestep_of
 from harness.engines.schedule import ETA
 from harness.engines.variants import Variant
 from models.scene import Scene
@@ -91,7 +91,7 @@ def family(scene: Scene, name: str, variant: Variant, suite: str) -> Family:
         )
 
     if variant.along == "timestep" and variant.profile == "adaptive":
-        largest = engine(name).timestep(case(None)) or _LONGEST
+        largest = timestep_of(case(None)) or _LONGEST
         return Family(
             variant=variant,
             cases=tuple(case(largest * share, ("eta", ETA * share)) for share in SHARES[suite]),
@@ -99,7 +99,7 @@ def family(scene: Scene, name: str, variant: Variant, suite: str) -> Family:
     if variant.along == "timestep":
         steps = set(timesteps(scene, suite))
         if variant.profile == "default" and not variant.settings:
-            shipped = engine(name).timestep(case(None))
+            shipped = timestep_of(case(None))
             steps |= set() if shipped is None else {shipped}
         return Family(variant=variant, cases=tuple(map(case, sorted(steps, reverse=True))))
     if variant.along:

@@ -15,7 +15,7 @@ from harness.case import Case, Value
 from harness.engines.base import Effort, Engine
 from harness.engines.carried import check_exact
 from harness.engines.reference import truth
-from harness.engines.registry import engine
+from harness.engines.registry import engine, timestep_of
 from harness.errors import InvalidSettingError
 from harness.studies.errors.ensemble import MEMBERS, SIZES, perturbed
 from models.scene import Scene
@@ -126,7 +126,7 @@ def plan(
         raise InvalidSettingError("--profile", profile, "default or matched: a fixed timestep")
     chosen = engine(engine_name)
     case = Case(scene=scene, engine=engine_name, profile=profile, timestep=timestep)
-    coarsest = chosen.timestep(case)
+    coarsest = timestep_of(case)
     if coarsest is None:
         raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
     if timestep is None:

@@ -208,7 +208,9 @@ class Unpicklable(Toy):
     """Hands over what does not travel."""
 
     def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return replace(whole, note=lambda: "")
+        return replace(
+            whole, note=type("Words", (str,), {})("of a kind that only this adapter has")
+        )
 
 
 class Nervous(Toy):

@@ -5,6 +5,7 @@ from concurrent.futures import Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +14,11 @@ from harness.case import Case
 from harness.cli.listings import engines_answer
 from harness.engines import registry
 from harness.engines.base import Capabilities
-from harness.errors import BrokenEngineError, InvalidSettingError
+from harness.errors import BrokenEngineError, InvalidSettingError, RefusedModelError
 from harness.executors import Serial
 from harness.runner import evaluate, run
-from harness.simulation import Outcome, Simulation
+from harness.simulation import Outcome, ParityRow, Simulation
+from harness.store import About, Store
 from models import Scene
 
 Spoil = Callable[[Simulation], object]
@@ -72,6 +74,33 @@ def raising(good: Simulation) -> Simulation:
     raise ZeroDivisionError("as it does")
 
 
+def mute(good: Simulation) -> Simulation:
+    class MuteError(Exception):
+        def __str__(self) -> str:
+            raise ValueError(good.note)
+
+    raise MuteError
+
+
+def with_field(name: str, value: object) -> Spoil:
+    """Return what puts something into a field of the simulation."""
+    return lambda good: replace(good, **{name: value})
+
+
+def untouched(good: Simulation) -> Simulation:
+    """Claim a contact where no point is."""
+    nowhere = np.full_like(good.trajectory.contact_point, np.nan)
+    return replace(good, trajectory=replace(good.trajectory, contact_point=nowhere))
+
+
+def uncounted(good: Simulation) -> Simulation:
+    count = -np.ones_like(good.trajectory.contact_count)
+    return replace(good, trajectory=replace(good.trajectory, contact_count=count))
+
+
+ROW = ParityRow(quantity="mass", unit="kg", declared=1.0, found=1.0, how="read", verdict="equal")
+
+
 def unnormalised(good: Simulation) -> Simulation:
     quaternion = 2.0 * good.trajectory.quaternion
     return replace(good, trajectory=replace(good.trajectory, quaternion=quaternion))
@@ -94,6 +123,26 @@ FAULTS: dict[str, tuple[Spoil, str]] = {
         "`simulate` answered another case, .* default",
     ),
     "long quaternion": (unnormalised, "`quaternion` is off unit length by 1.0e"),
+    "raises what cannot be said": (mute, "`simulate` raised MuteError$"),
+    "outcome": (with_field("outcome", "FINISHED"), "`outcome` is 'FINISHED', not an Outcome"),
+    "note": (with_field("note", 3), "`note` is 3, not text"),
+    "note of half a character": (with_field("note", "\ud800"), "`note` is str, not text"),
+    "steps": (with_field("steps", "many"), "`steps` is 'many', not a whole number"),
+    "steps of 401 digits": (with_field("steps", 10**400), "`steps` is int, not a whole number"),
+    "time": (with_field("cpu_s", "x"), "`cpu_s` is 'x', not a number of seconds"),
+    "no time": (with_field("wall_s", np.nan), "`wall_s` is nan, not a number of seconds"),
+    "version": (with_field("engine_version", None), "`engine_version` is NoneType, not text"),
+    "timestep": (with_field("timestep", -1.0), "`timestep` is -1.0, not a positive number"),
+    "setting": (with_field("settings", {"a": np.ones(2)}), "`settings` has ndarray as 'a'"),
+    "name of a setting": (with_field("settings", {1: 2}), "`settings` has a name that is 1, not"),
+    "parity": (with_field("parity", ("x",)), "`parity` holds 'x', not ParityRow"),
+    "parity table": (with_field("parity", [ROW]), "`parity` is list, not a tuple"),
+    "row": (
+        with_field("parity", (replace(ROW, verdict=np.ones(2)),)),
+        "`verdict` of a row of `parity` is ndarray, not equal, imposed or mismatch",
+    ),
+    "contact nowhere": (untouched, "`contact_point` is no number at sample 0, where there is a"),
+    "negative count": (uncounted, r"`contact_count` is -1 at sample 0 of \d+"),
 }
 
 
@@ -107,6 +156,9 @@ def spoilt(monkeypatch: pytest.MonkeyPatch, brief: Scene) -> Callable[[Spoil], C
             "harness.runner.engine", lambda name: Spoilt(spoil) if name == "spoilt" else real(name)
         )
         monkeypatch.setattr("harness.runner.check_effects", lambda *_: None)
+        # it is not registered, and so nothing is known of where it comes from
+        monkeypatch.setattr("harness.kept.key_of", lambda case: case.label().replace(" ", "-"))
+        monkeypatch.setattr("harness.kept.about", lambda case: About(label=case.label()))
         return Case(scene=brief, engine="spoilt")
 
     return register
@@ -135,6 +187,58 @@ def test_the_other_cases_go_on(
     good = Case(scene=brief, engine="reference")
     outcomes = [e.simulation.outcome for e in run([good, broken, good], executor)]
     assert outcomes == [Outcome.FINISHED, Outcome.BROKEN, Outcome.FINISHED]
+
+
+def refusing(good: Simulation) -> object:
+    raise InvalidSettingError("model", good.case.engine, "another")
+
+
+def unsendable(good: Simulation) -> Simulation:
+    return replace(good, note=type("Words", (str,), {})("of a kind of its own"))
+
+
+def overflowing(good: Simulation) -> Simulation:
+    """Move at a speed whose square is no number."""
+    velocity = np.full_like(good.trajectory.velocity, 1e300)
+    return replace(good, trajectory=replace(good.trajectory, velocity=velocity))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "note"),
+    [
+        (refusing, "`simulate` raised InvalidSettingError: setting 'model' cannot be 'spoilt'"),
+        (unsendable, "`pickle` raised "),
+        (overflowing, "`measure` raised RuntimeWarning: overflow"),  # an error in tests
+        *((spoil, "") for spoil, _ in FAULTS.values()),
+    ],
+)
+def test_whatever_it_does_is_its_outcome_and_kept(
+    spoilt: Callable[[Spoil], Case],
+    brief: Scene,
+    tmp_path: Path,
+    spoil: Spoil,
+    note: str,
+) -> None:
+    broken, good = spoilt(spoil), Case(scene=brief, engine="reference")
+    store = Store(folder=tmp_path)
+    done = run([broken, good], store=store)
+    assert [e.simulation.outcome for e in done] == [Outcome.BROKEN, Outcome.FINISHED]
+    assert done[0].simulation.note.startswith(note)
+    assert done[0].simulation.note
+    kept = run([broken, good], Dying(), store=store)
+    assert [e.simulation.note for e in kept] == [e.simulation.note for e in done]
+
+
+def test_wrong_use_that_our_own_engine_finds_names_the_case_and_what_is_kept(
+    brief: Scene, tmp_path: Path
+) -> None:
+    good = Case(scene=brief, engine="reference")
+    wrong = Case(scene=brief, engine="mujoco", options=(("condim", 2),))
+    with pytest.raises(RefusedModelError) as caught:
+        run([good, wrong], store=Store(folder=tmp_path))
+    case, kept = caught.value.__notes__
+    assert case == f"It is of the case '{wrong.label()}'."
+    assert kept.startswith("1 of 2 are done and kept in ")
 
 
 class Dying(Executor):
@@ -182,9 +286,6 @@ def test_an_engine_that_cannot_be_made_is_named(
 
 
 def test_wrong_use_still_raises(spoilt: Callable[[Spoil], Case]) -> None:
-    def refuse(good: Simulation) -> object:
-        raise InvalidSettingError("model", good.case.engine, "another")
-
-    case = spoilt(refuse)
+    case = spoilt(refusing)
     with pytest.raises(InvalidSettingError, match="cannot be 'spoilt'"):
         evaluate(case)

@@ -1,13 +1,22 @@
 """Engines that fall while they are made: named, and nothing falls with them."""
 
+import os
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 
+from harness.case import Case
 from harness.engines import registry, rehearsal
-from harness.errors import BrokenEngineError, FallenEngineError
+from harness.errors import (
+    BrokenEngineError,
+    FallenEngineError,
+    HarnessError,
+    SpeechlessEngineError,
+)
 from harness.isolation import Isolated, Limits
+from harness.runner import check
+from models import Scene
 
 CRASHES = "import ctypes\nctypes.string_at(0)\n"
 LEAVES = "import os\nos._exit(7)\n"
@@ -29,6 +38,25 @@ class Engine:
         while case.profile == "adaptive":
             pass
 """
+CHOOSY = """
+import ctypes, os
+from harness.errors import InvalidSettingError
+def told(case):
+    if case.timestep == 1e-3:
+        ctypes.string_at(0)
+    if case.timestep == 2e-3:
+        return 1.0 / 0.0
+    if case.timestep == 3e-3:
+        raise InvalidSettingError("timestep", case.timestep, "another")
+    if case.timestep == 4e-3:
+        return "soon"
+    return float(os.getpid())
+class Engine:
+    name, version, settings, capabilities = "mine", "1", (), None
+    def timestep(self, case):
+        return None if case.timestep is None else told(case)
+"""
+"""Answers for the timesteps that a profile has of its own."""
 
 
 @pytest.fixture
@@ -82,3 +110,41 @@ def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
         assert alone.submit(rehearsal.fall, unheard).result() == ""
         assert alone.submit(rehearsal.is_worker).result()
     assert not rehearsal.is_worker()
+
+
+@pytest.mark.parametrize("planted", [CHOOSY], indirect=True)
+@pytest.mark.parametrize(
+    ("timestep", "error", "reason"),
+    [
+        (1e-3, SpeechlessEngineError, "SIGSEGV, segmentation fault"),
+        (2e-3, SpeechlessEngineError, "`timestep` raised ZeroDivisionError: "),
+        (3e-3, HarnessError, "allowed: another"),
+        (4e-3, SpeechlessEngineError, "it returned str, not a positive number"),
+    ],
+)
+def test_an_engine_that_falls_over_one_case_is_named_with_it(
+    planted: EntryPoint, brief: Scene, timestep: float, error: type[HarnessError], reason: str
+) -> None:
+    assert rehearsal.fall(planted) == ""
+    case = Case(scene=brief, engine=planted.name, timestep=timestep)
+    with pytest.raises(error, match=reason) as caught:
+        check(case)
+    assert error is HarnessError or case.label() in str(caught.value)
+
+
+@pytest.mark.parametrize("planted", [CHOOSY], indirect=True)
+def test_one_process_is_asked_for_all_cases_and_once_for_each(
+    planted: EntryPoint, brief: Scene
+) -> None:
+    cases = [Case(scene=brief, engine=planted.name, timestep=n * 1e-2) for n in (1, 2, 3)]
+    asked = rehearsal.asked.cache_info()
+    told = {registry.timestep_of(case) for case in cases for _ in range(4)}
+    assert len(told) == 1
+    assert told != {float(os.getpid())}
+    assert rehearsal.asked.cache_info().misses - asked.misses == len(cases)
+
+
+def test_engines_of_ours_are_asked_here(brief: Scene) -> None:
+    asked = rehearsal.asked.cache_info()
+    assert registry.timestep_of(Case(scene=brief, engine="mujoco", timestep=1e-3)) == 1e-3
+    assert rehearsal.asked.cache_info() == asked
