@@ -13,6 +13,7 @@ from functools import cache
 from typing import Generic, TypeVar
 
 from harness.errors import StoreError
+from harness.interruption import finishing
 from harness.isolation import Loss, LostTaskError
 from harness.provenance import provenance
 from harness.store import About, Content, Store
@@ -164,7 +165,7 @@ class _Campaign(Generic[T, R]):
             while self.left and len(self.pending) < window:
                 self._begin(self.left.popleft())
             if self.kept:
-                self._read(self.kept.popleft())
+                self._read()
             # while there is something to read, do not wait
             done, _ = wait(self.pending, 0.0 if self.kept else None, FIRST_COMPLETED)
             for future in done:
@@ -195,13 +196,15 @@ class _Campaign(Generic[T, R]):
             future.set_exception(error)
         self.pending[future] = index
 
-    def _read(self, index: int) -> None:
-        """Take a result that is kept; one that cannot be read is done again."""
-        found = None if self.shelf is None else self.shelf.get(self.tasks[index])
-        if found is None:
-            self.left.append(index)
-            return
-        self.safe += 1
+    def _read(self) -> None:
+        """Take the next result that is kept; one that cannot be read is done again."""
+        with finishing():
+            index = self.kept.popleft()
+            found = None if self.shelf is None else self.shelf.get(self.tasks[index])
+            if found is None:
+                self.left.append(index)
+                return
+            self.safe += 1
         self._finish(index, found)
 
     def _end(self, future: Future[R], index: int) -> None:
@@ -217,8 +220,9 @@ class _Campaign(Generic[T, R]):
             )
             result, keep = self.lost(task, loss), loss.loss is Loss.CRASHED
         if self.shelf is not None and keep:
-            self.shelf.put(task, result)
-            self.safe += 1
+            with finishing():  # what is kept is counted, whatever comes meanwhile
+                self.shelf.put(task, result)
+                self.safe += 1
         self._finish(index, result)
 
     def _finish(self, index: int, result: R) -> None:

@@ -2,16 +2,27 @@
 
 A program that installs `listen` is stopped by Ctrl-C and by SIGTERM alike, with an exception that
 passes through everything and says which it was. Inside `finishing` a signal is only noted, and
-acts at the end of the block.
+acts at the end of the block. One signal is enough: those that follow are not to disturb the
+clean-up, unless it takes so long that somebody has to ask again. Before there is anything to clean
+up, `leave_at_once` is what a signal is for.
 """
 
+import os
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+PATIENCE = 5.0
+"""s after the first signal in which others are the same wish; a later one ends the program."""
+
+_STANDARD_ERROR = 2  # whatever stands in for it in Python may be in the middle of a line
+
+_AGAIN = "rockingcan: left at once; what is kept is whole, and the same command goes on with it\n"
 
 
 class Interrupted(BaseException):
@@ -35,12 +46,32 @@ class Interrupted(BaseException):
 
 _waiting: list[int] = []
 _depth = 0
+_asked: float | None = None
 
 
 def listen() -> None:
-    """Turn the signals into `Interrupted` from now on; to be called in the main thread."""
+    """Turn the first signal into `Interrupted` from now on; to be called in the main thread."""
+    global _asked  # noqa: PLW0603 - there is one main thread, and signals are heard there
+    _asked = None
     for number in SIGNALS:
         signal.signal(number, _received)
+
+
+def leave_at_once(words: str) -> None:
+    """Have a signal end the program where it stands, from now on, with a line and its code.
+
+    Parameters
+    ----------
+    words : str
+        The line; none if it is empty.
+    """
+
+    def leave(signum: int, frame: FrameType | None) -> None:
+        del frame
+        _leave(signum, f"rockingcan: {words}\n" if words else "")
+
+    for number in SIGNALS:
+        signal.signal(number, leave)
 
 
 @contextmanager
@@ -56,15 +87,28 @@ def finishing() -> Iterator[None]:
     finally:
         _depth -= 1
         if _depth == 0 and _waiting:
-            first = _waiting[0]
-            _waiting.clear()
-            raise Interrupted(first)
+            raise Interrupted(_waiting.pop())
 
 
 def _received(signum: int, frame: FrameType | None) -> None:
-    """Stop now, or note it while something is being written."""
+    """Stop now, or note it while something is being written; once."""
+    global _asked  # noqa: PLW0603 - there is one main thread, and signals are heard there
     del frame
+    now = time.monotonic()
+    if _asked is not None:
+        if now - _asked > PATIENCE:
+            _leave(signum, _AGAIN)
+        return
+    _asked = now
     if _depth:
         _waiting.append(signum)
         return
     raise Interrupted(signum)
+
+
+def _leave(signum: int, words: str) -> None:
+    """End the program as `kill -9` does, from which all is made to recover, but with its code."""
+    try:
+        os.write(_STANDARD_ERROR, words.encode())
+    finally:
+        os._exit(128 + signum)

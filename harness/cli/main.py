@@ -9,6 +9,7 @@ import shlex
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import TextIO
 
 import typer
@@ -16,8 +17,8 @@ from typer.exceptions import TyperException
 
 from harness.cli.commands import app
 from harness.cli.standard_output import keep_for_answers
-from harness.errors import ClusterError, HarnessError, OutputError, ParityError
-from harness.interruption import Interrupted, listen
+from harness.errors import HarnessError, ParityError
+from harness.interruption import Interrupted, leave_at_once, listen
 from harness.store import StoreWarning
 from models.errors import ModelError
 
@@ -30,9 +31,20 @@ Show = Callable[[Warning | str, type[Warning], str, int, TextIO | None, str | No
 
 def main() -> None:
     """Run the command line and leave with its exit code."""
-    listen()
-    keep_for_answers()
-    sys.exit(code_of(sys.argv[1:]))
+    arguments = sys.argv[1:]
+    try:
+        listen()
+        keep_for_answers()
+        code = code_of(arguments)
+        leave_at_once("")  # all is said and done
+    except Interrupted as error:  # between the command and here
+        code = _complain(_stopped(error, arguments), error.exit_code)
+    if code >= INTERRUPTED:
+        # nothing is left to clean up, and a signal more would end the interpreter's own untidily
+        with suppress(HarnessError, OSError):
+            sys.stdout.flush()
+        os._exit(code)
+    sys.exit(code)
 
 
 def code_of(arguments: list[str]) -> int:
@@ -67,10 +79,11 @@ def _refused(error: Exception) -> int:
     """Say what was wrong with what was asked, and return the exit code."""
     if isinstance(error, TyperException):
         return _complain(f"{_told(error)} (see: rockingcan --help)")
-    # where a result cannot be kept, or a cluster is gone, what is done counts
-    notes = _notes(error) if isinstance(error, OutputError | ClusterError) else []
     failed = isinstance(error, ParityError)
-    return _complain(". ".join([str(error), *notes]), GATE_FAILED if failed else WRONG_USE)
+    # of which case it is, and what is done
+    notes = " ".join(_notes(error))
+    told = f"{error}. {notes}" if notes else str(error)
+    return _complain(told, GATE_FAILED if failed else WRONG_USE)
 
 
 def _stopped(error: Interrupted, arguments: Sequence[str]) -> str:

@@ -2,11 +2,21 @@
 
 import os
 import signal
-from collections.abc import Iterator
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import pytest
 
+from harness.campaign import Shelf, complete
+from harness.executors import Serial
 from harness.interruption import SIGNALS, Interrupted, finishing, listen
+from harness.isolation import LostTaskError
+from harness.store import About, Content, Store
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
@@ -41,3 +51,122 @@ def test_a_write_is_finished_first() -> None:
     assert done == ["inner", "outer"]
     with finishing():
         done.append("later")  # the signal is not heard twice
+
+
+def stopped(number: signal.Signals) -> bool:
+    """Whether a signal stops what runs here."""
+    try:
+        os.kill(os.getpid(), number)
+    except Interrupted:
+        return True
+    return False
+
+
+def test_one_signal_is_enough_and_others_do_not_disturb_the_clean_up() -> None:
+    found = [stopped(number) for number in (signal.SIGINT, signal.SIGINT, signal.SIGTERM)]
+    assert found == [True, False, False]
+    with finishing():
+        assert not stopped(signal.SIGTERM)
+    listen()
+    assert stopped(signal.SIGTERM)
+
+
+_HANGING = """
+import os, signal, time
+from harness import interruption
+interruption.PATIENCE = 0.1
+interruption.listen()
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+except interruption.Interrupted:
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.2)
+    print("cleaning up", flush=True)
+    os.kill(os.getpid(), signal.SIGTERM)
+    print("never said", flush=True)
+"""
+
+
+def test_what_hangs_in_its_clean_up_ends_at_a_later_signal() -> None:
+    done = subprocess.run(  # noqa: S603 - our own program
+        [sys.executable, "-c", _HANGING],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert (done.returncode, done.stdout) == (143, "cleaning up\n")
+    assert done.stderr.startswith("rockingcan: left at once; what is kept is whole")
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("number", "seconds"), [(signal.SIGINT, 0.0), (signal.SIGTERM, 0.3), (signal.SIGINT, 0.6)]
+)
+def test_a_signal_during_the_imports_is_a_line_and_its_code(
+    number: signal.Signals, seconds: float
+) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "harness", "run", "gentle-rock"],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    status = Path(f"/proc/{process.pid}/status")
+    mask = 1 << (signal.SIGTERM - 1)  # Python itself does not heed it
+    while not int(status.read_text(encoding="ascii").split("SigCgt:")[1].split()[0], 16) & mask:
+        assert process.poll() is None
+        time.sleep(0.001)
+    time.sleep(seconds)
+    process.send_signal(number)
+    said, complained = process.communicate(timeout=60)
+    assert (process.returncode, said) == (128 + number, "")
+    assert complained == "rockingcan: interrupted before it began\n"
+
+
+class Impatient(Store):
+    """A store that is asked to stop while it keeps what it is given, or reads it."""
+
+    def note(self, event: str, kind: str, key: str) -> None:
+        """Note an event."""
+        super().note(event, kind, key)
+        if event == "kept" and key == "b":
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    def get(self, kind: str, key: str) -> Content | None:
+        """Return what is kept."""
+        found = super().get(kind, key)
+        if key == "b":
+            os.kill(os.getpid(), signal.SIGTERM)
+        return found
+
+
+def shelf(store: Store) -> Shelf[str, str]:
+    return Shelf(
+        store=store,
+        kind="letters",
+        key=lambda task: task,
+        about=lambda task: About(label=task),
+        pack=lambda result: Content(record={"result": result}),
+        unpack=lambda _, content: str(content.record["result"]),
+    )
+
+
+def lost(task: str, error: LostTaskError) -> str:
+    raise AssertionError(task) from error
+
+
+def account(tasks: Sequence[str], folder: Path) -> list[str]:
+    """Return what a campaign says that is stopped."""
+    with pytest.raises(Interrupted) as stopping:
+        complete(tasks, str.upper, Serial(), lost=lost, shelf=shelf(Impatient(folder=folder)))
+    return list(stopping.value.__notes__)
+
+
+def test_what_is_being_kept_when_a_signal_comes_counts(tmp_path: Path) -> None:
+    assert account("abc", tmp_path) == [f"2 of 3 are done and kept in '{tmp_path}'."]
+    listen()
+    # the third is done while the first is read; the signal comes with the second, read as well
+    assert account("abc", tmp_path) == [f"3 of 3 are done and kept in '{tmp_path}'."]
