@@ -31,6 +31,26 @@ _GIB = 2.0**30
 
 _PANEL = "Running and resuming"
 
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(
+        metavar="SECONDS",
+        help="Stop a case that takes longer; half an hour if left out.",
+        rich_help_panel=_PANEL,
+    ),
+]
+"""An option for `limits_of`."""
+
+MemoryLimit = Annotated[
+    float | None,
+    typer.Option(
+        metavar="GIB",
+        help="Stop a case that uses more memory; 4, or a share of the machine's, if left out.",
+        rich_help_panel=_PANEL,
+    ),
+]
+"""An option for `limits_of`."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Running:
@@ -72,6 +92,15 @@ class Running:
 def store_folder(chosen: Path | None) -> Path:
     """Return the folder of the store: the one chosen, of the environment, or the usual one."""
     return chosen or Path(os.environ.get(VARIABLE) or STORE)
+
+
+def limits_of(jobs: int, time_limit: float | None, memory_limit: float | None) -> Limits:
+    """Return the limits of a case among so many at once, as options have them: in s and GiB."""
+    usual = sensible(jobs)
+    return Limits(
+        seconds=usual.seconds if time_limit is None else time_limit,
+        memory=usual.memory if memory_limit is None else memory_limit * _GIB,
+    )
 
 
 def runs(command: Callable[..., None]) -> Callable[..., None]:
@@ -121,22 +150,8 @@ def _running(  # noqa: PLR0917 - a parameter an option
             "--fresh", help="Run everything, and replace what is kept.", rich_help_panel=_PANEL
         ),
     ] = False,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            metavar="SECONDS",
-            help="Stop a case that takes longer; half an hour if left out.",
-            rich_help_panel=_PANEL,
-        ),
-    ] = None,
-    memory_limit: Annotated[
-        float | None,
-        typer.Option(
-            metavar="GIB",
-            help="Stop a case that uses more memory; 4, or a share of the machine's, if left out.",
-            rich_help_panel=_PANEL,
-        ),
-    ] = None,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
 ) -> Running:
     """Read the options."""
     if jobs is not None and on is not None:
@@ -144,13 +159,9 @@ def _running(  # noqa: PLR0917 - a parameter an option
     if no_store and (store is not None or fresh):
         raise InvalidSettingError("--no-store", no_store, "nothing beside --store or --fresh")
     count = jobs or len(os.sched_getaffinity(0))
-    usual = sensible(count)
     return Running(
         jobs=count,
         on=on,
-        limits=Limits(
-            seconds=usual.seconds if time_limit is None else time_limit,
-            memory=usual.memory if memory_limit is None else memory_limit * _GIB,
-        ),
+        limits=limits_of(count, time_limit, memory_limit),
         store=None if no_store else Store(folder=store_folder(store), fresh=fresh),
     )

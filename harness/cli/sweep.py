@@ -13,10 +13,12 @@ from rich.markup import escape
 from harness.artefact import Table
 from harness.cli import printing
 from harness.cli.answers import spell
+from harness.cli.running import MemoryLimit, TimeLimit, limits_of
 from harness.cli.words import settings
 from harness.errors import HarnessError, InvalidSettingError
 from harness.executors import Serial, check_address, cluster, local
 from harness.interruption import Interrupted
+from harness.isolation import Limits
 from harness.isolation.limits import sensible
 from harness.provenance import provenance
 from harness.report import check_writable, write_report
@@ -26,6 +28,9 @@ from harness.sweep import sweep as carry_out
 from models.catalogue import load
 
 REPORT = "report"
+
+_IMPORTS = ("harness.sweep",)
+"""What a process needs before it can begin a scene, and what no scene's time is."""
 
 
 def sweep(  # noqa: PLR0917 - a parameter an option
@@ -66,6 +71,8 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     on: Annotated[
         str | None, typer.Option(help="Run on a Dask cluster, such as tcp://host:8786.")
     ] = None,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
     json: Annotated[  # noqa: FBT002 - a switch of the command line
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
@@ -77,6 +84,8 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     """
     if on is not None:
         check_address(on)
+    workers = jobs or len(os.sched_getaffinity(0))
+    limits = limits_of(workers if on is None else 1, time_limit, memory_limit)
     asked = list(quantity or ())
     if against is not None and quantity and against not in asked:
         asked.append(against)
@@ -96,7 +105,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         raise InvalidSettingError("--against", against, ", ".join(chosen.quantities))
     with opened(out, chosen) as folder:
         check_writable(out / REPORT)
-        _complete(folder, jobs or len(os.sched_getaffinity(0)), on)
+        _complete(folder, workers, on, limits)
         found = overview(chosen, folder.read(), against)
     page = write_report(
         artefacts(found),
@@ -115,7 +124,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     console.print(escape(f"\nThe table: {folder.parts}\nThe report: {page}"))
 
 
-def _complete(folder: Folder, jobs: int, on: str | None) -> None:
+def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None:
     """Make what is missing beside a progress bar, and say how to go on if it is stopped."""
     chosen, missing = folder.plan, folder.missing()
     left = sum(len(chosen.span(index)) for index in missing)
@@ -128,7 +137,7 @@ def _complete(folder: Folder, jobs: int, on: str | None) -> None:
         return
     done = 0
     try:
-        with printing.progress() as bar, _executor(chosen, jobs, on) as executor:
+        with printing.progress() as bar, _executor(chosen, jobs, on, limits) as executor:
             # of what is left alone: what was there before took no time
             task = bar.add_task(chosen.scene.name, total=left)
 
@@ -145,13 +154,14 @@ def _complete(folder: Folder, jobs: int, on: str | None) -> None:
 
 
 @contextmanager
-def _executor(chosen: Plan, jobs: int, on: str | None) -> Iterator[Executor]:
-    """Open what carries out a plan."""
+def _executor(chosen: Plan, jobs: int, on: str | None, limits: Limits) -> Iterator[Executor]:
+    """Open what carries out a plan; limits are of a scene's run, and the exact bounce has none."""
     made: Executor
     if on is not None:
-        made = cluster(on, sensible(1))
+        made = cluster(on, sensible(1) if chosen.exact else limits)
     elif not chosen.exact:
-        made = local(jobs, spawned=True)  # never this process, which an engine could take along
+        # never this process, which an engine could take along
+        made = local(jobs, spawned=True, limits=limits, imports=_IMPORTS)
     elif jobs == 1:
         made = Serial()
     else:

@@ -30,7 +30,13 @@ class Serial(Executor):
         return future
 
 
-def local(jobs: int, *, spawned: bool = False, limits: Limits | None = None) -> Executor:
+def local(
+    jobs: int,
+    *,
+    spawned: bool = False,
+    limits: Limits | None = None,
+    imports: tuple[str, ...] = IMPORTS,
+) -> Executor:
     """Return an executor of so many processes on this machine.
 
     Parameters
@@ -41,7 +47,9 @@ def local(jobs: int, *, spawned: bool = False, limits: Limits | None = None) -> 
         stop it and a crash ends the program.
     limits : Limits, optional
         Of each task in a process; half an hour, and together most of the memory, if left out.
+    imports : tuple of str
+        What a process imports at its start, before the time of a task runs.
     """
     if jobs == 1 and not spawned:
         return Serial()
-    return Isolated(jobs, sensible(jobs) if limits is None else limits, IMPORTS)
+    return Isolated(jobs, sensible(jobs) if limits is None else limits, imports)

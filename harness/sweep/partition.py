@@ -1,5 +1,7 @@
 """One partition of a sweep: its scenes, solved or run, as columns."""
 
+import math
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +16,9 @@ from harness.sweep.quantities import QUANTITIES
 from harness.sweep.simulated import ERRORS, run_each
 from models.errors import InvalidValueError, ModelError
 from models.scene import Scene
+
+_INSTANT = 1e-9
+"""s: what a clock may not have seen."""
 
 IMPOSSIBLE = "no such scene:"
 """How the outcome of values begins that exclude each other."""
@@ -65,6 +70,36 @@ def compute(plan: Plan, index: int, rows: range | None = None) -> Part:
     return part(plan, index, rows, run_each(plan, scenes, _exact(plan, index, rows)))
 
 
+def compute_for(plan: Plan, index: int, rows: range, seconds: float) -> Part:
+    """Return the first of some rows of a partition: as many as there is time for, and at least one.
+
+    So a slow engine needs no more time for a task than a task may take, however many rows there
+    are; the others are for the next task. Which rows are made together changes no bit of them.
+
+    Parameters
+    ----------
+    plan : Plan
+    index : int
+        Of the partition.
+    rows : range
+    seconds : float
+        In which to be done, if scenes take about as long as those before them.
+    """
+    if plan.exact or math.isinf(seconds):
+        return compute(plan, index, rows)
+    end = time.monotonic() + seconds
+    done: list[Part] = []
+    start, count = rows.start, 1
+    while start < rows.stop and count > 0:
+        block = range(start, min(start + count, rows.stop))
+        began = time.monotonic()
+        done.append(compute(plan, index, block))
+        now = time.monotonic()
+        start = block.stop
+        count = int((end - now) * len(block) / max(now - began, _INSTANT))
+    return joined(index, done)
+
+
 def part(plan: Plan, index: int, rows: range, found: Found) -> Part:
     """Return what was found of rows as a part, its outcomes as codes."""
     sentences = tuple(sorted(set(found.outcomes)))
@@ -81,6 +116,8 @@ def part(plan: Plan, index: int, rows: range, found: Found) -> Part:
 
 def joined(index: int, parts: Sequence[Part]) -> Part:
     """Return parts that follow each other as one."""
+    if len(parts) == 1:
+        return parts[0]
     sentences = tuple(sorted({sentence for one in parts for sentence in one.sentences}))
     place = {sentence: number for number, sentence in enumerate(sentences)}
     first = parts[0]

@@ -62,6 +62,8 @@ class Plan:
     quantities : tuple of str
     exact : bool
         By the exact bounce alone.
+    rows_per_partition : int
+        Scenes in a partition but the last.
     """
 
     scene: Scene
@@ -77,6 +79,7 @@ class Plan:
     program: tuple[tuple[str, str], ...]
     quantities: tuple[str, ...]
     exact: bool
+    rows_per_partition: int
 
     @property
     def rows(self) -> int:
@@ -84,11 +87,6 @@ class Plan:
         if self.sample == "grid":
             return math.prod(axis.count or 1 for axis in self.axes)
         return self.count
-
-    @property
-    def rows_per_partition(self) -> int:
-        """Scenes in a partition but the last."""
-        return EXACT_ROWS if self.exact else ENGINE_ROWS
 
     @property
     def partitions(self) -> int:
@@ -193,7 +191,12 @@ def plan(
             raise InvalidSettingError("--quantity", name, "of scenes without effects only")
     case = Case(scene=ends, engine=engine, profile=profile, timestep=timestep, options=options)
     check(case)
-    formula = all(QUANTITIES[name].source == "exact" for name in asked)
+    exact = (
+        engine == "reference"
+        and all(QUANTITIES[name].source == "exact" for name in asked)
+        and set(case.options) <= {("model", "auto"), ("model", "exact")}
+        and not ends.effects.declared()
+    )
     chosen = Plan(
         scene=scene,
         axes=tuple(axes),
@@ -207,10 +210,8 @@ def plan(
         engine_version=engine_named(engine).version,
         program=_program(engine),
         quantities=asked,
-        exact=engine == "reference"
-        and formula
-        and set(case.options) <= {("model", "auto"), ("model", "exact")}
-        and not ends.effects.declared(),
+        exact=exact,
+        rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
     )
     if not 1 <= chosen.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", chosen.rows, f"at most {MOST_ROWS} scenes in all")

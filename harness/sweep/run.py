@@ -1,27 +1,33 @@
 """Carries out a sweep: makes the partitions that are missing, wherever the executor runs them.
 
 Only a few partitions are on their way at any time, so that memory does not grow with the sweep.
-What makes a partition does not write it: the executor may be on another machine.
+What makes a partition does not write it: the executor may be on another machine. Where tasks have
+a limit of time, a task does as many rows as fit well into it, and leaves the others to the next.
 """
 
-from collections import Counter, deque
+from collections import defaultdict, deque
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.isolation import Loss, LostTaskError
+from harness.interruption import finishing
+from harness.isolation import NO_LIMITS, Limits, Loss, LostTaskError
 from harness.runner import lost
 from harness.sweep.folder import Folder
 from harness.sweep.found import Found
-from harness.sweep.partition import Part, compute, joined, part
+from harness.sweep.partition import Part, compute_for, joined, part
 from harness.sweep.planning import Plan
 
 _TRIES = 2
-"""Of a partition whose process died: by chance once, by one of its scenes twice."""
+"""Of rows whose process was stopped from outside: by chance once, for their sake twice."""
 
 _WINDOW = 4
-"""Partitions on their way in an executor that does not say how many tasks keep it busy."""
+"""Tasks on their way in an executor that does not say how many keep it busy."""
+
+_SHARE = 0.5
+"""Of the time that a task may take, for the rows it takes on: some are slower than those before."""
 
 
 def sweep(
@@ -39,9 +45,9 @@ def sweep(
         With the plan; its partitions that are there are left as they are.
     executor : Executor
     on_done : callable, optional
-        Is told of each part once it is written.
+        Is told of each partition once it is written, before a signal is heeded that came meanwhile.
     window : int, optional
-        Partitions on their way at a time; what the executor says if left out.
+        Tasks on their way at a time; what the executor says if left out.
 
     Raises
     ------
@@ -50,59 +56,97 @@ def sweep(
     BrokenExecutor
         If the executor can do nothing more; what is done stays.
     """
-    plan = folder.plan
 
     def keep(made: Part) -> None:
-        folder.write(made)
-        if on_done is not None:
-            on_done(made)
+        with finishing():
+            folder.write(made)
+            if on_done is not None:
+                on_done(made)
 
+    limits: Limits = getattr(executor, "limits", NO_LIMITS)
     most = getattr(executor, "window", _WINDOW) if window is None else window
-    for index in _made(plan, folder.missing(), executor, most, keep):
-        keep(_row_by_row(plan, index, executor))
+    making = _Making(folder.plan, executor, most, _SHARE * limits.seconds)
+    making.run(folder.missing(), keep)
 
 
-def _made(
-    plan: Plan, missing: list[int], executor: Executor, window: int, keep: Callable[[Part], None]
-) -> list[int]:
-    """Make partitions; return those that took their process with them each time."""
-    todo = deque(missing)
-    pending: dict[Future[Part], int] = {}
-    tries: Counter[int] = Counter()
-    deadly: list[int] = []
-    try:
-        while todo or pending:
-            while todo and len(pending) < window:
-                index = todo.popleft()
-                pending[executor.submit(compute, plan, index)] = index
-            for future in wait(pending, return_when=FIRST_COMPLETED).done:
-                index = pending.pop(future)
-                try:
-                    keep(future.result())
-                except LostTaskError:
-                    tries[index] += 1
-                    (todo if tries[index] < _TRIES else deadly).append(index)
-    except BaseException:  # Ctrl-C too
-        for future in pending:
-            future.cancel()
-        raise
-    return deadly
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Piece:
+    """Rows of a partition that a task is given; it may leave some of them to the next."""
+
+    index: int
+    rows: range
+    tries: int = _TRIES
 
 
-def _row_by_row(plan: Plan, index: int, executor: Executor) -> Part:
-    """Make a partition that takes its process along: each row by itself, so that others are had."""
-    rows = [range(row, row + 1) for row in plan.span(index)]
-    return joined(index, [_row(plan, index, row, executor, _TRIES) for row in rows])
+class _Making:
+    """Partitions in the making, piece by piece."""
+
+    def __init__(self, plan: Plan, executor: Executor, window: int, seconds: float) -> None:
+        self._plan = plan
+        self._executor = executor
+        self._window = window
+        self._seconds = seconds
+        self._todo: deque[_Piece] = deque()
+        self._pending: dict[Future[Part], _Piece] = {}
+        self._parts: defaultdict[int, list[Part]] = defaultdict(list)
+
+    def run(self, missing: list[int], keep: Callable[[Part], None]) -> None:
+        """Make partitions; those that are begun before others."""
+        left = deque(missing)
+        try:
+            while left or self._todo or self._pending:
+                while len(self._pending) < self._window and (left or self._todo):
+                    if not self._todo:
+                        index = left.popleft()
+                        self._todo.append(_Piece(index=index, rows=self._plan.span(index)))
+                    self._begin(self._todo.popleft())
+                for future in wait(self._pending, return_when=FIRST_COMPLETED).done:
+                    index = self._end(future, self._pending.pop(future))
+                    parts = self._parts[index]
+                    if sum(len(one.rows) for one in parts) == len(self._plan.span(index)):
+                        del self._parts[index]
+                        keep(joined(index, sorted(parts, key=lambda one: one.rows.start)))
+        except BaseException:  # Ctrl-C too
+            for future in self._pending:
+                future.cancel()
+            raise
+
+    def _begin(self, piece: _Piece) -> None:
+        """Hand out a piece."""
+        future = self._executor.submit(
+            compute_for, self._plan, piece.index, piece.rows, self._seconds
+        )
+        self._pending[future] = piece
+
+    def _end(self, future: Future[Part], piece: _Piece) -> int:
+        """Take what came of a piece; return its partition."""
+        try:
+            made = future.result()
+        except LostTaskError as error:
+            self._lost(piece, error)
+            return piece.index
+        self._parts[piece.index].append(made)
+        rest = range(made.rows.stop, piece.rows.stop)
+        if rest:
+            self._todo.appendleft(_Piece(index=piece.index, rows=rest))
+        return piece.index
+
+    def _lost(self, piece: _Piece, error: LostTaskError) -> None:
+        """Try a piece again, or each of its rows by itself; of a row, it is the outcome."""
+        # with the exact bounce it is hardly a row's doing
+        again = error.loss is Loss.STOPPED or self._plan.exact
+        if again and piece.tries > 1:
+            self._todo.append(replace(piece, tries=piece.tries - 1))
+        elif len(piece.rows) > 1:
+            rows = (range(row, row + 1) for row in piece.rows)
+            self._todo.extend(_Piece(index=piece.index, rows=row) for row in rows)
+        else:
+            self._parts[piece.index].append(_without(self._plan, piece, error))
 
 
-def _row(plan: Plan, index: int, row: range, executor: Executor, tries: int) -> Part:
-    """Make one row; that its process died is its outcome."""
-    try:
-        return executor.submit(compute, plan, index, row).result()
-    except LostTaskError as error:
-        if error.loss is Loss.STOPPED and tries > 1:
-            return _row(plan, index, row, executor, tries - 1)
-        said = lost(plan.case(plan.scene), error).simulation
-        numbers = {name: np.full(1, np.nan) for name in plan.quantities}
-        outcome = f"{said.outcome.value} ({said.note})"
-        return part(plan, index, row, Found(numbers=numbers, outcomes=[outcome]))
+def _without(plan: Plan, piece: _Piece, error: LostTaskError) -> Part:
+    """Return a row that has no numbers, since its process died."""
+    said = lost(plan.case(plan.scene), error).simulation
+    numbers = {name: np.full(1, np.nan) for name in plan.quantities}
+    outcome = f"{said.outcome.value} ({said.note})"
+    return part(plan, piece.index, piece.rows, Found(numbers=numbers, outcomes=[outcome]))

@@ -16,6 +16,7 @@ import pytest
 from harness.cli.main import code_of
 from harness.errors import ClusterError
 from harness.executors import Serial
+from harness.isolation import Limits
 
 SIGNS = (
     "sweep",
@@ -83,6 +84,8 @@ def test_wrong_use_is_one_message(tmp_path: Path, capsys: pytest.CaptureFixture[
         (*over, "--count", "3"),
         (*over, "--jobs", "0"),
         (*over, "--on", "nonsense"),
+        (*over, "--time-limit", "0"),
+        (*over, "--memory-limit", "-1"),
     ):
         assert code_of([*words, *out]) == 2
         said = capsys.readouterr()
@@ -101,6 +104,23 @@ def test_an_unreachable_cluster_is_not_the_folders_fault(
     said = capsys.readouterr().err.strip()
     assert said.startswith("rockingcan: no Dask scheduler answers at 'tcp://127.0.0.1:1'")
     assert said.endswith("0 of 3 scenes are written.")
+
+
+def test_limits_are_those_of_a_scene(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Limits] = []
+
+    def local(_jobs: int, *, limits: Limits, **_: object) -> Serial:
+        asked.append(limits)
+        return Serial()
+
+    monkeypatch.setattr("harness.cli.sweep.local", local)
+    over = ("sweep", "gentle-rock", "--over", "can.h=1:2:2", "--engine", "mujoco")
+    limits = ("--time-limit", "7", "--memory-limit", "0.5")
+    assert code_of([*over, *limits, "--timestep", "1e-3", "--out", str(tmp_path / "out")]) == 0
+    assert asked == [Limits(seconds=7.0, memory=2.0**29)]
+    assert "period_s" in capsys.readouterr().out
 
 
 class Leaving(Serial):

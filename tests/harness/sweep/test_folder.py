@@ -5,15 +5,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.errors import OutputError
 from harness.executors import Serial, local
-from harness.isolation import Loss, LostTaskError
 from harness.sweep import Part, Plan, PlanMismatchError, opened, sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 
@@ -222,50 +220,7 @@ def test_threads_and_processes_make_the_same_bytes(
     carried_out(tmp_path / "runs-serial", runs)
     with opened(tmp_path / "runs", runs) as folder, local(2) as executor:
         sweep(folder, executor)
-    # processes do not know of the small cut: their partitions are the plan's own rows, all alike
-    assert table(tmp_path / "runs").equals(table(tmp_path / "runs-serial"))
-
-
-class Deadly(Executor):
-    """Runs tasks here, and loses those that hold a row that kills; others it loses once."""
-
-    def __init__(self, row: int) -> None:
-        self._row = row
-        self._lost: set[int] = set()
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401 - as in the interface
-        """Do a task here, or lose it."""
-        future: Future[Any] = Future()
-        chosen, index = args[:2]
-        rows = args[2] if len(args) > 2 else chosen.span(index)
-        if self._row in rows:
-            future.set_exception(LostTaskError(Loss.CRASHED, "killed: SIGSEGV"))
-        elif index not in self._lost and len(args) == 2:
-            self._lost.add(index)
-            future.set_exception(LostTaskError(Loss.STOPPED, "killed: from outside"))
-        else:
-            future.set_result(fn(*args, **kwargs))
-        return future
-
-
-def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(
-    planned: Planned, tmp_path: Path
-) -> None:
-    chosen = planned(
-        "gentle-rock",
-        "release.psi_dot=1.5:2.5:8",
-        engine="mujoco",
-        timestep=2e-3,
-        quantities=["angle_of_turn_deg", "angle_of_turn_error_deg"],
-    )
-    whole = carried_out(tmp_path / "whole", chosen)
-    with opened(tmp_path / "out", chosen) as folder:
-        sweep(folder, Deadly(4))
-    frame = table(tmp_path / "out")
-    assert "SIGSEGV" in str(frame.outcome[4])
-    assert frame.angle_of_turn_deg.isna().tolist() == [row == 4 for row in range(8)]
-    for name in chosen.quantities:
-        assert frame[name].drop(4).equals(whole[name].drop(4))
+    assert contents(tmp_path / "runs") == contents(tmp_path / "runs-serial")
 
 
 def test_the_plan_beside_the_table_says_what_it_is(chosen: Plan, tmp_path: Path) -> None:

@@ -1,0 +1,87 @@
+"""A process that dies takes one scene along, and a signal nothing that is written."""
+
+import os
+import signal
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.executors import Serial
+from harness.interruption import SIGNALS, Interrupted, listen
+from harness.isolation import Loss, LostTaskError
+from harness.sweep import Plan, opened, sweep
+from tests.harness.sweep.conftest import carried_out, contents, table
+
+Planned = Callable[..., Plan]
+
+
+pytestmark = pytest.mark.usefixtures("small")
+
+
+class Deadly(Executor):
+    """Runs tasks here, and loses those that hold a row that kills; others it loses once."""
+
+    def __init__(self, row: int) -> None:
+        self._row = row
+        self._lost: set[int] = set()
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401 - as in the interface
+        """Do a task here, or lose it."""
+        future: Future[Any] = Future()
+        _, index, rows, _ = args
+        if self._row in rows:
+            future.set_exception(LostTaskError(Loss.CRASHED, "killed: SIGSEGV"))
+        elif index not in self._lost:
+            self._lost.add(index)
+            future.set_exception(LostTaskError(Loss.STOPPED, "killed: from outside"))
+        else:
+            future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(
+    planned: Planned, tmp_path: Path
+) -> None:
+    chosen = planned(
+        "gentle-rock",
+        "release.psi_dot=1.5:2.5:8",
+        engine="mujoco",
+        timestep=2e-3,
+        quantities=["angle_of_turn_deg", "angle_of_turn_error_deg"],
+    )
+    whole = carried_out(tmp_path / "whole", chosen)
+    with opened(tmp_path / "out", chosen) as folder:
+        sweep(folder, Deadly(4))
+    frame = table(tmp_path / "out")
+    assert "SIGSEGV" in str(frame.outcome[4])
+    assert frame.angle_of_turn_deg.isna().tolist() == [row == 4 for row in range(8)]
+    for name in chosen.quantities:
+        assert frame[name].drop(4).equals(whole[name].drop(4))
+
+
+def test_what_is_written_while_a_signal_comes_is_counted(
+    chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counted: list[int] = []
+    real = os.fsync
+
+    def interrupting(handle: int) -> None:
+        real(handle)
+        if counted:  # the second partition is being written
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    listen()
+    try:
+        with opened(tmp_path / "out", chosen) as folder:
+            monkeypatch.setattr(os, "fsync", interrupting)
+            with pytest.raises(Interrupted):
+                sweep(folder, Serial(), lambda part: counted.append(part.index))
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    assert counted == [0, 1]
+    assert len(contents(tmp_path / "out")) == 2

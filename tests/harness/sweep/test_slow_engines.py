@@ -1,0 +1,149 @@
+"""Slow engines: a limit is of a scene, and neither slowness nor one that hangs costs the others."""
+
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.executors import local
+from harness.isolation import Limits
+from harness.sweep import Part, Plan, opened, partition, sweep
+from harness.sweep.partition import compute, compute_for
+from tests.harness.sweep.conftest import table
+
+Planned = Callable[..., Plan]
+
+ENGINE = """
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from harness.engines.base import Capabilities
+from harness.engines.registry import engine
+
+
+class Slow:
+    name = "{name}"
+    version = "1"
+    settings = ()
+    capabilities = Capabilities(honours=frozenset(), imposes={{}})
+
+    def timestep(self, case):
+        return None
+
+    def simulate(self, case):
+        with Path({log!r}).open("a") as log:
+            log.write(f"{{case.scene.release.psi_dot}}\\n")
+        time.sleep({seconds})
+        if case.scene.release.psi_dot == 2.0:
+            time.sleep(999.0)
+        whole = engine("reference").simulate(replace(case, engine="reference", timestep=None))
+        return replace(whole, case=case, model=self.name)
+"""
+
+
+def installed(folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, seconds: float) -> Path:
+    """Install an engine whose runs take so long, and one for ever; return its log of runs."""
+    log = folder / f"{name}.log"
+    source = ENGINE.format(name=name, log=str(log), seconds=seconds)
+    (folder / f"{name}_engine.py").write_text(source, encoding="utf-8")
+    metadata = folder / f"{name}_engine-1.dist-info"
+    metadata.mkdir()
+    entries = f"[rockingcan.engines]\n{name} = {name}_engine:Slow\n"
+    (metadata / "entry_points.txt").write_text(entries, encoding="utf-8")
+    told = f"Metadata-Version: 2.1\nName: {name}-engine\nVersion: 1\n"
+    (metadata / "METADATA").write_text(told, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(folder))
+    return log
+
+
+def rates(log: Path) -> list[float]:
+    """Return of which scenes a run was begun, in order of their rates."""
+    return sorted(map(float, log.read_text().split()))
+
+
+@pytest.mark.slow
+def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
+    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = installed(tmp_path, monkeypatch, "patient", seconds=0.3)
+    chosen = planned(
+        "gentle-rock", "release.psi_dot=1:1.9:18", engine="patient", quantities=["period_s"]
+    )
+    limits = Limits(seconds=5.0)  # of 5.4 that the partition takes
+    with (
+        opened(tmp_path / "out", chosen) as folder,
+        local(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
+    ):
+        sweep(folder, executor)
+    frame = table(tmp_path / "out")
+    assert frame.period_s.notna().all()
+    assert rates(log) == sorted(frame.release_psi_dot_rad_s)
+
+
+@pytest.mark.slow
+def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
+    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = installed(tmp_path, monkeypatch, "stuck", seconds=0.0)
+    chosen = planned(
+        "gentle-rock", "release.psi_dot=1:3:9", engine="stuck", quantities=["period_s"]
+    )
+    limits = Limits(seconds=4.0)
+    with (
+        opened(tmp_path / "out", chosen) as folder,
+        local(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
+    ):
+        sweep(folder, executor)
+    frame = table(tmp_path / "out")
+    assert frame.period_s.isna().tolist() == [row == 4 for row in range(9)]
+    assert "ran longer than the 4 s allowed" in str(frame.outcome[4])
+    assert rates(log).count(2.0) == 2
+
+
+def test_a_task_takes_on_what_it_has_time_for(
+    planned: Planned, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = planned(
+        "gentle-rock", "release.psi_dot=1:3:100", engine="mujoco", quantities=["epsilon"]
+    )
+    clock = 0.0
+    blocks: list[range] = []
+
+    def computed(_plan: Plan, _index: int, rows: range) -> Part:
+        nonlocal clock
+        clock += 2.0 * len(rows)
+        blocks.append(rows)
+        return Part(index=0, rows=rows, parameters={}, quantities={}, code=(), sentences=())  # type: ignore[arg-type]
+
+    monkeypatch.setattr(partition, "compute", computed)
+    monkeypatch.setattr(partition, "joined", lambda _, parts: parts)
+    monkeypatch.setattr(time, "monotonic", lambda: clock)
+    compute_for(chosen, 0, range(10, 100), 50.0)
+    assert [len(block) for block in blocks] == [1, 24]
+    blocks.clear()
+    compute_for(chosen, 0, range(10, 100), 1.0)  # at least one, whatever it takes
+    assert [len(block) for block in blocks] == [1]
+    blocks.clear()
+    compute_for(chosen, 0, range(10, 100), 1e9)
+    assert [len(block) for block in blocks] == [1, 89]
+    blocks.clear()
+    compute_for(chosen, 0, range(10, 100), math.inf)
+    assert [len(block) for block in blocks] == [90]
+
+
+def test_rows_in_blocks_are_to_the_bit_those_of_the_whole(planned: Planned) -> None:
+    chosen = planned(
+        "gentle-rock",
+        "release.psi_dot=1.5:2.5:12",
+        engine="mujoco",
+        timestep=2e-3,
+        quantities=["angle_of_turn_deg", "angle_of_turn_error_deg", "energy_drift", "steps"],
+    )
+    whole, blocks = compute(chosen, 0), compute_for(chosen, 0, range(12), 1e3)
+    for name, column in whole.quantities.items():
+        assert column.tobytes() == blocks.quantities[name].tobytes()
+    assert whole.sentences == blocks.sentences
+    assert whole.code.tolist() == blocks.code.tolist()
