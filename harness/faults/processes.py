@@ -1,4 +1,4 @@
-"""Processes of a group, as the system lists them: none may outlive its program."""
+"""Processes of a session, as the system lists them: none may outlive its program."""
 
 import os
 import signal
@@ -58,13 +58,16 @@ def end_all() -> None:
 
 
 def living(group: int) -> list[int]:
-    """Return the processes of a group that run, from Linux's list of them."""
+    """Return the processes of a session that run, from Linux's list of them.
+
+    A program that `begin` started leads a group and a session; workers leave the group.
+    """
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            # after the name, which may hold anything: state, parent, group
+            # after the name, which may hold anything: state, parent, group, session
             words = (place / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-            if int(words[2]) == group and words[0] not in _DEAD:
+            if int(words[3]) == group and words[0] not in _DEAD:
                 found.append(int(place.name))
     return found
 

@@ -59,6 +59,18 @@ def of_exit(code: int) -> LostTaskError:
     return LostTaskError(Loss.STOPPED, f"killed: {name} from outside")
 
 
+def of_silence() -> LostTaskError:
+    """Return that a worker was ended because it could not answer any more."""
+    return LostTaskError(
+        Loss.CRASHED, "killed: the engine closed its process's connection to the run"
+    )
+
+
+def of_stop() -> LostTaskError:
+    """Return that a worker was ended because the run was."""
+    return LostTaskError(Loss.STOPPED, "killed: the run was stopped")
+
+
 def of_time(seconds: float) -> LostTaskError:
     """Return that a task was stopped for its time."""
     return LostTaskError(Loss.HUNG, f"killed: it ran longer than the {seconds:g} s allowed")

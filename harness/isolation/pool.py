@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from harness.interruption import SIGNALS
 from harness.isolation.limits import NO_LIMITS, Limits
-from harness.isolation.loss import Loss, LostTaskError
+from harness.isolation.loss import LostTaskError, of_stop
 from harness.isolation.worker import Worker
 
 P = ParamSpec("P")
@@ -130,7 +130,7 @@ class Isolated(Executor):
 
     def _serve(self) -> None:
         """Give tasks to one worker, and a new one to the task after one that took it along."""
-        # a process inherits what is blocked here: Ctrl-C reaches all, and is for us to heed
+        # a process inherits what is blocked here: to stop is for us to heed, and we end it
         signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
         while (task := self._tasks.get()) is not None:
@@ -151,7 +151,7 @@ class Isolated(Executor):
         """Return a new worker, unless all is being stopped."""
         with self._lock:
             if self._stopping:
-                raise LostTaskError(Loss.STOPPED, "killed: the run was stopped")
+                raise of_stop()
             worker = Worker(self.limits, self._imports)
             self._running.add(worker)
         return worker

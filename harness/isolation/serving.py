@@ -45,6 +45,8 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     global _serving  # noqa: PLW0603 - what this process is, from its first moment to its last
     _serving = True
     _die_with(owner)
+    # in a group of its own it is in the background of a terminal, and may still complain there
+    signal.signal(signal.SIGTTOU, signal.SIG_IGN)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")
     for name in imports:

@@ -2,22 +2,31 @@
 
 import math
 import os
-import signal
 import subprocess
 import sys
+import threading
 import time
-from contextlib import suppress
 from multiprocessing import Pipe
-from pathlib import Path
 
+from harness.isolation.family import end, used
 from harness.isolation.limits import Limits
-from harness.isolation.loss import LostTaskError, of_exit, of_memory, of_time
+from harness.isolation.loss import (
+    LostTaskError,
+    of_exit,
+    of_memory,
+    of_silence,
+    of_stop,
+    of_time,
+)
 from harness.isolation.serving import READY
 
 _TICK = 0.05
 """s between looks at a worker: at 3 GB/s it oversteps its memory by 0.15 GB meanwhile."""
 
-_PAGE = os.sysconf("SC_PAGE_SIZE")
+_PARTING = 1.0
+"""s for a process to end whose connection is closed."""
+
+_LOOK = os.WEXITED | os.WNOHANG | os.WNOWAIT
 
 _PATIENCE = 120.0  # s: a machine that is busy starts Python and imports the engines in some seconds
 
@@ -25,7 +34,8 @@ _PATIENCE = 120.0  # s: a machine that is busy starts Python and imports the eng
 class Worker:
     """A process that does tasks one after the other.
 
-    Starting it takes a second or so, which no task's time counts.
+    Starting it takes a second or so, which no task's time counts. What a task starts is weighed
+    with it and ends with it: the process leads a group of its own.
 
     Parameters
     ----------
@@ -45,10 +55,15 @@ class Worker:
         )
         # not `multiprocessing`: what a daemon of a cluster may not start, and no guard in scripts
         self._process = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, "-c", program], stdin=subprocess.DEVNULL, pass_fds=[theirs.fileno()]
+            [sys.executable, "-c", program],
+            stdin=subprocess.DEVNULL,
+            pass_fds=[theirs.fileno()],
+            process_group=0,
         )
         theirs.close()
         self._ready = False
+        self._stopped = False
+        self._ending = threading.Lock()
 
     def do(self, task: bytes) -> bytes:
         """Give a task, as bytes, and return the answer.
@@ -60,12 +75,12 @@ class Worker:
         """
         if not self._ready:
             if self._answer(Limits(seconds=_PATIENCE)) != READY:
-                raise of_exit(self.stop())
+                raise self._silenced()
             self._ready = True
         try:
             self._mine.send_bytes(task)
         except OSError as error:
-            raise of_exit(self.stop()) from error
+            raise self._silenced() from error
         return self._answer(self._limits)
 
     def _answer(self, limits: Limits) -> bytes:
@@ -78,40 +93,45 @@ class Worker:
                     raise lost
             return self._mine.recv_bytes()
         except (EOFError, OSError) as error:
-            raise of_exit(self._ended()) from error
+            raise self._silenced() from error
 
     def _breach(self, limits: Limits, seconds: float) -> LostTaskError | None:
         """Stop the process if it is over a limit; return which, or that it died."""
-        if self._process.poll() is not None:
-            return of_exit(self._process.returncode)
+        if self._has_ended() and not self._mine.poll():
+            return self._silenced()
         if seconds > limits.seconds:
             self.stop()
             return of_time(limits.seconds)
-        if not math.isinf(limits.memory) and self._resident() > limits.memory:
+        if not math.isinf(limits.memory) and used(self._process.pid, limits.memory) > limits.memory:
             self.stop()
             return of_memory(limits.memory)
         return None
 
-    def _resident(self) -> int:
-        """Return the bytes of memory that the process uses; zero where the system does not tell."""
-        try:
-            told = Path(f"/proc/{self._process.pid}/statm").read_text(encoding="ascii")
-        except OSError:
-            return 0
-        return int(told.split()[1]) * _PAGE
+    def _silenced(self) -> LostTaskError:
+        """Return what became of a process that does not answer any more, and see that it ends."""
+        until = time.monotonic() + _PARTING
+        while not self._has_ended() and time.monotonic() < until:
+            time.sleep(_PARTING / 100.0)
+        closed = not self._has_ended()
+        code = self.stop()
+        if closed:
+            return of_silence()
+        return of_stop() if self._stopped else of_exit(code)
 
-    def _ended(self) -> int:
-        """Return the exit code of a process whose connection is gone."""
-        with suppress(subprocess.TimeoutExpired):
-            return self._process.wait(timeout=1.0)
-        return self.stop()
+    def _has_ended(self) -> bool:
+        """Whether the process has ended; it is not waited for, and so keeps its number."""
+        try:
+            return os.waitid(os.P_PID, self._process.pid, _LOOK) is not None
+        except ChildProcessError:  # it was waited for
+            return True
 
     def stop(self) -> int:
-        """End the process at once, and return its exit code."""
-        if self._process.poll() is None:
-            with suppress(ProcessLookupError):
-                self._process.send_signal(signal.SIGKILL)
-        return self._process.wait()
+        """End the process at once, and what it started; return its exit code."""
+        with self._ending:
+            if self._process.returncode is None:
+                self._stopped = not self._has_ended()
+                end(self._process.pid)
+            return self._process.wait()
 
     def close(self) -> None:
         """End an idle process."""

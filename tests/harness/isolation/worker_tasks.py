@@ -3,7 +3,10 @@
 import ctypes
 import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 from harness.errors import UnknownEngineError
 
@@ -65,3 +68,48 @@ def unsendable() -> object:
 def nap(seconds: float) -> float:
     time.sleep(seconds)
     return seconds
+
+
+def start(program: str, told: str, *, apart: bool) -> None:
+    """Start a process, and tell its number and ours when it is at work."""
+    words = [sys.executable, "-c", f"{program}\nprint(flush=True)\nimport time; time.sleep(600)"]
+    child = subprocess.Popen(words, stdout=subprocess.PIPE, start_new_session=apart)  # noqa: S603
+    assert child.stdout is not None
+    child.stdout.readline()
+    Path(told).write_text(f"{child.pid} {os.getpid()}", encoding="ascii")
+
+
+def start_and_hang(told: str, *, apart: bool) -> None:
+    start("pass", told, apart=apart)
+    hang()
+
+
+def start_and_crash(told: str) -> None:
+    start("pass", told, apart=False)
+    segfault()
+
+
+def start_and_return(told: str) -> int:
+    start("pass", told, apart=False)
+    return 1
+
+
+def start_one_that_devours(told: str) -> None:
+    start("block = bytearray(b'1') * 500_000_000", told, apart=False)
+    time.sleep(600.0)
+
+
+def share(told: str) -> None:
+    """Hold memory that a process of a fork shares."""
+    block = b"\1" * 200_000_000
+    child = os.fork()
+    if not child:
+        time.sleep(600.0)
+    Path(told).write_text(f"{child} {os.getpid()}", encoding="ascii")
+    time.sleep(3.0)
+    assert block
+
+
+def close_everything() -> None:
+    os.closerange(0, 256)
+    time.sleep(600.0)
