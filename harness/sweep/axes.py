@@ -12,6 +12,10 @@ from harness.sweep.parameters import PARAMETERS, Floats, check_range
 _FORM = "NAME=LOW:HIGH:COUNT for a grid, NAME=LOW:HIGH for a sample, log:LOW:HIGH for decades"
 _ENDS = 2
 
+_ROUND_OFF = 1e-9
+"""Of a power of a logarithm, some eps times the exponent, over the number: far less than to the
+next whole number, of which there are 100,000."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
@@ -51,6 +55,19 @@ class Axis:
             )
         if self.count is not None and self.count < 1:
             raise InvalidSettingError(f"--over {self.name}", self.count, "a count of 1 or more")
+        if PARAMETERS[self.name].whole:
+            self._check_whole()
+
+    def _check_whole(self) -> None:
+        """Refuse values between the whole numbers."""
+        fits = self.low.is_integer() and self.high.is_integer()
+        if fits and self.count is not None:
+            fits = self.count <= abs(self.high - self.low) + 1.0
+            if fits:  # no more than there are whole numbers, so the array is short
+                values = self._spaced(np.arange(self.count))
+                fits = bool((np.abs(values - np.rint(values)) < _ROUND_OFF * values).all())
+        if not fits:
+            raise InvalidSettingError("--over", self.text(), "ends and values on whole numbers")
 
     @property
     def column(self) -> str:
@@ -73,6 +90,11 @@ class Axis:
         places : ndarray of int
             From 0 for `low` to `count` - 1 for `high`.
         """
+        found = self._spaced(places)
+        return np.rint(found) if PARAMETERS[self.name].whole else found
+
+    def _spaced(self, places: NDArray[np.intp]) -> Floats:
+        """Return values of a grid as they are spaced."""
         last, ends = (self.count or 1) - 1, np.array((self.low, self.high))
         if not self.log:
             return _evenly(ends, last, places)
@@ -82,7 +104,15 @@ class Axis:
         return found
 
     def at(self, share: Floats) -> Floats:
-        """Return the values at shares in [0, 1] of the way, shape of `share`."""
+        """Return the values at shares in [0, 1] of the way, shape of `share`.
+
+        Of a count each whole number takes as much of the way as the others, up to the next.
+        """
+        if PARAMETERS[self.name].whole:
+            low, high = sorted((self.low, self.high))
+            beyond = high + 1.0
+            way = low * (beyond / low) ** share if self.log else low + (beyond - low) * share
+            return np.minimum(np.floor(way), high)
         if not self.log:
             return self.low + (self.high - self.low) * share
         return np.asarray(self.low * (self.high / self.low) ** share, dtype=np.float64)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from harness.errors import InvalidSettingError
 from models.can import Can
 from models.effects import KINDS, Effects
-from models.scene import Scene
+from models.scene import MOST_BOUNCES, Horizon, Scene
 
 Floats = NDArray[np.float64]
 Number = TypeVar("Number", float, Floats)
@@ -35,6 +35,8 @@ class Parameter:
         As axes are labelled; empty for a ratio.
     low, high : float
         Between which, both exclusive, it has to lie.
+    whole : bool
+        A count: it has whole values alone.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Parameter:
     unit: str
     low: float = -math.inf
     high: float = math.inf
+    whole: bool = False
 
 
 _UNITS = {"rad_s": "rad/s", "m_s2": "m/s^2", "kg_m2": "kg m^2", "n_m": "N/m", "ns_m": "N s/m"}
@@ -64,7 +67,10 @@ _NAMED = {
     "release.psi_dot": ("rad_s", {}),
     "release.theta_dot": ("rad_s", {}),
     "release.height": ("m", {}),
+    "horizon.bounces": ("", {"low": 0.0, "high": MOST_BOUNCES + 1.0}),
+    "horizon.seconds": ("s", _POSITIVE),
 }
+_WHOLE = frozenset({"horizon.bounces"})
 _OF_EFFECTS = {
     "compliance.stiffness": "n_m",
     "compliance.damping": "ns_m",
@@ -94,6 +100,7 @@ def _parameter(name: str, suffix: str, bounds: Mapping[str, float]) -> Parameter
         name=name,
         column=f"{stem}_{suffix}" if suffix else stem,
         unit=_SPOKEN.get(suffix, suffix),
+        whole=name in _WHOLE,
         **bounds,
     )
 
@@ -152,7 +159,7 @@ def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:
     ModelError
         If no scene has these values together.
     """
-    parts: dict[str, dict[str, float]] = {"can": {}, "release": {}}
+    parts: dict[str, dict[str, float]] = {"can": {}, "release": {}, "horizon": {}}
     effects = scene.effects
     for name, value in values.items():
         table, _, key = name.partition(".")
@@ -167,7 +174,13 @@ def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:
         can=Can.from_groups(**dimensions(scene.can, values)) if parts["can"] else scene.can,
         release=replace(scene.release, **parts["release"]),
         effects=effects,
+        horizon=_until(**parts["horizon"]) if parts["horizon"] else scene.horizon,
     )
+
+
+def _until(bounces: float | None = None, seconds: float | None = None) -> Horizon:
+    """Return a horizon of so many bounces, or of a time."""
+    return Horizon(bounces=None if bounces is None else round(bounces), seconds=seconds)
 
 
 def _with(effects: Effects, name: str, key: str, value: float) -> Effects:

@@ -23,13 +23,10 @@ from harness.errors import InvalidSettingError
 from harness.keys import code_of
 from harness.runner import check
 from harness.sweep.axes import Axis
-from harness.sweep.parameters import Floats, scene_at
+from harness.sweep.choice import check_axes, check_sample, end_of
+from harness.sweep.parameters import Floats
 from harness.sweep.quantities import DEFAULT, QUANTITIES
-from models.errors import InvalidValueError, ModelError
 from models.scene import Scene
-
-SAMPLES = ("grid", "random", "sobol", "halton")
-"""How the scenes are chosen."""
 
 MOST_ROWS = 1_000_000_000
 """Beyond the points that a Sobol sequence of doubles tells apart."""
@@ -175,8 +172,8 @@ def plan(
     HarnessError
         For wrong use, before anything runs; the message says what is allowed.
     """
-    _check_axes(scene, axes)
-    _check_sample(axes, sample, count, seed)
+    check_axes(scene, axes)
+    check_sample(axes, sample, count, seed)
     asked = tuple(dict.fromkeys(quantities)) or DEFAULT
     for name in asked:
         if name not in QUANTITIES:
@@ -185,7 +182,7 @@ def plan(
             raise InvalidSettingError(
                 "--quantity", name, "of an engine's runs only: the reference has no such error"
             )
-    ends = scene_at(scene, {axis.name: axis.low for axis in axes if _of_effects(axis)})
+    ends = end_of(scene, axes)
     for name in asked:
         if QUANTITIES[name].source == "error" and ends.effects.declared():
             raise InvalidSettingError("--quantity", name, "of scenes without effects only")
@@ -222,56 +219,6 @@ def _program(engine: str) -> tuple[tuple[str, str], ...]:
     """Return what computes the rows of a sweep: with another they might not go together."""
     packages = [(name, version(name)) for name in ("rockingcan", "numpy", "scipy")]
     return (*packages, ("sources", code_of(engine, __name__)))
-
-
-def _of_effects(axis: Axis) -> bool:
-    return axis.name.startswith("effects.")
-
-
-def _check_axes(scene: Scene, axes: Sequence[Axis]) -> None:
-    """Refuse no axis, one parameter twice, and constants that no effect has."""
-    names = [axis.name for axis in axes]
-    if not names:
-        raise InvalidSettingError("--over", "nothing", "at least one parameter to vary")
-    for name in names:
-        group = f"can.{name[-1].lower()}" if name in {"can.A", "can.C", "can.H"} else ""
-        if names.count(name) > 1 or group in names:
-            raise InvalidSettingError("--over", name, "each parameter once, as group or in SI")
-    for axis in filter(_of_effects, axes):
-        for end in (axis.low, axis.high):
-            try:
-                scene_at(scene, {axis.name: end})
-            except InvalidValueError as error:
-                own = error.key == axis.name.rpartition(".")[2]
-                allowed = error.allowed if own else f"with `{error.key}` {error.allowed}"
-                raise InvalidSettingError(f"--over {axis.name}", end, allowed) from None
-            except ModelError as error:
-                raise InvalidSettingError(f"--over {axis.name}", end, str(error)) from None
-            except TypeError:
-                effect = axis.name.rpartition(".")[0]
-                only = f"nothing, unless the scene itself declares `{effect}` with its constants"
-                raise InvalidSettingError(f"--over {axis.name}", end, only) from None
-
-
-def _check_sample(axes: Sequence[Axis], sample: str, count: int | None, seed: int | None) -> None:
-    """Refuse a grid without counts on its axes, and a sample with them."""
-    if sample not in SAMPLES:
-        raise InvalidSettingError("--sample", sample, ", ".join(SAMPLES))
-    for axis in axes:
-        if sample == "grid" and axis.count is None:
-            raise InvalidSettingError("--over", axis.text(), "NAME=LOW:HIGH:COUNT in a grid")
-        if sample != "grid" and axis.count is not None:
-            raise InvalidSettingError(
-                "--over", axis.text(), f"NAME=LOW:HIGH in a {sample} sample; --count says how many"
-            )
-    if sample == "grid" and (count is not None or seed is not None):
-        raise InvalidSettingError(
-            "--sample", sample, "random, sobol or halton beside --count and --seed"
-        )
-    if sample != "grid" and (count is None or count < 1):
-        raise InvalidSettingError("--count", count, f"a whole number of {sample} scenes, 1 or more")
-    if seed is not None and seed < 0:
-        raise InvalidSettingError("--seed", seed, "zero or greater")
 
 
 def _shares(sample: str, seed: int, dimensions: int, rows: range) -> Floats:

@@ -72,10 +72,9 @@ def _simulations(cases: Sequence[Case]) -> Iterator[Simulation]:
 
 def _at_once(cases: Sequence[Case]) -> int:
     """Return how many motions to hold at once: a bounce is some hundred samples."""
-    horizon = cases[0].scene.horizon if cases else None
-    if horizon is None or horizon.bounces is None:
-        return 16
-    return max(1, 256 // horizon.bounces)
+    bounces = [case.scene.horizon.bounces for case in cases]
+    longest = max((16 if count is None else count for count in bounces), default=1)
+    return max(1, 256 // longest)
 
 
 def _family(cases: Sequence[Case]) -> Sequence[Simulation]:

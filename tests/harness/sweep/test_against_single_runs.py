@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from harness.engines.reference import solved
 from harness.runner import evaluate
 from harness.sweep import Plan
 from harness.sweep.parameters import scene_at
-from models import load
+from models import Horizon, load
 from reference import PAPER_CAN, Problem
 from reference.reduced import reduced_of
 from tests.harness.sweep.conftest import carried_out
@@ -91,6 +92,24 @@ def test_runs_of_an_engine_are_those_of_its_adapter(planned: Planned, tmp_path: 
         assert frame.angle_of_turn_error_deg[row] == pytest.approx(
             math.degrees(alone.errors.angle_of_turn[0]), abs=1e-7
         )
+
+
+def test_runs_of_other_lengths_are_those_of_their_scenes(planned: Planned, tmp_path: Path) -> None:
+    words = ["period_s", "steps", "energy_drift"]
+    more = {"engine": "mujoco", "timestep": 1e-3, "quantities": words}
+    counted = carried_out(tmp_path / "a", planned("petals", "horizon.bounces=1:3:3", **more))
+    assert counted.horizon_bounces.tolist() == [1.0, 2.0, 3.0]
+    timed = carried_out(tmp_path / "b", planned("petals", "horizon.seconds=0.01:1.5:2", **more))
+    horizons = [Horizon(bounces=n) for n in (1, 2, 3)] + [Horizon(seconds=s) for s in (0.01, 1.5)]
+    rows = [*counted.itertuples(), *timed.itertuples()]
+    for horizon, row in zip(horizons, rows, strict=True):
+        scene = replace(load("petals"), horizon=horizon)
+        alone = evaluate(Case(scene=scene, engine="mujoco", timestep=1e-3))
+        assert row.steps == alone.simulation.steps
+        assert row.energy_drift == alone.energy_drift
+    assert counted.steps.is_monotonic_increasing
+    assert timed.period_s.notna().tolist() == [False, True]
+    assert str(timed.outcome[0]).startswith("no bounce")
 
 
 def test_what_only_a_whole_motion_has_is_solved_for(planned: Planned, tmp_path: Path) -> None:

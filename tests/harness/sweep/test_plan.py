@@ -76,6 +76,30 @@ def test_a_row_of_a_sample_depends_on_its_number_alone(sample: str, cut: int) ->
         assert (column <= axis.high).all()
 
 
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("horizon.bounces=1:5:5", [1, 2, 3, 4, 5]),
+        ("horizon.bounces=9:1:3", [9, 5, 1]),
+        ("horizon.bounces=log:1:100000:6", [1, 10, 100, 1000, 10_000, 100_000]),
+    ],
+)
+def test_bounces_of_a_grid_are_whole(text: str, values: list[int]) -> None:
+    axis = read_axis(text)
+    found = axis.values(np.arange(axis.count or 0))
+    assert found.tolist() == values
+
+
+def test_bounces_of_a_sample_are_whole_and_none_is_left_out() -> None:
+    ends = np.arange(2.0, 7.0)
+    for spacing, way in (("", ends), ("log:", np.log(ends))):
+        found = read_axis(f"horizon.bounces={spacing}2:5").at(np.linspace(0.0, 1.0, 1001))
+        values, counts = np.unique(found, return_counts=True)
+        assert values.tolist() == [2, 3, 4, 5]
+        even = 1000.0 * np.diff(way) / (way[-1] - way[0])
+        assert np.abs(counts - even).max() <= 1.0  # a point at an end belongs to one side
+
+
 def test_another_seed_is_another_sample(planned: Planned) -> None:
     first, other = (
         planned("gentle-rock", "can.h=1:2", sample="random", count=9, seed=seed) for seed in (0, 1)
@@ -93,7 +117,8 @@ def test_partitions_hold_every_row_once(planned: Planned) -> None:
 @pytest.mark.parametrize("name", [n for n in PARAMETERS if not n.startswith("effects.")])
 def test_every_parameter_reaches_the_scene(name: str) -> None:
     scene = load("gentle-rock")
-    value = {"can.A": 5e-5, "can.C": 4e-5, "can.H": 0.05, "can.radius": 0.05}.get(name, 0.7)
+    own = {"can.A": 5e-5, "can.C": 4e-5, "can.H": 0.05, "can.radius": 0.05, "horizon.bounces": 7}
+    value = own.get(name, 0.7)
     changed = scene_at(scene, {name: value})
     table, _, key = name.rpartition(".")
     owner = getattr(changed, table) if table else changed
@@ -124,6 +149,15 @@ REFUSED: dict[str, tuple[tuple[str, ...], dict[str, Any], tuple[str, ...]]] = {
     "words for numbers": (("can.h=low:high:3",), {}, ("NAME=LOW:HIGH:COUNT",)),
     "too many numbers": (("can.h=1:2:3:4",), {}, ("NAME=LOW:HIGH:COUNT",)),
     "a mass of zero": (("can.mass=0:1:3",), {}, ("can.mass", "greater than 0")),
+    "half a bounce": (("horizon.bounces=1:2:3",), {}, ("horizon.bounces=1.0:2.0:3", "whole")),
+    "no bounce": (("horizon.bounces=0:2:3",), {}, ("horizon.bounces", "greater than 0")),
+    "more bounces than there are": (("horizon.bounces=1:9:99999999",), {}, ("whole numbers",)),
+    "bounces and a time": (
+        ("horizon.bounces=1:3:3", "horizon.seconds=1:2:2"),
+        {},
+        ("horizon.seconds", "one of them"),
+    ),
+    "a time out of reach": (("horizon.seconds=1:1e9:3",), {}, ("horizon.seconds", "at most")),
     "a can on its side": (("release.phi=0.1:1.6:3",), {}, ("release.phi", "less than 1.5708")),
     "no number": (("can.h=nan:1:3",), {}, ("can.h", "nan")),
     "no values": (("can.h=1:2:0",), {}, ("can.h", "1 or more")),
