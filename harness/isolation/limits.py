@@ -1,13 +1,16 @@
 """How long a task may take and how much memory it may use."""
 
 import math
-import os
 from dataclasses import dataclass
 
 from harness.errors import InvalidSettingError
+from harness.isolation.memory import available
 
 _MOST_MEMORY = 4 * 2**30
-_SHARE = 0.8  # of the machine's memory, for all workers together
+_LEAST_MEMORY = 0.5 * 2**30
+"""An engine and the reference use 0.2 GiB."""
+
+_SHARE = 0.8  # of all memory, for all workers together
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,9 +22,9 @@ class Limits:
     seconds : float
         By the clock, from when the worker has the task; infinite for no limit.
     memory : float
-        Bytes of resident memory of the worker, as the system's own out-of-memory killer weighs it;
-        infinite for no limit. Address space is no measure: numerical libraries reserve far more
-        than they use.
+        Bytes of resident memory of the worker and of what it started, as the system's own
+        out-of-memory killer weighs it; infinite for no limit. Address space is no measure:
+        numerical libraries reserve far more than they use.
 
     Raises
     ------
@@ -47,6 +50,11 @@ LONGEST = 1800.0
 
 
 def sensible(workers: int) -> Limits:
-    """Return limits for so many workers: a half hour each, and together not all of the memory."""
-    total = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    return Limits(seconds=LONGEST, memory=min(_MOST_MEMORY, _SHARE * total / workers))
+    """Return limits for so many workers: a half hour each, and together not all of the memory.
+
+    None is given less than a sound case needs. So of very many all could together take more than
+    there is, if they all went to their limits; then the system ends one, and its case is done
+    again.
+    """
+    share = _SHARE * available() / workers
+    return Limits(seconds=LONGEST, memory=min(_MOST_MEMORY, max(_LEAST_MEMORY, share)))
