@@ -4,10 +4,11 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from harness.faults.ledger import broken, ledger
-from harness.faults.processes import Program, begin, left_behind
+from harness.faults.processes import Program, begin, left_behind, living
 from harness.faults.trial import Trial
 from harness.store import Store
 from harness.store.folder import JOURNAL
@@ -51,7 +52,9 @@ def _stopped(folder: Path, number: signal.Signals, *, whole: bool) -> tuple[str,
     _wait_for_kept(store, process)
     asked = time.monotonic()
     if whole:
-        os.killpg(process.pid, number)
+        for each in living(process.pid):
+            with suppress(ProcessLookupError):  # the command may end its workers meanwhile
+                os.kill(each, number)
     else:
         process.send_signal(number)
     _, complained = process.communicate(timeout=_PATIENCE)
