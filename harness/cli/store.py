@@ -26,8 +26,9 @@ _SHOWN = ("kind", "state", "case", "bytes", "kept")
 @app.command("list")
 def list_(store: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - a switch
     """List what is kept."""
-    folder = store_folder(store)
-    rows = _rows(Store(folder=folder), thoroughly=False)
+    kept = _opened(store)
+    folder = kept.folder
+    rows = _rows(kept, thoroughly=False)
     if json:
         entries = [dict(zip(_COLUMNS, row, strict=True)) for row in rows]
         typer.echo(spell({"store": str(folder), "entries": entries}))
@@ -41,7 +42,7 @@ def list_(store: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - a
 @app.command()
 def verify(store: Folder = None) -> None:
     """Read everything that is kept and check it; set aside what is broken. Leaves with 1 then."""
-    kept = Store(folder=store_folder(store))
+    kept = _opened(store)
     count, broken = 0, []
     for found in survey(kept, thoroughly=True):
         count += 1
@@ -65,10 +66,16 @@ def prune_(
     ] = False,
 ) -> None:
     """Remove what no run will read again: of other versions of the program, broken, left over."""
-    folder = store_folder(store)
-    kept = Store(folder=folder)
+    kept = _opened(store)
     removed, freed = prune(kept, (lambda _: False) if everything else is_current)
-    typer.echo(f"removed {removed} entries from '{folder}', {freed / 1e6:.1f} MB")
+    typer.echo(f"removed {removed} entries from '{kept.folder}', {freed / 1e6:.1f} MB")
+
+
+def _opened(chosen: Path | None) -> Store:
+    """Return the store, which must be one: to find nothing in another folder would tell nothing."""
+    store = Store(folder=store_folder(chosen))
+    store.check()
+    return store
 
 
 def _rows(store: Store, *, thoroughly: bool) -> list[tuple[object, ...]]:

@@ -4,7 +4,7 @@
     KIND/KK/KEY-CHECK.parquet   its arrays, written before; their checksum is part of the name
     drafts/                     what is being written; a program that was killed leaves its draft
     aside/                      entries that were found broken
-    journal.jsonl               a line when a case is begun, and when it is kept
+    journal.jsonl               a line when a case is begun, and when it is kept: names a store
 
 A file is written as a draft, flushed to the disk and renamed, so that none is ever half there
 under its own name. Writers need no lock: those of one case write the same, and the last one counts.
@@ -12,6 +12,7 @@ under its own name. Writers need no lock: those of one case write the same, and 
 
 import json
 import os
+import re
 import uuid
 import warnings
 from dataclasses import dataclass
@@ -32,6 +33,28 @@ from harness.store.entry import (
 )
 
 DRAFTS, ASIDE, JOURNAL = "drafts", "aside", "journal.jsonl"
+
+_FIRST = 5
+"""Lines of a journal that are looked at; one may be cut short by a full disk."""
+
+_KEY = "[0-9a-f]{32}"
+_DRAWN = "[0-9a-f]{8}"
+
+RECORD = re.compile(rf"(?P<key>{_KEY})\.json")
+ARRAYS = re.compile(rf"(?P<key>{_KEY})-[0-9a-f]{{12}}\.parquet")
+DRAFT = re.compile(rf"(?P<process>\d+)-{_DRAWN}-{_KEY}(-[0-9a-f]{{12}})?\.(json|parquet)")
+SET_ASIDE = re.compile(rf".+-{_KEY}(-[0-9a-f]{{12}})?-{_DRAWN}\.(json|parquet)")
+"""The names that are given here: whatever has another is somebody else's."""
+
+
+class NoStoreError(StoreError):
+    """A folder is no store."""
+
+    def __init__(self, folder: Path, reason: str) -> None:
+        super().__init__(
+            f"there is no store at '{folder}': {reason}; name one with --store, or run something "
+            "that keeps its results there"
+        )
 
 
 class StoreWarning(UserWarning):
@@ -126,6 +149,23 @@ class Store:
         except OSError as error:
             raise self._full(error) from error
 
+    def check(self) -> None:
+        """Refuse a folder that no program of ours wrote to; an empty one is a store of nothing.
+
+        Raises
+        ------
+        NoStoreError
+            If it is none, or is not there.
+        """
+        try:
+            if not any(self.folder.iterdir()) or _is_ours(self.folder / JOURNAL):
+                return
+        except FileNotFoundError:
+            raise NoStoreError(self.folder, "it is not there") from None
+        except OSError as error:
+            raise NoStoreError(self.folder, error.strerror or str(error)) from error
+        raise NoStoreError(self.folder, f"it has no '{JOURNAL}' of ours")
+
     def note(self, event: str, kind: str, key: str) -> None:
         """Add a line to the journal.
 
@@ -206,3 +246,13 @@ class Store:
             f"cannot write to the store '{self.folder}': {error.strerror or error}; what is kept "
             "there is whole: make room, or choose another folder with --store, and start again"
         )
+
+
+def _is_ours(journal: Path) -> bool:
+    """Whether a file is a journal of a store: its first lines, or what a full disk left of them."""
+    try:
+        with journal.open(encoding="utf-8") as file:
+            lines = [file.readline() for _ in range(_FIRST)]
+    except (FileNotFoundError, IsADirectoryError, UnicodeDecodeError):
+        return False
+    return not lines[0] or any(line.startswith('{"event": "') for line in lines)

@@ -1,19 +1,23 @@
 """What is in a store: each entry and its state; and what may go."""
 
+import math
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
 from harness.errors import StoreError
 from harness.store.entry import About
-from harness.store.folder import ASIDE, DRAFTS, Store
+from harness.store.folder import ARRAYS, ASIDE, DRAFT, DRAFTS, RECORD, SET_ASIDE, Store
 
 _RECENT = 3600.0
-"""s: arrays without a record may belong to a program that is about to write it."""
+"""s: arrays that no record names may belong to a program that is about to write it, or to one that
+reads the record before the present one."""
 
 _SHELF = 2
 """Characters of a key that name the folder of its entry."""
@@ -59,7 +63,7 @@ def survey(store: Store, *, thoroughly: bool = False) -> Iterator[Found]:
     thoroughly : bool
         True to read the arrays too and check them.
     """
-    for path in _entries(store, ".json"):
+    for path, _ in _entries(store, RECORD):
         found = _found(store, path, thoroughly=thoroughly)
         if found is not None:
             yield found
@@ -90,14 +94,21 @@ def _found(store: Store, path: Path, *, thoroughly: bool) -> Found | None:
 def prune(store: Store, keep: Callable[[About], bool]) -> tuple[int, int]:
     """Remove what is not to be kept; return how many entries went, and how many bytes in all.
 
-    Broken entries go as well, and what programs left over that did not come to their end.
+    Broken entries go as well, and what programs left over that did not come to their end, or
+    replaced. What is not a store's stays.
 
     Parameters
     ----------
     store : Store
     keep : callable
         Whether an entry is kept, from where it comes from.
+
+    Raises
+    ------
+    StoreError
+        If the folder is no store.
     """
+    store.check()
     before = _bytes(store)
     removed = 0
     for found in list(survey(store)):
@@ -112,16 +123,35 @@ def prune(store: Store, keep: Callable[[About], bool]) -> tuple[int, int]:
 
 
 def _remove_left_over(store: Store) -> None:
-    """Remove drafts of programs that are gone, arrays without a record, what was set aside."""
-    shutil.rmtree(store.folder / ASIDE, ignore_errors=True)
+    """Remove drafts of programs that are gone, arrays no record names, what was set aside.
+
+    Nothing that has not a name as a store gives it.
+    """
+    for place in _listed(store.folder / ASIDE):
+        if SET_ASIDE.fullmatch(place.name):
+            _remove(place)
     for draft in _listed(store.folder / DRAFTS):
-        owner = draft.name.partition("-")[0]
-        if not (owner.isdigit() and _lives(int(owner))):
+        name = DRAFT.fullmatch(draft.name)
+        if name is not None and not _lives(int(name["process"])):
             _remove(draft)
-    for arrays in _entries(store, ".parquet"):
-        record = arrays.with_name(f"{arrays.stem.rpartition('-')[0]}.json")
-        if not record.exists() and _age(arrays) > _RECENT:
+    for arrays, key in _entries(store, ARRAYS):
+        if _left_over(store, arrays, key):
             _remove(arrays)
+    with suppress(OSError):  # not empty, or not there
+        (store.folder / ASIDE).rmdir()
+
+
+def _left_over(store: Store, arrays: Path, key: str) -> bool:
+    """Whether arrays belong to no entry, and to none that is being written or read."""
+    record = arrays.with_name(f"{key}.json")
+    if min(_age(arrays), _age(record) if record.exists() else math.inf) <= _RECENT:
+        return False
+    try:
+        return store.record(arrays.parent.parent.name, key).arrays_file != arrays.name
+    except FileNotFoundError:
+        return True
+    except StoreError:  # broken meanwhile: the next time
+        return False
 
 
 def _remove(path: Path) -> None:
@@ -132,12 +162,15 @@ def _remove(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _entries(store: Store, suffix: str) -> Iterator[Path]:
-    """Yield the files KIND/KK/KEY of a suffix, in order of their names."""
+def _entries(store: Store, names: re.Pattern[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the files KIND/KK/KEY of a pattern and their keys, in order of their names."""
     for kind in _listed(store.folder):
         for shelf in _listed(kind):
             if len(shelf.name) == _SHELF:
-                yield from (path for path in _listed(shelf) if path.suffix == suffix)
+                for path in _listed(shelf):
+                    name = names.fullmatch(path.name)
+                    if name is not None and name["key"].startswith(shelf.name):
+                        yield path, name["key"]
 
 
 def _listed(place: Path) -> list[Path]:

@@ -57,9 +57,30 @@ def test_options_that_make_no_sense_are_refused(
     assert said in answer.err
 
 
-def test_an_empty_store_is_no_error(told: Command, tmp_path: Path) -> None:
-    words = ("--store", str(tmp_path / "none"))
+def test_an_empty_folder_is_a_store_of_nothing(told: Command, tmp_path: Path) -> None:
+    words = ("--store", str(tmp_path))
     assert "0 entries" in told("store", "list", *words).out
     assert told("store", "verify", *words).code == 0
     assert told("store", "prune", *words).code == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["list", "verify", "prune"])
+@pytest.mark.parametrize(
+    ("what", "reason"),
+    [("none", "it is not there"), ("file", "Not a directory"), ("mine", "it has no 'journal")],
+)
+def test_what_is_no_store_is_refused_and_left_alone(
+    told: Command, tmp_path: Path, command: str, what: str, reason: str
+) -> None:
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    chapters = [tmp_path / "mine" / name for name in ("aside/thesis.txt", "drafts/chapter1.md")]
+    for chapter in chapters:
+        chapter.parent.mkdir(parents=True)
+        chapter.write_text("a year of work", encoding="utf-8")
+    answer = told("store", command, "--store", str(tmp_path / what))
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"rockingcan: there is no store at '{tmp_path / what}': {reason}")
+    assert len(answer.err.splitlines()) == 1
+    assert all(chapter.exists() for chapter in chapters)
     assert not (tmp_path / "none").exists()

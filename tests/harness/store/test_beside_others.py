@@ -1,6 +1,5 @@
 """A store in which others write and remove meanwhile, and folders lie where files belong."""
 
-import os
 import subprocess
 import sys
 import threading
@@ -66,11 +65,12 @@ def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(store:
     def others() -> None:
         place = store.folder / DRAFTS
         while not done.is_set():
-            passing = [place / f"{os.getpid()}-{number}-x.json" for number in range(20)]
+            passing = [place / f"999999999-{number:08x}-{KEY}.json" for number in range(20)]
             shelves = [store.folder / "things" / f"{number:02d}" for number in range(20)]
             for shelf in shelves:
                 shelf.mkdir(exist_ok=True)
-                passing += [shelf / f"{shelf.name}-{name}.parquet" for name in "ab"]
+                key = f"{shelf.name}{KEY[2:]}"
+                passing += [shelf / f"{key}-{12 * name}.parquet" for name in "ab"]
             for path in passing:
                 path.write_bytes(b"")
             for path in passing:
@@ -117,7 +117,7 @@ def test_what_is_kept_over_a_folder_sets_it_aside(store: Store, which: str) -> N
 @pytest.mark.parametrize("where", ["record", "arrays", "draft"])
 def test_pruning_removes_folders_in_place_of_files(store: Store, where: str) -> None:
     path = put(store)
-    draft = store.folder / DRAFTS / "999999999-dead-x.json"
+    draft = store.folder / DRAFTS / f"999999999-0dead000-{KEY}.json"
     draft.write_text("half", encoding="utf-8")
     place = {"record": path, "arrays": next(path.parent.glob("*.parquet")), "draft": draft}[where]
     folder_in_place_of(place)

@@ -133,10 +133,10 @@ def test_pruning_keeps_what_is_current_and_removes_the_rest(store: Store) -> Non
     put(store)
     store.put("things", "cd" * 16, About(label="old", code="yesterday"), content())
     cut(put(store, "ef" * 16))
-    (store.folder / DRAFTS / "999999999-dead-x.json").write_text("half", encoding="utf-8")
-    mine = store.folder / DRAFTS / f"{os.getpid()}-alive-x.json"
+    (store.folder / DRAFTS / f"999999999-0dead000-{KEY}.json").write_text("half", encoding="utf-8")
+    mine = store.folder / DRAFTS / f"{os.getpid()}-a11fe000-{KEY}.json"
     mine.write_text("half", encoding="utf-8")
-    lone = put(store).with_name("12-orphan.parquet")
+    lone = put(store).with_name(f"{KEY[:-2]}12-{12 * '0'}.parquet")
     lone.write_bytes(b"")
     os.utime(lone, (0.0, 0.0))
     removed, freed = prune(store, lambda about: about.code == "today")

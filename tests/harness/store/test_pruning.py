@@ -1,0 +1,78 @@
+"""Pruning removes what no record names, and nothing that is not a store's own."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from harness.errors import StoreError
+from harness.store import Store, StoreWarning, prune, survey
+from harness.store.folder import ASIDE, DRAFTS, JOURNAL
+from tests.harness.store.test_store import KEY, content, cut, put
+
+YESTERDAY = 86_400.0
+"""s: by then no program is writing, or reading, what was written."""
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """Return an empty store."""
+    return Store(folder=tmp_path / "store")
+
+
+def aged(*paths: Path) -> None:
+    """Date files back."""
+    for path in paths:
+        then = path.stat().st_mtime - YESTERDAY
+        os.utime(path, (then, then))
+
+
+def test_the_arrays_of_an_entry_that_was_replaced_go(store: Store) -> None:
+    record = put(store)
+    (old,) = record.parent.glob("*.parquet")
+    put(store, seed=1)
+    (new,) = set(record.parent.glob("*.parquet")) - {old}
+    assert prune(store, lambda _: True)[0] == 0
+    assert old.exists()  # a program may still read the record that names it
+    size = old.stat().st_size
+    aged(old, new, record)
+    assert prune(store, lambda _: True) == (0, size)
+    assert sorted(record.parent.iterdir()) == sorted([record, new])
+    found = store.get("things", KEY)
+    assert found is not None
+    assert found.arrays["points"].tobytes() == content(1).arrays["points"].tobytes()
+
+
+def test_what_is_not_a_stores_own_stays(store: Store) -> None:
+    cut(put(store))
+    with pytest.warns(StoreWarning, match="set aside"):
+        assert store.get("things", KEY) is None
+    mine = [
+        store.folder / ASIDE / "thesis.txt",
+        store.folder / DRAFTS / "chapter1.md",
+        store.folder / DRAFTS / "999999999-chapter.json",
+        store.folder / "proj" / "ab" / "abc.json",
+        store.folder / "proj" / "ab" / "abc-1.parquet",
+        store.folder / "proj" / "ab" / f"cd{KEY[2:]}.json",
+    ]
+    for path in mine:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("a year of work", encoding="utf-8")
+        aged(path)
+    assert prune(store, lambda _: False)[0] == 0
+    assert [path for path in mine if not path.exists()] == []
+    assert [path.name for path in (store.folder / ASIDE).iterdir()] == ["thesis.txt"]
+    assert list(survey(store)) == []
+
+
+@pytest.mark.parametrize("journal", [None, "", "Dear diary,\n", '{"event": "kept"'])
+def test_a_journal_of_ours_makes_a_store(store: Store, journal: str | None) -> None:
+    put(store).unlink()
+    (store.folder / JOURNAL).unlink()
+    if journal is not None:
+        (store.folder / JOURNAL).write_text(journal, encoding="utf-8")
+    if journal in {"", '{"event": "kept"'}:  # a full disk leaves as much of it
+        assert prune(store, lambda _: True)[0] == 0
+        return
+    with pytest.raises(StoreError, match="no store at"):
+        prune(store, lambda _: True)
