@@ -3,6 +3,7 @@
 import hashlib
 import math
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,6 +24,7 @@ from harness.cli.running import Running, runs
 from harness.engines.registry import engine as engine_of
 from harness.engines.variants import paste
 from harness.errors import InvalidSettingError
+from harness.isolation import LostTaskError
 from harness.provenance import provenance
 from harness.report import check_writable
 from harness.runner import check
@@ -146,7 +148,7 @@ def measure(made: Plan, out: Path, running: Running) -> Cost:
         )
     wanted = timing_cases(made)
     times = {case: untimed(case) for case in wanted if errors[case]["outcome"] in LOST}
-    with _progress("timing alone") as told, one_thread() as executor:
+    with _progress("timing alone") as told, one_thread(running.limits) as executor:
         times |= complete(
             [case for case in wanted if case not in times],
             time_alone,
@@ -158,11 +160,19 @@ def measure(made: Plan, out: Path, running: Running) -> Cost:
             on_kept=running.kept,
         )
         overheads = {
-            name: executor.submit(overhead, aloft(made.scene, name)).result()
+            name: _overhead(aloft(made.scene, name), executor)
             for name in made.engines
             if hasattr(engine_of(name), "open")
         }
     return put_together(made, errors, times, overheads)
+
+
+def _overhead(case: Case, executor: Executor) -> Record:
+    """Return what a step of an engine costs aloft; nothing of one that does not come back."""
+    try:
+        return executor.submit(overhead, case).result()
+    except LostTaskError:
+        return {"ways": {}}
 
 
 def _records(

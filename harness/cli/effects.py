@@ -16,10 +16,11 @@ from harness.cli.answers import spell
 from harness.cli.attribution import evaluations, report
 from harness.cli.running import Running, runs
 from harness.errors import InvalidSettingError
+from harness.isolation import Limits, LostTaskError
 from harness.report import check_writable
 from harness.studies.effects import Plan, Study, design, friction, ladder, plan, read, study
 from harness.studies.effects.verdict import Verdict
-from harness.timing.alone import one_thread, time_alone
+from harness.timing.alone import one_thread, time_alone, untimed
 from models.catalogue import load
 
 _SHOWN = (
@@ -77,7 +78,7 @@ def effects(  # noqa: PLR0917 - a parameter an option
         check_writable(out)
     cases, slippery = design(made), ladder(made.scene, movers, timestep)
     runs_done = evaluations(tuple(dict.fromkeys((*cases, *slippery.design))), running)
-    found = study(made, runs_done, _timed(cases))
+    found = study(made, runs_done, _timed(cases, running.limits))
     artefacts = (*read(found), *friction(slippery, found.evaluations))
     page = None if out is None else report(artefacts, runs_done, out, "effects")
     if json:
@@ -95,14 +96,17 @@ def effects(  # noqa: PLR0917 - a parameter an option
         console.print(f"\nThe report: {page}")
 
 
-def _timed(cases: tuple[Case, ...]) -> dict[Case, dict[str, Any]]:
+def _timed(cases: tuple[Case, ...], limits: Limits) -> dict[Case, dict[str, Any]]:
     """Return what each case takes, one after the other and nothing beside it."""
-    with printing.progress() as bar, one_thread() as executor:
+    with printing.progress() as bar, one_thread(limits) as executor:
         task = bar.add_task("timing alone", total=len(cases))
         times = {}
         for case in cases:
             bar.update(task, description=f"timing alone: {case.label()[:60]}")
-            times[case] = executor.submit(time_alone, case).result()
+            try:
+                times[case] = executor.submit(time_alone, case).result()
+            except LostTaskError as error:
+                times[case] = untimed(case, error)
             bar.advance(task)
         return times
 

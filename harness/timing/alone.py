@@ -3,6 +3,7 @@
 Processor time is what counts, since a clock also sees the other programs of the machine; both are
 kept, and where they differ the machine was not alone. A lock on the machine keeps two programs that
 time from running at once, and a worker started for timing alone has one thread for linear algebra.
+The program takes the lock, not its worker, whose limits so are those of the work without the wait.
 """
 
 import fcntl
@@ -10,19 +11,24 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
-from contextlib import contextmanager
+from concurrent.futures import Executor, Future
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import ParamSpec, TypeVar
 
 from harness.case import Case
 from harness.engines.horizon import natural_time
 from harness.engines.reference import solved
 from harness.engines.registry import engine
 from harness.executors import local
-from harness.isolation import NO_LIMITS, LostTaskError
+from harness.isolation import Limits, LostTaskError
+from harness.isolation.limits import sensible
 from harness.timing.record import Record
 from models.scene import Horizon
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 FEWEST = 3
 """Repeats of any case: a minimum and a median that differ."""
@@ -43,7 +49,7 @@ LOCK = Path(tempfile.gettempdir()) / f"rockingcan-timing-{os.getuid()}.lock"
 
 
 def time_alone(case: Case) -> Record:
-    """Return the times of repeated runs of a case, s.
+    """Return the times of repeated runs of a case, s; on what `one_thread` gives, they are alone.
 
     Parameters
     ----------
@@ -57,17 +63,16 @@ def time_alone(case: Case) -> Record:
         parity and settling; None where the engine did not start.
     """
     once = _work(case)
-    with alone():
-        _warm_up(case)
-        cpu: list[float] = []
-        wall: list[float] = []
-        setup: list[float] = []
-        started = time.perf_counter()
-        while len(cpu) < FEWEST or (time.perf_counter() - started < _PATIENCE and len(cpu) < _MOST):
-            taken = once()
-            cpu.append(taken[0])
-            wall.append(taken[1])
-            setup.append(taken[2])
+    _warm_up(case)
+    cpu: list[float] = []
+    wall: list[float] = []
+    setup: list[float] = []
+    started = time.perf_counter()
+    while len(cpu) < FEWEST or (time.perf_counter() - started < _PATIENCE and len(cpu) < _MOST):
+        taken = once()
+        cpu.append(taken[0])
+        wall.append(taken[1])
+        setup.append(taken[2])
     return {"cpu_s": cpu, "wall_s": wall, "setup_s": min(setup)}
 
 
@@ -114,17 +119,52 @@ def alone() -> Iterator[None]:
         yield
 
 
+class Alone(Executor):
+    """Has one task after the other done, each while nothing else on this machine times.
+
+    Parameters
+    ----------
+    executor : Executor
+        Does them.
+    """
+
+    window = 1
+    """How many tasks keep it busy."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
+        """Have a task done, once nothing else times; its exception, if any, is in the future."""
+        held = ExitStack()
+        held.enter_context(alone())
+        try:
+            future = self._executor.submit(fn, *args, **kwargs)
+        except BaseException:
+            held.close()
+            raise
+        future.add_done_callback(lambda _: held.close())
+        return future
+
+
 @contextmanager
-def one_thread() -> Iterator[Executor]:
-    """Give an executor of one process that has one thread for linear algebra."""
+def one_thread(limits: Limits | None = None) -> Iterator[Executor]:
+    """Give an executor of one process that has one thread for linear algebra, and times alone.
+
+    Parameters
+    ----------
+    limits : Limits, optional
+        Of one run of a case; of the repeats together it is as much for each.
+    """
     kept = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
         # two jobs would be two processes; a spawned one reads the environment when it starts
-        # without limits: what is timed came back from its error run, and may wait for the lock
-        with local(1, spawned=True, limits=NO_LIMITS) as executor:
+        usual = sensible(1) if limits is None else limits
+        whole = Limits(seconds=(1 + _MOST) * usual.seconds, memory=usual.memory)
+        with local(1, spawned=True, limits=whole) as executor:
             executor.submit(os.getpid).result()
-            yield executor
+            yield Alone(executor)
     finally:
         for name, value in kept.items():
             if value is None:

@@ -13,7 +13,7 @@ from harness.case import Case
 from harness.engines.base import World
 from harness.engines.registry import engine
 from harness.engines.schedule import Fixed
-from harness.timing.alone import FEWEST, alone
+from harness.timing.alone import FEWEST
 from harness.timing.record import Record
 from models.scene import Scene
 from models.state import Pose, Twist
@@ -71,8 +71,7 @@ def overhead(chosen: Case) -> Record:
         ways["every step read, as in a run where the can races"] = harness
     if hasattr(found, "leanest"):
         ways[_LEANEST] = lambda: found.leanest(world, _STEPS)
-    with alone():
-        return {"ways": {name: _repeated(world, way) for name, way in ways.items()}}
+    return {"ways": {name: _repeated(world, way) for name, way in ways.items()}}
 
 
 def _repeated(world: World, way: Callable[[], None]) -> list[float]:

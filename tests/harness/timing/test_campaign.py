@@ -2,7 +2,9 @@
 
 import fcntl
 import os
+import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ import pytest
 from harness.campaign import Shelf
 from harness.case import Case
 from harness.executors import Serial
-from harness.isolation import Loss, LostTaskError
+from harness.isolation import Limits, Loss, LostTaskError
 from harness.store import Store
 from harness.timing.alone import FEWEST, LOCK, alone, one_thread, time_alone, untimed
 from harness.timing.campaign import Progress, Spent, complete
@@ -137,6 +139,31 @@ def test_a_process_for_timing_has_one_thread() -> None:
         assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
         assert executor.submit(os.getpid).result() != os.getpid()
     assert dict(os.environ) == before
+
+
+def test_a_repeat_that_hangs_is_stopped_and_the_next_is_timed() -> None:
+    with one_thread(Limits(seconds=0.05)) as executor:  # for ten runs half a second
+        hanging = executor.submit(time.sleep, 600.0)
+        with pytest.raises(LostTaskError, match=r"longer than the 0\.5 s allowed"):
+            hanging.result()
+        assert executor.submit(divmod, 7, 2).result() == (3, 1)
+
+
+def test_who_waits_for_another_to_time_is_not_stopped_for_it() -> None:
+    with one_thread(Limits(seconds=0.05)) as executor, ThreadPoolExecutor(1) as waiter:
+        with alone():
+            waiting = waiter.submit(lambda: executor.submit(divmod, 7, 2).result())
+            time.sleep(1.0)  # twice as long as a task may take
+            assert not waiting.done()
+        assert waiting.result() == (3, 1)
+
+
+def test_two_tasks_of_one_program_are_not_at_once_either() -> None:
+    with one_thread() as executor:
+        first = executor.submit(time.sleep, 0.3)
+        second = executor.submit(divmod, 7, 2)
+        assert first.done()
+        assert second.result() == (3, 1)
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
