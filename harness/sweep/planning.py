@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from harness.case import Case, Value
-from harness.engines.registry import engine as engine_named
 from harness.errors import InvalidSettingError
-from harness.keys import code_of
+from harness.keys import code_of, version_of
 from harness.runner import check
 from harness.sweep.axes import Axis
 from harness.sweep.choice import check_axes, check_sample, end_of
@@ -204,7 +203,7 @@ def plan(
         profile=profile,
         timestep=case.timestep,
         options=case.options,
-        engine_version=engine_named(engine).version,
+        engine_version=version_of(engine),
         program=_program(engine),
         quantities=asked,
         exact=exact,

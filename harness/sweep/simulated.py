@@ -10,8 +10,9 @@ from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.reference import solved
 from harness.engines.registry import engine
-from harness.engines.soundness import fault
+from harness.engines.soundness import fault, raised
 from harness.errors import HarnessError
+from harness.keys import version_of
 from harness.metrics.conservation import energy_drift
 from harness.metrics.features import bounces
 from harness.metrics.motion import motion
@@ -104,13 +105,13 @@ def _alone(case: Case) -> Simulation:
     except HarnessError as error:  # wrong use that only this scene's own values reveal
         outcome, note = Outcome.NO_SOLUTION, str(error)
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
-        note = f"`simulate` raised {type(error).__name__}: {error}"
+        note = raised(error)
     return Simulation(
         case=case,
         outcome=outcome,
         note=note,
         trajectory=None,
-        engine_version=chosen.version,
+        engine_version=version_of(case.engine),
         model=case.engine,
     )
 

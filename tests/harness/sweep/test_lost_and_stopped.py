@@ -9,9 +9,11 @@ from typing import Any
 
 import pytest
 
+from harness.case import Case
 from harness.executors import Serial
 from harness.interruption import SIGNALS, Interrupted, listen
 from harness.isolation import Loss, LostTaskError
+from harness.simulation import Simulation
 from harness.sweep import Plan, opened, sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 
@@ -60,6 +62,33 @@ def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(
     assert frame.angle_of_turn_deg.isna().tolist() == [row == 4 for row in range(8)]
     for name in chosen.quantities:
         assert frame[name].drop(4).equals(whole[name].drop(4))
+
+
+class Unspeakable(Exception):  # noqa: N818 - it is somebody else's
+    """An error that cannot even be said."""
+
+    def __str__(self) -> str:
+        """Fail at it."""
+        raise ValueError
+
+
+class Mute:
+    """An adapter that raises what cannot be said."""
+
+    def simulate(self, _case: Case) -> Simulation:
+        """Raise it."""
+        raise Unspeakable
+
+
+def test_an_error_that_cannot_be_said_is_an_outcome_too(
+    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = planned(
+        "gentle-rock", "release.psi_dot=1:2:4", engine="mujoco", quantities=["period_s"]
+    )
+    monkeypatch.setattr("harness.sweep.simulated.engine", lambda _: Mute())
+    frame = carried_out(tmp_path / "out", chosen)
+    assert frame.outcome.astype(str).str.contains("`simulate` raised Unspeakable").all()
 
 
 def test_what_is_written_while_a_signal_comes_is_counted(
