@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -124,6 +125,13 @@ def test_a_signal_during_the_imports_is_a_line_and_its_code(
     said, complained = process.communicate(timeout=60)
     assert (process.returncode, said) == (128 + number, "")
     assert complained == "rockingcan: interrupted before it began\n"
+
+
+def test_the_command_starts_where_signals_are_heard_first() -> None:
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert told["project"]["scripts"] == {"rockingcan": "harness.__main__:main"}
+    light = "import sys, harness.__main__; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", light], cwd=ROOT, check=False).returncode == 0  # noqa: S603
 
 
 class Impatient(Store):
