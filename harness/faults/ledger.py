@@ -1,5 +1,6 @@
 """What a store tells afterwards: what was begun and kept, and whether two hold the same."""
 
+import csv
 import json
 from collections import Counter
 from collections.abc import Mapping
@@ -12,6 +13,9 @@ from harness.store.folder import ASIDE, JOURNAL
 
 _TIMES = ("setup_s", "wall_s", "cpu_s")
 """Of a simulation: what a second run measures anew."""
+
+_TIMED = frozenset({*_TIMES, "price_s_s"})
+"""The columns of a report's tables that hold them, or what follows from them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +78,23 @@ def differing(store: Store, other: Store) -> int:
     """Return how many entries two stores do not share bit for bit, times of runs left out."""
     mine, theirs = _bits(store), _bits(other)
     return sum(mine.get(name) != theirs.get(name) for name in mine.keys() | theirs.keys())
+
+
+def differing_tables(folder: Path, other: Path) -> int:
+    """Return how many tables two reports do not share letter for letter, times left out."""
+    names = {path.name for place in (folder, other) for path in place.glob("*.csv")}
+    return sum(_told(folder / name) != _told(other / name) for name in names)
+
+
+def _told(table: Path) -> list[dict[str, str]] | None:
+    """Return the rows of a table without times; None if it is not there."""
+    if not table.exists():
+        return None
+    with table.open(encoding="utf-8", newline="") as file:
+        return [
+            {name: value for name, value in row.items() if name not in _TIMED}
+            for row in csv.DictReader(file)
+        ]
 
 
 def _bits(store: Store) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The trials of the fault report, shorter: five kills, and the others as they are."""
+"""The trials of the fault report, shorter: three kills of a brief command, and the others."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,7 +8,8 @@ import pytest
 
 from harness.faults.deadly import deadly
 from harness.faults.disk import disk
-from harness.faults.kills import kills
+from harness.faults.kills import SUITE, kills
+from harness.faults.ledger import differing_tables
 from harness.faults.signals import signals
 from harness.faults.sweeps import Sizes, _Part, sweeps
 from harness.faults.trial import Trial
@@ -26,10 +27,36 @@ def test_nothing_is_lost(
     assert told
 
 
-def test_nothing_is_lost_in_five_kills(tmp_path: Path) -> None:
-    found = kills(5, tmp_path, lambda _: None)
+BRIEF = ("attribute", "gentle-rock", "--engine", "pybullet")
+"""A command of the same kind as the suite, of half a minute."""
+
+
+def test_nothing_is_lost_in_three_kills(tmp_path: Path) -> None:
+    found = kills(3, tmp_path, lambda _: None, BRIEF)
     assert found.passed, found.found
-    assert "5 random moments" in found.done
+    assert "3 random moments of 1 suites" in found.done
+
+
+def test_what_is_killed_is_the_suite_as_it_is_typed() -> None:
+    assert SUITE == ("validate", "--suite", "quick")
+
+
+def test_a_command_that_does_not_come_through_is_no_proof(tmp_path: Path) -> None:
+    found = kills(3, tmp_path, lambda _: None, ("validate", "--suite", "quickest"))
+    assert not found.passed
+    assert "quickest" in found.found[0]
+
+
+def test_tables_are_compared_but_for_their_times(tmp_path: Path) -> None:
+    folders = [tmp_path / name for name in ("mine", "theirs")]
+    for folder, seconds in zip(folders, ("0.1", "0.2"), strict=True):
+        folder.mkdir()
+        (folder / "a.csv").write_text(f"x,wall_s,price_s_s\n1.5,{seconds},{seconds}\n")
+    assert differing_tables(*folders) == 0
+    (folders[0] / "b.csv").write_text("x\n")
+    assert differing_tables(*folders) == 1
+    (folders[0] / "a.csv").write_text("x,wall_s,price_s_s\n1.6,0.1,0.1\n")
+    assert differing_tables(*folders) == 2
 
 
 TINY = Sizes(maps=((2, 10), (4, 10), (8, 10), (10, 10)), runs=20, telling=False)
