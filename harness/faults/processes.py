@@ -104,7 +104,9 @@ def killed_after(process: subprocess.Popen[str], seconds: float) -> bool:
     try:
         process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
+        for each in (process.pid, *living(process.pid)):  # workers lead groups of their own
+            with suppress(ProcessLookupError):
+                os.kill(each, signal.SIGKILL)
         process.communicate()
         return True
     return False

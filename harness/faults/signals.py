@@ -15,7 +15,7 @@ from harness.store.folder import JOURNAL
 
 _WORDS = ("attribute", "gentle-rock", "--engine", "pybullet", "--jobs", "2")
 
-_PROGRAM = "from harness.cli import main; main()"
+_PROGRAM = "from harness.__main__ import main; main()"
 
 _PATIENCE = 120.0
 _PROMPT = 5.0
