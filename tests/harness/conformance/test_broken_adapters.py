@@ -1,240 +1,38 @@
 """An adapter that breaks the contract is told which clause it broke."""
 
-import random
-from dataclasses import replace
-from typing import Any
-
-import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.base import Capabilities, Setting
 from harness.engines.conformance import CHECKS, Result, Verdict, conform
-from harness.engines.registry import engine
-from harness.simulation import Outcome, Simulation
+from tests.harness.conformance.toys import (
+    BackwardsInTime,
+    Cheerful,
+    Confuses,
+    Falls,
+    Ghost,
+    Heavy,
+    Keeps,
+    Late,
+    Level,
+    Nervous,
+    NotANumber,
+    Overshoots,
+    RaisesOnDivergence,
+    Random,
+    Remembers,
+    Slippery,
+    Sound,
+    Sparse,
+    TakesAnything,
+    Toy,
+    Unpicklable,
+    Untidy,
+    WrongShape,
+)
 
 
 def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
     """Return the details of the checks that ended so, by name."""
     return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
-
-
-class Toy:
-    """MuJoCo behind an adapter that breaks one clause; its own clauses are MuJoCo's."""
-
-    name = "toy"
-    version = "1"
-    settings = engine("mujoco").settings
-    capabilities = engine("mujoco").capabilities
-
-    def timestep(self, case: Case) -> float | None:
-        """Return the timestep of a case."""
-        return engine("mujoco").timestep(case)
-
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401 - a toy may return anything
-        """Run a case and spoil it."""
-        whole = engine("mujoco").simulate(replace(case, engine="mujoco"))
-        return self.spoil(replace(whole, case=case, engine_version=self.version))
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401 - a toy may return anything
-        """Return the answer, spoilt."""
-        return whole
-
-
-def changed(whole: Simulation, **fields: Any) -> Simulation:  # noqa: ANN401 - arrays of all kinds
-    """Return a simulation with other arrays in its trajectory, if it has one."""
-    if whole.trajectory is None:
-        return whole
-    return replace(whole, trajectory=replace(whole.trajectory, **fields))
-
-
-class Sound(Toy):
-    """Breaks nothing."""
-
-
-class WrongShape(Toy):
-    """Hands over positions in the plane."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, position=whole.trajectory.position[:, :2])
-
-
-class BackwardsInTime(Toy):
-    """Lets time go back."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, time=-whole.trajectory.time)
-
-
-class NotANumber(Toy):
-    """Hands over what is no number."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, velocity=np.full_like(whole.trajectory.velocity, np.nan))
-
-
-class RaisesOnDivergence(Toy):
-    """Raises where an outcome is called for."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        if whole.outcome is not Outcome.FINISHED:
-            raise FloatingPointError("the numbers exploded")
-        return whole
-
-
-class Random(Toy):
-    """Throws dice."""
-
-    dice = random.Random(1)  # noqa: S311 - no secret
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        path = whole.trajectory
-        return changed(whole, penetration=path.penetration + self.dice.random() * 1e-12)
-
-
-class Remembers(Toy):
-    """Keeps something of the case before: the last mass it has seen."""
-
-    mass = None
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        before, self.mass = self.mass or whole.case.scene.can.mass, whole.case.scene.can.mass
-        path = whole.trajectory
-        return changed(whole, penetration=path.penetration * (before / self.mass))
-
-
-class Late(Toy):
-    """Reads the contact of the next instant."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        if whole.trajectory is None:
-            return whole
-        both = (whole.trajectory.contact_force, whole.trajectory.contact_point)
-        force, point = (np.concatenate((array[1:], array[-1:])) for array in both)
-        return changed(whole, contact_force=force, contact_point=point)
-
-
-class Falls(Toy):
-    """Starts a millimetre above where it was released."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, position=whole.trajectory.position + np.array((0.0, 0.0, 1e-3)))
-
-
-class Heavy(Toy):
-    """Compiles a can with another moment, and falls accordingly."""
-
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401, D102
-        can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
-        other = replace(case.scene, can=can)
-        whole = engine("mujoco").simulate(replace(case, scene=other, engine="mujoco"))
-        return replace(whole, case=case, engine_version=self.version)
-
-    def open(self, case: Case) -> Any:  # noqa: ANN401, D102
-        can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
-        return engine("mujoco").open(replace(case, scene=replace(case.scene, can=can)))
-
-
-class Sparse(Toy):
-    """Records one sample in two hundred."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        from harness.trajectory import take  # noqa: PLC0415 - this toy alone
-
-        if whole.trajectory is None or len(whole.trajectory) < 200:
-            return whole
-        return replace(
-            whole, trajectory=take(whole.trajectory, np.arange(len(whole.trajectory))[::200])
-        )
-
-
-class Overshoots(Toy):
-    """Runs past the horizon."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, time=whole.trajectory.time * 1.2)
-
-
-class Ghost(Toy):
-    """Points at a contact where there is none."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, contact_point=np.nan_to_num(whole.trajectory.contact_point))
-
-
-class TakesAnything(Toy):
-    """Takes every setting."""
-
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401, D102
-        return super().simulate(replace(case, options=()))
-
-
-class Keeps(Toy):
-    """Does not say which settings were in force."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return replace(whole, settings={})
-
-
-class Untidy(Toy):
-    """Has a name for no command line, a setting twice, no version, and an odd effect."""
-
-    name = "My Engine"
-    version = None
-    settings = (*Toy.settings, Setting(name="cone", default=1, matched=1, meaning="Again."))
-    capabilities = Capabilities(honours=frozenset({"magnetism"}), imposes={})
-
-
-class Slippery(Toy):
-    """Honours slip, and takes three times the friction."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        if whole.case.scene.effects.slip is None:
-            return whole
-        return changed(whole, contact_force=whole.trajectory.contact_force * np.array((3, 3, 1)))
-
-
-class Level(Toy):
-    """Says that it honours a tilted plane, and runs a level one."""
-
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401 - a toy may return anything
-        """Run a case without its tilt."""
-        effects = replace(case.scene.effects, tilt=None)
-        level = replace(case, scene=replace(case.scene, effects=effects))
-        return replace(super().simulate(level), case=case)
-
-
-class Unpicklable(Toy):
-    """Hands over what does not travel."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return replace(
-            whole, note=type("Words", (str,), {})("of a kind that only this adapter has")
-        )
-
-
-class Nervous(Toy):
-    """Lets the horizon change the beginning."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        seconds = whole.case.scene.horizon.seconds or 0.0
-        scale = np.array((0.0, seconds * 1e-9, 0.0))
-        return changed(whole, position=whole.trajectory.position + scale * (seconds > 0.03))
-
-
-class Confuses(Toy):
-    """Hands back a batch in another order."""
-
-    def simulate_many(self, cases: list[Case]) -> list[Any]:  # noqa: D102
-        return [self.simulate(case) for case in reversed(cases)]
-
-
-class Cheerful(Toy):
-    """Finishes, whatever the speed."""
-
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        fine = whole.outcome is not Outcome.DIVERGED
-        return whole if fine else replace(whole, outcome=Outcome.FINISHED)
 
 
 BROKEN = {
