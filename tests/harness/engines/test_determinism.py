@@ -87,7 +87,7 @@ def test_the_result_does_not_depend_on_how_the_run_is_cut(
     runs = []
     for most in (16, 37, 4096):
         monkeypatch.setattr("harness.engines.stepping._FEWEST", min(most, 16))
-        monkeypatch.setattr("harness.engines.stepping._MOST", most)
+        monkeypatch.setattr("harness.engines.stepping.MOST", most)
         monkeypatch.setattr("harness.engines.foresight.SHORTEST", 1e3)
         runs.append(engine(name).simulate(case))
     assert same_bits(runs[0].trajectory, runs[1].trajectory)

@@ -142,7 +142,7 @@ def test_the_looks_do_not_depend_on_how_the_run_is_cut(
     case = Case(scene=brief, engine="pybullet", timestep=1e-5)
     whole = engine("pybullet").simulate(case)
     monkeypatch.setattr("harness.engines.stepping._FEWEST", size)
-    monkeypatch.setattr("harness.engines.stepping._MOST", size)
+    monkeypatch.setattr("harness.engines.stepping.MOST", size)
     cut = engine("pybullet").simulate(case)
     assert whole.trajectory is not None
     assert cut.trajectory is not None
