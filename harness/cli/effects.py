@@ -21,6 +21,7 @@ from harness.report import check_writable
 from harness.studies.effects import Plan, Study, design, friction, ladder, plan, read, study
 from harness.studies.effects.verdict import Verdict
 from harness.timing.alone import one_thread, time_alone, untimed
+from harness.timing.errors import LOST
 from models.catalogue import load
 
 _SHOWN = (
@@ -78,7 +79,10 @@ def effects(  # noqa: PLR0917 - a parameter an option
         check_writable(out)
     cases, slippery = design(made), ladder(made.scene, movers, timestep)
     runs_done = evaluations(tuple(dict.fromkeys((*cases, *slippery.design))), running)
-    found = study(made, runs_done, _timed(cases, running.limits))
+    came = {e.simulation.case for e in runs_done if e.simulation.outcome.name not in LOST}
+    times = {case: untimed(case) for case in cases if case not in came}
+    times |= _timed(tuple(case for case in cases if case in came), running.limits)
+    found = study(made, runs_done, times)
     artefacts = (*read(found), *friction(slippery, found.evaluations))
     page = None if out is None else report(artefacts, runs_done, out, "effects")
     if json:

@@ -192,6 +192,8 @@ def plan(
         and all(QUANTITIES[name].source == "exact" for name in asked)
         and set(case.options) <= {("model", "auto"), ("model", "exact")}
         and not ends.effects.declared()
+        # the exact bounce is whole, whatever the horizon
+        and not any(axis.name.startswith("horizon.") for axis in axes)
     )
     chosen = Plan(
         scene=scene,

@@ -20,7 +20,7 @@ from typing import ParamSpec, TypeVar
 from harness.case import Case
 from harness.engines.horizon import natural_time
 from harness.engines.reference import solved
-from harness.engines.registry import engine
+from harness.engines.registry import engine, is_ours
 from harness.executors import local
 from harness.isolation import Limits, LostTaskError
 from harness.isolation.limits import sensible
@@ -54,7 +54,7 @@ def time_alone(case: Case) -> Record:
     Parameters
     ----------
     case : Case
-        One that does not raise.
+        What an engine of somebody else's raises leaves it untimed.
 
     Returns
     -------
@@ -62,6 +62,16 @@ def time_alone(case: Case) -> Record:
         `cpu_s`, `wall_s`: a list each, of stepping only; `setup_s`: the shortest of compiling,
         parity and settling; None where the engine did not start.
     """
+    try:
+        return _timed(case)
+    except Exception:
+        if is_ours(engine(case.engine)):
+            raise
+        return untimed(case)
+
+
+def _timed(case: Case) -> Record:
+    """Return the times of repeated runs of a case."""
     once = _work(case)
     _warm_up(case)
     cpu: list[float] = []

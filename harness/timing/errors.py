@@ -87,7 +87,7 @@ def lost_errors(case: Case, error: LostTaskError) -> Record:
     }
 
 
-LOST = frozenset({"CRASHED", "HUNG", "OUT_OF_MEMORY", "STOPPED"})
+LOST = frozenset({"BROKEN", "CRASHED", "HUNG", "OUT_OF_MEMORY", "STOPPED"})
 """Outcomes of cases that did not come back: not to be run again for their time."""
 
 

@@ -233,6 +233,13 @@ def test_a_digest_tells_plans_apart(planned: Planned) -> None:
     assert len({first.digest(), *(other.digest() for other in others)}) == 1 + len(others)
 
 
+def test_the_exact_bounce_knows_no_horizon(planned: Planned) -> None:
+    """A run may end before its bounce does; the formula has the whole bounce."""
+    assert planned("gentle-rock", "release.phi=0.2:0.3:2", quantities=("period_s",)).exact
+    for axis in ("horizon.seconds=1e-3:2e-3:2", "horizon.bounces=1:2:2"):
+        assert not planned("gentle-rock", axis, quantities=("period_s",)).exact
+
+
 def test_an_axis_reads_back_as_it_is_written() -> None:
     for text in ("can.h=0.1:10.0:7", "can.h=log:0.1:10.0:7", "release.psi_dot=-1.0:1.0"):
         assert read_axis(text).text() == text
