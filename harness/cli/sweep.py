@@ -158,7 +158,7 @@ def _executor(chosen: Plan, jobs: int, on: str | None, limits: Limits) -> Iterat
     """Open what carries out a plan; limits are of a scene's run, and the exact bounce has none."""
     made: Executor
     if on is not None:
-        made = cluster(on, sensible(1) if chosen.exact else limits)
+        made = cluster(on, sensible(1) if chosen.exact else limits, _IMPORTS)
     elif not chosen.exact:
         # never this process, which an engine could take along
         made = local(jobs, spawned=True, limits=limits, imports=_IMPORTS)

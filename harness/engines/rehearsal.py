@@ -5,6 +5,7 @@ version and its timesteps; a package that falls over, or hangs, when it is impor
 take everything with it. So it is made, and then asked for the timestep of each case, over there.
 """
 
+import atexit
 import math
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint
@@ -78,9 +79,11 @@ def asked(value: str, case: Case) -> float | None:
 
 @cache
 def _beside(value: str) -> Isolated:
-    """Return the process in which an engine is asked."""
+    """Return the process in which an engine is asked; it and what it started end with this one."""
     del value
-    return Isolated(1, _PATIENCE)
+    made = Isolated(1, _PATIENCE)
+    atexit.register(made.stop)
+    return made
 
 
 @cache

@@ -15,6 +15,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from harness.errors import ClusterError, InvalidSettingError, MissingPackageError
 from harness.executors.likeness import REMEDY, alike, differences, likeness
+from harness.executors.local import IMPORTS
 from harness.isolation import Limits, Loss, LostTaskError, inside
 
 P = ParamSpec("P")
@@ -36,7 +37,7 @@ _TASKS_A_THREAD = 2
 """One that runs and one that has arrived: the network's delay does not show."""
 
 
-def cluster(address: str, limits: Limits) -> "Cluster":
+def cluster(address: str, limits: Limits, imports: tuple[str, ...] = IMPORTS) -> "Cluster":
     """Return an executor of the Dask cluster whose scheduler is at an address.
 
     Parameters
@@ -45,6 +46,8 @@ def cluster(address: str, limits: Limits) -> "Cluster":
         Such as "tcp://host:8786".
     limits : Limits
         Of each task.
+    imports : tuple of str
+        What a process imports at its start, before the time of a task runs.
 
     Raises
     ------
@@ -72,7 +75,7 @@ def cluster(address: str, limits: Limits) -> "Cluster":
     except BaseException:
         client.close()
         raise
-    return Cluster(client, limits)
+    return Cluster(client, limits, imports)
 
 
 def check_address(address: str) -> None:
@@ -130,11 +133,19 @@ class Cluster(Executor):
         Is closed with the executor.
     limits : Limits
         Of each task.
+    imports : tuple of str
+        What a process imports at its start, before the time of a task runs.
     """
 
-    def __init__(self, client: Any, limits: Limits) -> None:  # noqa: ANN401 - it ships no types
+    def __init__(
+        self,
+        client: Any,  # noqa: ANN401 - it ships no types
+        limits: Limits,
+        imports: tuple[str, ...] = IMPORTS,
+    ) -> None:
         self._client = client
         self.limits = limits
+        self._imports = imports
         self._here = likeness()
         self._futures: set[Any] = set()
 
@@ -151,7 +162,15 @@ class Cluster(Executor):
         future.set_running_or_notify_cancel()
         with _reached():  # not pure: two tasks alike are two tasks
             theirs = self._client.submit(
-                inside, self.limits, alike, self._here, fn, *args, pure=False, **kwargs
+                inside,
+                self.limits,
+                self._imports,
+                alike,
+                self._here,
+                fn,
+                *args,
+                pure=False,
+                **kwargs,
             )
         self._futures.add(theirs)
         theirs.add_done_callback(lambda done: self._settle(future, done))

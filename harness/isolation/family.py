@@ -1,7 +1,8 @@
 """A worker and what it started: weighed together, and ended together.
 
 A worker leads a process group of its own, which its children are in unless they leave it; those
-that left are known by their parents. Linux lists both; elsewhere the group alone is ended.
+that left are known by their parents. Linux lists both; elsewhere the worker and its group alone are
+ended. What left the group and whose parent has ended is not known here: it outlives the worker.
 """
 
 import os
@@ -59,12 +60,13 @@ def used(leader: int, limit: float) -> int:
 def end(leader: int) -> None:
     """Kill a worker that was not waited for yet, so that its number is still its own; and its own.
 
-    One that has ended by itself may have left others in its group.
+    One that has ended by itself may have left others in its group, and one that runs may have
+    left the group itself.
     """
     strays = _family(leader, 0.0) - {leader}
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(leader, signal.SIGKILL)
-    for process in strays:
+    for process in (leader, *strays):
         with suppress(ProcessLookupError, PermissionError):
             os.kill(process, signal.SIGKILL)
 
@@ -81,13 +83,17 @@ def _family(leader: int, age: float) -> set[int]:
 
 
 def _relations() -> _Relations:
-    """Return parent and group of every process, as the system lists them."""
+    """Return parent and group of every process, as the system lists them.
+
+    A program that has no file left to open reads nothing; it ends a worker and its group even so.
+    """
     found = {}
-    for place in _PROCESSES.glob("[0-9]*"):
-        with suppress(OSError):  # it has gone meanwhile
-            # after the name, which may hold anything: state, parent, group
-            words = (place / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
-            found[int(place.name)] = int(words[1]), int(words[2])
+    with suppress(OSError):
+        for place in _PROCESSES.glob("[0-9]*"):
+            with suppress(OSError):  # it has gone meanwhile
+                # after the name, which may hold anything: state, parent, group
+                words = (place / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
+                found[int(place.name)] = int(words[1]), int(words[2])
     return found
 
 

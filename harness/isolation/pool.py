@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from harness.interruption import SIGNALS
 from harness.isolation.limits import NO_LIMITS, Limits
-from harness.isolation.loss import LostTaskError, of_stop
+from harness.isolation.loss import of_stop
 from harness.isolation.worker import Worker
 
 P = ParamSpec("P")
@@ -34,7 +34,8 @@ class Isolated(Executor):
     """Runs tasks in so many processes, which are started when they are needed and used again.
 
     Functions and their arguments are pickled, so a function is one of a module. A task whose
-    process dies or has to be stopped raises `LostTaskError`; the next has a new process.
+    process dies or has to be stopped raises `LostTaskError`, and one whose process cannot be
+    started what the system said; the next has a new process.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ class Isolated(Executor):
 
     def _serve(self) -> None:
         """Give tasks to one worker, and a new one to the task after one that took it along."""
-        # a process inherits what is blocked here: to stop is for us to heed, and we end it
+        # a process inherits what is blocked here, until it has seen to its signals itself
         signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
         while (task := self._tasks.get()) is not None:
@@ -139,7 +140,7 @@ class Isolated(Executor):
             try:
                 worker = worker or self._started()
                 answer = worker.do(task.payload)
-            except LostTaskError as error:
+            except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
                 self._ended(worker)
                 worker = None
                 task.future.set_exception(error)

@@ -13,8 +13,10 @@ import traceback
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import FrameType
 
 from harness.errors import HarnessError
+from harness.interruption import SIGNALS
 
 READY = b"ready"
 
@@ -45,6 +47,7 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     global _serving  # noqa: PLW0603 - what this process is, from its first moment to its last
     _serving = True
     _die_with(owner)
+    _disregard()
     # in a group of its own it is in the background of a terminal, and may still complain there
     signal.signal(signal.SIGTTOU, signal.SIG_IGN)
     with suppress(OSError):
@@ -67,6 +70,30 @@ def _die_with(owner: int) -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != owner:  # it ended before that
         os._exit(1)
+
+
+def _disregard() -> None:
+    """Do nothing at the signals that end a run: its owner heeds them, and ends this process.
+
+    They arrive blocked, and would be blocked or ignored in what a task starts as well, which it
+    may want to end. A handler is left behind by a program that is started, and by a fork here.
+    """
+    for number in SIGNALS:
+        signal.signal(number, _unheeded)
+    os.register_at_fork(after_in_child=_heed)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+
+
+def _unheeded(signum: int, frame: FrameType | None) -> None:
+    """Go on."""
+    del signum, frame
+
+
+def _heed() -> None:
+    """End at these signals again, unless a task has had its own say."""
+    for number in SIGNALS:
+        if signal.getsignal(number) is _unheeded:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _done(task: bytes) -> bytes:

@@ -35,7 +35,8 @@ class Worker:
     """A process that does tasks one after the other.
 
     Starting it takes a second or so, which no task's time counts. What a task starts is weighed
-    with it and ends with it: the process leads a group of its own.
+    with it and ended with it, as far as `family` knows of it, when this program ends the process.
+    When this program is killed, the system ends the process, on Linux, and not what that started.
 
     Parameters
     ----------
@@ -43,6 +44,11 @@ class Worker:
         Of each task.
     imports : tuple of str
         Modules that it imports at its start.
+
+    Raises
+    ------
+    OSError
+        If the system has no process, memory or file left to start it with.
     """
 
     def __init__(self, limits: Limits, imports: tuple[str, ...] = ()) -> None:
@@ -54,13 +60,18 @@ class Worker:
             f"serve({theirs.fileno()}, {os.getpid()}, {imports!r})"
         )
         # not `multiprocessing`: what a daemon of a cluster may not start, and no guard in scripts
-        self._process = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, "-c", program],
-            stdin=subprocess.DEVNULL,
-            pass_fds=[theirs.fileno()],
-            process_group=0,
-        )
-        theirs.close()
+        try:
+            self._process = subprocess.Popen(  # noqa: S603 - our own program
+                [sys.executable, "-c", program],
+                stdin=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
+                process_group=0,
+            )
+        except OSError:
+            self._mine.close()
+            raise
+        finally:
+            theirs.close()
         self._ready = False
         self._stopped = False
         self._ending = threading.Lock()

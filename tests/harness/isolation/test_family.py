@@ -60,6 +60,14 @@ def test_what_a_hanging_task_started_ends_with_it(told: Path, *, apart: bool) ->
     assert ended(number(told))
 
 
+def test_a_task_that_leaves_its_group_and_hangs_is_ended() -> None:
+    began = time.monotonic()
+    with Isolated(1, Limits(seconds=1.0)) as executor, pytest.raises(LostTaskError) as caught:
+        executor.submit(tasks.leave_the_group_and_hang).result(timeout=60.0)
+    assert caught.value.loss is Loss.HUNG
+    assert time.monotonic() - began < 60.0
+
+
 def test_what_a_crashing_task_started_ends_with_it(told: Path) -> None:
     with Isolated(1) as executor, pytest.raises(LostTaskError, match="SIGSEGV"):
         executor.submit(tasks.start_and_crash, str(told)).result()

@@ -2,6 +2,7 @@
 
 import math
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -13,7 +14,7 @@ import pytest
 
 from harness.errors import HarnessError, InvalidSettingError
 from harness.executors import Serial, local
-from harness.faults.processes import living
+from harness.faults.processes import left_behind, living
 from harness.isolation import Isolated, Limits, Loss, LostTaskError, inside
 
 if TYPE_CHECKING:
@@ -141,12 +142,54 @@ def test_a_process_ends_with_its_owner() -> None:
 
 
 def test_inside_is_a_process_beside_this_one_that_stays() -> None:
-    first = inside(_LIMITS, tasks.process)
+    first = inside(_LIMITS, ("colorsys",), tasks.process)
     assert first != os.getpid()
-    assert inside(_LIMITS, tasks.process) == first
+    assert inside(_LIMITS, ("colorsys",), tasks.process) == first
+    assert inside(_LIMITS, ("colorsys",), tasks.has_imported, "colorsys")
+    assert not inside(_LIMITS, (), tasks.has_imported, "colorsys")
     with pytest.raises(LostTaskError, match="SIGSEGV"):
-        inside(_LIMITS, tasks.segfault)
-    assert inside(_LIMITS, tasks.process) != first
+        inside(_LIMITS, ("colorsys",), tasks.segfault)
+    assert inside(_LIMITS, ("colorsys",), tasks.process) != first
+
+
+def test_what_cannot_be_started_is_told_and_the_next_is_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise BlockingIOError("no process left")
+
+    with Isolated(1, _LIMITS) as executor:
+        with monkeypatch.context() as patched:
+            patched.setattr(subprocess, "Popen", refuse)
+            with pytest.raises(BlockingIOError, match="no process left"):
+                executor.submit(tasks.square, 3).result(timeout=30.0)
+        assert executor.submit(tasks.square, 3).result(timeout=30.0) == 9
+
+
+def test_signals_that_end_a_run_are_its_owners_and_not_a_tasks(pool: Isolated) -> None:
+    assert pool.submit(tasks.outlive_signals).result() == "went on"
+    assert pool.submit(tasks.end_helpers).result() == [-signal.SIGTERM] * 2
+    assert pool.submit(tasks.end_a_fork).result() == -signal.SIGTERM
+
+
+_ASKING = """
+import sys
+sys.path[:] = {path!r}
+import worker_tasks as tasks
+from harness.isolation import NO_LIMITS, inside
+inside(NO_LIMITS, (), tasks.start_and_return, {told!r})
+"""
+
+
+def test_what_is_beside_a_program_ends_with_it(tmp_path: Path) -> None:
+    told = tmp_path / "told"
+    program = subprocess.Popen(  # noqa: S603 - our own program
+        [sys.executable, "-c", _ASKING.format(path=sys.path, told=str(told))],
+        start_new_session=True,
+    )
+    assert program.wait(timeout=60.0) == 0
+    assert len(told.read_text(encoding="ascii").split()) == 2
+    assert left_behind(program.pid) == 0
 
 
 def test_limits_that_nothing_could_run_in_are_refused() -> None:

@@ -19,6 +19,10 @@ def process() -> int:
     return os.getpid()
 
 
+def has_imported(module: str) -> bool:
+    return module in sys.modules
+
+
 def segfault() -> None:
     ctypes.string_at(0)
 
@@ -95,7 +99,12 @@ def start_and_return(told: str) -> int:
 
 
 def start_one_that_devours(told: str) -> None:
-    start("block = bytearray(b'1') * 500_000_000", told, apart=False)
+    program = (  # told of first: it may be ended while it still devours
+        "import pathlib, time; print(flush=True)\n"
+        f"while not pathlib.Path({told!r}).exists(): time.sleep(0.01)\n"
+        "block = bytearray(b'1') * 500_000_000"
+    )
+    start(program, told, apart=False)
     time.sleep(600.0)
 
 
@@ -113,3 +122,37 @@ def share(told: str) -> None:
 def close_everything() -> None:
     os.closerange(0, 256)
     time.sleep(600.0)
+
+
+def leave_the_group_and_hang() -> None:
+    os.setpgid(0, os.getpgid(os.getppid()))
+    hang()
+
+
+def outlive_signals() -> str:
+    os.kill(os.getpid(), signal.SIGINT)
+    os.kill(os.getpid(), signal.SIGTERM)
+    return "went on"
+
+
+def end_helpers() -> list[int]:
+    """Start programs, of Python and not, and end them as one does; return their codes."""
+    codes = []
+    for words in ([sys.executable, "-c", "import time; time.sleep(600)"], ["sleep", "600"]):
+        with subprocess.Popen(words) as helper:  # noqa: S603
+            helper.terminate()
+            codes.append(helper.wait())
+    return codes
+
+
+def end_a_fork() -> int:
+    """Fork, and end the child as one does; return its code."""
+    here, there = os.pipe()
+    child = os.fork()
+    if not child:
+        os.write(there, b"at work")
+        time.sleep(60.0)
+        os._exit(1)
+    os.read(here, 1)
+    os.kill(child, signal.SIGTERM)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
