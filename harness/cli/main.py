@@ -19,6 +19,7 @@ from harness.cli.commands import app
 from harness.cli.standard_output import keep_for_answers
 from harness.errors import HarnessError, ParityError
 from harness.interruption import Interrupted, leave_at_once, listen
+from harness.isolation import end_beside
 from harness.store import StoreWarning
 from models.errors import ModelError
 
@@ -36,9 +37,11 @@ def main() -> None:
         listen()
         keep_for_answers()
         code = code_of(arguments)
+        end_beside()
         leave_at_once("")  # all is said and done
     except Interrupted as error:  # between the command and here
         code = _complain(_stopped(error, arguments), error.exit_code)
+        end_beside()
     if code >= INTERRUPTED:
         # nothing is left to clean up, and a signal more would end the interpreter's own untidily
         with suppress(HarnessError, OSError):

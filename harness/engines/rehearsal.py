@@ -5,14 +5,13 @@ version and its timesteps; a package that falls over, or hangs, when it is impor
 take everything with it. So it is made, and then asked for the timestep of each case, over there.
 """
 
-import atexit
 import math
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint
 
 from harness.case import PROFILES, Case
 from harness.engines.base import Engine, resolve
-from harness.isolation import Isolated, Limits, LostTaskError, is_worker
+from harness.isolation import Isolated, Limits, LostTaskError, beside, is_worker
 from models.catalogue import load
 
 _OURS = frozenset({"harness"})
@@ -81,9 +80,7 @@ def asked(value: str, case: Case) -> float | None:
 def _beside(value: str) -> Isolated:
     """Return the process in which an engine is asked; it and what it started end with this one."""
     del value
-    made = Isolated(1, _PATIENCE)
-    atexit.register(made.stop)
-    return made
+    return beside(_PATIENCE)
 
 
 @cache

@@ -1,11 +1,11 @@
 """One task in a process of its own, from wherever this is called: a worker of a cluster, say."""
 
-import atexit
 import threading
 from collections.abc import Callable
 from functools import cache
 from typing import ParamSpec, TypeVar
 
+from harness.isolation.beside import beside
 from harness.isolation.limits import Limits
 from harness.isolation.pool import Isolated
 
@@ -39,6 +39,4 @@ def inside(
 def _beside(thread: int, limits: Limits, imports: tuple[str, ...]) -> Isolated:
     """Return the executor of a thread."""
     del thread
-    made = Isolated(1, limits, imports)
-    atexit.register(made.stop)
-    return made
+    return beside(limits, imports)

@@ -173,18 +173,20 @@ def test_signals_that_end_a_run_are_its_owners_and_not_a_tasks(pool: Isolated) -
 
 
 _ASKING = """
-import sys
+import os, sys
 sys.path[:] = {path!r}
 import worker_tasks as tasks
-from harness.isolation import NO_LIMITS, inside
+from harness.isolation import NO_LIMITS, end_beside, inside
 inside(NO_LIMITS, (), tasks.start_and_return, {told!r})
+{end}
 """
 
 
-def test_what_is_beside_a_program_ends_with_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize("end", ["", "end_beside(); os._exit(0)"])
+def test_what_is_beside_a_program_ends_with_it(end: str, tmp_path: Path) -> None:
     told = tmp_path / "told"
     program = subprocess.Popen(  # noqa: S603 - our own program
-        [sys.executable, "-c", _ASKING.format(path=sys.path, told=str(told))],
+        [sys.executable, "-c", _ASKING.format(path=sys.path, told=str(told), end=end)],
         start_new_session=True,
     )
     assert program.wait(timeout=60.0) == 0
