@@ -52,6 +52,7 @@ def engine(name: str) -> Engine:
         raise FallenEngineError(name, entries[name].value, reason)
     try:
         found: Engine = entries[name].load()()
+        _ = found.version, found.settings, found.capabilities  # what everybody asks it for
     except ImportError as error:
         if (error.name or "").partition(".")[0] in _OURS:
             raise BrokenEngineError(name, entries[name].value, str(error)) from error

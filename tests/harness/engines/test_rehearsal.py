@@ -97,7 +97,18 @@ def test_a_sound_engine_is_made_as_before(planted: EntryPoint) -> None:
     assert registry.engine(planted.name).version == "1"
 
 
-@pytest.mark.parametrize("planted", ["raise ValueError('no licence')\n"], indirect=True)
+RAISES_WHEN_ASKED = """
+class Engine:
+    name, settings, capabilities = "mine", (), None
+    @property
+    def version(self):
+        raise ValueError("no licence")
+"""
+
+
+@pytest.mark.parametrize(
+    "planted", ["raise ValueError('no licence')\n", RAISES_WHEN_ASKED], indirect=True
+)
 def test_an_error_in_python_is_told_as_itself(planted: EntryPoint) -> None:
     with pytest.raises(BrokenEngineError, match="ValueError: no licence") as caught:
         registry.engine(planted.name)

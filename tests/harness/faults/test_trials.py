@@ -1,10 +1,10 @@
 """The trials of the fault report, shorter: three kills of a brief command, and the others."""
 
-from collections.abc import re
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import Callable
 import pytest
 
 from harness.faults.deadly import deadly
