@@ -26,7 +26,7 @@ from harness.engines.reference import (
 )
 from harness.engines.registry import check_effects, engine, is_ours, timestep_of
 from harness.engines.soundness import fault, raised
-from harness.errors import HarnessError, SpeechlessEngineError, TrajectoryError
+from harness.errors import BrokenEngineError, HarnessError, TrajectoryError
 from harness.evaluation import Evaluation
 from harness.executors import Serial
 from harness.isolation import Loss, LostTaskError
@@ -84,11 +84,11 @@ def attempt(case: Case) -> Evaluation:
         For wrong use that `check` finds, or that only an engine of this project finds when it
         compiles the case; it says of which case.
     """
-    chosen = engine(case.engine)
     try:
         check(case)
-    except SpeechlessEngineError as error:  # it did answer when the run was planned
-        return Evaluation(simulation=_broken(case, str(error), _version(chosen)))
+        chosen = engine(case.engine)
+    except BrokenEngineError as error:  # it could be made, and did answer, when the run was planned
+        return Evaluation(simulation=_broken(case, str(error), "unknown"))
     if is_ours(chosen):
         try:
             return measure(_simulated(case))

@@ -71,6 +71,11 @@ def of_stop() -> LostTaskError:
     return LostTaskError(Loss.STOPPED, "killed: the run was stopped")
 
 
+def of_want(error: OSError) -> LostTaskError:
+    """Return that the system has no process, memory or file left to begin with."""
+    return LostTaskError(Loss.STOPPED, f"never begun: no process can be started: {error}")
+
+
 def of_time(seconds: float) -> LostTaskError:
     """Return that a task was stopped for its time."""
     return LostTaskError(Loss.HUNG, f"killed: it ran longer than the {seconds:g} s allowed")

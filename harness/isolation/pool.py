@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from harness.interruption import SIGNALS
 from harness.isolation.limits import NO_LIMITS, Limits
-from harness.isolation.loss import of_stop
+from harness.isolation.loss import of_stop, of_want
 from harness.isolation.worker import Worker
 
 P = ParamSpec("P")
@@ -77,11 +77,11 @@ class Isolated(Executor):
         with self._lock:
             if self._closed:
                 raise RuntimeError("the executor was shut down: it takes no more tasks")
-            self._tasks.put(_Task(future=future, payload=payload))
             if len(self._threads) < self.workers:
                 thread = threading.Thread(target=self._serve, daemon=True)
+                thread.start()  # raises where the system has none left: then nothing waits for it
                 self._threads.append(thread)
-                thread.start()
+            self._tasks.put(_Task(future=future, payload=payload))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
@@ -141,9 +141,9 @@ class Isolated(Executor):
                 worker = worker or self._started()
                 answer = worker.do(task.payload)
             except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+                task.future.set_exception(error)
                 self._ended(worker)
                 worker = None
-                task.future.set_exception(error)
                 continue
             _settle(task.future, answer)
         self._ended(worker)
@@ -153,7 +153,10 @@ class Isolated(Executor):
         with self._lock:
             if self._stopping:
                 raise of_stop()
-            worker = Worker(self.limits, self._imports)
+            try:
+                worker = Worker(self.limits, self._imports)
+            except OSError as error:
+                raise of_want(error) from error
             self._running.add(worker)
         return worker
 

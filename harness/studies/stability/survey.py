@@ -137,7 +137,8 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
         failure=_failure(one, other, off, drift),
     )
     same = one.solution.outcome is other.solution.outcome and len(one.bounces) == len(other.bounces)
-    if not finding.failure or (same and off <= ALLOWED):  # no ulp excuses a drift of energy
+    # no ulp excuses a drift of energy
+    if not finding.failure or not drift <= ALLOWED or (same and off <= ALLOWED):
         return finding
     # a formula has the digits of the motion; a second integration may lose some that are its own
     ulp = _of_an_ulp(scene, one if one.solution.model in _FORMULAS else other)

@@ -36,7 +36,7 @@ def test_nothing_is_lost_in_three_kills(tmp_path: Path) -> None:
     found = kills(3, tmp_path, lambda _: None, BRIEF)
     assert found.passed, found.found
     # a machine that was slow meanwhile may have come through before a kill
-    assert re.search(r"3 random moments of [1-3] suites", found.done)
+    assert re.search(r"3 random moments of \d+ suites", found.done)
 
 
 def test_what_is_killed_is_the_suite_as_it_is_typed() -> None:

@@ -161,7 +161,7 @@ def test_what_cannot_be_started_is_told_and_the_next_is_done(
     with Isolated(1, _LIMITS) as executor:
         with monkeypatch.context() as patched:
             patched.setattr(subprocess, "Popen", refuse)
-            with pytest.raises(BlockingIOError, match="no process left"):
+            with pytest.raises(LostTaskError, match=r"never begun.*no process left"):
                 executor.submit(tasks.square, 3).result(timeout=30.0)
         assert executor.submit(tasks.square, 3).result(timeout=30.0) == 9
 
