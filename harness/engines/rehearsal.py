@@ -5,12 +5,13 @@ version and its timesteps; a package that falls over, or hangs, when it is impor
 take everything with it. So it is made, and then asked for the timestep of each case, over there.
 """
 
-import math
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint
+from typing import Any
 
 from harness.case import PROFILES, Case
 from harness.engines.base import Engine, resolve
+from harness.engines.soundness import is_timestep
 from harness.isolation import Isolated, Limits, LostTaskError, beside, is_worker
 from models.catalogue import load
 
@@ -19,7 +20,6 @@ _PATIENCE = Limits(seconds=60.0)
 """A package that is large takes some seconds to import."""
 
 _SCENE = "gentle-rock"
-
 
 _MOST_CASES = 2**14
 """Cases whose timesteps are known without asking again: more than any suite has."""
@@ -93,10 +93,9 @@ def _once(value: str) -> Engine:
 def _timestep(value: str, case: Case) -> float | None:
     """Ask an engine for the timestep of a case; resolve its settings as the program will."""
     chosen = _once(value)
-    found: object = chosen.timestep(case)
-    if found is not None and not (
-        isinstance(found, int | float) and math.isfinite(found) and found > 0.0
-    ):
+    found: Any = chosen.timestep(case)
+    if not is_timestep(found):
         raise TypeError(f"it returned {type(found).__name__}, not a positive number or None")
-    resolve(case, chosen.settings, found or 0.0)
-    return found
+    timestep = None if found is None else float(found)
+    resolve(case, chosen.settings, timestep or 0.0)
+    return timestep

@@ -101,7 +101,8 @@ def _is_count(value: object) -> bool:
     return isinstance(own, int) and _is_whole(own) and own >= 0
 
 
-def _is_timestep(value: object) -> bool:
+def is_timestep(value: object) -> bool:
+    """Whether this is what an adapter may give as a timestep, s."""
     own = _own(value)
     return own is None or (isinstance(own, int | float) and _is_finite(own) and own > 0.0)
 
@@ -123,7 +124,7 @@ _FIELDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "note": (_is_text, "text"),
     "engine_version": (_is_text, "text"),
     "model": (_is_text, "text"),
-    "timestep": (_is_timestep, "a positive number of seconds, or None"),
+    "timestep": (is_timestep, "a positive number of seconds, or None"),
     "steps": (_is_count, "a whole number, zero or greater"),
     "constraint_rows": (_is_count, "a whole number, zero or greater"),
     "setup_s": (_is_finite, "a number of seconds"),

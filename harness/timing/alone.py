@@ -21,6 +21,7 @@ from harness.case import Case
 from harness.engines.horizon import natural_time
 from harness.engines.reference import solved
 from harness.engines.registry import engine, is_ours
+from harness.errors import BrokenEngineError
 from harness.executors import local
 from harness.isolation import Limits, LostTaskError
 from harness.isolation.limits import sensible
@@ -64,6 +65,8 @@ def time_alone(case: Case) -> Record:
     """
     try:
         return _timed(case)
+    except BrokenEngineError:  # it cannot even be made here
+        return untimed(case)
     except Exception:
         if is_ours(engine(case.engine)):
             raise

@@ -13,6 +13,7 @@ from harness.case import Case
 from harness.engines.base import World
 from harness.engines.registry import engine, is_ours
 from harness.engines.schedule import Fixed
+from harness.errors import BrokenEngineError
 from harness.timing.alone import FEWEST
 from harness.timing.record import Record
 from models.scene import Scene
@@ -53,6 +54,8 @@ def overhead(chosen: Case) -> Record:
     """
     try:
         return _measured(chosen)
+    except BrokenEngineError:  # it cannot even be made here
+        return {"ways": {}}
     except Exception:
         if is_ours(engine(chosen.engine)):
             raise
