@@ -6,10 +6,22 @@ gravity that changes with time.
 """
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from reference.validation import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    require,
+    require_numbers,
+    require_vector,
+)
+
+# A direction made of sines and cosines has length 1 up to some roundings of its parts.
+ROUNDED = 16 * np.finfo(float).eps
 
 
 class EffectError(ValueError):
@@ -23,16 +35,26 @@ class Mass:
     Parameters
     ----------
     share : float
-        Its mass over that of the can.
+        Its mass over that of the can, greater than zero.
     x, y, z : float
         Where, from the centre of the can: z along the symmetry axis away from the rim it rolls on,
-        x away from the contact point where theta is zero.
+        x away from the contact point where theta is zero. Inside the can, which `Problem` checks.
+
+    Raises
+    ------
+    EffectError
+        If a number is not finite, or the share not positive.
     """
 
     share: float
     x: float = 0.0
     y: float = 0.0
     z: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a mass that is none."""
+        require_numbers(EffectError, {"share": self.share}, POSITIVE)
+        require_numbers(EffectError, {"x": self.x, "y": self.y, "z": self.z}, FINITE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,16 +64,33 @@ class Gravity:
     Parameters
     ----------
     constant : tuple of float
-        Three components, of length 1.
+        Three components, of length 1; the third is negative, for the plane is below the can.
     amplitude : tuple of float
         Three components of what the shaking adds.
     rate, phase : float
+        The rate is not negative.
+
+    Raises
+    ------
+    EffectError
+        If a number is not finite or out of its range.
     """
 
     constant: tuple[float, float, float] = (0.0, 0.0, -1.0)
     amplitude: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rate: float = 0.0
     phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse another unit than g, and a plane that is a wall or a ceiling."""
+        for name in ("constant", "amplitude"):
+            require_vector(EffectError, name, getattr(self, name), 3)
+        unit = abs(math.hypot(*self.constant) - 1) <= ROUNDED
+        allowed = "a direction of length 1 (in g) that points into the plane (third component < 0)"
+        down = unit and self.constant[2] < 0
+        require(EffectError, "constant", self.constant, allowed, when=down)
+        require_numbers(EffectError, {"rate": self.rate}, NOT_NEGATIVE)
+        require_numbers(EffectError, {"phase": self.phase}, FINITE)
 
     @property
     def tilted(self) -> bool:
@@ -82,14 +121,16 @@ class Effects:
     linear_damping, angular_damping : float
         Rates: force -rate M v, moment -rate I omega, both at the centre of mass.
     rim : float
-        Radius of the arc that the rim is, in R.
+        Radius of the arc that the rim is, in R. The centre of the arc is 1 - rim from the axis and
+        h - rim from the middle of the can, neither of which may be negative: at most 1 here, and
+        at most h in a `Problem`, which knows the can.
     gravity : Gravity
     mass : Mass or None
 
     Raises
     ------
     EffectError
-        If a number is negative or not finite.
+        If a number is negative or not finite, or something is not the effect its name says.
     """
 
     mu: float | None = None
@@ -103,10 +144,17 @@ class Effects:
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, float) and not (math.isfinite(value) and value >= 0):
-                raise EffectError(f"`{each.name}` must be finite and not negative, got {value!r}")
+        numbers = ("drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
+        values = {name: getattr(self, name) for name in numbers}
+        if self.mu is not None:
+            values["mu"] = self.mu
+        require_numbers(EffectError, values, NOT_NEGATIVE)
+        allowed = "at most 1: an arc of a larger radius reaches beyond the axis"
+        require(EffectError, "rim", self.rim, allowed, when=self.rim <= 1)
+        fits = isinstance(self.gravity, Gravity)
+        require(EffectError, "gravity", self.gravity, "a Gravity", when=fits)
+        fits = self.mass is None or isinstance(self.mass, Mass)
+        require(EffectError, "mass", self.mass, "a Mass or None", when=fits)
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the effects that are there."""

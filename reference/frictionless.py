@@ -17,8 +17,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.contact import centre_velocity, contact_from_centre
+from reference.contact import contact_from_middle, middle_velocity
 from reference.contact_modes import Contact, Kind, Mode, Phase
+from reference.effects import IDEAL
 from reference.momenta import axial_momentum, vertical_momentum
 from reference.parameters import Parameters
 from reference.phases import Follower, PhasedRun
@@ -160,7 +161,7 @@ class SlidingPath:
         states = replace(
             states, psi_dot=psi_dot, theta_dot=w3 - psi_dot * at.C, spin=w3 + w1 * at.T
         )
-        contact = contact_from_centre(states, p)
+        contact = contact_from_middle(states, p)
         y = np.zeros((ROWS, lean.size))
         y[LEAN], y[W2] = lean, -states.phi_dot
         normal = self.equations.contact(y, Mode()).force[2] / at.S
@@ -168,18 +169,9 @@ class SlidingPath:
             states,
             x=contact[:, 0] + self.drift[0] * times,
             y=contact[:, 1] + self.drift[1] * times,
-            slip=self.drift - centre_velocity(states, p)[:, :2],
+            slip=self.drift - middle_velocity(replace(states, slip=None), p, IDEAL)[:, :2],
             force=np.stack([0 * normal, 0 * normal, normal], axis=-1),
         )
-
-
-def energy_without_friction(states: States, parameters: Parameters) -> Floats:
-    """Energy over m g R of a can whose centre only rises and falls, shape (n,)."""
-    p, S, C = parameters, np.sin(states.phi), np.cos(states.phi)
-    turning = p.a * (states.psi_dot**2 * S**2 + states.phi_dot**2)
-    axial = axial_momentum(states, p) ** 2 / p.c
-    rising = (states.phi_dot * (C - p.h * S)) ** 2
-    return np.asarray((turning + axial + rising) / 2 + S + p.h * C)
 
 
 def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedRun:
@@ -194,9 +186,7 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedR
         run: Run = Follower(replace(problem, slip=(0.0, 0.0)), equations, locus=False).run()
     else:
         run = _step_in_time(problem, H_B, method=method, rtol=rtol)
-    cos, sin, (ahead, aside) = np.cos(problem.psi), np.sin(problem.psi), problem.slip
-    slip = np.array([ahead * cos - aside * sin, ahead * sin + aside * cos])
-    drift = centre_velocity(release, p)[0, :2] + slip
+    drift = middle_velocity(release, p, problem.effects)[0, :2]
     path = SlidingPath(inner=run.path, equations=equations, drift=drift)
     there = path.at(run.track.times)
     extrema = replace(run.track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)

@@ -1,35 +1,61 @@
-"""What rolling conserves: the energy.
+"""The energy, which rolling conserves, as do all effects but friction, drag and shaking.
 
-Per m g R, with the spin s = Psi + Theta and the axial rate w = Psi cos phi + Theta:
+Per m g R, with the can and its point mass (share q, at d from the middle of the can) each by itself:
 
-    E = (a (Psi^2 S^2 + Phi^2) + c w^2 + |v_G|^2)/2 + S + h C.
+    E = (a (w_1^2 + w_2^2) + c w_3^2 + |v|^2 + q |v + w x d|^2)/2 - g.(x + q (x + d)),
+
+w the angular velocity in frame B, x and v position and velocity of the middle of the can, which heed
+a rounded rim and the slip (`reference.contact`). Of an ideal can that is (a (Psi^2 S^2 + Phi^2) + c
+w_3^2 + |v|^2)/2 + S + h C.
 """
 
 import numpy as np
 
+from reference.contact import (
+    contact_from_middle,
+    middle_position,
+    middle_velocity,
+    point_mass_from_middle,
+    turning_in_world,
+)
+from reference.effects import IDEAL, Effects
 from reference.parameters import Parameters
 from reference.rolling import angular_velocity
 from reference.states import Floats, States
 
 
-def energy(states: States, parameters: Parameters) -> Floats:
-    """Energy over m g R, zero of height in the plane.
+def energy(states: States, parameters: Parameters, effects: Effects | None = None) -> Floats:
+    """Energy over m g R, zero of height in the plane, shape (n,).
+
+    The constant part of gravity has a potential, and counts; what shaking adds to it has none: it
+    supplies energy.
 
     Parameters
     ----------
     states : States
-        Fields of shape (n,).
+        Fields of shape (n,); with the contact point where the plane is tilted.
     parameters : Parameters
+    effects : Effects, optional
+        Of the problem; needed of states of a model with effects.
 
-    Returns
-    -------
-    ndarray, shape (n,)
+    Raises
+    ------
+    ValueError
+        If states of a model with effects come without them, or those of a tilted plane without the
+        contact point.
     """
-    p = parameters
-    S, C = np.sin(states.phi), np.cos(states.phi)
-    w = angular_velocity(states)
-    aside = states.spin - states.psi_dot * (2 * np.sin(states.phi / 2) ** 2 + p.h * S)
-    kinetic = (
-        p.a * w[..., 0] ** 2 + (p.a + 1 + p.h**2) * w[..., 1] ** 2 + p.c * w[..., 2] ** 2 + aside**2
-    ) / 2
-    return np.asarray(kinetic + S + p.h * C, dtype=float)
+    p, share = parameters, 0.0
+    w1, w2, w3 = angular_velocity(states).T
+    velocity = middle_velocity(states, p, effects)
+    kinetic = p.a * (w1 * w1 + w2 * w2) + p.c * w3 * w3 + (velocity**2).sum(axis=1)
+    known = IDEAL if effects is None else effects
+    place = -contact_from_middle(states, p, known)
+    if known.gravity.tilted:
+        place = middle_position(states, p, known)
+    total = place
+    if known.mass is not None:
+        share, mass = known.mass.share, point_mass_from_middle(states, known)
+        own = velocity + np.cross(turning_in_world(states), mass)
+        kinetic += share * (own**2).sum(axis=1)
+        total = place + share * (place + mass)
+    return np.asarray(kinetic / 2 - total @ np.asarray(known.gravity.constant))

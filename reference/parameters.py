@@ -11,6 +11,8 @@ and so does `PAPER_CAN`.
 import math
 from dataclasses import dataclass
 
+from reference.validation import POSITIVE, require, require_numbers
+
 
 class ParameterError(ValueError):
     """Parameters that no rigid can has."""
@@ -41,14 +43,9 @@ class Parameters:
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
-        for name in ("a", "c", "h"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
-                raise ParameterError(f"`{name}` must be finite and positive, got {value!r}")
-        if self.c > 2 * self.a:
-            raise ParameterError(
-                f"`c` = {self.c!r} exceeds 2 `a` = {2 * self.a!r}: no rigid body has C > 2 A"
-            )
+        require_numbers(ParameterError, {"a": self.a, "c": self.c, "h": self.h}, POSITIVE)
+        allowed = f"at most 2 `a` = {2 * self.a!r}, for no rigid body has C > 2 A"
+        require(ParameterError, "c", self.c, allowed, when=self.c <= 2 * self.a)
 
     @property
     def a_p(self) -> float:

@@ -4,10 +4,18 @@ Everything is dimensionless: angles in rad, times in sqrt(R/g), rates in sqrt(g/
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from reference.effects import IDEAL, Effects
+from reference.effects import IDEAL, ROUNDED, Effects
 from reference.parameters import Parameters
+from reference.validation import (
+    FINITE,
+    POSITIVE,
+    is_whole,
+    require,
+    require_numbers,
+    require_vector,
+)
 
 
 class ProblemError(ValueError):
@@ -40,8 +48,9 @@ class Problem:
     Raises
     ------
     ProblemError
-        If a value is not finite, phi lies outside (0, pi/2), or the horizon is not exactly one
-        positive number.
+        If a value is not finite or of the wrong type, phi lies outside (0, pi/2), the horizon is
+        not exactly one positive number, or an effect does not fit the can: a rim rounded by more
+        than the can has, or a point mass outside it.
     """
 
     parameters: Parameters
@@ -58,19 +67,34 @@ class Problem:
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, float) and not math.isfinite(value):
-                raise ProblemError(f"`{field.name}` must be finite, got {value!r}")
-        if not 0 < self.phi < math.pi / 2:
-            raise ProblemError(f"`phi` must lie inside (0, pi/2), got {self.phi!r}")
-        if self.slip != (0.0, 0.0) and self.effects.mu is None:
-            raise ProblemError(f"`slip` must be none without declared friction, got {self.slip!r}")
-        if not all(math.isfinite(part) for part in self.slip):
-            raise ProblemError(f"`slip` must be finite, got {self.slip!r}")
+        fits = isinstance(self.parameters, Parameters)
+        require(ProblemError, "parameters", self.parameters, "Parameters", when=fits)
+        fits = isinstance(self.effects, Effects)
+        require(ProblemError, "effects", self.effects, "Effects", when=fits)
+        numbers = ("phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot")
+        require_numbers(ProblemError, {name: getattr(self, name) for name in numbers}, FINITE)
+        inside = 0 < self.phi < math.pi / 2
+        require(ProblemError, "phi", self.phi, "inside (0, pi/2)", when=inside)
+        require_vector(ProblemError, "slip", self.slip, 2)
+        fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
+        require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)
         if (self.bounces is None) == (self.duration is None):
-            raise ProblemError("give exactly one of `bounces` and `duration`")
-        if self.bounces is not None and self.bounces < 1:
-            raise ProblemError(f"`bounces` must be at least 1, got {self.bounces!r}")
-        if self.duration is not None and not self.duration > 0:
-            raise ProblemError(f"`duration` must be positive, got {self.duration!r}")
+            horizon = f"got {self.bounces!r} and {self.duration!r}"
+            raise ProblemError(f"give exactly one of `bounces` and `duration`, {horizon}")
+        if self.bounces is not None:
+            fits = is_whole(self.bounces) and self.bounces >= 1
+            require(ProblemError, "bounces", self.bounces, "a whole number, at least 1", when=fits)
+        if self.duration is not None:
+            require_numbers(ProblemError, {"duration": self.duration}, POSITIVE)
+        self._require_fit()
+
+    def _require_fit(self) -> None:
+        """Refuse a rim that is rounder than the can, and a mass outside it."""
+        h, rim, mass = self.parameters.h, self.effects.rim, self.effects.mass
+        allowed = f"at most `h` = {h!r}, half the height, where the arcs of both rims meet"
+        require(ProblemError, "effects.rim", rim, allowed, when=rim <= h * (1 + ROUNDED))
+        if mass is None:
+            return
+        inside = math.hypot(mass.x, mass.y) <= 1 + ROUNDED and abs(mass.z) <= h * (1 + ROUNDED)
+        allowed = f"inside the can: at most 1 from its axis, and `h` = {h!r} from its middle"
+        require(ProblemError, "effects.mass", mass, allowed, when=inside)

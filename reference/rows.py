@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.contact import contact_from_centre
+from reference.contact import contact_from_middle
 from reference.problem import Problem
 from reference.states import Floats, Snapshot, initial_states
 
@@ -57,10 +57,7 @@ def released(problem: Problem) -> Floats:
     y[TURN] = problem.psi_dot * S, -problem.phi_dot, problem.psi_dot * C + problem.theta_dot
     y[SLIP] = problem.slip
     y[PSI], y[TOTAL] = problem.psi, problem.psi + problem.theta
-    point = contact_from_centre(initial_states(problem), p)[0, :2]
-    # a rounded rim touches nearer to the axis or farther from it
-    inwards = e.rim * (C - S)
-    y[[X, Y]] = point + inwards * np.array([np.cos(problem.psi), np.sin(problem.psi)])
+    y[[X, Y]] = contact_from_middle(initial_states(problem), p, e)[0, :2]
     return y
 
 

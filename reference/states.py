@@ -19,7 +19,7 @@ class States:
     Angles in rad, rates in sqrt(g/R), lengths in R. `spin` is psi' + theta': near the flat state
     each of the two rates is huge and their sum is not, so it is carried by itself; formulas that
     need the sum must use it and not add the rates. `x`, `y` locate the contact point, with the
-    centre of mass above (0, 0) at release; they are None unless the contact locus was asked for.
+    middle of the can above (0, 0) at release; they are None unless the contact locus was asked for.
     `slip`, shape (n, 2), is the velocity of the rim's material at the contact, and `force`, shape
     (n, 3), what the plane exerts on the can, in m g, both in the world; they are None where the rim
     never slips and the force follows from the angles (`reference.contact`).
@@ -39,7 +39,7 @@ class States:
 
 
 def initial_states(problem: Problem) -> States:
-    """State at release, shape (1,), without the contact point."""
+    """State at release, shape (1,), without the contact point and the force of the plane."""
 
     def one(value: float) -> Floats:
         return np.array([value], dtype=float)
@@ -52,7 +52,14 @@ def initial_states(problem: Problem) -> States:
         theta=one(problem.theta),
         theta_dot=one(problem.theta_dot),
         spin=one(problem.psi_dot + problem.theta_dot),
+        slip=_slip(problem) if problem.effects.declared() else None,
     )
+
+
+def _slip(problem: Problem) -> Floats:
+    """Slip at release in the world, shape (1, 2)."""
+    cos, sin, (ahead, aside) = np.cos(problem.psi), np.sin(problem.psi), problem.slip
+    return np.array([[ahead * cos - aside * sin, ahead * sin + aside * cos]])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

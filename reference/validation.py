@@ -1,0 +1,59 @@
+"""What the numbers of a problem may be: checks that name the field, what it may be, and its value.
+
+Each function raises the error it is given where a value is not allowed, and returns nothing: a
+value is taken as it is or refused.
+"""
+
+import math
+from collections.abc import Mapping
+from numbers import Integral, Real
+
+FINITE = "a finite number"
+POSITIVE = "a finite number greater than zero"
+NOT_NEGATIVE = "a finite number, zero or greater"
+
+
+def is_finite(value: object) -> bool:
+    """Whether a value is a real number (of Python or NumPy, no bool) that a double can hold."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond all doubles
+        return False
+
+
+def require(error: type[ValueError], name: str, value: object, allowed: str, *, when: bool) -> None:
+    """Raise `error` with one sentence unless the value is allowed."""
+    if not when:
+        raise error(f"`{name}` must be {allowed}, got {value!r}")
+
+
+def require_numbers(error: type[ValueError], values: Mapping[str, object], allowed: str) -> None:
+    """Raise `error` unless each value is `FINITE`, `POSITIVE` or `NOT_NEGATIVE`, as said.
+
+    Parameters
+    ----------
+    error : type
+    values : mapping
+        By the names of the fields.
+    allowed : str
+        One of the three.
+    """
+    for name, value in values.items():
+        fits = is_finite(value)
+        if fits and allowed != FINITE:
+            assert isinstance(value, Real)  # noqa: S101 - `is_finite` has seen to it
+            fits = value > 0 or (value == 0 and allowed == NOT_NEGATIVE)
+        require(error, name, value, allowed, when=fits)
+
+
+def require_vector(error: type[ValueError], name: str, value: object, length: int) -> None:
+    """Raise `error` unless the value is a tuple of so many finite numbers."""
+    fits = isinstance(value, tuple) and len(value) == length and all(map(is_finite, value))
+    require(error, name, value, f"a tuple of {length} finite numbers", when=fits)
+
+
+def is_whole(value: object) -> bool:
+    """Whether a value is an integer, of Python or NumPy, and no bool."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
