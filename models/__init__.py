@@ -22,6 +22,7 @@ from models.kinematics import (
     to_body,
 )
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
+from models.modelling_choices import MODELLING_CHOICES, modelling_choices
 from models.record import RESOLVED_STEP, Angles, angles_of_record
 from models.rim import (
     contact_offset,
@@ -41,6 +42,7 @@ __all__ = [
     "GROUND_FRICTION",
     "IDEAL",
     "KINDS",
+    "MODELLING_CHOICES",
     "NET_SENSOR",
     "NO_SLIP_FRICTION",
     "RESOLVED_STEP",
@@ -77,6 +79,7 @@ __all__ = [
     "hard_names",
     "load",
     "mjcf",
+    "modelling_choices",
     "names",
     "principal",
     "quaternion",

@@ -16,6 +16,9 @@ from models.quantity import finite, not_negative, positive
 class Damping:
     """Drag in proportion to velocity: force -m linear v, moment -angular I omega, at the centre.
 
+    Modelling choice: the velocity is relative to the plane, also of one that is shaken, as if the
+    air moved with it.
+
     Parameters
     ----------
     linear, angular : float

@@ -14,6 +14,9 @@ from models.quantity import finite, not_negative, positive
 class Slip:
     """Coulomb friction: the rim sticks while |F| <= mu N, else F = -mu N v_c/|v_c|.
 
+    Modelling choices: static friction equals kinetic friction, and the cone is of friction alone;
+    drilling and rolling resistance have limits of their own.
+
     Parameters
     ----------
     mu : float
@@ -110,13 +113,20 @@ class _Resistance:
 class Drilling(_Resistance):
     """Torsional friction: a moment of at most `length` N about the normal, against drilling.
 
+    Modelling choices: its limit is apart from the cone of friction, though in a patch of contact
+    both come of the same pressure, and it holds with as large a moment as it slows with.
+
     The arm is the radius of the patch times its coefficient of friction.
     """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollingResistance(_Resistance):
-    """A moment of at most `length` N in the plane, against the angular velocity in the plane."""
+    """A moment of at most `length` N in the plane, against the angular velocity in the plane.
+
+    Modelling choices: its limit is apart from the cone of friction and from that of drilling, and
+    it holds with as large a moment as it slows with.
+    """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

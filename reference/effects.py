@@ -115,11 +115,14 @@ class Effects:
     Parameters
     ----------
     mu : float or None
-        Coefficient of Coulomb friction; None is a rim that never slips.
+        Coefficient of Coulomb friction, static and kinetic alike; None is a rim that never slips.
     drilling, rolling_resistance : float
         Arms of the moments, in R, that the normal force makes about the normal and in the plane.
+        A modelling choice: their limits and the cone of friction are apart, so that what one takes
+        the others have not less of.
     linear_damping, angular_damping : float
-        Rates: force -rate M v, moment -rate I omega, both at the centre of mass.
+        Rates: force -rate M v, moment -rate I omega, both at the centre of mass. A modelling
+        choice: velocities are relative to the plane, also of one that is shaken.
     rim : float
         Radius of the arc that the rim is, in R. The centre of the arc is 1 - rim from the axis and
         h - rim from the middle of the can, neither of which may be negative: at most 1 here, and

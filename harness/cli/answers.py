@@ -8,6 +8,7 @@ from typing import Any
 from harness.bounce import Bounce
 from harness.engines.reference import Divergence
 from harness.runner import Evaluation
+from models import modelling_choices
 
 Answer = dict[str, Any]
 
@@ -34,6 +35,7 @@ def reference_answer(e: Evaluation, bounces: Sequence[Bounce]) -> Answer:
             }
             for bounce in bounces
         ],
+        "modelling_choices": list(modelling_choices(simulation.case.scene.effects)),
     }
 
 

@@ -144,7 +144,8 @@ def reference(
     if json:
         _say(spell(answer))
     else:
-        printing.out().print(*printing.motion(answer), *sentences(answer), sep="\n")
+        told = (*sentences(answer), *printing.choices(answer))
+        printing.out().print(*printing.motion(answer), *told, sep="\n")
 
 
 @app.command()
@@ -198,7 +199,8 @@ def run(  # noqa: PLR0917 - a parameter an option
             console.print(printing.parity(simulation.parity))
         if simulation.outcome is not Outcome.MISMATCH:
             answer = run_answer(evaluation)
-            console.print(*printing.motion(answer), *printing.parting(answer), sep="\n")
+            told = (*printing.parting(answer), *printing.choices(answer))
+            console.print(*printing.motion(answer), *told, sep="\n")
     if simulation.outcome is Outcome.MISMATCH:
         raise ParityError(case.label(), simulation.note)
 

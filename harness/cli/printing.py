@@ -87,6 +87,11 @@ def chaos(answer: Answer) -> Iterable[str]:
         )
 
 
+def choices(answer: Answer) -> Iterable[str]:
+    """Yield what each declared effect supposes, a paragraph each."""
+    yield from (f"Modelling choice: {sentence}" for sentence in answer["modelling_choices"])
+
+
 def parting(answer: Answer) -> Iterable[str]:
     """Yield in words how long a run can be compared with the exact motion, a paragraph each."""
     yield from chaos(answer)

@@ -14,6 +14,7 @@ from harness.studies.comparison.results import results
 from harness.studies.comparison.scorecard import scorecard
 from harness.studies.comparison.tables import bounces, orders, parity
 from harness.studies.comparison.unsupported import Unsupported
+from models import modelling_choices
 
 
 def read(
@@ -45,7 +46,7 @@ def read(
 
 
 def _supposed(own: Sequence[Evaluation]) -> str:
-    """Return what the exact motion breaks of what its model assumes, and how long it decides."""
+    """Return what the effects suppose, what the motion breaks of it, and how long it decides."""
     broken = [
         f"{finding.sentence} A model that would carry it: {finding.model}."
         if finding.model
@@ -53,7 +54,9 @@ def _supposed(own: Sequence[Evaluation]) -> str:
         for finding in own[0].findings
     ]
     kept = "The exact motion keeps to everything that its model assumes."
-    return " ".join(part for part in (*(broken or [kept]), followed_best(own)) if part)
+    chosen = modelling_choices(own[0].simulation.case.scene.effects)
+    parts = (*chosen, *(broken or [kept]), followed_best(own))
+    return " ".join(part for part in parts if part)
 
 
 def _cite(own: Sequence[Evaluation]) -> str:

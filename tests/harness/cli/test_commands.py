@@ -15,7 +15,7 @@ import pytest
 
 from harness.case import Case
 from harness.engines.registry import names as engine_names
-from models import load, mjcf, names, read_scene, urdf
+from models import load, mjcf, modelling_choices, names, read_scene, urdf
 
 Command = Callable[..., Any]
 
@@ -36,6 +36,7 @@ MOTION = {
     "period_s",
     "energy_drift",
     "bounces",
+    "modelling_choices",
 }
 ERRORS = {"phi_rms_rad", "angle_of_turn_deg", "contact_locus_rms_m", "peak_friction_ratio"}
 CONTACT = {"max_penetration_m", "max_slip_m_s", "lift_off_fraction", "multi_contact_fraction"}
@@ -112,6 +113,18 @@ def test_phases_and_findings_are_said(told: Command) -> None:
     (finding,) = told("reference", "wobble", "--json").json()["findings"]
     assert finding["model"] == "coulomb"
     assert "Finding: Rolling needs a friction of 1.021" in told("reference", "wobble").out
+
+
+def test_the_choice_behind_each_declared_effect_is_said(told: Command) -> None:
+    found = told("reference", "chaotic-can", "--json").json()
+    assert found["modelling_choices"] == list(modelling_choices(load("chaotic-can").effects))
+    assert len(found["modelling_choices"]) == 2
+    # the terminal breaks lines
+    shown = " ".join(told("reference", "chaotic-can").out.split())
+    run = told("run", "slipping-rock", "--engine", "reference").out
+    assert all(f"Modelling choice: {choice}" in shown for choice in found["modelling_choices"])
+    assert "Modelling choice: Friction has one coefficient, static equal to kinetic" in run
+    assert told("reference", "gentle-rock", "--json").json()["modelling_choices"] == []
 
 
 def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:

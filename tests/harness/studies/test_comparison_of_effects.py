@@ -11,7 +11,7 @@ from harness.case import Case
 from harness.engines.registry import missing_effects
 from harness.runner import Evaluation
 from harness.studies.comparison import Unsupported, design, parted, read
-from models import Horizon, RoundedRim, Scene, load
+from models import Horizon, RoundedRim, Scene, load, modelling_choices
 
 ENGINES = ("mujoco", "pybullet")
 Found = Mapping[str, Artefact]
@@ -93,6 +93,7 @@ def test_every_scene_says_what_its_exact_motion_supposes(
         assert isinstance(text, Prose)
         assert text.scene == scene
         assert "keeps to everything that its model assumes" in text.text
+        assert all(choice in text.text for choice in modelling_choices(load(scene).effects))
         assert ("is chaotic" in text.text) == (scene == "chaotic-can")
     divergence, text = chaos[0].divergence, found["chaotic-can-assumptions"]
     assert divergence is not None
