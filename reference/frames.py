@@ -20,6 +20,14 @@ def dot(a: Floats, b: Floats) -> Floats:
     return np.asarray((a * b).sum(axis=0))
 
 
+def length(a: Floats, b: Floats) -> Floats:
+    """Length of a vector of two components, analytic in them where they are complex.
+
+    Derivatives are taken along imaginary steps (`reference.variational`), which `np.hypot` refuses.
+    """
+    return np.asarray(np.sqrt(a * a + b * b) if np.iscomplexobj(a) else np.hypot(a, b))
+
+
 def cross(a: Floats, b: Floats) -> Floats:
     """Vector products."""
     return np.array(

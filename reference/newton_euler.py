@@ -19,7 +19,8 @@ force:
 
 A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - r z from the can's
 centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
-S, in the time of `reference.rows`.
+S, in the time of `reference.rows`, and analytic in the state: complex states give derivatives
+(`reference.variational`).
 """
 
 from dataclasses import dataclass
@@ -28,7 +29,15 @@ import numpy as np
 
 from reference.contact_modes import Contact, Mode
 from reference.effects import Effects
-from reference.frames import applied, cross, dot, to_body, to_level, to_precessing
+from reference.frames import (
+    applied,
+    cross,
+    dot,
+    length,
+    to_body,
+    to_level,
+    to_precessing,
+)
 from reference.parameters import Parameters
 from reference.rows import (
     DISSIPATED,
@@ -133,7 +142,7 @@ class GeneralEquations:
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
         rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
-        out = np.zeros((ROWS, y.shape[1]))
+        out = np.zeros_like(y)
         out[LEAN] = -w2
         out[TURN] = found.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
         out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
@@ -208,7 +217,7 @@ class GeneralEquations:
 
     def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
         e, at, w = self.effects, here.at, here.turning
-        inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)), dtype=float)
+        inverse: Floats = np.linalg.inv(np.moveaxis(here.inertia, -1, 0))
         momentum = applied(here.inertia, w)
         torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
         free = np.einsum("nij,jn->in", inverse, torque)
@@ -223,15 +232,15 @@ class GeneralEquations:
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
         # what a unit of normal force brings with it
-        law = np.zeros((6, at.S.size))
+        law = np.zeros((6, at.S.size), dtype=at.S.dtype)
         law[NORMAL] = 1.0
         if mode.slips:
-            law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / np.hypot(y[U1], y[U2])
+            law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
         if e.rolling_resistance and not mode.rests:
             level = to_level(w, at)[:2]
-            law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / np.hypot(*level)
+            law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
@@ -272,12 +281,12 @@ def _mobility(inverse: Floats, here: Setting, at: Angles) -> Floats:
     zero = np.zeros_like(x)
     arm = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
     lever = inverse @ arm
-    level = np.zeros((n, 3, 3))
+    level = np.zeros((n, 3, 3), dtype=x.dtype)
     level[:, 0, 0], level[:, 0, 2] = at.C, -at.S
     level[:, 2, 0], level[:, 2, 2] = at.S, at.C
     level[:, 1, 1] = 1.0
     back = np.swapaxes(level, 1, 2)
-    D = np.empty((n, 6, 6))
+    D = np.empty((n, 6, 6), dtype=lever.dtype)
     D[:, :3, :3] = level @ inverse @ back
     D[:, :3, 3:] = level @ lever @ back
     D[:, 3:, :3] = np.swapaxes(D[:, :3, 3:], 1, 2)

@@ -79,6 +79,7 @@ class PiecesPath:
     """Pieces one after the other, which know the contact's place and the works, or do not."""
 
     def __init__(self, pieces: Sequence[Piece], equations: Equations, *, locus: bool) -> None:
+        self.pieces = tuple(pieces)
         self._equations = equations
         self._locus = locus
         self._starts = np.stack([piece.start for piece in pieces])
