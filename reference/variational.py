@@ -28,6 +28,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from reference.contact_modes import Mode
 from reference.newton_euler import GeneralEquations
@@ -152,20 +153,27 @@ def stretches(
         now, logarithms = now / scale, logarithms + np.log(scale)
         y = piece.at(piece.cut * points())
         rates, J = jacobian(equations, y, piece.mode)
-        change = _change(J, piece.length * piece.cut, now)
+        core = [NUMBER[row] for row in equations.core(piece.mode).tolist()]
+        change = _change(J, piece.length * piece.cut, now, core)
         disturbances = now[:, :, None] + change
         yield Stretch(states=y, rates=rates, disturbances=disturbances, logarithms=logarithms)
         now, before = disturbances[:, :, -1], (piece, rates[:, -1])
 
 
-def _change(J: Floats, length: float, start: Floats) -> Floats:
-    """Solve the collocation equations of one step, shape (9, m, points)."""
-    A, (k, m) = integrator(), start.shape
-    blocks = length * np.einsum("ab,ijb->iajb", A, J)
-    matrix = blocks.reshape(k * A.shape[0], -1)
-    forced = np.einsum("iajb,jm->iam", blocks, start).reshape(-1, m)
-    change = np.linalg.solve(np.eye(matrix.shape[0]) - matrix, forced)
-    return np.moveaxis(change.reshape(k, A.shape[0], m), 1, 2)
+def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
+    """Solve the collocation equations of one step, shape (9, m, points); after the core the rest.
+
+    The rows of the core depend on each other alone, and all others on them.
+    """
+    A, m = length * integrator(), start.shape[1]
+    k, n = len(core), A.shape[0]
+    matrix = np.einsum("ab,ijb->iajb", A, J[np.ix_(core, core)]).reshape(k * n, k * n)
+    forced = np.einsum("iajb,jm->iam", matrix.reshape(k, n, k, n), start[core])
+    # scipy's, as in `reference.radau`: of matrices as small as these it makes no threads
+    *_, change, _ = dgesv(np.eye(k * n) - matrix, forced.reshape(k * n, m))
+    along = start[core, None] + change.reshape(k, n, m)
+    rates = np.einsum("ijb,jbm->imb", J[:, core], along)
+    return np.asarray(rates @ A.T)
 
 
 def _across(
