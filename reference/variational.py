@@ -56,8 +56,13 @@ CORE = np.array([LEAN, W1, W2, W3, PSI, TOTAL, TIME, U1, U2])
 NUMBER = {row: place for place, row in enumerate(CORE.tolist())}
 # Imaginary steps, over the size of what is stepped: nothing is subtracted, so as small as may be.
 STEP = 1e-40
-# A slip that is this small beside that of its piece, and goes on, has come to rest and turned.
-RESTS = 1e-9
+# A slip that is this small where a piece begins, and goes on, has come to rest and turned.
+RESTS = 1e-13
+# How far into a piece that is: between the roundings of the direction and what has moved since.
+BEHIND = 1e-8
+# A slip as slow as this, with the direction of its end to as many digits, is at its end: nearer
+# to it the direction is lost in round-off, and disturbances have no time left to change.
+ENDING = 1e-8
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
 
@@ -145,7 +150,9 @@ def stretches(
     """
     now, logarithms = start, np.zeros(start.shape[1])
     before: tuple[Piece, Floats] | None = None
-    for piece in pieces:
+    for piece, ending in zip(pieces, _endings(pieces), strict=True):
+        if ending:
+            continue
         if before is not None:
             now = _across(equations, *before, piece, now)
         scale = np.linalg.norm(now, axis=0)
@@ -184,7 +191,7 @@ def _across(
     if not G.size:
         return now
     # from right behind the start, where what begins again has its direction
-    soon = piece.at(piece.cut * points()[:1])
+    soon = piece.at(np.array([BEHIND]))
     after = jacobian(equations, soon, piece.mode)[0][:, 0]
     coming = G @ rates
     tau = -(coming @ G @ now) / (coming @ coming)
@@ -196,12 +203,23 @@ def _across(
     return np.asarray(now - np.outer(after, tau))
 
 
+def _endings(pieces: tuple[Piece, ...]) -> list[bool]:
+    """Return which pieces are the last of a slip that comes to rest, or of the motion."""
+    out, comes = [False] * len(pieces), False
+    for number in range(len(pieces) - 2, 0, -1):
+        here, after = pieces[number], pieces[number + 1]
+        comes = here.mode.slips and (comes or not after.mode.slips)
+        comes = comes and bool(np.hypot(*here.start[[U1, U2]]) <= ENDING)
+        out[number] = comes
+    return out
+
+
 def _comes_to_rest(last: Piece, piece: Piece) -> Floats:
     """Return the forms of the state that vanish from here on, or turn round, shape (g, 9)."""
     at, w = Angles.of(last.end[LEAN]), last.end[[W1, W3]]
     forms: list[dict[int, float]] = []
     before, after = last.mode, piece.mode
-    still = np.hypot(*piece.start[[U1, U2]]) <= RESTS * np.hypot(*last.start[[U1, U2]])
+    still = np.hypot(*piece.start[[U1, U2]]) <= RESTS
     if before.slips and (not after.slips or still):
         forms += [{U1: 1.0}, {U2: 1.0}]
     # rates of S and C with ln tan(phi/2) are S C and -S S

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Effects, Outcome, Problem, divergence, phases, solve
+from reference import PAPER_CAN, Effects, Outcome, Problem, phases, solve
 
 SLIPPING = Problem(
     parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, bounces=1, effects=Effects(mu=0.2), slip=(0.1, 0.0)
@@ -39,15 +39,3 @@ def test_a_slip_that_stops_does_not_shorten_the_steps_that_stick() -> None:
     kinds = [phase.kind.value for phase in found.phases]
     assert "stick" in kinds
     assert found.steps < 40 * len(kinds)
-
-
-def test_copies_are_followed_through_the_share_of_a_motion_that_they_can_afford(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    own = solve(SLIPPING, outputs={"contact_locus"})
-    whole = divergence(SLIPPING, own)
-    assert whole.times[-1] == own.t_end
-    monkeypatch.setattr("reference.chaos.AFFORDED", own.evaluations - 1)
-    monkeypatch.setattr("reference.chaos.FIRST_PART", own.evaluations // 3)
-    part = divergence(SLIPPING, own)
-    assert 0.2 * own.t_end < part.times[-1] <= 0.34 * own.t_end
