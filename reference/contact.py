@@ -12,10 +12,11 @@ in units of m g, and the contact point moves with Theta (-sin psi, cos psi)
 their own.
 
 Where a point of a can with effects is, and how fast, takes its effects: with z the vertical, e1 and
-e3 the axes of frame B (z = S e1 + C e3) and r the radius to which the rim is rounded, the contact is
-at p = -(1 - r) e1 - (h - r) e3 - r z from the middle of the can, a point mass of share q at d moves
-the centre of mass by q d/(1 + q), and with the slip u of the material at the contact the middle has
-the velocity u - w x p. The contact point itself moves with (u_1 - r Phi, u_2 + (1 - r + r S) Theta).
+e3 the axes of frame B (z = S e1 + C e3) and r the radius to which the rim is rounded, the contact
+is at p = -(1 - r) e1 - (h - r) e3 - r z from the middle of the can, a point mass of share q at d
+moves the centre of mass by q d/(1 + q), and with the slip u of the material at the contact the
+middle has the velocity u - w x p. The contact point itself moves with
+(u_1 - r Phi, u_2 + (1 - r + r S) Theta).
 
 The paper is in error in the sign of eq01:friction_tangential, which it prints without the minus,
 and in eq01:lin_eom and eq01:fx: the x component is L cos psi - M sin psi, not
@@ -77,7 +78,8 @@ def friction_ratio(states: States, parameters: Parameters) -> Floats:
     """
     F_x, F_y, N = contact_force_in_world(states, parameters).T
     friction = np.hypot(F_x, F_y)
-    return np.divide(friction, N, out=np.full_like(friction, np.inf), where=N > 0)
+    ratio: Floats = np.divide(friction, N, out=np.full_like(friction, np.inf), where=N > 0)
+    return ratio
 
 
 def contact_from_middle(states: States, parameters: Parameters, effects: Effects = IDEAL) -> Floats:
@@ -90,9 +92,9 @@ def contact_from_middle(states: States, parameters: Parameters, effects: Effects
 
 
 def centre_from_middle(states: States, effects: Effects) -> Floats:
-    """Centre of mass of can and point mass relative to the middle of the can, shape (n, 3), in R."""
+    """Centre of mass, point mass and all, relative to the middle of the can, shape (n, 3), in R."""
     share = 0.0 if effects.mass is None else effects.mass.share
-    return share / (1 + share) * point_mass_from_middle(states, effects)
+    return np.asarray(share / (1 + share) * point_mass_from_middle(states, effects))
 
 
 def point_mass_from_middle(states: States, effects: Effects) -> Floats:
@@ -102,9 +104,7 @@ def point_mass_from_middle(states: States, effects: Effects) -> Floats:
     S, C = np.sin(states.phi), np.cos(states.phi)
     across, aside = _turned(effects.mass.x + 0 * S, effects.mass.y + 0 * S, states.theta)
     level = C * across - S * effects.mass.z
-    return np.stack(
-        [*_turned(level, aside, states.psi), S * across + C * effects.mass.z], axis=-1
-    )
+    return np.stack([*_turned(level, aside, states.psi), S * across + C * effects.mass.z], axis=-1)
 
 
 def contact_from_centre(
@@ -157,7 +157,7 @@ def middle_velocity(
     """
     effects = _known(states, effects)
     r = effects.rim
-    S, C = np.sin(states.phi), np.cos(states.phi)
+    S = np.sin(states.phi)
     along, height = _arm(states, parameters, effects)
     one_minus_C = 2 * np.sin(states.phi / 2) ** 2
     # of (1 - r) the lever of the turning about the axis, of the height that of the precession
@@ -174,7 +174,7 @@ def middle_velocity(
 def centre_velocity(
     states: States, parameters: Parameters, effects: Effects | None = None
 ) -> Floats:
-    """Velocity of the centre of mass, shape (n, 3), in sqrt(g R): that of the can and what it bears.
+    """Velocity of the centre of mass, point mass and all, shape (n, 3), in sqrt(g R).
 
     Raises
     ------

@@ -21,7 +21,7 @@ from reference.validation import (
 )
 
 # A direction made of sines and cosines has length 1 up to some roundings of its parts.
-ROUNDED = 16 * np.finfo(float).eps
+ROUNDED = 16 * float(np.finfo(float).eps)
 
 
 class EffectError(ValueError):

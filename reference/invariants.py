@@ -1,12 +1,12 @@
 """The energy, which rolling conserves, as do all effects but friction, drag and shaking.
 
-Per m g R, with the can and its point mass (share q, at d from the middle of the can) each by itself:
+Per m g R, with the can and its point mass (share q, at d from its middle) each by itself:
 
     E = (a (w_1^2 + w_2^2) + c w_3^2 + |v|^2 + q |v + w x d|^2)/2 - g.(x + q (x + d)),
 
-w the angular velocity in frame B, x and v position and velocity of the middle of the can, which heed
-a rounded rim and the slip (`reference.contact`). Of an ideal can that is (a (Psi^2 S^2 + Phi^2) + c
-w_3^2 + |v|^2)/2 + S + h C.
+w the angular velocity in frame B, x and v position and velocity of the middle of the can, which
+heed a rounded rim and the slip (`reference.contact`). Of an ideal can that is
+(a (Psi^2 S^2 + Phi^2) + c w_3^2 + |v|^2)/2 + S + h C.
 """
 
 import numpy as np

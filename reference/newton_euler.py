@@ -43,7 +43,6 @@ from reference.rows import (
     DISSIPATED,
     LEAN,
     PSI,
-    ROWS,
     SUPPLIED,
     TIME,
     TOTAL,
@@ -217,7 +216,7 @@ class GeneralEquations:
 
     def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
         e, at, w = self.effects, here.at, here.turning
-        inverse: Floats = np.linalg.inv(np.moveaxis(here.inertia, -1, 0))
+        inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
         torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
         free = np.einsum("nij,jn->in", inverse, torque)

@@ -44,7 +44,7 @@ def require_numbers(error: type[ValueError], values: Mapping[str, object], allow
         fits = is_finite(value)
         if fits and allowed != FINITE:
             assert isinstance(value, Real)  # noqa: S101 - `is_finite` has seen to it
-            fits = value > 0 or (value == 0 and allowed == NOT_NEGATIVE)
+            fits = float(value) > 0 or (value == 0 and allowed == NOT_NEGATIVE)
         require(error, name, value, allowed, when=fits)
 
 

@@ -14,8 +14,8 @@ The time is a state, t' = S. What two motions are apart at the same sigma become
 apart at the same time with d - f d_t/S.
 
 Where something comes to rest (a slip, a turning that friction holds) the law changes, f jumps from
-f- to f+, and a disturbed motion gets there at another sigma: later by the tau at which what comes to
-rest, G y, rests in it as well. So
+f- to f+, and a disturbed motion gets there at another sigma: later by the tau at which what comes
+to rest, G y, rests in it as well. So
 
     tau = -(G f-).(G d)/|G f-|^2,    d+ = P (d + tau f-) - tau f+
 

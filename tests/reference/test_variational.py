@@ -21,8 +21,8 @@ from reference.chaos import DISTURBANCE
 from reference.contact_modes import Mode
 from reference.newton_euler import GeneralEquations
 from reference.pieces import PiecesPath
-from reference.radau import integrator, points
-from reference.rows import LEAN, PSI, ROWS, TIME, TOTAL, TURN, U1, U2, W3
+from reference.radau import integrator
+from reference.rows import LEAN, PSI, ROWS, TIME, TOTAL, TURN, W3
 from reference.states import Floats
 from reference.variational import (
     CORE,
@@ -93,7 +93,7 @@ def test_the_jacobian_is_what_differences_approach(effects: Effects, mode: Mode)
 def printed() -> tuple[object, object]:
     """Return the printed equations of rolling and their Jacobian, by symbols."""
     p = PAPER_CAN
-    state = phi, Phi, Psi, Theta, psi, theta = sp.symbols("phi Phi Psi Theta psi theta")
+    state = phi, Phi, Psi, Theta, *_ = sp.symbols("phi Phi Psi Theta psi theta")
     S, C, k = sp.sin(phi), sp.cos(phi), p.k
     gain = Phi / S
     field = sp.Matrix(
@@ -141,7 +141,9 @@ def test_rolling_disturbs_as_the_printed_equations_do() -> None:
 
     def rates(_t: float, y: Floats) -> Floats:
         state = y[:6]
-        return np.concatenate([field(state), (np.array(slope(state)) @ y[6:].reshape(6, 4)).ravel()])
+        return np.concatenate(
+            [field(state), (np.array(slope(state)) @ y[6:].reshape(6, 4)).ravel()]
+        )
 
     p = ROLLING
     start = np.zeros((6, 4))
@@ -150,7 +152,12 @@ def test_rolling_disturbs_as_the_printed_equations_do() -> None:
         start[order.index(name), column] = 1.0
     y0 = [p.phi, p.phi_dot, p.psi_dot, p.theta_dot, p.psi, p.theta]
     found = solve_ivp(
-        rates, (0, 4.0), np.concatenate([y0, start.ravel()]), method="DOP853", rtol=1e-12, atol=1e-13
+        rates,
+        (0, 4.0),
+        np.concatenate([y0, start.ravel()]),
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-13,
     )
     phi, _, Psi, *_ = found.y[:6, -1]
     d = found.y[6:, -1].reshape(6, 4)

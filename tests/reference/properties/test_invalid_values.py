@@ -138,9 +138,7 @@ def test_a_rim_is_as_round_as_the_can_allows(rim: float, h: float) -> None:
             Problem(parameters=can, phi=0.3, bounces=1, effects=effects)
 
 
-@given(
-    x=st.floats(-2, 2), y=st.floats(-2, 2), z=st.floats(-3, 3)
-)
+@given(x=st.floats(-2, 2), y=st.floats(-2, 2), z=st.floats(-3, 3))
 def test_a_point_mass_is_inside_the_can(x: float, y: float, z: float) -> None:
     effects = Effects(mass=Mass(share=0.1, x=x, y=y, z=z))
     outside = max(x * x + y * y, (z / PAPER_CAN.h) ** 2) - 1
