@@ -90,7 +90,7 @@ class Stretch:
     @property
     def times(self) -> Floats:
         """Of the states, shape (n,)."""
-        return self.states[TIME]
+        return np.asarray(self.states[TIME])
 
     def angles(self) -> Floats:
         """Angle between the orientations at the same time, shape (m, n), scaled."""
