@@ -18,8 +18,10 @@ from reference.states import Floats
 PLENTY = 1.0
 # Height of the far rim over R that no can has: below an atom's 1e-10 m for a radius of 0.1 m.
 ATOM = 1e-9
+# Where rigid contact with friction has no motion that follows, or several (Painleve).
+PARADOXES = {Outcome.INCONSISTENT, Outcome.INDETERMINATE, Outcome.JAMMED}
 # What a can does next that is no longer touching at one point of its rim.
-ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, Outcome.JAMMED}
+ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
 LIMITS = {Outcome.OUTWORKED, Outcome.STALLED}
 NONE_CARRIES = "No reference model carries it."
