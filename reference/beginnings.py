@@ -5,15 +5,16 @@ direction of its own acceleration (`reference.incipient`); as that changes what 
 they are looked at again, until all agree: the level turning first, then the turning about the
 normal, then the slip; the slip first where holding would take a pull, which no friction goes with.
 
-What has begun must have N > 0 and a positive normal mobility (`reference.contact_modes.Contact.grip`).
-A rim that is released slipping has the direction of its slip, and with it
+What has begun must have N > 0 and a positive normal mobility
+(`reference.contact_modes.Contact.grip`). A rim that is released slipping has the direction of its
+slip, and with it
 
     mobility > 0:     N > 0                   it slips; otherwise it lifts
     mobility <= 0:    free, it would fall     no force keeps it on the plane: inconsistent
                       free, it would rise     it slides under a force, or lifts: indeterminate
 
-What is held, and may be, stays held, also where a rim without force would rise: of these two motions
-that is the one that a stiff plane has, on which the can stood before.
+What is held, and may be, stays held, also where a rim without force would rise: of these two
+motions that is the one that a stiff plane has, on which the can stood before.
 """
 
 from dataclasses import dataclass, replace

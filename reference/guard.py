@@ -20,6 +20,8 @@ PLENTY = 1.0
 ATOM = 1e-9
 # Where rigid contact with friction has no motion that follows, or several (Painleve).
 PARADOXES = {Outcome.INCONSISTENT, Outcome.INDETERMINATE, Outcome.JAMMED}
+# Of the weight: a normal force below this is that of a can about to lift off.
+LIGHT = 1e-3
 # What a can does next that is no longer touching at one point of its rim.
 ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
@@ -51,7 +53,9 @@ class Guard:
     ----------
     friction_ratio : float
         Largest |F|/N: of a rim that never slips the friction that it needs; infinite where N is not
-        positive.
+        positive. Of a motion that ends as lifted, at the instants with N of a thousandth of the
+        weight or more: at lift-off N is zero, and |F|/N is no friction that a pair of materials
+        could have, or the quotient of two round-offs. Zero where there is no such instant.
     normal_force : float
         The least, in m g.
     phi_min, phi_max : float
@@ -76,8 +80,10 @@ def examine(solution: Solution, times: Floats) -> Guard:
     peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
     friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
     ratio = np.divide(friction, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    if solution.outcome is Outcome.LIFTED:
+        ratio = ratio[normal >= LIGHT]
     found = Guard(
-        friction_ratio=float(max([ratio.max(), *peaks])),
+        friction_ratio=float(max([*ratio, *peaks], default=0.0)),
         normal_force=float(normal.min()),
         phi_min=float(states.phi.min()),
         phi_max=float(states.phi.max()),

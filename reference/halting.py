@@ -12,8 +12,8 @@ from reference.rows import LEAN, SLIP, TURN, Angles
 from reference.states import Floats
 
 # A slip or a level turning slower than this and slowing is about to stop: round-off of the can's
-# own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a step
-# no longer moves a double.
+# own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
+# step no longer moves a double.
 STOPPED = 1e-14
 
 

@@ -1,27 +1,29 @@
-"""Where a contact at rest begins to slip, or to roll against resistance: in which directions it may.
+"""In which directions a contact at rest begins to slip, or to roll against resistance.
 
-A rim at rest that cannot be held there slips in a direction e, with the friction -mu N e. By linearity
-(`reference.newton_euler`; D is the mobility of the contact, what is held besides eliminated, and l what
-a unit of normal force brings with it but friction) the accelerations along the plane and the normal are
+A rim at rest that cannot be held there slips in a direction e, with the friction -mu N e. By
+linearity (`reference.newton_euler`; D is the mobility of the contact, what is held besides
+eliminated, and l what a unit of normal force brings with it but friction) the accelerations along
+the plane and the normal are
 
     a(e) = s + N (D_tz l - mu D_tt e),        0 = n + N G(e),        G(e) = D_zz l - mu D_zt e
 
-where s and n are those of a contact without force. Slip that grows from nothing keeps its direction,
-so a direction is admissible if all of this holds:
+where s and n are those of a contact without force. Slip that grows from nothing keeps its
+direction, so a direction is admissible if all of this holds:
 
     e x a(e) = 0,    e.a(e) > 0,    N = -n/G(e) > 0,    G(e) > 0.
 
-N is a quotient with a pole where the normal mobility G is zero; multiplied by G the first condition is
+N is a quotient with a pole where the normal mobility G is zero; multiplied by G the first condition
+is
 
     P(e) = e x (G(e) s - n (D_tz l - mu D_tt e)) = 0,
 
-a trigonometric polynomial of degree two in the angle of e. With z = exp(i angle) it is a quartic, whose
-roots on the unit circle, four at most, are all there are: found together, as eigenvalues of its
-companion matrix, and none of them a pole.
+a trigonometric polynomial of degree two in the angle of e. With z = exp(i angle) it is a quartic,
+whose roots on the unit circle, four at most, are all there are: found together, as eigenvalues of
+its companion matrix, and none of them a pole.
 
-Of N > 0 the condition G > 0 leaves the solutions that a plane however stiff would have, too: with G < 0
-a force that grows presses the rim into the plane. n < 0 wherever a direction is admissible; where n > 0
-the rim may also leave the plane. So where nothing can be held:
+Of N > 0 the condition G > 0 leaves the solutions that a plane however stiff would have, too: with G
+< 0 a force that grows presses the rim into the plane. n < 0 wherever a direction is admissible;
+where n > 0 the rim may also leave the plane. So where nothing can be held:
 
     one direction                                    it slips
     several                                          indeterminate
@@ -29,14 +31,14 @@ the rim may also leave the plane. So where nothing can be held:
     none, n > 0                                      it lifts
     none, n < 0                                      inconsistent
 
-D is symmetric and positive definite, with which the last cannot happen to a rim at rest that friction
-alone acts on (J.-S. Pang and J. C. Trinkle, Math. Programming 73, 1996, 199-226); a rim that slips
-already has no choice of direction, and meets it (`reference.beginnings`). The names are those of
-Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999, 653-677; A. R. Champneys and
-P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
+D is symmetric and positive definite, with which the last cannot happen to a rim at rest that
+friction alone acts on (J.-S. Pang and J. C. Trinkle, Math. Programming 73, 1996, 199-226); a rim
+that slips already has no choice of direction, and meets it (`reference.beginnings`). The names are
+those of Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999, 653-677; A. R.
+Champneys and P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
 
-At the edge of the friction cone, where sticking ends, e is against the force that sticking took, and
-a(e) = 0: there slip grows as the square of time, and how fast is found a little later along the
+At the edge of the friction cone, where sticking ends, e is against the force that sticking took,
+and a(e) = 0: there slip grows as the square of time, and how fast is found a little later along the
 motion that sticks.
 
 The level part of the angular velocity begins in the same way, under the moment -l_r N e.
@@ -134,9 +136,7 @@ def slack(equations: Equations, found: Contact, rest: Rest = RIM) -> Floats:
     return np.asarray(limit - np.hypot(*reaction))
 
 
-def onset(
-    equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM
-) -> Onset | Outcome | None:
+def onset(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> Onset | Outcome | None:
     """Return how slip, or rolling, begins from rest, or why no one can say; None if it does not.
 
     Parameters

@@ -15,8 +15,8 @@ class Outcome(Enum):
     NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
     LIFTED = "The plane would have to pull: the can leaves it, and rolling on it ends."
     INCONSISTENT = (
-        "No motion of a rigid can satisfies the law of friction here: it is inconsistent (Painleve's "
-        "paradox), and a real contact would answer with a jolt."
+        "No motion of a rigid can satisfies the law of friction here: it is inconsistent "
+        "(Painleve's paradox), and a real contact would answer with a jolt."
     )
     INDETERMINATE = (
         "Several motions of a rigid can satisfy the law of friction here: which follows is "
