@@ -132,7 +132,7 @@ def admissible_of(problem: Problem) -> tuple[Onset, ...]:
 @pytest.mark.parametrize("model", ["coulomb", "general"])
 def test_a_rim_that_would_have_to_be_pulled_does_not_slip_but_lifts(model: str) -> None:
     body = RigidBody(PULLED)
-    # it takes more friction to hold, sliding it would be pulled whatever the direction, free it rises
+    # holding takes more friction, sliding a pull whatever the direction; free it rises
     force = body.held()
     assert np.hypot(*force[:2]) > 0.256 * force[2]
     assert body.free[2] > 0
