@@ -167,14 +167,7 @@ def onset(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> Onse
 def admissible(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> tuple[Onset, ...]:
     """Return every direction in which slip, or rolling, may grow from rest.
 
-    Parameters
-    ----------
-    equations : Equations
-    y : ndarray, shape (13,)
-    mode : Mode
-        In which it is free.
-    rest : Rest
-        Which of the two.
+    Of a state as in `onset`, and the mode in which it is free.
     """
     return _growing(equations, y, mode, rest)[0]
 
