@@ -107,7 +107,9 @@ def _findings(solution: Solution, found: Guard) -> list[Finding]:
         findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))
     if solution.outcome in LIMITS:
         findings.append(Finding(sentence=solution.outcome.value))
-    if never_slips and found.normal_force <= 0:
+    # at lift-off it is zero but for round-off, and the outcome has said so
+    lifted = solution.outcome is Outcome.LIFTED
+    if never_slips and found.normal_force <= 0 and not lifted:
         pull = f"Rolling asks the plane to pull, with up to {-found.normal_force:.4g} m g: "
         findings.append(
             Finding(sentence=f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}")

@@ -300,6 +300,7 @@ def test_whatever_effect_is_declared_the_can_lifts_where_the_normal_force_is_zer
     assert abs(seen.normal_force) < 1e-12
     # |F| is some tenths of the weight: over LIGHT at most
     assert 1 < seen.friction_ratio < 1 / LIGHT
+    assert not any("to pull, with" in finding.sentence for finding in seen.findings)
 
 
 def test_the_arms_have_a_mobility_of_their_own() -> None:
