@@ -3,14 +3,25 @@
 Everything at rest is held first. What asks for more than its limit is let go, and begins in the
 direction of its own acceleration (`reference.incipient`); as that changes what the others ask for
 they are looked at again, until all agree: the level turning first, then the turning about the
-normal, then the slip.
+normal, then the slip; the slip first where holding would take a pull, which no friction goes with.
+
+What has begun must have N > 0 and a positive normal mobility
+(`reference.contact_modes.Contact.grip`). A rim that is released slipping has the direction of its
+slip, and with it
+
+    mobility > 0:     N > 0                   it slips; otherwise it lifts
+    mobility <= 0:    free, it would fall     no force keeps it on the plane: inconsistent
+                      free, it would rise     it slides under a force, or lifts: indeterminate
+
+What is held, and may be, stays held, also where a rim without force would rise: of these two
+motions that is the one that a stiff plane has, on which the can stood before.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.contact_modes import Contact, Equations, Mode
+from reference.contact_modes import Equations, Mode
 from reference.incipient import LEAN_OF_CAN, RIM, Onset, onset, slack
 from reference.outcome import Outcome
 from reference.rolled import with_level
@@ -66,36 +77,41 @@ def begin(equations: Equations, y: Floats, mode: Mode) -> Beginning:
     mode : Mode
         With all held that is at rest.
     """
-    now = Beginning(mode=turning(equations, y[:, None], mode))
-    found = equations.contact(now.hardly(y), now.mode)
-    if not equations.pulls and found.force[2, 0] <= 0:
-        return replace(now, ending=Outcome.LIFTED)
-    return settled(equations, y, now)
+    return settled(equations, y, Beginning(mode=turning(equations, y[:, None], mode)))
 
 
 def settled(equations: Equations, y: Floats, now: Beginning) -> Beginning:
-    """Let go of what is held beyond its limit, until all the rest holds."""
+    """Let go of what is held beyond its limit, until all the rest holds, if a plane can push so."""
     while now.ending is None:
         then = _give_way(equations, y, now)
         if then == now:
             break
         now = then
-    return _agree(equations, y, now) if now.slip and now.roll and now.ending is None else now
+    if now.slip and now.roll and now.ending is None:
+        now = _agree(equations, y, now)
+    if now.ending is not None or equations.pulls:
+        return now
+    found = equations.contact(now.hardly(y), now.mode)
+    return replace(now, ending=_impossible(float(found.force[2, 0]), float(found.grip[0])))
 
 
 def begin_slip(equations: Equations, y: Floats, now: Beginning) -> Beginning:
-    """Let the rim slip."""
+    """Let the rim slip, if it does."""
     slip = onset(equations, now.hardly(y)[:, 0], now.mode)
     if slip is None:
-        return replace(now, ending=_no_way(equations.contact(now.hardly(y), now.mode)))
+        return now
+    if isinstance(slip, Outcome):
+        return replace(now, ending=slip)
     return replace(now, mode=RIM.freed(now.mode), slip=slip)
 
 
 def begin_roll(equations: Equations, y: Floats, now: Beginning) -> Beginning:
-    """Let the can roll."""
+    """Let the can roll, if it does."""
     roll = onset(equations, now.hardly(y)[:, 0], now.mode, LEAN_OF_CAN)
     if roll is None:
-        return replace(now, ending=_no_way(equations.contact(now.hardly(y), now.mode)))
+        return now
+    if isinstance(roll, Outcome):
+        return replace(now, ending=roll)
     return replace(now, mode=LEAN_OF_CAN.freed(now.mode), roll=roll)
 
 
@@ -131,13 +147,16 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
 def _give_way(equations: Equations, y: Floats, now: Beginning) -> Beginning:
     """Let go of one thing that is held beyond its limit."""
     found = equations.contact(now.hardly(y), now.mode)
+    may_slip = not now.mode.slips and np.isfinite(equations.mu)
+    if may_slip and found.force[2, 0] <= 0:
+        return begin_slip(equations, y, now)
     if now.mode.rests and slack(equations, found, LEAN_OF_CAN)[0] < 0:
         return begin_roll(equations, y, now)
     if equations.drilling and now.mode.turns == 0:
         mode = turning(equations, now.hardly(y), now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
-    if not now.mode.slips and np.isfinite(equations.mu) and slack(equations, found)[0] < 0:
+    if may_slip and slack(equations, found)[0] < 0:
         return begin_slip(equations, y, now)
     return now
 
@@ -162,5 +181,8 @@ def _apart(one: Beginning, other: Beginning) -> float:
     return max(float(np.abs(a.direction - b.direction).max()) for a, b in pairs if a and b)
 
 
-def _no_way(found: Contact) -> Outcome:
-    return Outcome.LIFTED if found.force[2, 0] <= 0 else Outcome.JAMMED
+def _impossible(normal: float, mobility: float) -> Outcome | None:
+    """Return why a contact cannot go on, if it cannot."""
+    if mobility > 0:
+        return None if normal > 0 else Outcome.LIFTED
+    return Outcome.INDETERMINATE if normal > 0 else Outcome.INCONSISTENT

@@ -70,8 +70,9 @@ class Contact:
     slipping : ndarray, shape (2, n)
         Acceleration of the slip, in the directions of the force.
     grip : ndarray, shape (n,)
-        How much the rim yields upwards to a unit of normal force and the friction it brings; not
-        positive where rigid sliding has no solution, or several.
+        Normal mobility: how much the rim yields upwards to a unit of normal force and what that
+        brings with it, with all that is held; not positive where rigid sliding has no solution, or
+        several.
     """
 
     force: Floats
@@ -101,7 +102,14 @@ class Equations(Protocol):
 
     @property
     def pulls(self) -> bool:
-        """Whether the plane may pull: where no law needs the normal force, it is not asked."""
+        """Whether the plane may pull: whether the contact is bilateral.
+
+        That of the ideal can is, to which nothing is declared: rolling without slipping is the
+        paper's problem, a constraint that takes the force it needs, and where that is a pull a
+        finding says so (`reference.guard`). A can with any effect is a real one, on a plane that
+        only pushes: its contact is unilateral, whatever the effect and however small, and where the
+        normal force reaches zero the motion ends as lifted, in every mode and model.
+        """
         ...
 
     def core(self, mode: Mode) -> Index:

@@ -75,7 +75,7 @@ class CoulombEquations:
 
     @property
     def pulls(self) -> bool:
-        """Whether the plane may pull: under a rim that never slips it is not asked."""
+        """Whether the plane may pull: under a rim that never slips, the ideal can."""
         return bool(np.isinf(self.mu))
 
     def turning(self, y: Floats) -> Floats:

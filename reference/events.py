@@ -22,8 +22,10 @@ from reference.states import Floats
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 # ln tan(phi/2) below which a can lies flat: phi is 1e-80, as in the march of the can that rolls.
 FLAT = -184.0
-# The same where friction has a part in the momenta: below 1e-26 its round-off would lift the can.
-FLAT_BY_FRICTION = -60.0
+# The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
+FLAT_AND_PUSHED = -60.0
+# Share of a piece after which what begins with it has a direction.
+BEGUN = 1e-9
 # Of the bracket under N: nearer to zero the normal force is no longer a number.
 LEAST_GRIP = 1e-6
 
@@ -42,6 +44,10 @@ class What(Enum):
     HELD = auto()
     TURNS = auto()
     ROLLS = auto()
+
+
+IMPOSSIBLE = {What.LIFTS, What.JAMS}
+"""What ends a motion wherever it is seen, not only where it sets in."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,18 +96,22 @@ def events(piece: Piece, equations: Equations, t_end: float) -> list[Event]:
         looks, y = looks[begun], y[:, begun]
     seen = Seen(y, piece, equations)
 
-    def crossings(margin: Margin) -> list[float]:
+    def crossings(what: What, margin: Margin) -> list[float]:
         def one(c: float) -> float:
             return float(margin(Seen(piece.at(np.array([c])), piece, equations))[0])
 
         values = margin(seen)
         down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-        return [_root(one, float(looks[i]), float(looks[i + 1])) for i in down]
+        roots = [_root(one, float(looks[i]), float(looks[i + 1])) for i in down]
+        # what begins was possible at its beginning, which has no direction to be looked at
+        if what in IMPOSSIBLE and looks.size and values[0] <= 0:
+            roots.insert(0, _root(one, min(BEGUN, float(looks[0])), float(looks[0])))
+        return roots
 
     found = [
         Event(c=c, what=what)
         for what, margin in _margins(piece, equations, t_end).items()
-        for c in crossings(margin)
+        for c in crossings(what, margin)
     ]
     return sorted(found, key=lambda event: event.c)
 
@@ -109,7 +119,7 @@ def events(piece: Piece, equations: Equations, t_end: float) -> list[Event]:
 def _margins(piece: Piece, equations: Equations, t_end: float) -> dict[What, Margin]:
     """Return what must stay positive, in the mode of the piece."""
     mode = piece.mode
-    flat = FLAT if equations.pulls else FLAT_BY_FRICTION
+    flat = FLAT if equations.pulls else FLAT_AND_PUSHED
     margins: dict[What, Margin] = {
         What.OVERTURNED: lambda seen: -seen.y[LEAN],
         What.FLAT: lambda seen: seen.y[LEAN] - flat,
@@ -123,9 +133,9 @@ def _margins(piece: Piece, equations: Equations, t_end: float) -> dict[What, Mar
         margins[What.HORIZON] = lambda seen: t_end - seen.y[TIME]
     if not equations.pulls:
         margins[What.LIFTS] = lambda seen: seen.contact.force[2]
-    if mode.slips:
+    if mode.slips or equations.drilling or equations.resistance:
         margins[What.JAMS] = lambda seen: seen.contact.grip - LEAST_GRIP
-    elif np.isfinite(equations.mu):
+    if not mode.slips and np.isfinite(equations.mu):
         margins[What.SLIPS] = lambda seen: slack(equations, seen.contact)
     if equations.drilling and mode.turns:
         margins[What.HELD] = lambda seen: mode.turns * equations.turning(seen.y)

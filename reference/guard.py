@@ -18,8 +18,12 @@ from reference.states import Floats
 PLENTY = 1.0
 # Height of the far rim over R that no can has: below an atom's 1e-10 m for a radius of 0.1 m.
 ATOM = 1e-9
+# Where rigid contact with friction has no motion that follows, or several (Painleve).
+PARADOXES = {Outcome.INCONSISTENT, Outcome.INDETERMINATE, Outcome.JAMMED}
+# Of the weight: a normal force below this is that of a can about to lift off.
+LIGHT = 1e-3
 # What a can does next that is no longer touching at one point of its rim.
-ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, Outcome.JAMMED}
+ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
 LIMITS = {Outcome.OUTWORKED, Outcome.STALLED}
 NONE_CARRIES = "No reference model carries it."
@@ -49,7 +53,9 @@ class Guard:
     ----------
     friction_ratio : float
         Largest |F|/N: of a rim that never slips the friction that it needs; infinite where N is not
-        positive.
+        positive. Of a motion that ends as lifted, at the instants with N of a thousandth of the
+        weight or more: at lift-off N is zero, and |F|/N is no friction that a pair of materials
+        could have, or the quotient of two round-offs. Zero where there is no such instant.
     normal_force : float
         The least, in m g.
     phi_min, phi_max : float
@@ -74,8 +80,10 @@ def examine(solution: Solution, times: Floats) -> Guard:
     peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
     friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
     ratio = np.divide(friction, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    if solution.outcome is Outcome.LIFTED:
+        ratio = ratio[normal >= LIGHT]
     found = Guard(
-        friction_ratio=float(max([ratio.max(), *peaks])),
+        friction_ratio=float(max([*ratio, *peaks], default=0.0)),
         normal_force=float(normal.min()),
         phi_min=float(states.phi.min()),
         phi_max=float(states.phi.max()),
@@ -99,7 +107,9 @@ def _findings(solution: Solution, found: Guard) -> list[Finding]:
         findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))
     if solution.outcome in LIMITS:
         findings.append(Finding(sentence=solution.outcome.value))
-    if never_slips and found.normal_force <= 0:
+    # at lift-off it is zero but for round-off, and the outcome has said so
+    lifted = solution.outcome is Outcome.LIFTED
+    if never_slips and found.normal_force <= 0 and not lifted:
         pull = f"Rolling asks the plane to pull, with up to {-found.normal_force:.4g} m g: "
         findings.append(
             Finding(sentence=f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}")

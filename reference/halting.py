@@ -1,4 +1,4 @@
-"""How far it is to where a slip, or a rolling that meets resistance, comes to rest."""
+"""How far it is to where a slip, or a rolling that meets resistance, comes to rest, or jams."""
 
 from dataclasses import replace
 
@@ -6,12 +6,14 @@ import numpy as np
 
 from reference.contact_modes import Equations, Mode
 from reference.frames import to_level
+from reference.pieces import Piece
 from reference.rolled import BESIDE, level_turning, with_level
 from reference.rows import LEAN, SLIP, TURN, Angles
 from reference.states import Floats
 
 # A slip or a level turning slower than this and slowing is about to stop: round-off of the can's
-# own velocity.
+# own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
+# step no longer moves a double.
 STOPPED = 1e-14
 
 
@@ -30,6 +32,18 @@ def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
     return _until_none(y[SLIP], rates[SLIP, 0])
 
 
+def left_to_jam(equations: Equations, piece: Piece) -> float:
+    """Return sigma from the end of a piece until the rim jams; inf if it does not.
+
+    Where the normal mobility G falls to zero N = -n/G grows without bound, and with it what lets G
+    fall: G G' tends to a constant, so that G^2 falls to zero in a straight line.
+    """
+    found = equations.contact(piece.at(np.array([piece.cut / 2, piece.cut])), piece.mode)
+    before, after = (found.grip**2).tolist()
+    falls = before > after and found.force[2, 1] > found.force[2, 0] > 0
+    return piece.cut * piece.length / 2 * after / (before - after) if falls else np.inf
+
+
 def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
     """Return sigma until the level turning stops; inf if nothing resists it, or it never does."""
     if not equations.resistance or mode.rests:
@@ -41,7 +55,8 @@ def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
 
 def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
     """Return a state without what has all but stopped, and the mode that holds it."""
-    if np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left_of_slip(equations, y, mode)):
+    left = left_of_slip(equations, y, mode)
+    if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
         y, mode = y.copy(), replace(mode, slips=False)
         y[SLIP] = 0.0
     if not equations.resistance:

@@ -1,9 +1,45 @@
-"""Where a contact at rest begins to slip, or to roll against resistance.
+"""In which directions a contact at rest begins to slip, or to roll against resistance.
 
-The direction e of a slip that grows from nothing is that of its own acceleration under the friction
--mu N e: e x a(e) = 0 with e.a(e) >= 0. At the edge of the friction cone, where sticking ends, e is
-against the force that sticking took, and a(e) = 0: there slip grows as the square of time, and how
-fast is found a little later along the motion that sticks.
+A rim at rest that cannot be held there slips in a direction e, with the friction -mu N e. By
+linearity (`reference.newton_euler`; D is the mobility of the contact, what is held besides
+eliminated, and l what a unit of normal force brings with it but friction) the accelerations along
+the plane and the normal are
+
+    a(e) = s + N (D_tz l - mu D_tt e),        0 = n + N G(e),        G(e) = D_zz l - mu D_zt e
+
+where s and n are those of a contact without force. Slip that grows from nothing keeps its
+direction, so a direction is admissible if all of this holds:
+
+    e x a(e) = 0,    e.a(e) > 0,    N = -n/G(e) > 0,    G(e) > 0.
+
+N is a quotient with a pole where the normal mobility G is zero; multiplied by G the first condition
+is
+
+    P(e) = e x (G(e) s - n (D_tz l - mu D_tt e)) = 0,
+
+a trigonometric polynomial of degree two in the angle of e. With z = exp(i angle) it is a quartic,
+whose roots on the unit circle, four at most, are all there are: found together, as eigenvalues of
+its companion matrix, and none of them a pole.
+
+Of N > 0 the condition G > 0 leaves the solutions that a plane however stiff would have, too: with G
+< 0 a force that grows presses the rim into the plane. n < 0 wherever a direction is admissible;
+where n > 0 the rim may also leave the plane. So where nothing can be held:
+
+    one direction                                    it slips
+    several                                          indeterminate
+    none, n > 0, and e x a = 0, e.a > 0 with G < 0   indeterminate: it slides or lifts
+    none, n > 0                                      it lifts
+    none, n < 0                                      inconsistent
+
+D is symmetric and positive definite, with which the last cannot happen to a rim at rest that
+friction alone acts on (J.-S. Pang and J. C. Trinkle, Math. Programming 73, 1996, 199-226); a rim
+that slips already has no choice of direction, and meets it (`reference.beginnings`). The names are
+those of Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999, 653-677; A. R.
+Champneys and P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
+
+At the edge of the friction cone, where sticking ends, e is against the force that sticking took,
+and a(e) = 0: there slip grows as the square of time, and how fast is found a little later along the
+motion that sticks.
 
 The level part of the angular velocity begins in the same way, under the moment -l_r N e.
 """
@@ -12,19 +48,27 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from reference.contact_modes import Contact, Equations, Mode
 from reference.frames import to_level
+from reference.outcome import Outcome
 from reference.rolled import HARDLY, rolled
 from reference.rows import LEAN, SLIP, Angles
 from reference.states import Floats
 
-DIRECTIONS = 180
+# Samples of a trigonometric polynomial of degree two: five would do.
+SAMPLES = 8
+# The first of them, aside of the likely directions, so that none is a pole.
+ASIDE = 0.5
+# How far a root may be from the unit circle, and two from each other: what round-off makes of a
+# double root is its square root, with a margin.
+ON_CIRCLE = 1e-6
 # How far along to look for the acceleration at the edge of the cone.
 LATER = 1e-6
 # Within this share of the limit the force that holds is on the edge of the cone.
 EDGE = 1e-9
+# A direction this near to that of the edge is the one that begins there.
+NEAR = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,8 +136,8 @@ def slack(equations: Equations, found: Contact, rest: Rest = RIM) -> Floats:
     return np.asarray(limit - np.hypot(*reaction))
 
 
-def onset(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> Onset | None:
-    """Return how slip, or rolling, begins from rest; None if it does not.
+def onset(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> Onset | Outcome | None:
+    """Return how slip, or rolling, begins from rest, or why no one can say; None if it does not.
 
     Parameters
     ----------
@@ -105,52 +149,80 @@ def onset(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> Onse
         Which of the two.
     """
     column, free = y[:, None], rest.freed(mode)
-    reaction, limits = rest.reaction(equations, equations.contact(column, mode))
-    (R1, R2), limit = reaction[:, 0], limits[0]
+    held = equations.contact(column, mode)
+    (R1, R2), limit = (each[..., 0] for each in rest.reaction(equations, held))
     if abs(limit - np.hypot(R1, R2)) > EDGE * max(limit, np.hypot(R1, R2)):
-        return _at_once(equations, y, free, rest)
+        return _only(equations, y, free, rest)
     later = y + LATER * equations.rates(column, mode)[:, 0]
+    found = equations.contact(later[:, None], mode)
+    if slack(equations, found, rest)[0] >= 0:
+        return None
+    only = _only(equations, later, free, rest)
     start = float(np.arctan2(-R2, -R1))
-    width = 1e-3
-
-    def across(angle: float) -> float:
-        return float(_acceleration(equations, later, free, rest, np.array([angle]))[1][0])
-
-    if across(start - width) * across(start + width) > 0:
-        return None
-    angle = float(brentq(across, start - width, start + width, xtol=1e-15))
-    along = float(_acceleration(equations, later, free, rest, np.array([angle]))[0][0])
-    if not along > 0:
-        return None
-    return Onset(angle=start, size=along / LATER / 2, power=2)
+    if isinstance(only, Onset) and abs(np.sin((only.angle - start) / 2)) < NEAR / 2:
+        return Onset(angle=start, size=only.size / LATER / 2, power=2)
+    return only
 
 
-def _at_once(equations: Equations, y: Floats, mode: Mode, rest: Rest) -> Onset | None:
-    """Return the direction in which it gains speed fastest."""
-    # begun aside of the likely directions, so that no root is an end
-    angles = np.linspace(-np.pi, np.pi, DIRECTIONS + 1) + 0.5
-    _, across = _acceleration(equations, y, mode, rest, angles)
-    best: Onset | None = None
-    for i in np.flatnonzero(across[:-1] * across[1:] <= 0):
-        angle = float(
-            brentq(
-                lambda x: float(_acceleration(equations, y, mode, rest, np.array([x]))[1][0]),
-                angles[i],
-                angles[i + 1],
-                xtol=1e-15,
-            )
-        )
-        along = float(_acceleration(equations, y, mode, rest, np.array([angle]))[0][0])
-        if along > 0 and (best is None or along > best.size):
-            best = Onset(angle=angle, size=along, power=1)
-    return best
+def admissible(equations: Equations, y: Floats, mode: Mode, rest: Rest = RIM) -> tuple[Onset, ...]:
+    """Return every direction in which slip, or rolling, may grow from rest.
+
+    Of a state as in `onset`, and the mode in which it is free.
+    """
+    return _growing(equations, y, mode, rest)[0]
 
 
-def _acceleration(
+def _only(equations: Equations, y: Floats, mode: Mode, rest: Rest) -> Onset | Outcome:
+    """Return the only direction, or what it means that there is none or several."""
+    directions, others, falls = _growing(equations, y, mode, rest)
+    if len(directions) == 1:
+        return directions[0]
+    if directions or (others and not falls):
+        return Outcome.INDETERMINATE
+    return Outcome.INCONSISTENT if falls else Outcome.LIFTED
+
+
+def _growing(
+    equations: Equations, y: Floats, mode: Mode, rest: Rest
+) -> tuple[tuple[Onset, ...], int, bool]:
+    """Return the directions, how many there are but for G < 0, and whether n < 0."""
+    steps = np.arange(SAMPLES) / SAMPLES
+    _, across, found = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
+    angles = ASIDE + _roots(across)
+    # the same for every direction, but for round-off
+    falls = bool(np.median(found.force[2] * found.grip) > 0)
+    if not angles.size:
+        return (), 0, falls
+    along, _, found = _yielding(equations, y, mode, rest, angles)
+    grows = (found.force[2] > 0) & (along / found.grip > 0)
+    good = grows & (found.grip > 0)
+    directions = tuple(
+        Onset(angle=float(angle), size=float(size), power=1)
+        for angle, size in zip(angles[good], (along / found.grip)[good], strict=True)
+    )
+    return directions, int((grows & ~good).sum()), falls
+
+
+def _yielding(
     equations: Equations, y: Floats, mode: Mode, rest: Rest, angles: Floats
-) -> tuple[Floats, Floats]:
-    """Acceleration along a direction and across it, both of shape (n,)."""
+) -> tuple[Floats, Floats, Contact]:
+    """Return G a along a direction and across it, both of shape (n,), and the contact."""
     cos, sin = np.cos(angles), np.sin(angles)
     columns = rest.hardly(np.repeat(y[:, None], angles.size, axis=1), np.array([cos, sin]))
-    a1, a2 = rest.acceleration(equations.contact(columns, mode), columns)
-    return a1 * cos + a2 * sin, a2 * cos - a1 * sin
+    found = equations.contact(columns, mode)
+    a1, a2 = rest.acceleration(found, columns) * found.grip
+    return a1 * cos + a2 * sin, a2 * cos - a1 * sin, found
+
+
+def _roots(values: Floats) -> Floats:
+    """Return the zeros of a trigonometric polynomial of degree two, increasing.
+
+    Parameters
+    ----------
+    values : ndarray, shape (SAMPLES,)
+        At equal distances from 0 on.
+    """
+    c0, c1, c2 = np.fft.rfft(values)[:3]
+    z = np.roots([c2, c1, c0, np.conj(c1), np.conj(c2)])
+    angles = np.sort(np.angle(z[np.abs(np.abs(z) - 1) < ON_CIRCLE]))
+    return angles[np.diff(angles, prepend=-np.inf) > ON_CIRCLE]

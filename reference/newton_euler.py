@@ -109,9 +109,8 @@ class GeneralEquations:
 
     @property
     def pulls(self) -> bool:
-        """Whether the plane may pull: where no law needs the normal force, it is not asked."""
-        e = self.effects
-        return e.mu is None and not e.drilling and not e.rolling_resistance
+        """Whether the plane may pull: under the ideal can alone."""
+        return not self.effects.declared()
 
     def turning(self, y: Floats) -> Floats:
         """Return the angular velocity about the normal, shape (n,)."""
@@ -245,6 +244,12 @@ class GeneralEquations:
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
         columns[:, -1] = answer
         matrix = np.moveaxis(columns[held], -1, 0)
+        grip = answer[NORMAL]
+        if len(held) > 1:
+            # what is held answers, too; the law of the normal force in the last column
+            rows = held[:-1]
+            others = np.linalg.solve(mobility[:, rows][:, :, rows], answer[rows].T[..., None])
+            grip = grip - np.einsum("ni,ni->n", mobility[:, NORMAL][:, rows], others[..., 0])
         share = np.linalg.solve(matrix, -start[held].T[..., None])[..., 0].T
         wrench = law * share[-1]
         for row, index in enumerate(held[:-1]):
@@ -256,7 +261,7 @@ class GeneralEquations:
             moment=wrench[:3],
             turning=to_body(both[:3], at),
             slipping=both[[SLIP_1, SLIP_2]],
-            grip=answer[NORMAL] * here.mass,
+            grip=grip * here.mass,
         )
 
 

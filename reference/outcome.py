@@ -14,7 +14,18 @@ class Outcome(Enum):
     )
     NO_BOUNCE = "The can did not bounce: phi ran on without the next maximum."
     LIFTED = "The plane would have to pull: the can leaves it, and rolling on it ends."
-    JAMMED = "The rim jams: for a rigid can, sliding has no solution, or several (Painleve)."
+    INCONSISTENT = (
+        "No motion of a rigid can satisfies the law of friction here: it is inconsistent "
+        "(Painleve's paradox), and a real contact would answer with a jolt."
+    )
+    INDETERMINATE = (
+        "Several motions of a rigid can satisfy the law of friction here: which follows is "
+        "indeterminate (Painleve's paradox)."
+    )
+    JAMMED = (
+        "The sliding rim jams: its mobility along the normal falls to zero, where the force of the "
+        "plane has no bound (dynamic jamming, in Painleve's paradox)."
+    )
     OUTWORKED = (
         "The motion calls for more than 200000 evaluations of its equations: it is not followed "
         "further."

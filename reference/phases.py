@@ -12,7 +12,7 @@ import numpy as np
 from reference.beginnings import Beginning, begin, begin_roll, begin_slip, settled, straight_on
 from reference.contact_modes import Equations, Kind, Mode, Phase
 from reference.events import Event, What, events
-from reference.halting import at_rest, halted, left_of_roll, left_of_slip
+from reference.halting import at_rest, halted, left_of_roll, left_of_slip, left_to_jam
 from reference.outcome import Outcome
 from reference.pieces import Piece, PiecesPath
 from reference.problem import Problem
@@ -46,6 +46,8 @@ LONGEST = 8.0
 FIRST = 0.05
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
+# A step that cannot be taken this near to where the rim jams cannot because of that.
+JAMMED = 10 * SHORTEST
 # Where a slip or a rolling is about to stop a step covers this share of what is left of it.
 SHARE = 0.8
 # Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
@@ -97,9 +99,7 @@ class Follower:
         while not self.watch.ended():
             piece = self._step()
             if piece is None:
-                spent = self._evaluations > MOST_WORK
-                ending = Outcome.OUTWORKED if spent else Outcome.STALLED
-                self.watch.end(float(self._y[TIME]), ending)
+                self.watch.end(float(self._y[TIME]), self._stuck())
                 break
             self._see(piece)
         path = PiecesPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
@@ -113,6 +113,13 @@ class Follower:
             evaluations=self._evaluations,
             phases=tuple(self._phases()),
         )
+
+    def _stuck(self) -> Outcome:
+        """Return why there is no next step."""
+        if self._evaluations > MOST_WORK:
+            return Outcome.OUTWORKED
+        jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
+        return Outcome.JAMMED if jams else Outcome.STALLED
 
     def _step(self) -> Piece | None:
         """Take the longest step that is resolved, unless too much has been spent."""

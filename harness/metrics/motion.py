@@ -9,6 +9,9 @@ from harness.trajectory import Floats, Trajectory
 from models.record import Angles, angles_of_record
 from models.scene import Scene
 
+_LIGHT = 1e-3
+"""Share of the weight; with less a can is about to lift off: that of `reference.guard`, too."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motion:
@@ -23,7 +26,8 @@ class Motion:
     locus : ndarray, shape (n, 2)
         Contact locus in the plane, m; NaN where nothing touches.
     friction_ratio : ndarray, shape (n,)
-        |F|/N from the engine's own forces; NaN where nothing touches.
+        |F|/N from the engine's own forces; NaN where nothing touches, or hardly: with less than a
+        thousandth of the weight, for at lift-off the ratio grows without bound.
     slip : ndarray, shape (n,)
         Horizontal speed of the can's material at the contact point, m/s; NaN likewise.
     touching : ndarray of bool, shape (n,)
@@ -51,7 +55,8 @@ def motion(trajectory: Trajectory, scene: Scene) -> Motion:
     )
     force, point = trajectory.contact_force, trajectory.contact_point
     touching = (force[:, 2] > 0.0) & np.isfinite(point).all(axis=1)
-    normal = np.where(touching, force[:, 2], np.nan)
+    bears = force[:, 2] >= _LIGHT * scene.can.mass * scene.gravity
+    normal = np.where(touching & bears, force[:, 2], np.nan)
     arm = point - trajectory.position
     material = trajectory.velocity + np.cross(trajectory.angular_velocity, arm)
     return Motion(

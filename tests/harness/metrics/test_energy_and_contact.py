@@ -103,3 +103,15 @@ def test_the_friction_ratio_is_that_of_the_forces(made: Made, gentle: Scene) -> 
     assert found.friction_ratio[0] == 0.5
     assert np.isnan(found.friction_ratio[1:]).all()  # no contact, and a plane that pulls
     np.testing.assert_array_equal(found.touching, (True, False, False))
+
+
+def test_a_can_about_to_lift_off_has_no_friction_ratio(made: Made, gentle: Scene) -> None:
+    """Of a normal force that is round-off it would be 1e15."""
+    weight = gentle.can.mass * gentle.gravity
+    force = weight * np.array(
+        ((0.2, 0.0, 1.0), (0.2, 0.0, 2e-3), (0.2, 0.0, 1e-3 / 2), (0.2, 0, 1e-16))
+    )
+    found = motion(made(4, contact_force=force, contact_point=np.zeros((4, 3))), gentle)
+    assert found.friction_ratio[:2] == pytest.approx([0.2, 100.0])
+    assert np.isnan(found.friction_ratio[2:]).all()
+    assert found.touching.all()
