@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.frobenius import Can, Series, frobenius_series, terms_needed
-from reference.outcome import Outcome
 from reference.graded import graded_integrals
+from reference.outcome import Outcome
 from reference.quadrature import clock_of, cycle_integrals, nodes_needed, select_points
 from reference.states import Floats
 from reference.turning_points import OUTCOMES, TurningPoints, turning_points

@@ -57,9 +57,7 @@ def graded_integrals(
         if level == 0:
             np.add.at(scale.T, owner, np.abs(many).T)
         error = np.abs(many - few)
-        good = (
-            error <= AGREED * scale[:, owner] + NOISY * noise * np.abs(many)
-        ).all(axis=0)
+        good = (error <= AGREED * scale[:, owner] + NOISY * noise * np.abs(many)).all(axis=0)
         converged[owner[~np.isfinite(many).all(axis=0)]] = False
         np.add.at(sums.T, owner[good], many[:, good].T)
         open_ = ~good & converged[owner]

@@ -85,9 +85,7 @@ def nodes_needed(clock: Clock) -> NDArray[np.int64]:
     return np.asarray(8 * np.ceil(raw / 8), dtype=np.int64)
 
 
-def rates(
-    points: TurningPoints, clock: Clock, fraction: Floats, *, careful: bool = False
-) -> Rates:
+def rates(points: TurningPoints, clock: Clock, fraction: Floats, *, careful: bool = False) -> Rates:
     """Rates of the motion in the clock's time.
 
     Parameters

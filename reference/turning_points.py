@@ -162,9 +162,7 @@ def _swing(well: Well, low: Floats) -> Floats:
     return swing
 
 
-def _upper(
-    well: Well, *, certain: bool
-) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+def _upper(well: Well, *, certain: bool) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
     """Distance of the first root of g above the release, if one is below pi/2, and if that is sure.
 
     Trial nutations are the Chebyshev points in log(phi).

@@ -128,8 +128,10 @@ def _by_sixty_digits(tally: Tally, release: Made, answers: dict[str, Answer]) ->
     truth = truth_of(numbers_of(release))
     known = conditioning(release, truth)
     decides = known["gap"] * ROUNDINGS
-    if len(answers) < 2:  # noqa: PLR2004 - the batch and the single scene
-        tally.refusals.append(f"{family}: conditioning of the barrier {known['gap']:.1e}; {release}")
+    if len(answers) < 2:
+        tally.refusals.append(
+            f"{family}: conditioning of the barrier {known['gap']:.1e}; {release}"
+        )
         if decides < 1:
             tally.faults.append(f"{family}: refused, though the barrier is known: {release}")
     for name, answer in answers.items():
@@ -170,7 +172,7 @@ def _of_batch(cycles: Cycles, number: int) -> Answer:
 
 
 def _of_solution(solution: Solution) -> Answer:
-    if solution.outcome is not Outcome.FINISHED or len(solution.bounces) < 2:  # noqa: PLR2004
+    if solution.outcome is not Outcome.FINISHED or len(solution.bounces) < 2:
         return Answer(outcome=solution.outcome)
     maxima = solution.maxima
     return Answer(

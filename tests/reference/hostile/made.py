@@ -19,6 +19,8 @@ FAMILIES = ("upper well", "separatrix", "steady")
 GRID = np.unique(np.concatenate([np.geomspace(1e-4, 1.57, 300), np.linspace(0.02, 1.57, 300)]))
 # Of the energies beside a barrier, relative: from a tenth down to round-off.
 DECADES = 16.0
+# Steady motions of one can among which one is chosen.
+STEADY = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,50 +68,46 @@ def made(count: int, seed: int) -> Iterator[Made]:
 
 
 def _try(family: str, rng: np.random.Generator) -> Made | None:
-    """Construct a release, if the random branch allows it."""
+    """Construct a release, if a steady motion of a random can allows it."""
     a = 10.0 ** rng.uniform(-1.5, 1.0)
-    c = 2 * a if rng.random() < 0.1 else a * rng.uniform(0.02, 2.0)  # noqa: PLR2004 - a tenth
+    c = 2 * a if rng.random() < 0.1 else a * rng.uniform(0.02, 2.0)
     can = Parameters(a=a, c=min(c, 2 * a), h=10.0 ** rng.uniform(-2.0, 1.0))
-    phi = float(rng.uniform(0.03, 1.5))
-    psi_dot = float(rng.choice([-1, 1]) * 10.0 ** rng.uniform(-1.5, 0.7))
-    theta_dot = equilibria.steady_rotation(can, phi, psi_dot)
-    centre = equilibria.squared_eigenvalue(can, phi, psi_dot, theta_dot) < 0
-    K, B = first_integrals(
-        can_of(can),
-        series_of(can),
-        np.array([phi]),
-        np.array([psi_dot]),
-        np.array([psi_dot + theta_dot]),
+    phi = rng.uniform(0.03, 1.55, STEADY)
+    psi_dot = rng.choice([-1, 1], STEADY) * 10.0 ** rng.uniform(-1.5, 0.7, STEADY)
+    theta_dot = np.array(
+        [equilibria.steady_rotation(can, *at) for at in zip(phi, psi_dot, strict=True)]
     )
-    branch = Branch(parameters=can, K=K, B=B)
-    if family == "steady":
-        return _beside(family, branch, phi, rng)
-    V = branch.potential(GRID)
-    tops = np.flatnonzero((V[1:-1] > V[:-2]) & (V[1:-1] > V[2:])) + 1
-    if family == "upper well":
-        below = tops[phi > GRID[tops]]
-        if not centre or not below.size:
-            return None
-        barrier = float(V[below[-1]])
-        bottom = float(branch.potential(np.array([phi]))[0])
-        if barrier <= bottom:
-            return None
-        return _at_energy(
-            family, branch, phi, bottom + rng.uniform(0.01, 1.5) * (barrier - bottom), rng
-        )
-    if centre:
+    K, B = first_integrals(can_of(can), series_of(can), phi, psi_dot, psi_dot + theta_dot)
+    V = Branch(parameters=can, K=K, B=B).potential(GRID[:, None])
+    at = np.searchsorted(GRID, phi)
+    inner = np.arange(GRID.size)[1:-1, None]
+    tops = (V[1:-1] > V[:-2]) & (V[1:-1] > V[2:])
+    beside = np.abs(inner - at) <= 1
+    # a maximum of the potential on the steady motion itself, or between it and the flat state
+    saddle, above = (tops & beside).any(axis=0), (tops & (inner < at - 1)).any(axis=0)
+    wanted = {"upper well": above & ~saddle, "separatrix": saddle, "steady": at > 0}[family]
+    if not wanted.any():
         return None
-    height = float(branch.potential(np.array([phi]))[0])
-    sign = float(rng.choice([-1.0, 1.0]))
-    energy = height * (1 + sign * 10.0 ** -rng.uniform(1.0, DECADES))
-    return _at_energy(family, branch, phi, energy, rng)
+    one = int(rng.choice(np.flatnonzero(wanted)))
+    branch = Branch(parameters=can, K=K[one : one + 1], B=B[one : one + 1])
+    place = float(phi[one])
+    if family == "steady":
+        return _beside(family, branch, place, rng)
+    height = float(branch.potential(np.array([place]))[0])
+    if family == "upper well":
+        # the nearest barrier below
+        barrier = float(V[1:-1, one][tops[:, one] & (inner[:, 0] < at[one] - 1)][-1])
+        energy = height + rng.uniform(0.01, 1.5) * (barrier - height)
+    else:
+        energy = height * (1 + float(rng.choice([-1.0, 1.0])) * 10.0 ** -rng.uniform(1.0, DECADES))
+    return _at_energy(family, branch, place, energy, rng)
 
 
 def _beside(family: str, branch: Branch, phi: float, rng: np.random.Generator) -> Made | None:
     """Release a little off a steady motion, at rest or moving."""
     off = float(rng.choice([-1, 1]) * 10.0 ** rng.uniform(-12.0, -1.0))
     place, phi_dot = phi * (1 + off), 0.0
-    if rng.random() < 0.5:  # noqa: PLR2004 - half of them
+    if rng.random() < 0.5:
         place, phi_dot = phi, off
     return _made(family, branch, place, phi_dot)
 
@@ -119,7 +117,7 @@ def _at_energy(
 ) -> Made | None:
     """Release with an energy: at rest where the potential has that level, or moving elsewhere."""
     V = branch.potential(GRID) - energy
-    if rng.random() < 0.3:  # noqa: PLR2004 - less than half of them
+    if rng.random() < 0.3:
         room = np.flatnonzero(V < 0)
         if not room.size:
             return None

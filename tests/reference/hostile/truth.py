@@ -52,7 +52,9 @@ def numbers_of(made: Made) -> dict[str, mp.mpf]:
 def _universal() -> tuple[list[mp.mpf], ...]:
     """Series of S, T, T', T T', phi T'/T and 2 phi T'^2/T."""
     with mp.workdps(DIGITS):
-        sine = [mp.mpf(0) if n % 2 == 0 else (-1) ** (n // 2) / mp.factorial(n) for n in range(TERMS)]
+        sine = [
+            mp.mpf(0) if n % 2 == 0 else (-1) ** (n // 2) / mp.factorial(n) for n in range(TERMS)
+        ]
         tangent, slope = [mp.mpf(0)], []
         for n in range(1, TERMS + 1):
             square = mp.fdot(tangent[:n], tangent[n - 1 :: -1])
