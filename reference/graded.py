@@ -19,6 +19,7 @@ FINE = np.polynomial.legendre.leggauss(12)
 # Parts at first, and how often one is divided: a peak 2^-40 wide is below what g resolves.
 PARTS = 8
 MOST_LEVELS = 44
+MOST_OPEN = 24
 # Of the whole integral, on one part.
 AGREED = 1e-14
 # The rate is known to half the share that g is; the two rules feel it differently.
@@ -60,6 +61,8 @@ def graded_integrals(
         good = (error <= AGREED * scale[:, owner] + NOISY * noise * np.abs(many)).all(axis=0)
         converged[owner[~np.isfinite(many).all(axis=0)]] = False
         np.add.at(sums.T, owner[good], many[:, good].T)
+        # round-off has no end: a peak leaves few parts open, whatever its width
+        converged[np.bincount(owner[~good], minlength=n) > MOST_OPEN] = False
         open_ = ~good & converged[owner]
         if not open_.any():
             break

@@ -148,8 +148,8 @@ def _from_below(points: TurningPoints) -> Well:
 def cycle_integrals(points: TurningPoints, nodes: int) -> tuple[Floats, ...]:
     """Return period, turn, rotation, phi_min, phi_max, peak rate, each of shape (n,), and doubt.
 
-    The nodes are doubled where they turn out too few. Doubt is 1 where g was not shown to be
-    positive between the turning points, or the rule did not converge: the others mean nothing there.
+    The nodes are doubled where they turn out too few. Doubt is 1, and the others mean nothing,
+    where g was not shown to be positive between the turning points, or the rule did not converge.
     """
     clock = clock_of(points)
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes

@@ -115,7 +115,6 @@ def turning_points(well: Well, *, certain: bool) -> TurningPoints:
     code[~bottom] = OUTCOMES.index(Outcome.FELL_FLAT)
     code[found & bottom & (swing <= PROMINENCE * high)] = OUTCOMES.index(Outcome.STEADY)
     code[~found] = OUTCOMES.index(Outcome.OVERTURNED)
-    # moving down with too much energy to turn at the top: flat comes first if nothing turns
     code[~decided] = OUTCOMES.index(Outcome.UNRESOLVED)
     code[still] = OUTCOMES.index(Outcome.STEADY)
     return TurningPoints(well=based, low=low, high=high, swing=swing, climb=climb, code=code)

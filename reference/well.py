@@ -33,8 +33,7 @@ POISED = 1e-3
 # Down to here the mean force is taken, over this share of the reference nutation; the singularity
 # at phi = 0 is so far that Gauss's rule with six nodes is exact to (0.05/4)^12.
 BESIDE = 0.05
-# Rounded operations that count in a difference of energies, of the size of its terms; the largest
-# of SEEN errors against forty digits is SHARE of this.
+# Rounded operations that count in a difference of energies, of the size of its terms.
 UNCERTAIN = 2.0
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
 

@@ -11,6 +11,11 @@ from harness.provenance import provenance
 from tests.reference.hostile.campaign import AGREED, LONGEST, ROUNDINGS, Tally, campaign
 from tests.reference.hostile.made import FAMILIES
 
+HEAD = (
+    "| family | releases | bounce | refused: batch | refused: single | held to sixty digits "
+    "| worst error over what is allowed |"
+)
+
 
 def page(tally: Tally, count: int, seed: int) -> str:
     """Return the report of a campaign."""
@@ -30,8 +35,7 @@ def page(tally: Tally, count: int, seed: int) -> str:
         "",
         told,
         "",
-        "| family | releases | bounce | refused: batch | refused: single | held to sixty digits "
-        "| worst error over what is allowed |",
+        HEAD,
         "|---|---:|---:|---:|---:|---:|---:|",
     ]
     for family in FAMILIES:
@@ -46,8 +50,9 @@ def page(tally: Tally, count: int, seed: int) -> str:
         lines.append(f"| {family} | {cells} | {tally.worst.get(family, 0.0):.2g} |")
     lines += [
         "",
-        f"The slowest scene took {tally.slowest:.2f} s of the processor, {LONGEST:g} s are allowed;"
-        f" {len(tally.faults)} faults.",
+        f"Slowest scene: {tally.slowest:.2f} s of the processor, {LONGEST:g} s are allowed.",
+        "",
+        f"{len(tally.faults)} faults.",
         *(f"- {fault}" for fault in tally.faults),
         "",
         "Refusals, each with the share of the least energy gap that half an ulp of the numbers "

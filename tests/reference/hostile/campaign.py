@@ -1,4 +1,4 @@
-"""Many constructed releases, each solved in a batch and by itself and held to an independent answer.
+"""Constructed releases, each solved in a batch and by itself, held to an independent answer.
 
 Two answers that agree to AGREED are right. Where they do not, sixty digits decide, and an error is
 held to what half an ulp of the numbers given does to the motion.
@@ -151,7 +151,7 @@ def _by_sixty_digits(tally: Tally, release: Made, answers: dict[str, Answer]) ->
             tally.worst[family] = max(tally.worst.get(family, 0.0), share)
             if share > 1 and decides < 1:
                 tally.faults.append(
-                    f"{family}: {name}, {measure} off by {error:.1e}, allowed {allowed:.1e}: {release}"
+                    f"{family}: {name}, {measure} off by {error:.1e} of {allowed:.1e}: {release}"
                 )
 
 

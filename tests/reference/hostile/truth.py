@@ -5,8 +5,9 @@ a reference anywhere: cancellation is met with digits. Roots by a scan of the ef
 and all its extrema; the period by tanh-sinh quadrature split at them.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import mpmath as mp
 
@@ -207,7 +208,7 @@ def _period(well: Potential, low: mp.mpf, high: mp.mpf, gaps: list[mp.mpf]) -> m
     inside = sorted(2 * mp.asin(mp.sqrt((x - low) / swing)) for x in gaps if low < x < high)
     splits = [mp.mpf(0), *inside, mp.pi]
     parts = []
-    for left, right in zip(splits, splits[1:], strict=False):
+    for left, right in pairwise(splits):
         # graded towards both ends, where the neighbouring root may be near
         shares = [mp.mpf(10) ** -k for k in range(11, 0, -1)]
         nodes = [0, *shares, mp.mpf(1) / 2, *[1 - share for share in shares[::-1]], 1]
@@ -219,7 +220,7 @@ def _period(well: Potential, low: mp.mpf, high: mp.mpf, gaps: list[mp.mpf]) -> m
 
 
 def conditioning(made: Made, truth: Truth) -> dict[str, float]:
-    """What half an ulp of every number given changes at most: of period and phi_min, relative.
+    """Return the relative change of period and phi_min for half an ulp of each number given.
 
     `gap` is the change of the least gap over the gap: beyond 1 round-off decides what follows.
     """
@@ -231,12 +232,7 @@ def conditioning(made: Made, truth: Truth) -> dict[str, float]:
         other = truth_of({**numbers, name: value * (1 + STEP)})
         for key in changed:
             one, two = getattr(truth, key), getattr(other, key)
-            if one is None or two is None or one == mp.inf or two == mp.inf:
+            if one is None or two is None or mp.inf in (one, two):
                 continue
             changed[key] += abs(two / one - 1) / STEP * EPS
     return {key: float(value) for key, value in changed.items()}
-
-
-def moved(made: Made, **changes: float) -> Made:
-    """Return the release with some numbers changed."""
-    return replace(made, **changes)
