@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.frobenius import Can, Series, frobenius_series, terms_needed
+from reference.graded import graded_integrals
 from reference.outcome import Outcome
 from reference.quadrature import clock_of, cycle_integrals, nodes_needed, select_points
 from reference.states import Floats
-from reference.turning_points import OUTCOMES, turning_points
-from reference.well import Well, well_at
+from reference.turning_points import OUTCOMES, TurningPoints, turning_points
+from reference.well import Well, select_well, well_at
 
 # Releases treated together, and numbers in flight in one array: what stays in a processor's cache.
 CHUNK = 8192
@@ -153,20 +154,41 @@ def _chunk(
     # phi may rise above its release: only where it rests and falls is the release the highest
     highest = np.pi / 2 if phi_dot.any() else float(phi.max())
     series = frobenius_series(can, terms_needed(highest))
-    points = turning_points(release_well(can, series, **release))
+    well = release_well(can, series, **release)
+    points = turning_points(well, certain=False)
     if float(points.high.max()) > highest:
-        series = frobenius_series(can, terms_needed(np.pi / 2))
-        points = turning_points(release_well(can, series, **release))
-    out = [np.zeros(phi.size) for _ in range(6)]
-    bounced = np.flatnonzero(points.code == OUTCOMES.index(Outcome.FINISHED))
+        well = release_well(can, frobenius_series(can, terms_needed(np.pi / 2)), **release)
+        points = turning_points(well, certain=False)
+    code, out, doubted = _integrated(points)
+    if doubted.size:
+        # other roots may lie between the two: isolate them all
+        certain = turning_points(select_well(well, doubted), certain=True)
+        code[doubted], better, left = _integrated(certain)
+        for field, values in zip(out, better, strict=True):
+            field[doubted] = values
+        if left.size:
+            values, converged = graded_integrals(select_points(certain, left))
+            code[doubted[left[~converged]]] = OUTCOMES.index(Outcome.UNRESOLVED)
+            for field, value in zip(out, values, strict=True):
+                field[doubted[left]] = np.where(converged, value, 0.0)
+    return code, out[0], out[1], out[2], out[3], out[4], out[5]
+
+
+def _integrated(
+    points: TurningPoints,
+) -> tuple[NDArray[np.int8], list[Floats], NDArray[np.intp]]:
+    """Return codes and integrals of releases, and the numbers of those in doubt."""
+    code = points.code.copy()
+    out = [np.zeros(code.size) for _ in range(6)]
+    doubt = np.zeros(code.size)
+    bounced = np.flatnonzero(code == OUTCOMES.index(Outcome.FINISHED))
     if bounced.size:
         points_there = select_points(points, bounced)
-        clock = clock_of(points_there)
-        nodes = nodes_needed(clock)
+        nodes = nodes_needed(clock_of(points_there))
         for count in np.unique(nodes).tolist():
             group = np.flatnonzero(nodes == count)
             for part in np.array_split(group, 1 + group.size * count // CACHED):
                 values = cycle_integrals(select_points(points_there, part), count)
-                for field, value in zip(out, values, strict=True):
+                for field, value in zip([*out, doubt], values, strict=True):
                     field[bounced[part]] = value
-    return points.code, out[0], out[1], out[2], out[3], out[4], out[5]
+    return code, out, np.flatnonzero(doubt)

@@ -206,7 +206,7 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
     }
     series = series_of(problem.parameters)
     released = release_well(can, series, **release)
-    points = turning_points(released)
+    points = turning_points(released, certain=True)
     if OUTCOMES[int(points.code[0])] is not Outcome.FINISHED:
         return None
     clock = clock_of(points)

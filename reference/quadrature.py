@@ -5,14 +5,16 @@ converges exponentially: with the nodes that `nodes_needed` asks for it is exact
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.brackets import stays_positive
 from reference.elliptic import Clock
 from reference.states import Floats
 from reference.turning_points import TurningPoints
-from reference.well import level, select_well
+from reference.well import Well, level, select_well, slope_noise, well_at
 
 # Nodes that make exp(-2 pi strip nodes/K) smaller than round-off: 38 is -log of 3e-17.
 DECADES = 38.0
@@ -27,12 +29,23 @@ TAIL = 3e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rates:
-    """Rates in the clock's time u, shape (m, n): of t, of psi and of psi + theta."""
+    """Rates in the clock's time u, shape (m, n): of t, of psi and of psi + theta.
+
+    Attributes
+    ----------
+    room : ndarray
+        g S^2 over the quartic of the clock: smooth, and positive between two turning points. Where
+        it is not, the rates are no numbers.
+    noise : ndarray
+        Round-off of g as a share of g, where it was asked for.
+    """
 
     time: Floats
     precession: Floats
     total: Floats
     psi_dot: Floats
+    room: Floats
+    noise: Floats
 
 
 def select_points(points: TurningPoints, index: NDArray[np.intp]) -> TurningPoints:
@@ -72,15 +85,17 @@ def nodes_needed(clock: Clock) -> NDArray[np.int64]:
     return np.asarray(8 * np.ceil(raw / 8), dtype=np.int64)
 
 
-def rates(points: TurningPoints, clock: Clock, fraction: Floats) -> Rates:
+def rates(points: TurningPoints, clock: Clock, fraction: Floats, *, careful: bool = False) -> Rates:
     """Rates of the motion in the clock's time.
 
     Parameters
     ----------
     points : TurningPoints
     clock : Clock
-    fraction : ndarray, shape (m, 1)
+    fraction : ndarray, shape (m, 1) or (m, n)
         Where, as a fraction of K, inside (0, 1).
+    careful : bool
+        Whether to compute g near phi_min by its difference from there, and to tell its round-off.
 
     Returns
     -------
@@ -90,19 +105,51 @@ def rates(points: TurningPoints, clock: Clock, fraction: Floats) -> Rates:
     state = level(points.well, phi, gap)
     can = points.well.can
     S = state.sine
-    # g S^2 over the quartic of the clock: smooth and positive
-    smooth = S**2 * state.slope / (rise * (phi + points.low) * ((clock.beyond - clock.high) + gap))
-    # at an exact double root round-off may leave a zero
-    smooth = np.maximum(smooth, np.finfo(float).tiny)
-    time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(smooth)
+    noise = np.zeros(0)
+    g = state.slope * gap
+    if careful:
+        noise = slope_noise(points.well, phi, gap, state) * gap
+        well = _from_below(points)
+        low_state = level(well, phi, -rise)
+        low_noise = slope_noise(well, phi, -rise, low_state) * rise
+        near = low_noise < noise
+        g = np.where(near, -low_state.slope * rise, g)
+        noise = np.where(near, low_noise, noise) / np.abs(g)
+    quartic = rise * gap * (phi + points.low) * ((clock.beyond - clock.high) + gap)
+    room = S**2 * g / quartic
+    time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(np.where(room > 0, room, np.nan))
     psi_dot = state.b / S**2
-    return Rates(time=time, precession=psi_dot * time, total=state.spin * time, psi_dot=psi_dot)
+    return Rates(
+        time=time,
+        precession=psi_dot * time,
+        total=state.spin * time,
+        psi_dot=psi_dot,
+        room=room,
+        noise=noise,
+    )
+
+
+def _from_below(points: TurningPoints) -> Well:
+    """Return the wells, referred to phi_min."""
+    well = points.well
+    bottom = level(well, points.low[None], points.swing[None])
+    return well_at(
+        well.can,
+        well.series,
+        phi=points.low,
+        b=bottom.b[0],
+        spin=bottom.spin[0],
+        excess=np.zeros_like(points.low),
+        B=well.B,
+        short=well.short + points.swing,
+    )
 
 
 def cycle_integrals(points: TurningPoints, nodes: int) -> tuple[Floats, ...]:
-    """Return period, turn, rotation, phi_min, phi_max, peak rate, each of shape (n,).
+    """Return period, turn, rotation, phi_min, phi_max, peak rate, each of shape (n,), and doubt.
 
-    The nodes are doubled where they turn out too few.
+    The nodes are doubled where they turn out too few. Doubt is 1, and the others mean nothing,
+    where g was not shown to be positive between the turning points, or the rule did not converge.
     """
     clock = clock_of(points)
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
@@ -111,18 +158,38 @@ def cycle_integrals(points: TurningPoints, nodes: int) -> tuple[Floats, ...]:
     period, turn, total = (
         scale * part.sum(axis=0) for part in (found.time, found.precession, found.total)
     )
-    peak = _peak(points, found)
-    values = [period, turn, total - turn, points.low, points.high, peak]
-    rough = np.flatnonzero(_unresolved(found)) if nodes < MOST_NODES else np.empty(0, dtype=int)
-    if rough.size:
-        for field, better in zip(
-            values, cycle_integrals(select_points(points, rough), 2 * nodes), strict=True
-        ):
-            field[rough] = better
+    doubt = ~known_positive(found)
+    rough = ~doubt & unresolved(found)
+    values = [period, turn, total - turn, points.low, points.high, peak_rate(points, found)]
+    if nodes < MOST_NODES:
+        few = np.flatnonzero(rough)
+        values.append(np.asarray(doubt, dtype=float))
+        if few.size:
+            better = cycle_integrals(select_points(points, few), 2 * nodes)
+            for field, value in zip(values, better, strict=True):
+                field[few] = value
+    else:
+        values.append(np.asarray(doubt | rough, dtype=float))
     return tuple(np.array(value) for value in values)
 
 
-def _unresolved(found: Rates) -> NDArray[np.bool_]:
+def known_positive(found: Rates) -> NDArray[np.bool_]:
+    """Whether g is shown to be positive between the turning points, of rates at midpoints."""
+    room = found.room
+    series = _to_cosines(room.shape[0]) @ room
+    return np.asarray((room > 0).all(axis=0) & stays_positive(room, series))
+
+
+@lru_cache(maxsize=64)
+def _to_cosines(n: int) -> Floats:
+    """Matrix from values at n midpoints of [0, pi] to coefficients of cos(k u), shape (n, n)."""
+    angle = np.pi * (np.arange(n) + 0.5) / n
+    matrix = np.cos(np.outer(np.arange(n), angle)) * (2 / n)
+    matrix[0] /= 2
+    return np.asarray(matrix)
+
+
+def unresolved(found: Rates) -> NDArray[np.bool_]:
     """Where the two highest harmonics of an integrand have not yet fallen."""
     nodes = found.time.shape[0]
     angle = np.pi * (np.arange(nodes) + 0.5) / nodes
@@ -133,7 +200,7 @@ def _unresolved(found: Rates) -> NDArray[np.bool_]:
     return rough
 
 
-def _peak(points: TurningPoints, found: Rates) -> Floats:
+def peak_rate(points: TurningPoints, found: Rates) -> Floats:
     """Precession rate of largest magnitude on the way."""
     low, high = points.low, points.high
     bottom = level(points.well, low[None], points.swing[None])

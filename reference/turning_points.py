@@ -5,12 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.brackets import first_brackets, stays_positive
+from reference.chebyshev import to_coefficients
 from reference.outcome import Outcome
 from reference.rolling import ROUND_OFFS
 from reference.roots import bracketed_roots
 from reference.states import Floats
 from reference.track import PROMINENCE
-from reference.well import Well, level, nutation_force, select_well, well_at
+from reference.well import Well, level, nutation_force, select_well, slope_noise, well_at
 
 OUTCOMES = tuple(Outcome)
 # Up to here phi is searched for its maximum: beyond it the side of the can meets the plane.
@@ -21,6 +23,13 @@ COARSE = 8
 NEARBY = 0.1
 # Below this the square of b underflows, and the far rim is nearer than any length in physics.
 SMALLEST = 1e-150
+# Down to this share of phi_max a can without B is searched for a turning point: the energy there is
+# that of the flat state to round-off.
+FLAT = 1e-17
+# Distances from a root that is known to a few ulp are looked for within so many.
+MARGIN = 16.0
+# So near the reference, as a share of it, that g/(r - phi) has its limit.
+BESIDE = 1e-20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +47,8 @@ class TurningPoints:
     climb : ndarray
         From the release up to phi_max, to relative round-off.
     code : ndarray of int
-        Index into `OUTCOMES`; FINISHED where the can bounces.
+        Index into `OUTCOMES`; FINISHED where the can bounces, UNRESOLVED where round-off decides
+        which root is the first.
     """
 
     well: Well
@@ -49,13 +59,16 @@ class TurningPoints:
     code: NDArray[np.int8]
 
 
-def turning_points(well: Well) -> TurningPoints:
-    """Extrema of phi around the release.
+def turning_points(well: Well, *, certain: bool) -> TurningPoints:
+    """Extrema of phi around the release: the first roots of g above and below it.
 
     Parameters
     ----------
     well : Well
         Referred to the release, with `excess` its kinetic energy of nutation.
+    certain : bool
+        Whether no root is stepped over. Otherwise a few trial nutations bracket a root, and
+        whoever integrates between the roots has to show that g is positive there.
 
     Returns
     -------
@@ -71,9 +84,12 @@ def turning_points(well: Well) -> TurningPoints:
     still = at_rest & (np.abs(force) <= noise)
     falling = at_rest & (force < 0)
     climb, found = np.zeros_like(release), falling | still
+    decided = np.ones(release.shape, dtype=bool)
     climbing = np.flatnonzero(~found)
     if climbing.size:
-        climb[climbing], found[climbing] = _upper(select_well(well, climbing))
+        climb[climbing], found[climbing], decided[climbing] = _upper(
+            select_well(well, climbing), certain=certain
+        )
     high = release + climb
     top = level(well, high[None], -climb[None])
     based = well_at(
@@ -87,13 +103,19 @@ def turning_points(well: Well) -> TurningPoints:
         B=well.B,
         short=well.short - climb,
     )
-    low, bottom = _lower(based)
-    swing = _swing(based, low)
+    # a can that rests and rises is at its minimum
+    rising = at_rest & ~still & ~falling
+    low, swing, bottom = release.copy(), climb.copy(), np.ones(release.shape, dtype=bool)
+    turning = np.flatnonzero(found & ~still & ~rising & decided)
+    if turning.size:
+        low[turning], swing[turning], bottom[turning], decided[turning] = _lower(
+            select_well(based, turning), certain=certain
+        )
     code = np.full(release.shape, OUTCOMES.index(Outcome.FINISHED), dtype=np.int8)
     code[~bottom] = OUTCOMES.index(Outcome.FELL_FLAT)
     code[found & bottom & (swing <= PROMINENCE * high)] = OUTCOMES.index(Outcome.STEADY)
     code[~found] = OUTCOMES.index(Outcome.OVERTURNED)
-    # moving down with too much energy to turn at the top: flat comes first if nothing turns
+    code[~decided] = OUTCOMES.index(Outcome.UNRESOLVED)
     code[still] = OUTCOMES.index(Outcome.STEADY)
     return TurningPoints(well=based, low=low, high=high, swing=swing, climb=climb, code=code)
 
@@ -116,7 +138,9 @@ def fall_below(well: Well, points: TurningPoints) -> Floats:
         slope = level(some, (some.reference - below)[None], below[None]).slope[0]
         return np.asarray(np.where(below == 0, some.excess, slope * below))
 
-    fall[near] = bracketed_roots(g, np.zeros(near.size), 2 * NEARBY * some.reference)
+    # no farther than the rounding of phi_min: the next root may be near
+    margin = MARGIN * np.spacing(release[near])
+    fall[near] = bracketed_roots(g, np.maximum(fall[near] - margin, 0.0), fall[near] + margin)
     return fall
 
 
@@ -129,43 +153,66 @@ def _swing(well: Well, low: Floats) -> Floats:
     def slope(below: Floats) -> Floats:
         return np.asarray(level(some, (some.reference - below)[None], below[None]).slope[0])
 
-    swing[near] = bracketed_roots(slope, 0.5 * swing[near], 2 * swing[near])
+    margin = MARGIN * np.spacing(some.reference)
+    least = BESIDE * some.reference
+    swing[near] = bracketed_roots(
+        slope, np.maximum(swing[near] - margin, least), swing[near] + margin
+    )
     return swing
 
 
-def _upper(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
-    """Distance of the first root of g above the release, and whether there is one below pi/2."""
+def _upper(well: Well, *, certain: bool) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Distance of the first root of g above the release, if one is below pi/2, and if that is sure.
+
+    Trial nutations are the Chebyshev points in log(phi).
+    """
     release = well.reference
-    rise = (UPRIGHT - release) * (np.arange(1, GRID + 1)[:, None] / GRID) ** 2
-    phi = release + rise
-    state = level(well, phi, -rise)
-    negative = state.slope > 0  # g = slope (r - phi), and r - phi < 0
-    # beside balance two roots may lie between two points, also between the release and the first
-    force = nutation_force(well.can, state.b, state.spin, phi)
-    at_release = nutation_force(well.can, well.b, well.spin, release)
-    before = np.vstack((at_release, force[:-1]))
-    dips = (before < 0) & (force > 0) & ~negative
-    dips[1:] &= ~negative[:-1]
+    span = np.log(UPRIGHT / release)
+    share = (1 - np.cos(np.pi * np.arange(GRID + 1)[:, None] / GRID)) / 2
+    rise = release * np.expm1(span * share)
+    g = _above(well, rise)
+    negative = g <= 0
     found = np.asarray(negative.any(axis=0))
-    first = np.where(found, negative.argmax(axis=0), GRID - 1)
+    first = np.where(found, negative.argmax(axis=0), GRID)
     columns = np.arange(release.size)
-    left = np.where(first > 0, rise[first - 1, columns], 0.0)
-    right = rise[first, columns]
-    candidate = dips.any(axis=0)
-    if candidate.any():
-        at = dips.argmax(axis=0)
-        start = np.where(at > 0, rise[at - 1, columns], 0.0)
-        bottom = bracketed_roots(lambda x: _force_above(well, x), start, rise[at, columns])
-        deep = candidate & (_g_above(well, bottom) < 0) & (~found | (at <= first))
-        right = np.where(deep, bottom, right)
-        left = np.where(deep, start, left)
-        found |= deep
-    root = bracketed_roots(lambda x: _g_above(well, x), left, right)
-    return np.asarray(np.where(found, root, UPRIGHT - release)), found
+    left, right = rise[np.maximum(first - 1, 0), columns], rise[first, columns]
+    decided = np.ones(release.shape, dtype=bool)
+    doubted = np.full(release.shape, certain)
+    open_ = np.flatnonzero(~found)
+    doubted[open_] |= ~stays_positive(g[:, open_], to_coefficients(GRID + 1) @ g[:, open_])
+    doubted = np.flatnonzero(doubted)
+    if doubted.size:
+        some = select_well(well, doubted)
+        height = some.reference
+
+        def above(which: NDArray[np.intp], phi: Floats) -> tuple[Floats, Floats]:
+            part = select_well(some, which)
+            below = part.reference - phi
+            state = level(part, phi, below)
+            noise = slope_noise(part, phi, below, state)
+            moving = part.excess > 0
+            value = np.where(moving, state.slope * below, -state.slope)
+            return value, np.where(moving, noise * np.abs(below), noise)
+
+        bracket = first_brackets(above, height, np.full(height.shape, UPRIGHT))
+        found[doubted], decided[doubted] = bracket.found, bracket.decided
+        left[doubted], right[doubted] = bracket.near - height, bracket.far - height
+    root = bracketed_roots(lambda x: _above(well, x[None])[0], left, right)
+    return np.asarray(np.where(found, root, UPRIGHT - release)), found, decided
 
 
-def _lower(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
-    """First root of g below the reference, and whether there is one."""
+def _above(well: Well, rise: Floats) -> Floats:
+    """G where the release moves, g over the distance where it rests, shape (m, n)."""
+    at = np.where(rise == 0, BESIDE * well.reference, rise)
+    slope = level(well, well.reference + at, -at).slope
+    moving = np.where(rise == 0, well.excess, -slope * at)
+    return np.asarray(np.where(well.excess == 0, -slope, moving))
+
+
+def _lower(
+    well: Well, *, certain: bool
+) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+    """First root of g below the reference, its distance, if there is one, and if that is sure."""
     high, B = well.reference, np.abs(well.B)
     turns = B > SMALLEST
     floor = high / 2
@@ -178,6 +225,8 @@ def _lower(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
         if not positive.any():
             break
         floor = np.where(positive, floor / 8, floor)
+    # without B the energy stays finite down to the flat state, and may yet be too little
+    floor = np.where(turns, floor, FLAT * high)
     steps = np.linspace(0, 1, COARSE)[:, None]
     phi = high * (floor / high) ** steps[1:]
     negative = level(well, phi, high - phi).slope <= 0
@@ -185,27 +234,30 @@ def _lower(well: Well) -> tuple[Floats, NDArray[np.bool_]]:
     columns = np.arange(high.size)
     right = np.where(first > 0, phi[first - 1, columns], high)
     left = phi[first, columns]
+    decided = np.ones(high.shape, dtype=bool)
+    # a can that rolls with a finite spin and no B: rare
+    regular = ~turns & ((well.spin != 0) | (well.b != 0))
+    doubted = np.flatnonzero(regular | certain)
+    if doubted.size:
+        some = select_well(well, doubted)
+
+        def slope_below(which: NDArray[np.intp], at: Floats) -> tuple[Floats, Floats]:
+            part = select_well(some, which)
+            below = part.reference - at
+            state = level(part, at, below)
+            return state.slope, slope_noise(part, at, below, state)
+
+        bracket = first_brackets(slope_below, some.reference, floor[doubted])
+        turns[doubted], decided[doubted] = bracket.found, bracket.decided
+        left[doubted], right[doubted] = bracket.far, bracket.near
     # the slope g/(r - phi) tends to -g'(r) at the reference: step off it by what a double resolves
     right = np.minimum(right, high * (1 - 4 * np.finfo(float).eps))
     root = bracketed_roots(
         lambda x: np.sin(x) ** 2 * _slope(well, x), np.minimum(left, right), right
     )
-    return np.where(turns, root, floor), turns
+    low = np.where(turns, root, floor)
+    return low, _swing(well, low), turns, decided
 
 
 def _slope(well: Well, phi: Floats) -> Floats:
     return np.asarray(level(well, phi[None], (well.reference - phi)[None]).slope[0])
-
-
-def _g_above(well: Well, distance: Floats) -> Floats:
-    """G where the release moves, g over the distance where it rests."""
-    apart = np.where(distance == 0, np.spacing(well.reference), distance)
-    slope = level(well, (well.reference + apart)[None], -apart[None]).slope[0]
-    moving = np.where(distance == 0, well.excess, -slope * distance)
-    return np.asarray(np.where(well.excess == 0, -slope, moving))
-
-
-def _force_above(well: Well, distance: Floats) -> Floats:
-    phi = well.reference + distance
-    state = level(well, phi[None], -distance[None])
-    return nutation_force(well.can, state.b[0], state.spin[0], phi)

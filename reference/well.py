@@ -33,6 +33,8 @@ POISED = 1e-3
 # Down to here the mean force is taken, over this share of the reference nutation; the singularity
 # at phi = 0 is so far that Gauss's rule with six nodes is exact to (0.05/4)^12.
 BESIDE = 0.05
+# Rounded operations that count in a difference of energies, of the size of its terms.
+UNCERTAIN = 2.0
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
@@ -209,6 +211,33 @@ def level(well: Well, phi: Floats, below: Floats) -> Level:
     drop = well.excess + lean - kinetic
     slope = np.divide(drop, below, out=np.zeros_like(drop), where=below != 0)
     return Level(b=b, spin=s_r + ds, sine=S, slope=slope)
+
+
+def slope_noise(well: Well, phi: Floats, below: Floats, state: Level) -> Floats:
+    """Round-off of `state.slope`, shape (m, n): what may be wrong with it for the doubles given.
+
+    Parameters
+    ----------
+    well : Well
+    phi, below : ndarray, shape (m, n)
+    state : Level
+        There.
+    """
+    can, r = well.can, well.reference
+    apart = np.maximum(np.abs(below), np.finfo(float).tiny)
+    sums = np.zeros_like(phi)
+    b_size = np.abs(well.b) + np.abs(well.spin) * np.minimum(r, phi) * r
+    s_size = np.abs(well.spin) + np.abs(well.b) * (1 + np.abs(np.log(phi / r)))
+    for at, b, s in ((phi, state.b, state.spin), (r, well.b, well.spin)):
+        S, C = np.sin(at), np.cos(at)
+        q, w = np.abs(b) / S, np.abs(s) + np.abs(b) / (1 + C)
+        dq = (np.abs(b) + b_size) / S
+        dw = w + s_size + b_size
+        sums = sums + can.a * q * dq + can.c * w * dw + (w + can.h * q) * (dw + can.h * dq)
+    lean = np.sqrt(1 + can.h**2) * np.abs(well.short + below / 2)
+    # differences from the reference vanish with the distance from it, and their round-off too
+    sums = sums * np.minimum(1.0, apart / phi) / apart + lean + well.excess / apart
+    return np.asarray(UNCERTAIN * np.finfo(float).eps * sums)
 
 
 def _by_mean_force(well: Well, kinetic: Floats, below: Floats, poised: NDArray[np.intp]) -> Floats:

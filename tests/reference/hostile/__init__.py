@@ -1,0 +1,1 @@
+"""Releases constructed to mislead a search for turning points."""

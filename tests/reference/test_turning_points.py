@@ -1,0 +1,70 @@
+"""The turning points are the first roots of the energy left, on either side of the release."""
+
+import numpy as np
+import pytest
+
+from reference import Outcome, exact_bounces
+from reference.brackets import first_brackets, stays_positive
+from reference.states import Floats
+
+UPPER_WELL = {
+    "a": 0.2919,
+    "c": 0.3791,
+    "h": 0.5575,
+    "phi": 1.5026354274572624,
+    "psi_dot": -0.39236159644870505,
+    "theta_dot": -1.0199477967008015,
+}
+
+
+def test_a_release_in_an_upper_well_stays_in_it() -> None:
+    """The other well is deeper; period and phi_min of model "rolling" and of DOP853."""
+    cycles = exact_bounces(**UPPER_WELL)
+    assert cycles.outcome(0) is Outcome.FINISHED
+    assert cycles.phi_min[0] == pytest.approx(1.4638668898376, rel=1e-11)
+    assert cycles.period[0] == pytest.approx(46.30751957, rel=1e-8)
+
+
+def quadratic(gap: float) -> tuple[Floats, Floats]:
+    """Two roots a distance 2 sqrt(-gap) apart about 0.5, or none, and a third at 0.1."""
+
+    def f(_which: np.ndarray, x: Floats) -> tuple[Floats, Floats]:
+        value = ((x - 0.5) ** 2 + gap) * (x - 0.1)
+        return value, np.full(x.shape, 1e-16)
+
+    found = first_brackets(f, np.array([1.0]), np.array([0.01]))
+    assert found.found[0]
+    return (found.near, found.far) if found.decided[0] else (np.empty(0), np.empty(0))
+
+
+@pytest.mark.parametrize("gap", [-1e-1, -1e-4, -1e-8, -1e-12, -1e-14])
+def test_the_nearer_of_two_close_roots_is_bracketed(gap: float) -> None:
+    near, far = quadratic(gap)
+    root = 0.5 + np.sqrt(-gap)
+    assert far[0] <= root <= near[0]
+    assert far[0] > 0.5 - np.sqrt(-gap)
+
+
+@pytest.mark.parametrize("gap", [1e-1, 1e-4, 1e-8, 1e-12, 1e-14])
+def test_a_minimum_that_does_not_reach_zero_is_passed(gap: float) -> None:
+    near, far = quadratic(gap)
+    assert far[0] <= 0.1 <= near[0]
+
+
+def test_what_is_below_round_off_is_not_decided() -> None:
+    def f(_which: np.ndarray, x: Floats) -> tuple[Floats, Floats]:
+        return (x - 0.5) ** 2 + 1e-17, np.full(x.shape, 1e-16)
+
+    assert not first_brackets(f, np.array([1.0]), np.array([0.01])).decided[0]
+
+
+def test_a_cosine_series_is_positive_only_where_it_is() -> None:
+    """1 + t + cos(9 u) is positive for t > 0 alone; 64 points miss its minimum by 1e-2 or less."""
+    above = np.array([0.1, 1e-3, -1e-3, -0.1])
+    series = np.zeros((32, 4))
+    series[0], series[9] = 1 + above, 1.0
+    at = np.pi * (np.arange(32) + 0.5) / 32
+    values = series[0] + np.cos(9 * at)[:, None]
+    positive = stays_positive(values, series)
+    assert positive[0]
+    assert not positive[2:].any()
