@@ -6,12 +6,18 @@ the doubles given; but its neighbours, one ulp away, move otherwise. Where prece
 the terms are rounded before they cancel, and the motion is known to that share only. A release that
 moves has its energy to round-off: it decides where phi turns, at the top, by the energy over the
 square of the force that is left there.
+
+What no formula foresees is seen by solving the neighbours of a problem as well.
 """
+
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from reference.balance import short_of_balance
-from reference.problem import Problem
+from reference.parameters import ParameterError
+from reference.problem import Problem, ProblemError
 from reference.states import Floats, States, initial_states
 
 # What is promised of every motion, relative; less than this is not worth a sentence.
@@ -64,3 +70,34 @@ def _forces(states: States, problem: Problem) -> tuple[float, float, float]:
     drag = (p.c_p * S + p.h * C) * states.spin * states.psi_dot
     size = np.abs(whirl) + np.abs(drag)
     return float(gravity[0]), float((whirl - drag)[0]), float(size[0])
+
+
+def neighbours(problem: Problem, share: float) -> Iterator[tuple[Problem, ...]]:
+    """Yield for each number of a problem the problems in which it is a little larger or smaller.
+
+    Parameters
+    ----------
+    problem : Problem
+    share : float
+        By how much, relative. A number that is zero stays: it has no digits to lose.
+
+    Yields
+    ------
+    tuple of Problem
+        Two, or one where the other is impossible: c = 2 a and phi = pi/2 are limits.
+    """
+    can = problem.parameters
+    for name in ("a", "c", "h", "phi", "phi_dot", "psi_dot", "theta_dot"):
+        value = getattr(can if name in {"a", "c", "h"} else problem, name)
+        beside = []
+        for factor in (1 + share, 1 - share) if value else ():
+            try:
+                if name in {"a", "c", "h"}:
+                    moved = replace(can, **{name: value * factor})
+                    beside.append(replace(problem, parameters=moved))
+                else:
+                    beside.append(replace(problem, **{name: value * factor}))
+            except (ParameterError, ProblemError):
+                continue
+        if beside:
+            yield tuple(beside)

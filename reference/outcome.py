@@ -20,3 +20,7 @@ class Outcome(Enum):
         "further."
     )
     STALLED = "The integrator could not advance: the step fell below what a double resolves."
+    UNRESOLVED = (
+        "Round-off decides how this motion goes on: no method can be trusted here, so no bounce "
+        "is given."
+    )

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from reference.agreement import Agreement
 from reference.conditioning import caveat
 from reference.contact_modes import Phase
 from reference.outcome import Outcome
@@ -64,6 +65,8 @@ class Solution:
         Why these: what the smallest model that carries the problem is, in a sentence.
     phases : tuple of Phase
         Intervals in which the rim sticks or slips, in order; none of a model without a contact.
+    agreement : Agreement or None
+        How the closed solution and the integration compare, of a motion that was solved twice.
     """
 
     problem: Problem
@@ -80,6 +83,7 @@ class Solution:
     equations: int = 0
     why: str = ""
     phases: tuple[Phase, ...] = ()
+    agreement: Agreement | None = None
 
     def at(self, times: Floats) -> States:
         """States at the given times.

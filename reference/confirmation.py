@@ -1,0 +1,268 @@
+"""Solving a motion twice: it is given only where two methods find the same.
+
+A wrong answer is no less smooth than a right one, and nothing in it says that it is wrong. So the
+quadrature between turning points (`reference.exact_path`), which does not go along the motion, is
+held against the integration (`reference.rocking`), which knows no turning point beforehand. The
+motion is periodic: its first bounces up to the end of a whole period stand for all.
+
+How far the two may part is no fixed tolerance. Each of the n evaluations rounds, so what a method
+returns is, to within n roundings, the motion of numbers that are off by n eps at most (its backward
+error). A quantity f of the numbers x_i may therefore be off by
+
+    n eps |f| + sum_i max |f(x_i (1 +- n eps)) - f(x_i)|,
+
+the differences taken by integration, and infinite where a neighbour ends otherwise. They are looked
+at only where the first term is not enough.
+
+Three cases follow. The methods agree: the answer is the closed one. They part by more: one of them
+is wrong, and the answer is the integration's, which assumes less. Or they part so much that nothing
+is known of the motion, and round-off allows it: then there is none, from where the neighbours part.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from reference.agreement import ENDING, USEFUL, Agreement
+from reference.conditioning import EPS, neighbours
+from reference.exact_path import ExactPath, exact_path, until_horizon
+from reference.measure import measure_bounces
+from reference.outcome import Outcome
+from reference.problem import Problem
+from reference.rocking import rock
+from reference.run import Run
+from reference.solution import Bounce
+from reference.states import Floats, States
+
+
+class Bouncing(Protocol):
+    """A motion and its bounces: a solution, or one in the making."""
+
+    @property
+    def problem(self) -> Problem:
+        """What is solved."""
+        ...
+
+    @property
+    def bounces(self) -> tuple[Bounce, ...]:
+        """One for each minimum of phi between two maxima."""
+        ...
+
+    @property
+    def maxima(self) -> Floats:
+        """Times of the maxima of phi."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """A motion and its bounces.
+
+    Attributes
+    ----------
+    problem : Problem
+    run : Run
+    bounces : tuple of Bounce
+    """
+
+    problem: Problem
+    run: Run
+    bounces: tuple[Bounce, ...]
+
+    @property
+    def maxima(self) -> Floats:
+        """Times of the maxima of phi."""
+        return self.run.track.maxima
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Confirmed:
+    """A motion that was solved twice.
+
+    Attributes
+    ----------
+    motion : Motion
+    closed : bool
+        Whether it is the closed solution's, and not the integration's.
+    agreement : Agreement
+    """
+
+    motion: Motion
+    closed: bool
+    agreement: Agreement
+
+
+def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
+    """Solve a rolling can by the closed solution, and confirm it by integration.
+
+    Parameters
+    ----------
+    problem : Problem
+    locus : bool
+        Whether the contact point is wanted.
+
+    Returns
+    -------
+    Confirmed
+    """
+    # up to the end of a whole period: that of a release which falls already is the second
+    short = replace(problem, bounces=2 if problem.phi_dot < 0 else 1, duration=None)
+    path = exact_path(problem, locus=locus)
+    if isinstance(path, Outcome):
+        whole = _integrated(problem, locus=locus)
+        if _ends_as(path, whole):
+            agreement = Agreement(quantity=ENDING, discrepancy=0.0, allowed=0.0, evaluations=0)
+            return Confirmed(motion=whole, closed=False, agreement=agreement)
+        integrated = whole if problem == short else _integrated(short, locus=locus)
+        apart = {ENDING: np.inf}
+    else:
+        closed = _closed(short, path)
+        integrated = _integrated(short, locus=locus)
+        apart = _apart(closed, integrated)
+    evaluations = integrated.run.evaluations
+    allowed, parted = dict.fromkeys(apart, evaluations * EPS), np.inf
+    if any(not apart[name] <= allowed[name] for name in apart):
+        allowed, parted, more = _by_neighbours(integrated, apart)
+        evaluations += more
+    worst = max(apart, key=lambda name: _over(apart[name], allowed[name]))
+    agreement = Agreement(
+        quantity=worst,
+        discrepancy=apart[worst],
+        allowed=allowed[worst],
+        evaluations=evaluations,
+    )
+    if not agreement.resolved:
+        motion = _up_to(problem, parted, locus=locus)
+    elif agreement.holds and isinstance(path, ExactPath):
+        motion = closed if problem == short else _closed(problem, path)
+        return Confirmed(motion=motion, closed=True, agreement=agreement)
+    else:
+        motion = integrated if problem == short else _integrated(problem, locus=locus)
+    return Confirmed(motion=motion, closed=False, agreement=agreement)
+
+
+def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
+    """Return by how much the bounces that two motions have in common differ at most, relative.
+
+    Angles are taken over 1 rad or over themselves, if they are larger, times over a period.
+    """
+    start = max(1.0, abs(other.problem.psi), abs(other.problem.theta))
+    found: dict[str, float] = {}
+    rows = zip(
+        one.bounces, other.bounces, pairwise(one.maxima), pairwise(other.maxima), strict=False
+    )
+    for mine, theirs, (left, right), (begin, end) in rows:
+        period = end - begin
+        scales = {
+            "period": (right - left, period, period),
+            "time of the bounce": (mine.time, theirs.time, max(period, theirs.time)),
+            "least phi": (mine.phi_min, theirs.phi_min, theirs.phi_min),
+            "angle of turn": (mine.angle_of_turn, theirs.angle_of_turn, start),
+            "rotation": (mine.rotation_turn, theirs.rotation_turn, start),
+            "peak precession rate": (mine.peak_psi_dot, theirs.peak_psi_dot, 0.0),
+        }
+        for name, (a, b, scale) in scales.items():
+            off = abs(a - b) / max(scale, abs(b))
+            found[name] = max(found.get(name, 0.0), off if np.isfinite(off) else np.inf)
+    return found
+
+
+def _closed(problem: Problem, path: ExactPath) -> Motion:
+    return _measured(problem, until_horizon(problem, path))
+
+
+def _integrated(problem: Problem, *, locus: bool) -> Motion:
+    return _measured(problem, rock(problem, locus=locus))
+
+
+def _measured(problem: Problem, run: Run) -> Motion:
+    bounces = measure_bounces(run.path, run.track, problem.parameters)
+    return Motion(problem=problem, run=run, bounces=bounces)
+
+
+def _ends_as(ending: Outcome, motion: Motion) -> bool:
+    """Whether a motion is one without a bounce, ends as foretold or has not ended yet."""
+    foretold = ending is not Outcome.UNRESOLVED and not motion.bounces
+    return foretold and motion.run.track.outcome in {ending, Outcome.FINISHED}
+
+
+def _apart(one: Motion, other: Motion) -> dict[str, float]:
+    """Return by how much two motions differ in each quantity, relative."""
+    mine, theirs = one.run.track, other.run.track
+    if mine.outcome is not theirs.outcome or len(one.bounces) != len(other.bounces):
+        return {ENDING: np.inf}
+    top, known = mine.extrema.phi[mine.maximum][-1], theirs.extrema.phi[theirs.maximum][-1]
+    found = differences(one, other) | {"greatest phi": abs(top / known - 1)}
+    if mine.extrema.x is not None and theirs.extrema.x is not None:
+        moved, truth = (_displacement(extrema) for extrema in (mine.extrema, theirs.extrema))
+        found["contact locus"] = abs(moved - truth) / max(1.0, abs(truth))
+    return {name: float(off) if np.isfinite(off) else np.inf for name, off in found.items()}
+
+
+def _displacement(extrema: States) -> complex:
+    """Return how far the contact point is from the last but one extremum to the last."""
+    if extrema.x is None or extrema.y is None:
+        raise ValueError("the contact locus was not asked for")
+    return complex(np.diff(extrema.x)[-1], np.diff(extrema.y)[-1])
+
+
+def _by_neighbours(
+    integrated: Motion, apart: dict[str, float]
+) -> tuple[dict[str, float], float, int]:
+    """Return what round-off may take from each quantity, and from when on the neighbours part.
+
+    Returns
+    -------
+    allowed : dict
+        For each name in `apart`.
+    parted : float
+        When the nutation or the orientation of a neighbour differs by 1e-3.
+    evaluations : int
+    """
+    share = integrated.run.evaluations * EPS
+    allowed, parted, evaluations = dict.fromkeys(apart, share), np.inf, 0
+    times, states = integrated.run.path.nodes()
+    for beside in neighbours(integrated.problem, share):
+        moved = dict.fromkeys(apart, 0.0)
+        for problem in beside:
+            near = _integrated(problem, locus=states.x is not None)
+            evaluations += near.run.evaluations
+            off = _apart(near, integrated)
+            for name in moved:
+                moved[name] = max(moved[name], off.get(name, off.get(ENDING, 0.0)))
+            parted = min(parted, _parting(times, states, near.run))
+        for name, most in moved.items():
+            allowed[name] += most
+    return allowed, parted, evaluations
+
+
+def _parting(times: Floats, states: States, other: Run) -> float:
+    """Return the last of some times up to which another motion is the same to 1e-3."""
+    known = np.minimum(times, other.track.t_end)
+    near = other.path.at(known)
+    total = near.psi + near.theta - states.psi - states.theta
+    apart = np.maximum(abs(near.phi - states.phi), abs(total))
+    apart = np.maximum(apart, np.sin(states.phi) * abs(near.psi - states.psi))
+    gone = np.flatnonzero((apart > USEFUL) | (times > known))
+    return np.inf if not gone.size else float(times[max(gone[0] - 1, 1)])
+
+
+def _over(off: float, allowed: float) -> float:
+    """Return how often a difference exceeds what is allowed; nothing exceeds infinity."""
+    if np.isinf(off):
+        return np.inf
+    return off / allowed if allowed else np.inf
+
+
+def _up_to(problem: Problem, parted: float, *, locus: bool) -> Motion:
+    """Return a motion up to where its neighbours part from it, as unresolved from there on.
+
+    One whose horizon comes first is known to its end.
+    """
+    if problem.duration is not None and problem.duration <= parted:
+        return _integrated(problem, locus=locus)
+    run = rock(replace(problem, bounces=None, duration=parted), locus=locus)
+    track = replace(run.track, outcome=Outcome.UNRESOLVED)
+    return Motion(problem=problem, run=replace(run, track=track), bounces=())
