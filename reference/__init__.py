@@ -1,5 +1,6 @@
 """What is true: the mathematics of the rocking can, dimensionless."""
 
+from reference.agreement import ENDING, Agreement
 from reference.chaos import Divergence, divergence
 from reference.choice import Choice, carries, smallest
 from reference.contact_modes import Kind, Phase
@@ -14,9 +15,11 @@ from reference.solution import Bounce, Solution
 from reference.states import States
 
 __all__ = [
+    "ENDING",
     "METHODS",
     "MODELS",
     "PAPER_CAN",
+    "Agreement",
     "Bounce",
     "Choice",
     "Cycles",

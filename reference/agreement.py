@@ -8,6 +8,7 @@ from reference.conditioning import PROMISED
 # A motion of which not three digits are known is no answer.
 USEFUL = 1e-3
 ENDING = "ending"
+"""The quantity of two motions that do not bounce alike, or not at all."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,9 +5,9 @@ quadrature between turning points (`reference.exact_path`), which does not go al
 held against the integration (`reference.rocking`), which knows no turning point beforehand. The
 motion is periodic: its first bounces up to the end of a whole period stand for all.
 
-How far the two may part is no fixed tolerance. Each of the n evaluations rounds, so what a method
-returns is, to within n roundings, the motion of numbers that are off by n eps at most (its backward
-error). A quantity f of the numbers x_i may therefore be off by
+How far the two may part is no fixed tolerance. Each of the n operations of the integration rounds,
+so what it returns is, to within n roundings, the motion of numbers that are off by n eps at most
+(its backward error). A quantity f of the numbers x_i may therefore be off by
 
     n eps |f| + sum_i max |f(x_i (1 +- n eps)) - f(x_i)|,
 
@@ -19,6 +19,7 @@ is wrong, and the answer is the integration's, which assumes less. Or they part 
 is known of the motion, and round-off allows it: then there is none, from where the neighbours part.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Protocol
@@ -34,7 +35,10 @@ from reference.problem import Problem
 from reference.rocking import rock
 from reference.run import Run
 from reference.solution import Bounce
-from reference.states import Floats, States
+from reference.states import Floats, States, select_states
+
+# Of one evaluation of the equations, each of which rounds.
+OPERATIONS = 64
 
 
 class Bouncing(Protocol):
@@ -122,10 +126,15 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
         integrated = _integrated(short, locus=locus)
         apart = _apart(closed, integrated)
     evaluations = integrated.run.evaluations
-    allowed, parted = dict.fromkeys(apart, evaluations * EPS), np.inf
-    if any(not apart[name] <= allowed[name] for name in apart):
-        allowed, parted, more = _by_neighbours(integrated, apart)
-        evaluations += more
+    share = OPERATIONS * evaluations * EPS
+    allowed, near = dict.fromkeys(apart, share), []
+    if max(apart.values()) > share:
+        near = [
+            [_integrated(moved, locus=locus) for moved in beside]
+            for beside in neighbours(short, share)
+        ]
+        evaluations += sum(other.run.evaluations for beside in near for other in beside)
+        allowed = {name: share + _moved(name, integrated, near) for name in apart}
     worst = max(apart, key=lambda name: _over(apart[name], allowed[name]))
     agreement = Agreement(
         quantity=worst,
@@ -134,7 +143,7 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
         evaluations=evaluations,
     )
     if not agreement.resolved:
-        motion = _up_to(problem, parted, locus=locus)
+        motion = _up_to(problem, _parting(integrated, near), locus=locus)
     elif agreement.holds and isinstance(path, ExactPath):
         motion = closed if problem == short else _closed(problem, path)
         return Confirmed(motion=motion, closed=True, agreement=agreement)
@@ -208,45 +217,30 @@ def _displacement(extrema: States) -> complex:
     return complex(np.diff(extrema.x)[-1], np.diff(extrema.y)[-1])
 
 
-def _by_neighbours(
-    integrated: Motion, apart: dict[str, float]
-) -> tuple[dict[str, float], float, int]:
-    """Return what round-off may take from each quantity, and from when on the neighbours part.
-
-    Returns
-    -------
-    allowed : dict
-        For each name in `apart`.
-    parted : float
-        When the nutation or the orientation of a neighbour differs by 1e-3.
-    evaluations : int
-    """
-    share = integrated.run.evaluations * EPS
-    allowed, parted, evaluations = dict.fromkeys(apart, share), np.inf, 0
-    times, states = integrated.run.path.nodes()
-    for beside in neighbours(integrated.problem, share):
-        moved = dict.fromkeys(apart, 0.0)
-        for problem in beside:
-            near = _integrated(problem, locus=states.x is not None)
-            evaluations += near.run.evaluations
-            off = _apart(near, integrated)
-            for name in moved:
-                moved[name] = max(moved[name], off.get(name, off.get(ENDING, 0.0)))
-            parted = min(parted, _parting(times, states, near.run))
-        for name, most in moved.items():
-            allowed[name] += most
-    return allowed, parted, evaluations
+def _moved(name: str, own: Motion, near: Sequence[Sequence[Motion]]) -> float:
+    """Return by how much a quantity differs in the neighbours of each number, added up."""
+    total = 0.0
+    for beside in near:
+        apart = (_apart(other, own) for other in beside)
+        total += max(off.get(name, off.get(ENDING, 0.0)) for off in apart)
+    return total
 
 
-def _parting(times: Floats, states: States, other: Run) -> float:
-    """Return the last of some times up to which another motion is the same to 1e-3."""
-    known = np.minimum(times, other.track.t_end)
-    near = other.path.at(known)
-    total = near.psi + near.theta - states.psi - states.theta
-    apart = np.maximum(abs(near.phi - states.phi), abs(total))
-    apart = np.maximum(apart, np.sin(states.phi) * abs(near.psi - states.psi))
-    gone = np.flatnonzero((apart > USEFUL) | (times > known))
-    return np.inf if not gone.size else float(times[max(gone[0] - 1, 1)])
+def _parting(own: Motion, near: Sequence[Sequence[Motion]]) -> float:
+    """Return the time up to which the neighbours of a motion are the same to three digits."""
+    times, states = own.run.path.nodes()
+    apart = np.zeros_like(times)
+    for other in (other for beside in near for other in beside):
+        known = times <= other.run.track.t_end
+        moved = other.run.path.at(times[known])
+        mine = select_states(states, np.flatnonzero(known))
+        total = moved.psi + moved.theta - mine.psi - mine.theta
+        aside = np.sin(mine.phi) * (moved.psi - mine.psi)
+        off = np.max(np.abs([moved.phi - mine.phi, aside, total]), axis=0)
+        apart[known] = np.maximum(apart[known], off)
+        apart[~known] = np.inf
+    gone = np.flatnonzero(apart > USEFUL)
+    return float(times[max(gone[0] - 1, 1)]) if gone.size else np.inf
 
 
 def _over(off: float, allowed: float) -> float:

@@ -127,7 +127,9 @@ class Solution:
         rolls = self.model in {"exact", "rolling"} and self.outcome is Outcome.FINISHED
         if not rolls or self.maxima.size < 2:  # noqa: PLR2004 - a maximum either side of a bounce
             return ""
-        return caveat(self.problem, self.at(self.maxima[-1:]))
+        seen = self.agreement
+        measured = seen.sentence if seen is not None and seen.holds else ""
+        return caveat(self.problem, self.at(self.maxima[-1:])) or measured
 
     def grid(self) -> Floats:
         """Return sampling times, dense by angle: see `reference.sampling.grid_by_angle`."""

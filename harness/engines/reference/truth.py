@@ -1,6 +1,6 @@
 """The exact motion of a scene, which knows its state at any instant."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -195,12 +195,23 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
 
 @lru_cache(maxsize=64)
 def truth(scene: Scene, seconds: float | None = None) -> Truth:
-    """Return the exact motion of a scene, by the smallest model that carries it, and keep it."""
+    """Return the exact motion of a scene, by the smallest model that carries it, and keep it.
+
+    Where the rim rolls it is the integration that confirms the closed motion, or what is left where
+    the two do not agree (`reference.confirmation`).
+    """
     needed = smallest(problem(scene, seconds)).model
-    # where it rolls not the exact formula, which has to be inverted for the state at an instant
-    return solved(
-        Case(scene=scene, engine="reference", options=(("model", needed),)), seconds, again=False
-    )
+    found = _by(needed if needed != "rolling" else "auto", scene, seconds)
+    if found.solution.model != "exact":
+        return found
+    # not the exact formula, which has to be inverted for the state at an instant
+    integrated = _by(needed, scene, seconds).solution
+    return Truth(scene=scene, solution=replace(integrated, agreement=found.solution.agreement))
+
+
+def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
+    case = Case(scene=scene, engine="reference", options=(("model", model),))
+    return solved(case, seconds, again=False)
 
 
 @lru_cache(maxsize=64)

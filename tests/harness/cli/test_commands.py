@@ -73,6 +73,7 @@ MODEL = {
     "equations",
     "why",
     "method",
+    "agreement",
     "phases",
     "guard",
     "findings",
