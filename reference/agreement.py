@@ -24,6 +24,9 @@ class Agreement:
         and the other another ending.
     allowed : float
         By how much it may, for round-off.
+    ulp : float
+        By how much one ulp of each number of the problem moves it, infinite if that decides how the
+        motion ends; looked at where fewer digits agree than are promised.
     evaluations : int
         That the comparison took.
     """
@@ -31,6 +34,7 @@ class Agreement:
     quantity: str
     discrepancy: float
     allowed: float
+    ulp: float = 0.0
     evaluations: int
 
     @property
@@ -42,9 +46,11 @@ class Agreement:
     def resolved(self) -> bool:
         """Whether there is an answer: agreement, or a difference that round-off does not explain.
 
-        Two methods that part in the first three digits, and may, know nothing of the motion.
+        There is none where fewer digits agree than are promised and one ulp decides the third, nor
+        where no three digits agree and may.
         """
-        return self.discrepancy <= USEFUL or not self.holds
+        few = max(self.discrepancy, self.ulp) > USEFUL
+        return not self.holds or self.discrepancy <= PROMISED or not few
 
     @property
     def sentence(self) -> str:

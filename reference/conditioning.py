@@ -37,13 +37,13 @@ def caveat(problem: Problem, top: States) -> str:
         At a maximum of phi, shape (1,).
     """
     moving = problem.phi_dot != 0
-    gravity, rotation, terms = _forces(top if moving else initial_states(problem), problem)
-    left = abs(gravity + rotation) + float(np.finfo(float).tiny)
+    at = top if moving else initial_states(problem)
+    left, terms = (float(part[0]) for part in _forces(at, problem))
     if moving:
         lost = ROUNDINGS * (1 + terms + problem.phi_dot**2) / left**2
         where, of_what = "At its highest the can all but balances", "round-off of the energy"
     else:
-        lost = ROUNDINGS * terms / left
+        lost = float(lost_of_force(at, problem)[0])
         where, of_what = "Beside steady rolling the forces on phi cancel", "round-off"
     if lost > PROMISED:
         return (
@@ -59,8 +59,14 @@ def caveat(problem: Problem, top: States) -> str:
     return ""
 
 
-def _forces(states: States, problem: Problem) -> tuple[float, float, float]:
-    """Force on phi by gravity; that by rotation, and the sum of the magnitudes of its terms."""
+def lost_of_force(states: States, problem: Problem) -> Floats:
+    """Return which share of the force on phi round-off takes, shape (n,)."""
+    left, terms = _forces(states, problem)
+    return np.asarray(ROUNDINGS * terms / left)
+
+
+def _forces(states: States, problem: Problem) -> tuple[Floats, Floats]:
+    """Return what is left of the force on phi, and the sum of its terms that are rounded."""
     p = problem.parameters
     S, C = np.sin(states.phi), np.cos(states.phi)
     short: Floats = short_of_balance(np.asarray(p.h), states.phi)
@@ -68,8 +74,8 @@ def _forces(states: States, problem: Problem) -> tuple[float, float, float]:
     square = p.a_p * S * C + (p.c_p * S + p.h * (1 + 2 * C)) * 2 * np.sin(states.phi / 2) ** 2
     whirl = square * states.psi_dot**2
     drag = (p.c_p * S + p.h * C) * states.spin * states.psi_dot
-    size = np.abs(whirl) + np.abs(drag)
-    return float(gravity[0]), float((whirl - drag)[0]), float(size[0])
+    left = np.abs(gravity + (whirl - drag)) + np.finfo(float).tiny
+    return np.asarray(left), np.asarray(np.abs(whirl) + np.abs(drag))
 
 
 def neighbours(problem: Problem, share: float) -> Iterator[tuple[Problem, ...]]:

@@ -65,7 +65,7 @@ def test_two_methods_agree_and_the_answer_is_the_closed_one() -> None:
 
 
 @pytest.mark.parametrize("by", [1e-11, 1e-6, 0.3])
-@pytest.mark.parametrize("bounces", [1, 1000])
+@pytest.mark.parametrize("bounces", [1, 20])
 def test_a_wrong_turning_point_is_caught(forced: Forced, by: float, bounces: int) -> None:
     """However little it is off, beyond round-off, and however many bounces are asked for."""
     problem = replace(GENTLE, bounces=bounces)
@@ -79,7 +79,7 @@ def test_a_wrong_turning_point_is_caught(forced: Forced, by: float, bounces: int
     assert not found.agreement.holds
     assert found.agreement.discrepancy >= 0.5 * by
     assert (found.model, found.bounces) == ("rolling", integrated.bounces)
-    (finding,) = examine(found, found.grid()[:50]).findings
+    (finding,) = examine(found, np.linspace(0.0, found.t_end, 50)).findings
     assert f"{found.agreement.discrepancy:.1e}" in finding.sentence
     assert "integration's" in finding.sentence
 
@@ -156,7 +156,7 @@ def test_beside_a_separatrix_there_is_no_bounce() -> None:
     assert found.outcome is Outcome.UNRESOLVED
     assert found.bounces == ()
     # up to the top, where it almost stops, the motion is known
-    assert 0.3 < found.t_end < 60.0
+    assert 10.0 < found.t_end < 60.0
     assert 0.9 < found.at(np.array([found.t_end])).phi[0] < np.pi / 2
     (finding,) = examine(found, np.linspace(0.0, found.t_end, 50)).findings
     assert finding.sentence == Outcome.UNRESOLVED.value
