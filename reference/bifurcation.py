@@ -145,6 +145,34 @@ def folds(parameters: Parameters, phi: Floats) -> tuple[SteadyMotions, SteadyMot
     return made[0], made[1]
 
 
+def folds_at(parameters: Parameters, K: float) -> SteadyMotions:
+    """Return the folds with a given first integral K, shape (n,): where its branches turn back."""
+    phi, found = np.linspace(0.0, UPRIGHT, SAMPLES + 1)[1:], []
+    for number in (0, 1):
+        for sign in (1.0, -1.0):
+
+            def excess(x: Floats, number: int = number, sign: float = sign) -> Floats:
+                return sign * folds(parameters, x)[number].K - K
+
+            at = _roots(excess, phi)
+            fold = folds(parameters, at)[number]
+            found.append(states_at(parameters, at, sign * fold.psi_dot, sign * fold.theta_dot))
+    return SteadyMotions(
+        **{
+            name: np.concatenate([getattr(fold, name) for fold in found])
+            for name in SteadyMotions.__slots__
+        }
+    )
+
+
+def force_form(parameters: Parameters, phi: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return what multiplies K^2, K B, B^2 and 1 in minus the slope of V, shapes of `phi`."""
+    gravity = _force(parameters, phi, 0.0, 0.0)
+    own, other = (_force(parameters, phi, *pair) - gravity for pair in ((1.0, 0.0), (0.0, 1.0)))
+    mixed = _force(parameters, phi, 1.0, 1.0) - gravity - own - other
+    return own, mixed, other, gravity
+
+
 def branches(parameters: Parameters, phi: Floats, K: float) -> tuple[SteadyMotions, SteadyMotions]:
     """Return the steady motions at given nutations with one first integral fixed.
 
@@ -156,9 +184,7 @@ def branches(parameters: Parameters, phi: Floats, K: float) -> tuple[SteadyMotio
     tuple of SteadyMotions
         Of the smaller and of the larger B, shapes (n,); NaN where there is none.
     """
-    none = gravity = _force(parameters, phi, 0.0, 0.0)
-    own, other = (_force(parameters, phi, *pair) - none for pair in ((1.0, 0.0), (0.0, 1.0)))
-    mixed = _force(parameters, phi, 1.0, 1.0) - none - own - other
+    own, mixed, other, gravity = force_form(parameters, phi)
     inside = (mixed * K) ** 2 - 4 * other * (own * K**2 + gravity)
     root = np.sqrt(np.where(inside >= 0, inside, np.nan))
     pair = np.sort(np.stack([(-mixed * K + sign * root) / (2 * other) for sign in (-1, 1)]), 0)

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.artefact import Figure, Floats, Panel, Series
+from harness.artefact import Figure, Heat, Panel, Series
 from harness.studies.gallery.release import (
     FIFTH_CURVE,
     FOURTH_CURVE,
@@ -25,14 +26,18 @@ from reference.bifurcation import (
     branches,
     effective_potential,
     folds,
+    folds_at,
+    force_form,
     states_at,
     steady_motions,
 )
 
 SAMPLES = 4000
 FLAT, UPRIGHT = 1e-2, np.pi / 2
-WIDEST = 0.02
-"""Room beside a zoomed well, as a share of its width."""
+ROOM = 0.35
+"""Below and above what is marked in a potential, as a share of the height between."""
+CELLS, NUTATIONS = 120, 500
+"""Levels along each first integral whose wells are counted, and where each is looked at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,8 +50,12 @@ class Release:
     parameters : Parameters
     phi, psi_dot, theta_dot : float
         Dimensionless.
-    zoom : tuple of 2 floats
-        Nutations between which the well of the release is drawn large.
+    whole, well : tuple of 2 floats
+        Nutations between which the potential is drawn, and the well of the release by itself.
+    B : tuple of 2 floats
+        Between which the steady motions are drawn.
+    plane : tuple of 2 floats
+        Largest B_-2 and K of the plane of the first integrals.
     """
 
     name: str
@@ -54,7 +63,10 @@ class Release:
     phi: float
     psi_dot: float
     theta_dot: float
-    zoom: tuple[float, float]
+    whole: tuple[float, float]
+    well: tuple[float, float]
+    B: tuple[float, float]
+    plane: tuple[float, float]
 
     @property
     def own(self) -> SteadyMotions:
@@ -71,7 +83,10 @@ RELEASES = (
         phi=1.5026354274572624,
         psi_dot=-0.39236159644870505,
         theta_dot=-1.0199477967008015,
-        zoom=(1.40, 1.54),
+        whole=(0.5, UPRIGHT),
+        well=(1.40, 1.54),
+        B=(0.3, 0.65),
+        plane=(1.2, 1.3),
     ),
     Release(
         name="the paper's release",
@@ -79,7 +94,10 @@ RELEASES = (
         phi=PHI,
         psi_dot=PSI_DOT * SECOND,
         theta_dot=THETA_DOT * SECOND,
-        zoom=(1e-4, 5e-2),
+        whole=(1e-3, 1.0),
+        well=(3e-5, 5e-2),
+        B=(-0.1, 0.1),
+        plane=(0.85, 1.6),
     ),
 )
 
@@ -113,29 +131,29 @@ def _level(release: Release) -> tuple[float, float]:
 
 def _panels(release: Release) -> tuple[Panel, ...]:
     return (
-        _potential(release, (FLAT, UPRIGHT), "effective potential"),
-        _potential(release, release.zoom, "the well of the release"),
+        _potential(release, release.whole, "effective potential"),
+        _potential(release, release.well, "the well of the release"),
         _branches(release),
         _plane(release),
     )
 
 
 def _potential(release: Release, ends: tuple[float, float], what: str) -> Panel:
-    """The potential between two nutations, with what rests there and the energy of the release."""
+    """Draw the potential between two nutations, what is steady there, and the release's energy."""
     can, own = release.parameters, release.own
     K, B = _level(release)
-    wide = ends[1] / ends[0] > 1 / FLAT
+    wide = ends == release.well and ends[1] > 1e2 * ends[0]
     space = np.geomspace if wide else np.linspace
     phi = space(*ends, SAMPLES)
     V = effective_potential(can, phi, K, B)
     steady = steady_motions(can, K, B)
     inside = (steady.phi > ends[0]) & (steady.phi < ends[1])
-    reached = np.where(V <= own.energy[0], own.energy[0], np.nan)
+    reached = np.where(own.energy[0] >= V, own.energy[0], np.nan)
     # of the wells at that height only the one that the release is in
     barriers = steady.phi[~steady.stable]
     own_side = np.searchsorted(barriers, phi) == np.searchsorted(barriers, release.phi)
     shown = [own.energy[0], *steady.energy[inside]]
-    room = (max(shown) - min(shown)) * 0.35
+    room = (max(shown) - min(shown)) * ROOM
     return Panel(
         title=f"{release.name}: {what}",
         x_label="phi [rad]",
@@ -151,7 +169,7 @@ def _potential(release: Release, ends: tuple[float, float], what: str) -> Panel:
     )
 
 
-def _marked(steady: SteadyMotions, inside: Floats) -> tuple[Series, ...]:
+def _marked(steady: SteadyMotions, inside: NDArray[np.bool_]) -> tuple[Series, ...]:
     made = []
     for label, which, kind in (
         ("stable steady motion", steady.stable & inside, THIRD_CURVE),
@@ -163,35 +181,68 @@ def _marked(steady: SteadyMotions, inside: Floats) -> tuple[Series, ...]:
 
 
 def _branches(release: Release) -> Panel:
-    """Steady motions over B_-2, the other first integral being that of the release."""
+    """Draw the steady motions over B_-2, the other first integral being that of the release."""
+    can = release.parameters
     K, B = _level(release)
     phi = np.linspace(FLAT, UPRIGHT, SAMPLES)
     series = []
-    for sheet in branches(release.parameters, phi, K):
+    for sheet in branches(can, phi, K):
+        inside = (release.B[0] < sheet.B) & (release.B[1] > sheet.B)
         for label, which, kind, dashed in (
             ("stable steady motion", sheet.stable, THIRD_CURVE, False),
             ("unstable steady motion", sheet.squared_eigenvalue > 0, FOURTH_CURVE, True),
         ):
-            series.append(line(label, where(which, sheet.B), sheet.phi, kind, dashed=dashed))
+            if (which & inside).any():
+                drawn = where(which & inside, sheet.B)
+                series.append(line(label, drawn, sheet.phi, kind, dashed=dashed))
+    turning = folds_at(can, K)
+    inside = (release.B[0] < turning.B) & (release.B[1] > turning.B)
     return Panel(
-        title=f"{release.name}: steady motions at K = {K:.3g}",
+        title=f"{release.name}: steady motions, K = {K:.3g}",
         x_label="B_-2 [sqrt(g/R)]",
         y_label="phi [rad]",
-        series=(*series, points("release", np.array([B]), release.own.phi, FIFTH_CURVE)),
+        series=(
+            *series,
+            points("fold", turning.B[inside], turning.phi[inside], OURS),
+            points("release", np.array([B]), release.own.phi, FIFTH_CURVE),
+        ),
+        x_range=release.B,
     )
 
 
 def _plane(release: Release) -> Panel:
-    """The folds in the plane of the first integrals."""
+    """Draw the folds in the plane of the first integrals, over how many wells there are."""
     phi = np.linspace(FLAT, UPRIGHT, SAMPLES)
-    series = []
-    for sheet in folds(release.parameters, phi):
-        for sign in (1.0, -1.0):
-            series.append(line("fold", sign * sheet.B, sign * sheet.K, OURS))
     K, B = _level(release)
+    right, top = release.plane
     return Panel(
-        title=f"{release.name}: folds",
+        title=f"{release.name}: folds between one well and two",
         x_label="B_-2 [sqrt(g/R)]",
         y_label="K [sqrt(g/R)]",
-        series=(*series, points("release", np.array([B]), np.array([K]), FIFTH_CURVE)),
+        series=(
+            *(
+                line("folds", sign * sheet.B, sign * sheet.K, OURS)
+                for sheet in folds(release.parameters, phi)
+                for sign in (1.0, -1.0)
+            ),
+            points("release", np.array([B]), np.array([K]), FIFTH_CURVE),
+        ),
+        x_range=(-right, right),
+        y_range=(-top, top),
+        heat=_count(release),
     )
+
+
+def _count(release: Release) -> Heat:
+    """Count the wells of each level: where the slope of the potential turns from down to up."""
+    right, top = release.plane
+    x, y = (np.linspace(-end, end, CELLS + 1) for end in (right, top))
+    phi = np.geomspace(1e-3, UPRIGHT, NUTATIONS)
+    phi = np.union1d(phi, np.linspace(phi[0], UPRIGHT, NUTATIONS))[:, None, None]
+    B, K = np.meshgrid((x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2)
+    own, mixed, other, gravity = (
+        part[:, None, None] for part in force_form(release.parameters, phi[:, 0, 0])
+    )
+    up = (own * K**2 + mixed * K * B + other * B**2 + gravity) < 0
+    wells = (up[1:] & ~up[:-1]).sum(axis=0)
+    return Heat(label="wells [number]", x=x, y=y, z=wells.astype(float))
