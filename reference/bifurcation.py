@@ -25,7 +25,7 @@ V'' is a quadratic form in (Psi, Theta) plus gravity, so that with the above
 a quadratic equation in Psi^2 at each nutation: all folds are known without a search. The paper
 finds the steady motions and their eigenvalues, and neither the folds nor the second well.
 
-Changing the sign of Psi and Theta together reflects a motion: folds are given for Psi > 0.
+Changing the sign of Psi and Theta together reflects a motion, and the signs of K and B with it.
 """
 
 from collections.abc import Callable
@@ -128,7 +128,11 @@ def steady_motions(parameters: Parameters, K: float, B: float) -> SteadyMotions:
 
 
 def folds(parameters: Parameters, phi: Floats) -> tuple[SteadyMotions, SteadyMotions]:
-    """Return the folds at given nutations: the slower and the faster, with Psi > 0, shapes (n,)."""
+    """Return the folds at given nutations: the slower and the faster, shapes (n,).
+
+    Both have Psi > 0 but for the slower one below the balancing angle: at that angle it is the can
+    that rolls straight ahead at the critical rate, with Psi = 0, and so it is continuous there.
+    """
     square, cross, rotation, gravity = eigenvalue_form(parameters, phi)
     alpha, beta = steady_rotation_form(parameters, phi)
     P = square + cross * alpha + rotation * alpha**2
@@ -139,9 +143,11 @@ def folds(parameters: Parameters, phi: Floats) -> tuple[SteadyMotions, SteadyMot
         # no difference of near numbers: one root from the sum, the other from the product
         whole = -(Q + np.copysign(root, Q)) / 2
         pair = np.sort(np.where((both := np.stack((whole / P, R / whole))) > 0, both, np.nan), 0)
-        made = tuple(
-            states_at(parameters, phi, rate, alpha * rate + beta / rate) for rate in np.sqrt(pair)
-        )
+        slow, fast = np.sqrt(pair)
+        slow = np.copysign(slow, phi - parameters.balancing_angle)
+        made = [
+            states_at(parameters, phi, rate, alpha * rate + beta / rate) for rate in (slow, fast)
+        ]
     return made[0], made[1]
 
 
@@ -223,10 +229,10 @@ def _potential(parameters: Parameters, phi: Floats, psi_dot: Floats, spin: Float
 
 
 def _roots(f: Callable[[Floats], Floats], at: Floats) -> Floats:
-    """Return the roots of a function between samples of different sign."""
+    """Return the roots of a function between samples of different sign; NaN has none."""
     values = f(at)
     change = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0)
-    exact = at[values == 0]
+    exact: Floats = at[values == 0]
     if not change.size:
         return exact
     return np.asarray(np.union1d(exact, bracketed_roots(f, at[change], at[change + 1])))

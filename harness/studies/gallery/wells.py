@@ -1,6 +1,6 @@
 """Effective potential, steady motions and their folds: where a can has two wells to rock in."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ SAMPLES = 4000
 FLAT, UPRIGHT = 1e-2, np.pi / 2
 ROOM = 0.35
 """Below and above what is marked in a potential, as a share of the height between."""
-CELLS, NUTATIONS = 120, 500
+CELLS, NUTATIONS = 80, 300
 """Levels along each first integral whose wells are counted, and where each is looked at."""
 
 
@@ -54,8 +54,8 @@ class Release:
         Nutations between which the potential is drawn, and the well of the release by itself.
     B : tuple of 2 floats
         Between which the steady motions are drawn.
-    plane : tuple of 2 floats
-        Largest B_-2 and K of the plane of the first integrals.
+    plane : tuple of 4 floats
+        Least and largest B_-2, and K, of the first integrals whose wells are counted.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Release:
     whole: tuple[float, float]
     well: tuple[float, float]
     B: tuple[float, float]
-    plane: tuple[float, float]
+    plane: tuple[float, float, float, float]
 
     @property
     def own(self) -> SteadyMotions:
@@ -85,11 +85,11 @@ RELEASES = (
         theta_dot=-1.0199477967008015,
         whole=(0.5, UPRIGHT),
         well=(1.40, 1.54),
-        B=(0.3, 0.65),
-        plane=(1.2, 1.3),
+        B=(0.45, 0.5),
+        plane=(0.3, 0.65, -0.3, 0.2),
     ),
     Release(
-        name="the paper's release",
+        name="paper",
         parameters=PAPER_CAN,
         phi=PHI,
         psi_dot=PSI_DOT * SECOND,
@@ -97,7 +97,7 @@ RELEASES = (
         whole=(1e-3, 1.0),
         well=(3e-5, 5e-2),
         B=(-0.1, 0.1),
-        plane=(0.85, 1.6),
+        plane=(-0.85, 0.85, -1.6, 1.6),
     ),
 )
 
@@ -118,7 +118,8 @@ def wells() -> Figure:
             f"{known.phi[1]:.3f}. Released at {upper.phi:.3f} the can stays in the upper well, "
             f"under a barrier that is {barrier:.1e} m g R above its energy. Right, the paper's "
             f"can and release: one well, whose centre lies at phi = "
-            f"{steady_motions(paper.parameters, *_level(paper)).phi[0]:.2e}."
+            f"{steady_motions(paper.parameters, *_level(paper)).phi[0]:.2e}. A well begins or ends "
+            "at a fold, or where its steady motion passes phi = pi/2."
         ),
         panels=tuple(panel for row in rows for panel in row),
         columns=2,
@@ -160,9 +161,9 @@ def _potential(release: Release, ends: tuple[float, float], what: str) -> Panel:
         y_label="V [m g R]",
         series=(
             line("effective potential", phi, V, OURS),
-            line("energy of the release", phi, np.where(own_side, reached, np.nan), SECOND_CURVE),
+            line("energy of the release", phi, np.where(own_side, reached, np.nan), THIRD_CURVE),
             *_marked(steady, inside),
-            points("release", own.phi, own.energy, FIFTH_CURVE),
+            points("release", own.phi, own.energy, THIRD_CURVE),
         ),
         log_x=wide,
         y_range=(min(shown) - room, max(shown) + room),
@@ -172,11 +173,13 @@ def _potential(release: Release, ends: tuple[float, float], what: str) -> Panel:
 def _marked(steady: SteadyMotions, inside: NDArray[np.bool_]) -> tuple[Series, ...]:
     made = []
     for label, which, kind in (
-        ("stable steady motion", steady.stable & inside, THIRD_CURVE),
+        ("stable steady motion", steady.stable & inside, SECOND_CURVE),
         ("unstable steady motion", ~steady.stable & inside, FOURTH_CURVE),
     ):
         if which.any():
-            made.append(points(label, steady.phi[which], steady.energy[which], kind))
+            some = points(label, steady.phi[which], steady.energy[which], kind)
+            # drawn alike over the first integrals, where saddles are dashed
+            made.append(replace(some, dashed=label.startswith("unstable")))
     return tuple(made)
 
 
@@ -189,7 +192,7 @@ def _branches(release: Release) -> Panel:
     for sheet in branches(can, phi, K):
         inside = (release.B[0] < sheet.B) & (release.B[1] > sheet.B)
         for label, which, kind, dashed in (
-            ("stable steady motion", sheet.stable, THIRD_CURVE, False),
+            ("stable steady motion", sheet.stable, SECOND_CURVE, False),
             ("unstable steady motion", sheet.squared_eigenvalue > 0, FOURTH_CURVE, True),
         ):
             if (which & inside).any():
@@ -203,8 +206,8 @@ def _branches(release: Release) -> Panel:
         y_label="phi [rad]",
         series=(
             *series,
-            points("fold", turning.B[inside], turning.phi[inside], OURS),
-            points("release", np.array([B]), release.own.phi, FIFTH_CURVE),
+            points("fold", turning.B[inside], turning.phi[inside], FIFTH_CURVE),
+            points("release", np.array([B]), release.own.phi, THIRD_CURVE),
         ),
         x_range=release.B,
     )
@@ -214,29 +217,29 @@ def _plane(release: Release) -> Panel:
     """Draw the folds in the plane of the first integrals, over how many wells there are."""
     phi = np.linspace(FLAT, UPRIGHT, SAMPLES)
     K, B = _level(release)
-    right, top = release.plane
+    left, right, low, high = release.plane
     return Panel(
-        title=f"{release.name}: folds between one well and two",
+        title=f"{release.name}: wells and folds",
         x_label="B_-2 [sqrt(g/R)]",
         y_label="K [sqrt(g/R)]",
         series=(
             *(
-                line("folds", sign * sheet.B, sign * sheet.K, OURS)
+                line("fold", sign * sheet.B, sign * sheet.K, FIFTH_CURVE)
                 for sheet in folds(release.parameters, phi)
                 for sign in (1.0, -1.0)
             ),
-            points("release", np.array([B]), np.array([K]), FIFTH_CURVE),
+            points("release", np.array([B]), np.array([K]), THIRD_CURVE),
         ),
-        x_range=(-right, right),
-        y_range=(-top, top),
+        x_range=(left, right),
+        y_range=(low, high),
         heat=_count(release),
     )
 
 
 def _count(release: Release) -> Heat:
     """Count the wells of each level: where the slope of the potential turns from down to up."""
-    right, top = release.plane
-    x, y = (np.linspace(-end, end, CELLS + 1) for end in (right, top))
+    left, right, low, high = release.plane
+    x, y = np.linspace(left, right, CELLS + 1), np.linspace(low, high, CELLS + 1)
     phi = np.geomspace(1e-3, UPRIGHT, NUTATIONS)
     phi = np.union1d(phi, np.linspace(phi[0], UPRIGHT, NUTATIONS))[:, None, None]
     B, K = np.meshgrid((x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2)
