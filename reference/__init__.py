@@ -3,6 +3,8 @@
 from reference.agreement import ENDING, Agreement
 from reference.chaos import Divergence, divergence
 from reference.choice import Choice, carries, smallest
+from reference.conditioning import neighbours
+from reference.confirmation import differences
 from reference.contact_modes import Kind, Phase
 from reference.effects import EffectError, Effects, Gravity, Mass
 from reference.exact import Cycles, exact_bounces
@@ -41,9 +43,11 @@ __all__ = [
     "SolverError",
     "States",
     "carries",
+    "differences",
     "divergence",
     "exact_bounces",
     "examine",
+    "neighbours",
     "smallest",
     "solve",
 ]

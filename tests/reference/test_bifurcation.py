@@ -99,7 +99,7 @@ def test_steady_motions_are_critical_points(can: Parameters) -> None:
 
 @pytest.mark.parametrize("can", CANS)
 def test_at_folds_two_steady_motions_meet(can: Parameters) -> None:
-    """Zero eigenvalue; on one side of a fold there are two extrema more beside it than on the other."""
+    """Zero eigenvalue; on one side of a fold V has two extrema more beside it than on the other."""
     phi = np.array([0.25, 0.5, 0.9, 1.2])
     seen = 0
     for sheet in folds(can, phi):

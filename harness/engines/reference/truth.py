@@ -1,5 +1,6 @@
 """The exact motion of a scene, which knows its state at any instant."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -17,7 +18,18 @@ from harness.trajectory import Trajectory
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset
 from models.scene import Scene
-from reference import METHODS, MODELS, Choice, Solution, SolverError, carries, smallest, solve
+from reference import (
+    METHODS,
+    MODELS,
+    Choice,
+    Solution,
+    SolverError,
+    carries,
+    differences,
+    neighbours,
+    smallest,
+    solve,
+)
 from reference.contact import contact_force_in_world
 
 
@@ -218,3 +230,26 @@ def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
 def sampled(motion: Truth) -> Trajectory:
     """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
     return motion.at(motion.grid())
+
+
+def apart(one: Truth, other: Truth) -> float:
+    """Return the largest relative difference of the bounces that two exact motions share."""
+    return max(differences(one.solution, other.solution).values(), default=0.0)
+
+
+def beside(motion: Truth, share: float) -> Iterator[tuple[Truth, ...]]:
+    """Yield for each number of a motion's problem the motions with a little more or less of it.
+
+    Parameters
+    ----------
+    motion : Truth
+    share : float
+        How much, relative.
+    """
+    own = motion.solution
+    outputs = frozenset(() if own.model in WITHOUT_LOCUS else ("contact_locus",))
+    for problems in neighbours(own.problem, share):
+        yield tuple(
+            Truth(scene=motion.scene, solution=solve(one, model=own.model, outputs=outputs))
+            for one in problems
+        )
