@@ -185,7 +185,9 @@ def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
 
 
 def _closed(problem: Problem, path: ExactPath) -> Motion:
-    return _measured(problem, until_horizon(problem, path))
+    # what is wrong may be no number: the comparison says so
+    with np.errstate(all="ignore"):
+        return _measured(problem, until_horizon(problem, path))
 
 
 def _integrated(problem: Problem, *, locus: bool) -> Motion:

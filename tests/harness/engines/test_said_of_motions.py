@@ -117,8 +117,8 @@ def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
     assert not any("Confirmed" in line for line in said(GENTLE, "rolling"))
     own = reference.exact_path.turning_points
 
-    def wrong(well: Well) -> TurningPoints:
-        points = own(well)
+    def wrong(well: Well, **options: bool) -> TurningPoints:
+        points = own(well, **options)
         low = 0.9 * points.low
         return replace(points, low=low, swing=points.high - low)
 
