@@ -1,7 +1,10 @@
 """What is true: the mathematics of the rocking can, dimensionless."""
 
+from reference.agreement import ENDING, Agreement
 from reference.chaos import Divergence, divergence
 from reference.choice import Choice, carries, smallest
+from reference.conditioning import neighbours
+from reference.confirmation import differences
 from reference.contact_modes import Kind, Phase
 from reference.effects import EffectError, Effects, Gravity, Mass
 from reference.exact import Cycles, exact_bounces
@@ -14,9 +17,11 @@ from reference.solution import Bounce, Solution
 from reference.states import States
 
 __all__ = [
+    "ENDING",
     "METHODS",
     "MODELS",
     "PAPER_CAN",
+    "Agreement",
     "Bounce",
     "Choice",
     "Cycles",
@@ -38,9 +43,11 @@ __all__ = [
     "SolverError",
     "States",
     "carries",
+    "differences",
     "divergence",
     "exact_bounces",
     "examine",
+    "neighbours",
     "smallest",
     "solve",
 ]

@@ -6,12 +6,18 @@ the doubles given; but its neighbours, one ulp away, move otherwise. Where prece
 the terms are rounded before they cancel, and the motion is known to that share only. A release that
 moves has its energy to round-off: it decides where phi turns, at the top, by the energy over the
 square of the force that is left there.
+
+What no formula foresees is seen by solving the neighbours of a problem as well.
 """
+
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from reference.balance import short_of_balance
-from reference.problem import Problem
+from reference.parameters import ParameterError
+from reference.problem import Problem, ProblemError
 from reference.states import Floats, States, initial_states
 
 # What is promised of every motion, relative; less than this is not worth a sentence.
@@ -31,13 +37,13 @@ def caveat(problem: Problem, top: States) -> str:
         At a maximum of phi, shape (1,).
     """
     moving = problem.phi_dot != 0
-    gravity, rotation, terms = _forces(top if moving else initial_states(problem), problem)
-    left = abs(gravity + rotation) + float(np.finfo(float).tiny)
+    at = top if moving else initial_states(problem)
+    left, terms = (float(part[0]) for part in _forces(at, problem))
     if moving:
         lost = ROUNDINGS * (1 + terms + problem.phi_dot**2) / left**2
         where, of_what = "At its highest the can all but balances", "round-off of the energy"
     else:
-        lost = ROUNDINGS * terms / left
+        lost = float(lost_of_force(at, problem)[0])
         where, of_what = "Beside steady rolling the forces on phi cancel", "round-off"
     if lost > PROMISED:
         return (
@@ -53,8 +59,14 @@ def caveat(problem: Problem, top: States) -> str:
     return ""
 
 
-def _forces(states: States, problem: Problem) -> tuple[float, float, float]:
-    """Force on phi by gravity; that by rotation, and the sum of the magnitudes of its terms."""
+def lost_of_force(states: States, problem: Problem) -> Floats:
+    """Return which share of the force on phi round-off takes, shape (n,)."""
+    left, terms = _forces(states, problem)
+    return np.asarray(ROUNDINGS * terms / left)
+
+
+def _forces(states: States, problem: Problem) -> tuple[Floats, Floats]:
+    """Return what is left of the force on phi, and the sum of its terms that are rounded."""
     p = problem.parameters
     S, C = np.sin(states.phi), np.cos(states.phi)
     short: Floats = short_of_balance(np.asarray(p.h), states.phi)
@@ -62,5 +74,36 @@ def _forces(states: States, problem: Problem) -> tuple[float, float, float]:
     square = p.a_p * S * C + (p.c_p * S + p.h * (1 + 2 * C)) * 2 * np.sin(states.phi / 2) ** 2
     whirl = square * states.psi_dot**2
     drag = (p.c_p * S + p.h * C) * states.spin * states.psi_dot
-    size = np.abs(whirl) + np.abs(drag)
-    return float(gravity[0]), float((whirl - drag)[0]), float(size[0])
+    left = np.abs(gravity + (whirl - drag)) + np.finfo(float).tiny
+    return np.asarray(left), np.asarray(np.abs(whirl) + np.abs(drag))
+
+
+def neighbours(problem: Problem, share: float) -> Iterator[tuple[Problem, ...]]:
+    """Yield for each number of a problem the problems in which it is a little larger or smaller.
+
+    Parameters
+    ----------
+    problem : Problem
+    share : float
+        By how much, relative. A number that is zero stays: it has no digits to lose.
+
+    Yields
+    ------
+    tuple of Problem
+        Two, or one where the other is impossible: c = 2 a and phi = pi/2 are limits.
+    """
+    can = problem.parameters
+    for name in ("a", "c", "h", "phi", "phi_dot", "psi_dot", "theta_dot"):
+        value = getattr(can if name in {"a", "c", "h"} else problem, name)
+        beside = []
+        for factor in (1 + share, 1 - share) if value else ():
+            try:
+                if name in {"a", "c", "h"}:
+                    moved = replace(can, **{name: value * factor})
+                    beside.append(replace(problem, parameters=moved))
+                else:
+                    beside.append(replace(problem, **{name: value * factor}))
+            except (ParameterError, ProblemError):
+                continue
+        if beside:
+            yield tuple(beside)

@@ -13,20 +13,27 @@ Where the paper is in error (each with a test):
 1 only;
 - below eq01:bal_eqm, and for Theta_e: c Theta must read (c_p + h^2) Theta;
 - below S_rest: the denominator is a S C - c h S^2, not a S C + c h S^2; and with it rest is
-possible beyond
-  the balancing angle too, where tan phi > max(1/h, a/(c h)).
+possible beyond the balancing angle too, where tan phi > max(1/h, a/(c h)).
 """
 
 import numpy as np
 
 from reference.parameters import ParameterError, Parameters
+from reference.states import Floats
 
 
 def steady_rotation(parameters: Parameters, phi: float, psi_dot: float) -> float:
     """Theta of the steady motion with nutation `phi` and precession rate `psi_dot` (not 0)."""
+    alpha, beta = steady_rotation_form(parameters, phi)
+    return float(alpha * psi_dot + beta / psi_dot)
+
+
+def steady_rotation_form(parameters: Parameters, phi: float | Floats) -> tuple[Floats, Floats]:
+    """Return alpha and beta of Theta = alpha Psi + beta/Psi (eq01:equilibrium), shapes of `phi`."""
     p, S, C = parameters, np.sin(phi), np.cos(phi)
+    cross = p.c_p * S + p.h * C
     square = (p.a_p - p.c_p) * S * C - p.h * np.cos(2 * phi)
-    return float((square * psi_dot + (p.h * S - C) / psi_dot) / (p.c_p * S + p.h * C))
+    return np.asarray(square / cross), np.asarray((p.h * S - C) / cross)
 
 
 def squared_eigenvalue(
@@ -37,23 +44,36 @@ def squared_eigenvalue(
     Positive for a saddle, negative for a centre; minus the square of the frequency of small
     oscillations.
     """
+    square, cross, rotation, gravity = eigenvalue_form(parameters, phi)
+    form = square * psi_dot**2 + cross * psi_dot * theta_dot + rotation * theta_dot**2 + gravity
+    return float(form / parameters.pendulum_inertia)
+
+
+def eigenvalue_form(
+    parameters: Parameters, phi: float | Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the squared eigenvalue as a form in the rates, over 1/(a_p + 1), shapes of `phi`.
+
+    Returns
+    -------
+    square, cross, rotation, gravity : ndarray
+        What multiplies Psi^2, Psi Theta, Theta^2 and 1. Of any state, on a steady motion or not,
+        the form is (a_p + 1) d phi''/d phi along the closed subsystem (eq01:closed_subsystem).
+    """
     p, S, C = parameters, np.sin(phi), np.cos(phi)
     h, k, kc = p.h, p.k, p.k * p.c_p
-    Psi, Theta = psi_dot, theta_dot
-    dPsi = (kc * Theta + ((kc - 2) * C - h * k * S) * Psi) / S
-    dTheta = (
-        (h * k * S - kc * C) * Theta + (2 - kc * C**2 - k * p.a_p * S**2 + 2 * h * k * S * C) * Psi
-    ) / S
-    square = (p.a_p - p.c_p) * S * C - h * np.cos(2 * phi)
-    cross = p.c_p * S + h * C
-    along_phi = (
-        ((p.a_p - p.c_p) * np.cos(2 * phi) + 2 * h * np.sin(2 * phi)) * Psi**2
-        - (p.c_p * C - h * S) * Theta * Psi
-        + h * C
-        + S
+    # dPsi/dphi and dTheta/dphi along the subsystem
+    psi_psi, psi_theta = ((kc - 2) * C - h * k * S) / S, kc / S
+    theta_psi = (2 - kc * C**2 - k * p.a_p * S**2 + 2 * h * k * S * C) / S
+    theta_theta = (h * k * S - kc * C) / S
+    squared, crossed = (p.a_p - p.c_p) * S * C - h * np.cos(2 * phi), p.c_p * S + h * C
+    own = (p.a_p - p.c_p) * np.cos(2 * phi) + 2 * h * np.sin(2 * phi)
+    return (
+        np.asarray(own + 2 * squared * psi_psi - crossed * theta_psi),
+        np.asarray(h * S - p.c_p * C + 2 * squared * psi_theta - crossed * (psi_psi + theta_theta)),
+        np.asarray(-crossed * psi_theta),
+        np.asarray(h * C + S),
     )
-    along_rates = (2 * square * Psi - cross * Theta) * dPsi - cross * Psi * dTheta
-    return float((along_phi + along_rates) / p.pendulum_inertia)
 
 
 def critical_rolling_rate(parameters: Parameters) -> float:

@@ -11,7 +11,7 @@ function times exp(i omega u), omega the mean precession, and integrates term by
 states are known at every time, after any number of bounces, without integrating through them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from reference.frobenius import can_of, series_of
 from reference.harmonics import SILENT, Harmonics, harmonics_of, locus_harmonics
 from reference.outcome import Outcome
 from reference.problem import Problem
-from reference.quadrature import clock_of, nodes_needed, rates
+from reference.quadrature import clock_of, nodes_needed, rates, unresolved
 from reference.roots import bracketed_roots
 from reference.run import Run
 from reference.states import Floats, States, initial_states, select_states
@@ -55,6 +55,9 @@ class ExactPath:
         Of t, psi and psi + theta, zero at u = 0.
     locus : ndarray of complex or None
         Fourier coefficients of the contact velocity, for k = -n .. n - 1.
+    t_end : float
+    evaluations : int
+        Nodes at which the rates were computed.
     """
 
     problem: Problem
@@ -66,6 +69,7 @@ class ExactPath:
     total: Harmonics
     locus: NDArray[np.complex128] | None
     t_end: float
+    evaluations: int
 
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
@@ -199,6 +203,20 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
     locus : bool
         Whether the contact point is wanted.
     """
+    path = exact_path(problem, locus=locus)
+    return None if isinstance(path, Outcome) else until_horizon(problem, path)
+
+
+def exact_path(problem: Problem, *, locus: bool) -> ExactPath | Outcome:
+    """Return the exact motion without an end, or how it ends if the can does not bounce for ever.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its horizon does not matter.
+    locus : bool
+        Whether the contact point is wanted.
+    """
     can = can_of(problem.parameters)
     release = {
         name: np.array([getattr(problem, name)])
@@ -207,22 +225,26 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
     series = series_of(problem.parameters)
     released = release_well(can, series, **release)
     points = turning_points(released, certain=True)
-    if OUTCOMES[int(points.code[0])] is not Outcome.FINISHED:
-        return None
+    outcome = OUTCOMES[int(points.code[0])]
+    if outcome is not Outcome.FINISHED:
+        return outcome
     clock = clock_of(points)
     nodes = MORE_NODES * int(nodes_needed(clock)[0])
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
     found = rates(points, clock, fraction)
+    # the turning points are certain: what is not positive between them, or has harmonics that do
+    # not fall, has lost its digits
+    if not (found.room > 0).all() or unresolved(found)[0]:
+        return Outcome.UNRESOLVED
     K = float(clock.quarter[0])
     time, precession, total = (
         harmonics_of(K * part[:, 0]) for part in (found.time, found.precession, found.total)
     )
-    start = _phase_at_release(problem, released, points, clock)
-    path = ExactPath(
+    return ExactPath(
         problem=problem,
         points=points,
         clock=clock,
-        start=start,
+        start=_phase_at_release(problem, released, points, clock),
         time=time,
         precession=precession,
         total=total,
@@ -230,8 +252,8 @@ def solve_exactly(problem: Problem, *, locus: bool) -> Run | None:
         if locus
         else None,
         t_end=0.0,
+        evaluations=nodes,
     )
-    return _until_horizon(problem, path, nodes)
 
 
 def _phase_at_release(
@@ -256,8 +278,8 @@ def _phase_at_release(
     return float(np.copysign(found[0], problem.phi_dot))
 
 
-def _until_horizon(problem: Problem, path: ExactPath, nodes: int) -> Run:
-    """List the extrema up to the horizon."""
+def until_horizon(problem: Problem, path: ExactPath) -> Run:
+    """Follow a motion up to the horizon of a problem that has its release, and list the extrema."""
     # a falling release counts as the maximum that opens the first bounce
     falling = path.start < 0
     if problem.bounces is not None:
@@ -283,8 +305,4 @@ def _until_horizon(problem: Problem, path: ExactPath, nodes: int) -> Run:
         extrema=select_states(path.extrema(phases), inside),
         maximum=maximum[inside],
     )
-    final = ExactPath(
-        **{name: getattr(path, name) for name in ExactPath.__slots__ if name != "t_end"},
-        t_end=t_end,
-    )
-    return Run(path=final, track=track, steps=0, evaluations=nodes)
+    return Run(path=replace(path, t_end=t_end), track=track, steps=0, evaluations=path.evaluations)

@@ -25,7 +25,7 @@ LIGHT = 1e-3
 # What a can does next that is no longer touching at one point of its rim.
 ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
-LIMITS = {Outcome.OUTWORKED, Outcome.STALLED}
+LIMITS = {Outcome.OUTWORKED, Outcome.STALLED, Outcome.UNRESOLVED}
 NONE_CARRIES = "No reference model carries it."
 
 
@@ -102,6 +102,8 @@ def examine(solution: Solution, times: Floats) -> Guard:
 
 def _findings(solution: Solution, found: Guard) -> list[Finding]:
     findings = []
+    if solution.agreement is not None and not solution.agreement.holds:
+        findings.append(Finding(sentence=solution.agreement.sentence))
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
         findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))

@@ -5,6 +5,7 @@ from collections.abc import Set as AbstractSet
 
 from reference.asymptotic_path import solve_asymptotically
 from reference.choice import carries, equations_of, smallest
+from reference.confirmation import solve_twice
 from reference.contact_modes import Kind, Phase
 from reference.coulomb import CoulombEquations
 from reference.exact_path import solve_exactly
@@ -57,8 +58,11 @@ def solve(
     problem : Problem
     model : str
         One of `MODELS`. "auto" takes the smallest that carries the problem (`reference.choice`),
-        and where that is "rolling" the same as "exact": the closed solution of the full equations
-        where the can bounces, integrated where it does not. "rolling" always integrates.
+        and where that is "rolling" solves it twice (`reference.confirmation`): by the closed
+        solution of the full equations, and by integrating one period of it. Where the two agree to
+        within round-off the answer is the closed one, else the integration's; `agreement` of the
+        solution says how they compare. "exact" asks for the closed solution alone, without
+        confirmation, and integrates where the can does not bounce. "rolling" always integrates.
     method : str
         How to integrate: "regular", the default (`reference.rocking`); "marching", the same without
         use of its mirror symmetry (`reference.marching`); or one of scipy's methods in the raw
@@ -94,7 +98,19 @@ def solve(
         raise SolverError(
             f"`model` {model!r} is too small; the smallest that carries this is {choice.model!r}"
         )
-    run, solved_by, used = _dispatch(problem, model=model, method=method, rtol=rtol, locus=locus)
+    confirmed = None
+    if model == "auto" and method == "regular" and choice.model == "rolling":
+        confirmed = solve_twice(problem, locus=locus)
+        run = confirmed.motion.run
+        solved_by, used = ("exact", "quadrature") if confirmed.closed else ("rolling", method)
+        bounces = confirmed.motion.bounces
+    else:
+        run, solved_by, used = _dispatch(
+            problem, model=model, method=method, rtol=rtol, locus=locus
+        )
+        bounces = measure_bounces(
+            run.path, run.track, problem.parameters, sliding=solved_by == "frictionless"
+        )
     phases = run.phases if isinstance(run, PhasedRun) else ()
     if solved_by in WITHOUT_SLIP:
         phases = (Phase(kind=Kind.STICK, start=0.0, end=run.track.t_end),)
@@ -103,9 +119,7 @@ def solve(
         model=solved_by,
         method=used,
         outcome=run.track.outcome,
-        bounces=measure_bounces(
-            run.path, run.track, problem.parameters, sliding=solved_by == "frictionless"
-        ),
+        bounces=bounces,
         t_end=run.track.t_end,
         maxima=run.track.maxima,
         minima=run.track.minima,
@@ -115,6 +129,7 @@ def solve(
         equations=equations_of(solved_by, problem),
         why=choice.why,
         phases=phases,
+        agreement=None if confirmed is None else confirmed.agreement,
     )
 
 
@@ -139,7 +154,7 @@ def _dispatch(
     if model in smaller:
         run, used = smaller[model]()
         return run, model, used
-    if model in {"auto", "exact"} and method == "regular":
+    if model == "exact" and method == "regular":
         found = solve_exactly(problem, locus=locus)
         if found is not None:
             return found, "exact", "quadrature"

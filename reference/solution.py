@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from reference.agreement import Agreement
 from reference.conditioning import caveat
 from reference.contact_modes import Phase
 from reference.outcome import Outcome
@@ -64,6 +65,8 @@ class Solution:
         Why these: what the smallest model that carries the problem is, in a sentence.
     phases : tuple of Phase
         Intervals in which the rim sticks or slips, in order; none of a model without a contact.
+    agreement : Agreement or None
+        How the closed solution and the integration compare, of a motion that was solved twice.
     """
 
     problem: Problem
@@ -80,6 +83,7 @@ class Solution:
     equations: int = 0
     why: str = ""
     phases: tuple[Phase, ...] = ()
+    agreement: Agreement | None = None
 
     def at(self, times: Floats) -> States:
         """States at the given times.
@@ -123,7 +127,9 @@ class Solution:
         rolls = self.model in {"exact", "rolling"} and self.outcome is Outcome.FINISHED
         if not rolls or self.maxima.size < 2:  # noqa: PLR2004 - a maximum either side of a bounce
             return ""
-        return caveat(self.problem, self.at(self.maxima[-1:]))
+        seen = self.agreement
+        measured = seen.sentence if seen is not None and seen.holds else ""
+        return caveat(self.problem, self.at(self.maxima[-1:])) or measured
 
     def grid(self) -> Floats:
         """Return sampling times, dense by angle: see `reference.sampling.grid_by_angle`."""

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from harness.cli.answers import Answer, divergence_answer
 from harness.cli.printing import chaos
-from harness.engines.reference import Truth, guard, refusal, solved
+from harness.engines.reference import ENDING, Agreement, Truth, guard, refusal, solved
 from harness.errors import TrajectoryError
 from harness.runner import Evaluation
 from harness.simulation import Outcome
@@ -32,6 +32,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         "equations": None,
         "why": None,
         "method": None,
+        "agreement": None,
         "phases": [],
         "guard": None,
         "findings": [asdict(finding) for finding in e.findings],
@@ -50,6 +51,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         "equations": own.equations,
         "why": _why(found, asked),
         "method": found.solution.method,
+        "agreement": _agreement(found.solution.agreement),
         "phases": [
             {"kind": phase.kind, "start_s": phase.start, "end_s": phase.end}
             for phase in found.phases
@@ -66,6 +68,13 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
             "least_gap_m": seen.gap,
         }
     return answer
+
+
+def _agreement(seen: Agreement | None) -> Answer | None:
+    """Return how two methods compare; None of a motion that was solved once."""
+    if seen is None:
+        return None
+    return {**asdict(seen), "holds": seen.holds, "resolved": seen.resolved}
 
 
 def _why(found: Truth, asked: str) -> str:
@@ -87,6 +96,7 @@ def sentences(answer: Answer) -> Iterable[str]:
     if answer["model"] is not None:
         plural = "" if answer["equations"] == 1 else "s"
         yield f"Model: {answer['model']}, {answer['equations']} equation{plural}. {answer['why']}"
+    yield from _confirmed(answer["agreement"])
     phases = answer["phases"]
     if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
@@ -95,3 +105,17 @@ def sentences(answer: Answer) -> Iterable[str]:
     for finding in answer["findings"]:
         carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
         yield f"Finding: {finding['sentence']}{carried}"
+
+
+def _confirmed(seen: Answer | None) -> Iterable[str]:
+    """Yield that two methods agree; that they do not is a finding, or the outcome."""
+    if seen is None or not (seen["holds"] and seen["resolved"]):
+        return
+    if seen["quantity"] == ENDING:
+        yield "Confirmed: the closed motion ends in the same way, without a bounce."
+        return
+    yield (
+        "Confirmed: the closed motion and an integration of its first period differ by "
+        f"{seen['discrepancy']:.1e} in the {seen['quantity']}, and less in all else; round-off "
+        f"allows {seen['allowed']:.1e}."
+    )

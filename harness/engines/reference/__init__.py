@@ -17,20 +17,24 @@ from harness.engines.reference.guarding import (
 )
 from harness.engines.reference.posing import carried, refusal
 from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
-from harness.engines.reference.truth import Phase, Truth, sampled, solved, truth
-from reference import Finding
+from harness.engines.reference.truth import Phase, Truth, apart, beside, sampled, solved, truth
+from reference import ENDING, Agreement, Finding
 
 __all__ = [
+    "ENDING",
     "PARTED",
     "SETTINGS",
     "VARIANTS",
     "WITHOUT_LOCUS",
+    "Agreement",
     "Divergence",
     "Finding",
     "Guard",
     "Phase",
     "ReferenceEngine",
     "Truth",
+    "apart",
+    "beside",
     "carried",
     "findings",
     "guard",

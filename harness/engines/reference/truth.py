@@ -1,6 +1,7 @@
 """The exact motion of a scene, which knows its state at any instant."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,7 +18,18 @@ from harness.trajectory import Trajectory
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset
 from models.scene import Scene
-from reference import METHODS, MODELS, Choice, Solution, SolverError, carries, smallest, solve
+from reference import (
+    METHODS,
+    MODELS,
+    Choice,
+    Solution,
+    SolverError,
+    carries,
+    differences,
+    neighbours,
+    smallest,
+    solve,
+)
 from reference.contact import contact_force_in_world
 
 
@@ -195,15 +207,49 @@ def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> T
 
 @lru_cache(maxsize=64)
 def truth(scene: Scene, seconds: float | None = None) -> Truth:
-    """Return the exact motion of a scene, by the smallest model that carries it, and keep it."""
+    """Return the exact motion of a scene, by the smallest model that carries it, and keep it.
+
+    Where the rim rolls it is the integration that confirms the closed motion, or what is left where
+    the two do not agree (`reference.confirmation`).
+    """
     needed = smallest(problem(scene, seconds)).model
-    # where it rolls not the exact formula, which has to be inverted for the state at an instant
-    return solved(
-        Case(scene=scene, engine="reference", options=(("model", needed),)), seconds, again=False
-    )
+    found = _by(needed if needed != "rolling" else "auto", scene, seconds)
+    if found.solution.model != "exact":
+        return found
+    # not the exact formula, which has to be inverted for the state at an instant
+    integrated = _by(needed, scene, seconds).solution
+    return Truth(scene=scene, solution=replace(integrated, agreement=found.solution.agreement))
+
+
+def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
+    case = Case(scene=scene, engine="reference", options=(("model", model),))
+    return solved(case, seconds, again=False)
 
 
 @lru_cache(maxsize=64)
 def sampled(motion: Truth) -> Trajectory:
     """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
     return motion.at(motion.grid())
+
+
+def apart(one: Truth, other: Truth) -> float:
+    """Return the largest relative difference of the bounces that two exact motions share."""
+    return max(differences(one.solution, other.solution).values(), default=0.0)
+
+
+def beside(motion: Truth, share: float) -> Iterator[tuple[Truth, ...]]:
+    """Yield for each number of a motion's problem the motions with a little more or less of it.
+
+    Parameters
+    ----------
+    motion : Truth
+    share : float
+        How much, relative.
+    """
+    own = motion.solution
+    outputs = frozenset(() if own.model in WITHOUT_LOCUS else ("contact_locus",))
+    for problems in neighbours(own.problem, share):
+        yield tuple(
+            Truth(scene=motion.scene, solution=solve(one, model=own.model, outputs=outputs))
+            for one in problems
+        )

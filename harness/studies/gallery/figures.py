@@ -9,6 +9,7 @@ from harness.studies.gallery.locus import friction, loci
 from harness.studies.gallery.motion import constants, hypergeometric, time_series
 from harness.studies.gallery.poses import equilibria, fall
 from harness.studies.gallery.signs import sign_map
+from harness.studies.gallery.wells import wells
 
 ABOUT = Prose(
     name="summary",
@@ -16,7 +17,8 @@ ABOUT = Prose(
     text=(
         "Each figure of Collins, Hall and Hogan, The rocking can (arXiv:2302.08335), drawn again "
         "from our own solutions of the same release, and named after the paper's label. Where a "
-        "caption's number differs from the paper's, the audit says why."
+        "caption's number differs from the paper's, the audit says why. The last figure is not in "
+        "the paper: where there is a second well, which the paper does not mention."
     ),
 )
 
@@ -34,6 +36,7 @@ FIGURES: tuple[Callable[[], Figure], ...] = (
     friction,
     surface,
     contours,
+    wells,
 )
 
 
@@ -43,7 +46,7 @@ def gallery() -> Iterator[Figure]:
     Yields
     ------
     Figure
-        Named after the paper's label.
+        Named after the paper's label, or `wells`.
     """
     for make in FIGURES:
         yield make()

@@ -6,15 +6,13 @@ Energy is weighed by `models`, which knows none of them.
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.bounce import Bounce
 from harness.case import Case
 from harness.engines.horizon import natural_time
-from harness.engines.reference import Truth, refusal, solved, truth
+from harness.engines.reference import Truth, apart, beside, refusal, solved, truth
 from harness.metrics.conservation import energy
 from harness.metrics.error import rotation_between
 from harness.studies.stability.signs import spendable
@@ -33,6 +31,8 @@ they round some ten numbers that are made of it."""
 
 _FORMULAS = frozenset({"exact", "pendulum"})
 
+EPS = float(np.finfo(float).eps)
+
 _SAMPLES = 33
 
 
@@ -46,7 +46,8 @@ class Finding:
     outcome : str
         How the integrated motion ends.
     disagreement : float
-        Largest relative difference of formula and integration: period, turn, rotation, least phi.
+        Largest relative difference of formula and integration: period, turn, rotation, least phi,
+        peak precession rate, and the orientation all along.
     conditioning : float
         What one ulp of each number of the input does to the answer, relative, all added up; looked
         at where formula and integration differ by more than is allowed.
@@ -141,7 +142,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
     if not finding.failure or not drift <= ALLOWED or (same and off <= ALLOWED):
         return finding
     # a formula has the digits of the motion; a second integration may lose some that are its own
-    ulp = _of_an_ulp(scene, one if one.solution.model in _FORMULAS else other)
+    ulp = _of_an_ulp(one if one.solution.model in _FORMULAS else other)
     if not (ulp > ALLOWED and off <= ULPS * ulp):
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
@@ -151,8 +152,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
 
 def _apart(one: Truth, other: Truth) -> float:
     """Return the largest relative difference of two motions, in bounces and all along."""
-    bounces = zip(one.bounces, other.bounces, strict=False)
-    off = max((_difference(mine, theirs) for mine, theirs in bounces), default=0.0)
+    off = apart(one, other)
     ends = min(one.ends, other.ends)
     if not ends > 0.0:
         return off
@@ -181,41 +181,16 @@ def _failure(first: Truth, second: Truth, off: float, drift: float) -> str:
     return ""
 
 
-def _of_an_ulp(scene: Scene, truth: Truth) -> float:
-    """Return what one ulp of the numbers of a scene does to its motion; infinite if all."""
+def _of_an_ulp(motion: Truth) -> float:
+    """Return what one ulp of the numbers of a motion does to it; infinite if all."""
     total = 0.0
-    for near in _neighbours(scene):
-        other = _solved(near, truth.solution.model)
-        same = other.solution.outcome is truth.solution.outcome
-        if not same or len(other.bounces) != len(truth.bounces):
-            return math.inf
-        total += _apart(truth, other)
+    for pair in beside(motion, EPS):
+        for other in pair:
+            same = other.solution.outcome is motion.solution.outcome
+            if not same or len(other.bounces) != len(motion.bounces):
+                return math.inf
+        total += max(_apart(motion, other) for other in pair)
     return total
-
-
-def _neighbours(scene: Scene) -> Iterator[Scene]:
-    """Yield a scene with one number after the other one ulp larger."""
-    for part in ("release", "can"):
-        whole = getattr(scene, part)
-        for field in fields(whole):
-            value = getattr(whole, field.name)
-            if isinstance(value, float) and value and field.name not in {"mass", "radius"}:
-                moved = replace(whole, **{field.name: math.nextafter(value, math.inf)})
-                yield replace(scene, **{part: moved})
-
-
-def _difference(one: Bounce, other: Bounce) -> float:
-    """Return the largest relative difference of two bounces; small angles count absolutely."""
-    period = max(other.end - other.start, other.end)
-    pairs = (
-        (one.end - one.start, other.end - other.start, period),
-        (one.time, other.time, period),
-        (one.phi_min, other.phi_min, other.phi_min),
-        (one.angle_of_turn, other.angle_of_turn, max(1.0, abs(other.angle_of_turn))),
-        (one.rotation_turn, other.rotation_turn, max(1.0, abs(other.rotation_turn))),
-    )
-    off = [abs(a - b) / scale for a, b, scale in pairs]
-    return max(off) if all(map(math.isfinite, off)) else math.inf
 
 
 def _energy_error(scene: Scene, truth: Truth) -> float:

@@ -74,6 +74,7 @@ MODEL = {
     "equations",
     "why",
     "method",
+    "agreement",
     "phases",
     "guard",
     "findings",

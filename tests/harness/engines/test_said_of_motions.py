@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import pytest
 
+import reference.exact_path
 from harness.case import Case
 from harness.cli.model_answer import model_answer, sentences
-from harness.engines.reference import findings, may_be_chaotic, parting, solved
+from harness.engines.reference import findings, may_be_chaotic, parting, solved, truth
 from harness.errors import TrajectoryError
 from harness.runner import by_itself
 from harness.simulation import Outcome
 from models import Damping, Effects, Horizon, PointMass, RollingResistance, Scene, Tilt, load
+from reference.turning_points import TurningPoints
+from reference.well import Well
 
 GENTLE = load("gentle-rock")
 
@@ -102,3 +105,35 @@ def test_what_is_no_motion_is_no_answer() -> None:
     broken = replace(e.simulation, outcome=Outcome.BROKEN, trajectory=None, note="no number")
     with pytest.raises(TrajectoryError, match="no number"):
         model_answer(replace(e, simulation=broken), None, "auto")
+
+
+def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    confirmed = [line for line in said(GENTLE) if line.startswith("Confirmed")]
+    assert len(confirmed) == 1
+    assert "round-off allows" in confirmed[0]
+    assert any("ends in the same way" in line for line in said(load("steady-rolling")))
+    assert not any("Confirmed" in line for line in said(GENTLE, "rolling"))
+    own = reference.exact_path.turning_points
+
+    def wrong(well: Well, **options: bool) -> TurningPoints:
+        points = own(well, **options)
+        low = 0.9 * points.low
+        return replace(points, low=low, swing=points.high - low)
+
+    monkeypatch.setattr(reference.exact_path, "turning_points", wrong)
+    scene = replace(GENTLE, name="wrongly-solved")
+    lines = said(scene)
+    assert not any("Confirmed" in line for line in lines)
+    assert sum("one of them is wrong" in line for line in lines) == 1
+    # engines are held to the same motion, and it is said of them as well
+    (finding,) = findings(scene)
+    assert "the integration's" in finding.sentence
+    case = Case(scene=scene, engine="reference")
+    motion = truth(scene)
+    assert motion.bounces == solved(case).bounces
+    seen = model_answer(by_itself(case), motion, "auto")["agreement"]
+    assert seen["holds"] is False
+    assert seen["resolved"] is True
+    assert seen["discrepancy"] > 1e-2

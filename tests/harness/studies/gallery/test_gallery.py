@@ -35,8 +35,8 @@ def panel(figure: Figure, title: str) -> Panel:
 
 
 def test_every_figure_of_the_paper_is_there(drawn: dict[str, Figure]) -> None:
-    assert set(drawn) == PAPERS
-    assert len(FIGURES) == len(PAPERS)
+    assert set(drawn) == PAPERS | {"wells"}
+    assert len(FIGURES) == len(drawn)
 
 
 def test_every_curve_has_something_to_show(drawn: dict[str, Figure]) -> None:
@@ -90,3 +90,21 @@ def test_contours_close(drawn: dict[str, Figure]) -> None:
         assert orbit.x[0] == orbit.x[-1]
         # the speed at a turning point is the square root of round-off
         assert np.abs(orbit.y[[0, -1]]).max() < 1e-6
+
+
+def test_a_release_lies_in_the_upper_of_two_wells(drawn: dict[str, Figure]) -> None:
+    """On it the energy of the release is shown between the barrier and the other turning point."""
+    well = panel(drawn["wells"], "two wells: the well of the release")
+    curves = {series.label: series for series in well.series}
+    reached = np.isfinite(curves["energy of the release"].y)
+    inside = curves["energy of the release"].x[reached]
+    assert curves["unstable steady motion"].x[0] < inside[0] < curves["stable steady motion"].x[0]
+    # the turning point that forty digits give, to a sample
+    assert inside[0] == pytest.approx(1.4638669, abs=1e-4)
+    assert inside[-1] == pytest.approx(curves["release"].x[0], abs=1e-4)
+    counted = panel(drawn["wells"], "two wells: wells and folds").heat
+    assert counted is not None
+    column = np.searchsorted(counted.x, 0.4719) - 1
+    row = np.searchsorted(counted.y, -0.0559) - 1
+    assert counted.z[row, column] == 2
+    assert set(np.unique(counted.z)) == {0.0, 1.0, 2.0}

@@ -1,0 +1,225 @@
+"""The default answer needs two methods: a closed motion that is wrong is caught by the other."""
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import reference.confirmation
+import reference.exact_path
+from reference import PAPER_CAN, Outcome, Parameters, Problem, examine, solve
+from reference.conditioning import EPS, neighbours
+from reference.equilibria import steady_rotation
+from reference.turning_points import OUTCOMES, TurningPoints, turning_points
+from reference.well import Well
+
+HARD = json.loads((Path(__file__).parent / "golden" / "hard.json").read_text())
+GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.12, theta_dot=-0.06, bounces=1)
+TWO_WELLS = Problem(
+    parameters=Parameters(a=0.2919, c=0.3791, h=0.5575),
+    phi=1.5026354274572624,
+    psi_dot=-0.39236159644870505,
+    theta_dot=-1.0199477967008015,
+    bounces=1,
+)
+Forced = Callable[[Callable[[TurningPoints], TurningPoints]], None]
+
+
+@pytest.fixture
+def forced(monkeypatch: pytest.MonkeyPatch) -> Forced:
+    """Make the closed solution take other turning points."""
+
+    def force(change: Callable[[TurningPoints], TurningPoints]) -> None:
+        def wrong(well: Well, **options: bool) -> TurningPoints:
+            return change(turning_points(well, **options))
+
+        monkeypatch.setattr(reference.exact_path, "turning_points", wrong)
+
+    return force
+
+
+def lower(points: TurningPoints, by: float) -> TurningPoints:
+    low = points.low * (1 - by)
+    return replace(points, low=low, swing=points.high - low)
+
+
+def ended(outcome: Outcome) -> Callable[[TurningPoints], TurningPoints]:
+    code = np.array([OUTCOMES.index(outcome)], dtype=np.int8)
+    return lambda points: replace(points, code=code)
+
+
+def test_two_methods_agree_and_the_answer_is_the_closed_one() -> None:
+    found, closed = solve(GENTLE), solve(GENTLE, model="exact")
+    assert found.agreement is not None
+    assert found.agreement.holds
+    assert found.agreement.resolved
+    assert found.agreement.sentence == found.caveat == ""
+    assert 0 < found.agreement.evaluations < 100
+    assert (found.model, found.method, found.bounces) == ("exact", "quadrature", closed.bounces)
+    assert found.evaluations == closed.evaluations
+    assert closed.agreement is None
+
+
+@pytest.mark.parametrize("by", [1e-11, 1e-6, 0.3])
+@pytest.mark.parametrize("bounces", [1, 20])
+def test_a_wrong_turning_point_is_caught(forced: Forced, by: float, bounces: int) -> None:
+    """However little it is off, beyond round-off, and however many bounces are asked for."""
+    problem = replace(GENTLE, bounces=bounces)
+    forced(lambda points: lower(points, by))
+    assert solve(problem, model="exact").model == "exact"  # which asks for nothing else
+    found = solve(problem)
+    integrated = solve(problem, model="rolling")
+    assert found.agreement is not None
+    assert not found.agreement.holds
+    assert found.agreement.discrepancy >= 0.5 * by
+    assert (found.model, found.bounces) == ("rolling", integrated.bounces)
+    (finding,) = examine(found, np.linspace(0.0, found.t_end, 50)).findings
+    assert f"{found.agreement.discrepancy:.1e}" in finding.sentence
+    assert "integration's" in finding.sentence
+
+
+@pytest.mark.parametrize("period", [1e-150, 1e150, np.nan])
+def test_a_closed_motion_without_measure_is_caught_before_it_is_followed(
+    monkeypatch: pytest.MonkeyPatch, period: float
+) -> None:
+    """A period of next to nothing has more extrema up to the horizon than there is memory."""
+    own = reference.exact_path.harmonics_of
+
+    def scaled(values: np.ndarray) -> reference.exact_path.Harmonics:
+        found = own(values)
+        return replace(found, slope=found.slope * period, waves=found.waves * period)
+
+    monkeypatch.setattr(reference.exact_path, "harmonics_of", scaled)
+    before = time.process_time()
+    found = solve(replace(GENTLE, bounces=None, duration=5.0))
+    assert time.process_time() - before < 5.0
+    assert found.model == "rolling"
+    assert found.t_end == 5.0
+    assert found.agreement is not None
+    assert not found.agreement.holds
+
+
+@pytest.mark.parametrize("outcome", [Outcome.OVERTURNED, Outcome.STEADY, Outcome.UNRESOLVED])
+@pytest.mark.parametrize("horizon", [{"bounces": 2}, {"bounces": None, "duration": 6.0}])
+def test_a_bounce_that_the_closed_solution_denies_is_found(
+    forced: Forced, outcome: Outcome, horizon: dict[str, float]
+) -> None:
+    forced(ended(outcome))
+    found = solve(replace(GENTLE, **horizon))
+    assert found.agreement is not None
+    assert not found.agreement.holds
+    assert "end otherwise" in found.agreement.sentence
+    assert found.bounces
+
+
+def test_a_bounce_that_only_the_closed_solution_finds_is_denied(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    over = Problem(parameters=PAPER_CAN, phi=0.8, psi_dot=0.1, theta_dot=0.1, bounces=1)
+    ahead = solve(over)
+    assert ahead.outcome is Outcome.OVERTURNED
+    assert ahead.agreement is not None
+    assert ahead.agreement.holds
+    path = reference.exact_path.exact_path(GENTLE, locus=False)
+    monkeypatch.setattr(reference.confirmation, "exact_path", lambda *_, **__: path)
+    found = solve(over)
+    assert found.outcome is Outcome.OVERTURNED
+    assert found.bounces == ()
+    assert found.agreement is not None
+    assert not found.agreement.holds
+
+
+def test_beside_a_separatrix_there_is_no_bounce() -> None:
+    """The release rests where its two neighbours among the doubles end otherwise.
+
+    Between a release that overturns and one that comes back lies one double after which the other
+    begins: found by bisection down to the last bit.
+    """
+    can = TWO_WELLS.parameters
+    back, over = 0.0, 3.0
+
+    def thrown(speed: float) -> Problem:
+        return Problem(
+            parameters=can, phi=0.9, phi_dot=speed, psi_dot=0.05, theta_dot=0.02, bounces=1
+        )
+
+    while (middle := (back + over) / 2) not in {back, over}:
+        comes_back = solve(thrown(middle), model="rolling").outcome is Outcome.FINISHED
+        back, over = (middle, over) if comes_back else (back, middle)
+    found = solve(thrown(back))
+    assert found.outcome is Outcome.UNRESOLVED
+    assert found.bounces == ()
+    # up to the top, where it almost stops, the motion is known
+    assert 10.0 < found.t_end < 60.0
+    assert 0.9 < found.at(np.array([found.t_end])).phi[0] < np.pi / 2
+    (finding,) = examine(found, np.linspace(0.0, found.t_end, 50)).findings
+    assert finding.sentence == Outcome.UNRESOLVED.value
+    # what ends before that does not depend on it
+    early = solve(replace(thrown(back), bounces=None, duration=0.2))
+    assert early.outcome is Outcome.FINISHED
+    assert early.t_end == 0.2
+
+
+def test_what_round_off_takes_beside_steady_rolling_is_allowed_and_said() -> None:
+    rotation = steady_rotation(PAPER_CAN, 0.3, 0.5)
+    problem = Problem(
+        parameters=PAPER_CAN, phi=0.3 * (1 - 1e-7), psi_dot=0.5, theta_dot=rotation, bounces=1
+    )
+    found = solve(problem)
+    assert found.agreement is not None
+    assert found.agreement.holds
+    assert found.outcome is Outcome.FINISHED
+
+
+@pytest.mark.parametrize("row", HARD, ids=lambda row: f"{row['can']}, phi={row['phi']:.3g}")
+def test_hard_releases_are_confirmed(row: dict[str, float]) -> None:
+    """Releases of which forty digits are known: no false alarm, and no refusal."""
+    can = Parameters(a=row["a"], c=row["c"], h=row["h"])
+    release = {name: row[name] for name in ("phi", "phi_dot", "psi_dot", "theta_dot")}
+    found = solve(
+        Problem(parameters=can, bounces=2, **release), outputs=frozenset({"contact_locus"})
+    )
+    assert found.model == "exact"
+    assert found.agreement is not None
+    assert found.agreement.holds
+    assert found.agreement.discrepancy < 1e-9
+
+
+def test_random_releases_are_confirmed() -> None:
+    """Over disks and needles: the bound is neither passed by round-off nor larger than 1e-9."""
+    random = np.random.default_rng(11)
+    for _ in range(25):
+        a, h = 10.0 ** random.uniform(-1.0, 1.0), 10.0 ** random.uniform(-1.5, 0.8)
+        can = Parameters(a=a, c=a * random.uniform(0.05, 1.9), h=h)
+        problem = Problem(
+            parameters=can,
+            phi=can.balancing_angle * random.uniform(0.01, 0.999),
+            psi_dot=random.normal() * 10.0 ** random.uniform(-6.0, 0.5),
+            theta_dot=random.normal() * 10.0 ** random.uniform(-6.0, 0.5),
+            phi_dot=random.choice([0.0, 0.0, 0.1, -0.1]),
+            bounces=1,
+        )
+        found = solve(problem)
+        assert found.agreement is not None
+        assert found.agreement.holds, found.agreement.sentence
+        assert found.agreement.allowed < 1e-9
+
+
+def test_neighbours_differ_in_one_number() -> None:
+    beside = [one for pair in neighbours(GENTLE, 4 * EPS) for one in pair]
+    # a, c, h, phi, psi' and theta': phi' is zero
+    assert len(set(beside)) == len(beside) == 12
+    hoop = replace(GENTLE, parameters=Parameters(a=0.5, c=1.0, h=1.0))
+    assert sum(len(pair) for pair in neighbours(hoop, 4 * EPS)) == 10  # c = 2 a is a limit
+
+
+def test_a_scene_in_the_upper_of_two_wells() -> None:
+    """Forty digits: phi_min 1.46386689 and a period of 46.3075 (DOP853 in raw variables agrees)."""
+    found = solve(TWO_WELLS)
+    assert found.outcome is Outcome.FINISHED
+    assert found.bounces[0].phi_min == pytest.approx(1.46386689, rel=1e-8)
+    assert found.t_end == pytest.approx(46.3075, rel=1e-5)
