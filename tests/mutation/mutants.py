@@ -10,6 +10,7 @@ import ast
 import difflib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import parso.python.tree as tree
@@ -101,19 +102,19 @@ class Mutant:
     source: str
 
 
-def mutants(path: Path) -> tuple[Mutant, ...]:
-    """Return every mutant of a module, in the order of its lines, each once."""
+def sources(path: Path) -> tuple[str, ...]:
+    """Return every mutant of a module, each once."""
     source = path.read_text(encoding="utf-8")
     parsed = get_ast(source)
     operators = [get_operator(f"core/{name}")() for name in _NAMES]
-    found: dict[str, Mutant] = {}
+    found: dict[str, None] = {}
     for operator in (*operators, NumberChanged(), ExtremumSwapped()):
         count = sum(1 for node in ast_nodes(parsed) for _ in operator.mutation_positions(node))
         for occurrence in range(count):
             changed = mutate_code(source, operator, occurrence)
             if changed is not None and _differs(source, changed):
-                found.setdefault(changed, _mutant(path, source, changed))
-    return tuple(sorted(found.values(), key=lambda one: (one.line, one.becomes)))
+                found[changed] = None
+    return tuple(found)
 
 
 def _differs(source: str, changed: str) -> bool:
@@ -124,6 +125,7 @@ def _differs(source: str, changed: str) -> bool:
         return False
 
 
+@lru_cache(maxsize=2)
 def _computed(source: str) -> str:
     """Return what a module computes."""
     parsed = ast.parse(source)
@@ -136,7 +138,9 @@ def _computed(source: str) -> str:
     return ast.dump(parsed)
 
 
-def _mutant(path: Path, source: str, changed: str) -> Mutant:
+def mutant(path: Path, changed: str) -> Mutant:
+    """Return a mutant with the line that it changes."""
+    source = path.read_text(encoding="utf-8")
     before, after = source.splitlines(), changed.splitlines()
     matcher = difflib.SequenceMatcher(a=before, b=after, autojunk=False)
     _, start, stop, first, last = next(op for op in matcher.get_opcodes() if op[0] != "equal")
