@@ -61,16 +61,16 @@ def main() -> int:
     reader.add_argument("--out", type=Path, help="write the report here")
     asked = reader.parse_args()
     warm((*IMPORTED, *IMPORTED_ENGINES))
-    kept, tallies = Kept(asked.kept), []
+    kept, tallies, text = Kept(asked.kept), [], ""
     for target in (one for one in targets() if asked.module in str(one.path)):
         every = list(sources(target.path))
-        random.Random(asked.seed).shuffle(every)  # a larger share holds the smaller one
+        random.Random(asked.seed).shuffle(every)  # noqa: S311 - a larger share holds the smaller one
         chosen = [mutant(target.path, one) for one in every[: ceil(asked.share * len(every))]]
         tallies.append(_tally(target, len(every), chosen, kept))
-    text = page(tallies, reasons(), share=asked.share, seed=asked.seed)
+        text = page(tallies, reasons(), share=asked.share, seed=asked.seed)
+        if asked.out is not None:  # module by module: a run takes long
+            asked.out.write_text(text, encoding="utf-8")
     sys.stdout.write(text)
-    if asked.out is not None:
-        asked.out.write_text(text, encoding="utf-8")
     return 0 if all(reasons().of(one) for tally in tallies for one in tally.survived) else 1
 
 

@@ -11,7 +11,11 @@ _LADDER = (f"{_METRICS}/test_order.py", f"{_METRICS}/test_plateau_and_front.py")
 _LIMITS = (f"{_METRICS}/test_limits.py",)
 _JUDGED = (f"{_GATE}/test_limits.py", f"{_GATE}/test_comparison.py")
 
-TESTS = {
+TESTS: dict[str, tuple[str, ...]] = {
+    "harness/engines/schedule.py": (
+        "tests/harness/engines/test_schedule_limits.py",
+        "tests/harness/engines/test_schedule.py",
+    ),
     "harness/metrics/conservation.py": _QUALITY,
     "harness/metrics/contact.py": (*_LIMITS, *_QUALITY),
     "harness/metrics/error.py": (*_LIMITS, f"{_METRICS}/test_error.py"),
@@ -33,10 +37,6 @@ TESTS = {
     "harness/gate/reading.py": (f"{_GATE}/test_words.py",),
     "harness/gate/scores.py": (*_JUDGED, f"{_GATE}/test_ensemble.py"),
     "harness/gate/words.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_words.py"),
-    "harness/engines/schedule.py": (
-        "tests/harness/engines/test_schedule_limits.py",
-        "tests/harness/engines/test_schedule.py",
-    ),
     "reference/turning_points.py": ("tests/reference/test_exact.py",),
 }
 """Those that are quickest to fail first. Only whole runs, of a minute and more, try

@@ -58,26 +58,26 @@ class Tally:
         return self.tried - len(self.survived)
 
 
+_PREFACE = """\
+One small change of a module at a time: an operator exchanged, a comparison moved or turned round, a
+float doubled or halved, an integer moved by one, `min` for `max`, a loop left out. A mutant that
+the tests of its module do not notice has survived. Those that hang or crash count as killed.
+"""
+
+
 def page(tallies: Sequence[Tally], known: Reasons, *, share: float, seed: int) -> str:
     """Return the report as Markdown."""
     drawn = "" if share == 1.0 else f" --share {share:g} --seed {seed}"
+    machine = f"{platform.platform()}, Python {platform.python_version()}"
+    made = f"`python -m tests.mutation{drawn} --out reports/mutation.md`"
     lines = [
-        "# Mutants",
-        "",
-        f"Tried on {platform.platform()}, Python {platform.python_version()}. Written by "
-        f"`python -m tests.mutation{drawn} --out reports/mutation.md`, which `make mutants` runs.",
-        "",
-        "One small change of a module at a time: an operator exchanged, a comparison moved or turned "
-        "round, a float doubled or halved, an integer moved by one, `min` for `max`, a loop left "
-        "out. A mutant that the tests of its module do not notice has survived: what it changed is "
-        "pinned by nothing. Those that hang count as killed.",
-        "",
+        f"# Mutants\n\nTried on {machine}. Written by {made}; `make mutants` tries all.\n",
+        _PREFACE,
         "| module | mutants | tried | killed | of these hung | survived | score |",
         "|---|---:|---:|---:|---:|---:|---:|",
+        *(_row(f"`{one.path}`", [one]) for one in tallies if one.tried),
+        _row("all", tallies),
     ]
-    for one in (one for one in tallies if one.tried):
-        lines.append(_row(f"`{one.path}`", [one]))
-    lines.append(_row("all", tallies))
     lines += ["", "## Survivors", ""]
     survivors = [mutant for one in tallies for mutant in one.survived]
     if not survivors:

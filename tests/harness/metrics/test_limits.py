@@ -216,6 +216,6 @@ def test_a_record_that_begins_or_ends_within_a_millionth_of_rest_has_its_maximum
 
 def test_a_curve_has_two_ends() -> None:
     line = np.array(((0.0, 0.0), (1.0, 0.0)))
-    assert hausdorff(line, line + (0.0, 0.5)) == 0.5
+    assert hausdorff(line, line + np.array((0.0, 0.5))) == 0.5
     assert math.isnan(hausdorff(line[:1], line))
     assert math.isnan(hausdorff(line, line[:1]))
