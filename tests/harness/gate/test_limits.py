@@ -133,12 +133,12 @@ def known(cases: list[Case]) -> Scores:
 
 def test_a_suite_may_have_grown_by_a_quarter() -> None:
     case = Case(scene=load("gentle-rock"), engine="mujoco", timestep=1e-3)
-    cases = [replace(case, timestep=1e-3 / number) for number in range(1, 7)]
-    # one new beside four accepted ones: grown, so that what is asked next is whether scenes changed
+    cases = [replace(case, timestep=1e-3 / number) for number in range(1, 27)]
+    # five new ones beside twenty: grown, so that what is asked next is whether scenes changed
     with pytest.raises(BaselineError, match="other scenes"):
-        owed(known(cases[:4]), "quick", cases[:5], every_engine=True)
-    with pytest.raises(BaselineError, match="holds the full suite, which has 4 of the 6 cases"):
-        owed(known(cases[:4]), "quick", cases, every_engine=True)
+        owed(known(cases[:20]), "quick", cases[:25], every_engine=True)
+    with pytest.raises(BaselineError, match="holds the full suite, which has 20 of the 26 cases"):
+        owed(known(cases[:20]), "quick", cases, every_engine=True)
 
 
 @pytest.mark.parametrize(("count", "words"), [(12, "s-12 in"), (13, "and 1 more, in the table")])

@@ -219,3 +219,42 @@ def test_a_curve_has_two_ends() -> None:
     assert hausdorff(line, line + np.array((0.0, 0.5))) == 0.5
     assert math.isnan(hausdorff(line[:1], line))
     assert math.isnan(hausdorff(line, line[:1]))
+
+
+@pytest.mark.parametrize(("turn", "phi_min"), [(0.099, 0.5), (0.101, math.cos(0.0505))])
+def test_from_a_tenth_of_a_radian_of_the_rim_on_a_minimum_is_that_of_a_straight_line(
+    turn: float, phi_min: float, made: Made, gentle: Scene
+) -> None:
+    # two samples at the same phi with phi' = -+ v: a cubic in time dips by v/4, and the chord of
+    # phi exp(i chi) by what its cosine says; both records begin and end with a rest
+    phi = 0.1 * np.array((2.0, 2.0, 1.0, 1.0, 2.0, 2.0))
+    rate = 0.1 * np.array((0.0, 0.0, -2.0, 2.0, 0.0, 0.0))
+    can = gentle.can
+    psi = np.array((0.0, 0.0, 0.0, 1.0, 1.0, 1.0)) * turn / can.slowness
+    still = np.zeros(6)
+    record = made(
+        6,
+        quaternion=quaternion(phi, psi, still),
+        angular_velocity=angular_velocity(phi, psi, rate, still, still),
+    )
+    (found,) = bounces(motion(record, gentle), can)
+    assert found.phi_min == pytest.approx(0.1 * phi_min, rel=1e-9)
+    assert found.time == pytest.approx(2.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(("nearer", "distance"), [(15, 0.1), (16, 0.5)])
+def test_the_chords_of_the_sixteen_nearest_points_are_tried(nearer: int, distance: float) -> None:
+    # the curve passes 0.1 below the origin on a chord whose ends are farther away than the points
+    # that lie 0.5 to its left
+    angle = np.linspace(0.9, 1.1, nearer) * np.pi
+    points = 0.5 * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+    ends = np.array(((-3.0, -0.1), (1.0, -0.1)))
+    curve = np.concatenate((points, ends))
+    reached = np.concatenate((curve, np.zeros((1, 2))))
+    assert hausdorff(reached, curve) == pytest.approx(distance, rel=1e-3)  # a chord of the arc
+
+
+def test_a_curve_ends_where_its_points_end() -> None:
+    line = np.array(((0.0, 0.0), (1.0, 0.0)))
+    assert hausdorff(line, line + np.array(((0.0, 0.0), (1.0, 0.0)))) == 1.0
+    assert hausdorff(line, line - np.array(((1.0, 0.0), (0.0, 0.0)))) == 1.0
