@@ -67,7 +67,7 @@ def main() -> int:
         random.Random(asked.seed).shuffle(every)  # noqa: S311 - a larger share holds the smaller one
         chosen = [mutant(target.path, one) for one in every[: ceil(asked.share * len(every))]]
         tallies.append(_tally(target, len(every), chosen, kept))
-        text = page(tallies, reasons(), share=asked.share, seed=asked.seed)
+        text = page(tallies, reasons(), module=asked.module, share=asked.share, seed=asked.seed)
         if asked.out is not None:  # module by module: a run takes long
             asked.out.write_text(text, encoding="utf-8")
     sys.stdout.write(text)
@@ -77,14 +77,14 @@ def main() -> int:
 def _tally(target: Target, every: int, chosen: list[Mutant], kept: Kept) -> Tally:
     """Return what became of a module's mutants."""
     tally = Tally(path=target.path, every=every)
-    if not chosen:
-        return tally
-    whole = tried(target, None, 600.0)
-    if whole.verdict is not Verdict.SURVIVED:
-        raise SystemExit(f"the tests of {target.module} fail as it stands: mend that first")
-    allowed = max(LEAST, PATIENCE * whole.seconds)
+    allowed = 0.0
     for one in sorted(chosen, key=lambda one: one.line):
         known = kept.killed(one)
+        if known is None and not allowed:
+            whole = tried(target, None, 600.0)
+            if whole.verdict is not Verdict.SURVIVED:
+                raise SystemExit(f"the tests of {target.module} fail as it stands: mend that first")
+            allowed = max(LEAST, PATIENCE * whole.seconds)
         found = (
             tried(target, one.source, allowed)
             if known is None

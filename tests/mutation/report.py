@@ -65,9 +65,10 @@ the tests of its module do not notice has survived. Those that hang or crash cou
 """
 
 
-def page(tallies: Sequence[Tally], known: Reasons, *, share: float, seed: int) -> str:
+def page(tallies: Sequence[Tally], known: Reasons, *, module: str, share: float, seed: int) -> str:
     """Return the report as Markdown."""
-    drawn = "" if share == 1.0 else f" --share {share:g} --seed {seed}"
+    drawn = f" --module {module}" if module else ""
+    drawn += "" if share == 1.0 else f" --share {share:g} --seed {seed}"
     machine = f"{platform.platform()}, Python {platform.python_version()}"
     made = f"`python -m tests.mutation{drawn} --out reports/mutation.md`"
     lines = [

@@ -15,6 +15,7 @@ from harness.metrics.error import hausdorff
 from harness.metrics.features import bounces
 from harness.metrics.motion import motion
 from harness.metrics.order import asymptotic_order, observed_order
+from harness.metrics.pareto import pareto_front
 from harness.metrics.plateau import plateau
 from harness.trajectory import Trajectory
 from models import Scene, angular_velocity, quaternion
@@ -248,7 +249,7 @@ def test_the_chords_of_the_sixteen_nearest_points_are_tried(nearer: int, distanc
     # that lie 0.5 to its left
     angle = np.linspace(0.9, 1.1, nearer) * np.pi
     points = 0.5 * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
-    ends = np.array(((-3.0, -0.1), (1.0, -0.1)))
+    ends = np.array(((-3.0, -0.1), (1.0, -0.1), (5.0, 3.0)))
     curve = np.concatenate((points, ends))
     reached = np.concatenate((curve, np.zeros((1, 2))))
     assert hausdorff(reached, curve) == pytest.approx(distance, rel=1e-3)  # a chord of the arc
@@ -258,3 +259,11 @@ def test_a_curve_ends_where_its_points_end() -> None:
     line = np.array(((0.0, 0.0), (1.0, 0.0)))
     assert hausdorff(line, line + np.array(((0.0, 0.0), (1.0, 0.0)))) == 1.0
     assert hausdorff(line, line - np.array(((1.0, 0.0), (0.0, 0.0)))) == 1.0
+
+
+@pytest.mark.parametrize("measure", [observed_order, asymptotic_order, plateau, pareto_front])
+def test_two_lists_are_of_one_length(
+    measure: Callable[[tuple[float, ...], tuple[float, ...]], object],
+) -> None:
+    with pytest.raises(ValueError, match="shorter"):
+        measure(HALVES, HALVES[:2])
