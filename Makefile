@@ -4,13 +4,22 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= quick
 
-.PHONY: validate test lint types contracts models clean
+.PHONY: validate test explore mutants lint types contracts models clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
 
 test: $(VENV)/ready-to-test
 	$(BIN)/python -m pytest
+
+# property tests with fresh seeds; tests/conftest.py says what becomes of what they find
+explore: $(VENV)/ready-to-test
+	$(BIN)/python -m pytest -m hypothesis --hypothesis-profile=explore
+
+# what the tests would not notice if it changed; SHARE=0.1 draws a tenth of it
+SHARE ?= 1
+mutants: $(VENV)/ready-to-mutate
+	$(BIN)/python -m tests.mutation --share $(SHARE) --out reports/mutation.md
 
 lint: $(VENV)/ready-to-develop
 	$(BIN)/ruff check .
@@ -39,6 +48,10 @@ $(VENV)/ready: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/ready-to-test: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --group test -c constraints.txt
+	touch $@
+
+$(VENV)/ready-to-mutate: $(VENV)/ready-to-test
+	$(BIN)/python -m pip install --quiet --group mutation -c constraints.txt
 	touch $@
 
 $(VENV)/ready-to-develop: $(VENV)/ready-to-test

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import settings
 
 from harness.artefact import Figure
 from harness.case import Case, Value
@@ -16,10 +15,6 @@ from harness.engines.settling import settle
 from harness.runner import Evaluation, evaluate
 from harness.trajectory import Trajectory
 from models import Horizon, Scene, load, release_state
-
-# the same examples in every run, and a busy machine does not fail them
-settings.register_profile("harness", derandomize=True, deadline=None)
-settings.load_profile("harness")
 
 Evaluator = Callable[..., Evaluation]
 Stepper = Callable[[Case, int], Trajectory]

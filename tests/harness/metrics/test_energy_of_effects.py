@@ -92,3 +92,16 @@ def test_what_takes_or_brings_has_none(made: Made, gentle: Scene, effects: Effec
 
 def test_without_gravity_there_is_no_scale(made: Made, gentle: Scene) -> None:
     assert energy_drift(made(3), replace(gentle, gravity=0.0)) is None
+
+
+def test_a_point_mass_is_where_the_can_has_turned_it(made: Made, gentle: Scene) -> None:
+    """In any orientation, by the vectors of the body's axes."""
+    point = PointMass(mass=0.01, x=0.02, y=0.005, z=-0.01)
+    weighted = replace(gentle, effects=Effects(point_mass=point))
+    turned = np.array((0.5, -0.1, 0.7, 0.5))  # of unit length, all four components at work
+    w, v = turned[0], turned[1:]
+    place = np.array((point.x, point.y, point.z))
+    place = place + 2.0 * w * np.cross(v, place) + 2.0 * np.cross(v, np.cross(v, place))
+    one = made(1, quaternion=turned[None])
+    added = energy(one, weighted)[0] - energy(one, gentle)[0]
+    assert added == pytest.approx(point.mass * 9.81 * place[2], rel=64 * EPS)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.artefact import Figure, Floats, Panel, Series
@@ -37,7 +37,6 @@ def distance(points: Floats, line: Floats) -> Floats:
     st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_size=2, max_size=60),
     st.sampled_from([0.0, 1e-3, 0.1]),
 )
-@settings(derandomize=True, deadline=None)
 def test_what_is_left_out_is_within_the_tolerance(
     points: list[tuple[float, float]], tolerance: float
 ) -> None:

@@ -27,7 +27,7 @@ def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest(planned: Planne
     assert values["can.h"].tolist() == pytest.approx([0.1, 1.0, 10.0] * 3, rel=1e-15)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(data=st.data(), spacing=st.sampled_from(["even", "log"]), count=st.integers(1, 3000))
 def test_values_of_a_grid_are_those_of_numpy_to_the_bit(
     data: st.DataObject, spacing: str, count: int
@@ -57,7 +57,7 @@ def test_a_long_axis_takes_no_memory(planned: Planned, spacing: str) -> None:
 
 
 @pytest.mark.parametrize("sample", ["random", "sobol", "halton"])
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(cut=st.integers(1, 999))
 def test_a_row_of_a_sample_depends_on_its_number_alone(sample: str, cut: int) -> None:
     chosen = plan(

@@ -221,7 +221,7 @@ def distance(one: States, other: States) -> float:
     return float(max(np.abs(angles).max(), np.abs(rates).max() / (1.0 + turning)))
 
 
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples * 2 // 5)
 @given(problem=releases(), share=st.floats(0.1, 0.95))
 def test_time_runs_backwards_in_every_regime(problem: Problem, share: float) -> None:
     """As far as the state in between, in doubles, still knows where it came from.

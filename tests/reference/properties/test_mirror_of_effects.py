@@ -36,7 +36,7 @@ EVERYTHING = (
 )
 
 
-@settings(max_examples=12)
+@settings(max_examples=settings.default.max_examples // 8)
 @given(
     pair=st.sampled_from(EVERYTHING),
     phi=st.floats(0.15, 0.5),

@@ -83,7 +83,7 @@ def test_a_release_off_the_rim_is_refused(height: float, word: str) -> None:
     assert word in refusal(replace(scene, release=replace(scene.release, height=height)))
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(mass=st.floats(-6.0, 6.0), radius=st.floats(-3.0, 1.0), gravity=st.floats(-5.0, 3.0))
 def test_mass_length_and_gravity_leave_the_dimensionless_motion_alone(
     mass: float, radius: float, gravity: float
@@ -125,7 +125,7 @@ LOST = 1e-3
 """Where neighbours are as far apart as this, one ulp decides, and no scaling can be held to it."""
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
+@settings(max_examples=settings.default.max_examples * 2 // 5)
 @given(
     scene=st.sampled_from(SCENES),
     mass=st.floats(-6.0, 6.0),

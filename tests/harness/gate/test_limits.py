@@ -1,0 +1,163 @@
+"""Numbers that prose cites of the gate, just inside and just outside each.
+
+They are written out here as CONTRIBUTING and the docstrings have them, and not imported: whoever
+changes one in the code is told which sentence no longer holds.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+from harness.case import Case
+from harness.gate import GATE, BaselineError, owed, sentences
+from harness.gate.baseline import read_baseline, write_baseline
+from harness.gate.comparison import Change, differences, judge
+from harness.gate.ensemble import member, members
+from harness.gate.identity import identity
+from harness.gate.scores import Score, Scores
+from models import load
+
+Make = Callable[..., Score]
+MakeAll = Callable[..., Scores]
+
+PHI = "phi_rms_rad"
+
+
+@pytest.mark.parametrize(
+    ("found", "change"),
+    [
+        (1.9999, Change.SAME),
+        (2.0001, Change.LARGER),
+        (0.0001, Change.SAME),
+    ],
+)
+def test_a_tolerance_is_four_spreads(
+    found: float, change: Change, score: Make, scores: MakeAll
+) -> None:
+    accepted = scores(score({PHI: 1.0}, spread={PHI: 0.25}))
+    _, quantity = differences(accepted, scores(score({PHI: found})))
+    assert quantity.change is change
+    assert quantity.tolerance == pytest.approx(1.0, abs=2e-12)  # and what round-off makes
+
+
+@pytest.mark.parametrize(("found", "change"), [(1.0999, Change.SAME), (1.1001, Change.LARGER)])
+def test_a_tenth_more_is_worse_and_less_is_not(found: float, change: Change) -> None:
+    assert judge(1.0, found, 0.0)[0] is change
+
+
+@pytest.mark.parametrize(("found", "change"), [(0.9092, Change.SAME), (0.9090, Change.SMALLER)])
+def test_better_is_the_same_rule_mirrored(found: float, change: Change) -> None:
+    assert judge(1.0, found, 0.0)[0] is change  # 1/1.1 is 0.90909
+
+
+def test_both_limits_must_be_exceeded_not_met() -> None:
+    assert judge(1.0, 1.5, 0.5)[0] is Change.SAME
+    assert judge(0.0, 0.0, 0.0)[0] is Change.SAME
+
+
+@pytest.mark.parametrize(
+    ("column", "floor"),
+    [
+        ("angle_of_turn_error_deg", 1e-10),
+        ("bounce_time_error_s", 1e-13),
+        ("peak_friction_ratio_error", 1e-10),
+        ("phi_rms_rad", 1e-12),
+        ("phi_max_rad", 1e-12),
+        ("psi_rms_rad", 1e-11),
+        ("theta_rms_rad", 1e-11),
+        ("rotation_rms_rad", 1e-11),
+        ("contact_locus_rms_m", 1e-13),
+        ("contact_locus_hausdorff_m", 1e-13),
+        ("energy_drift", 1e-12),
+        ("max_penetration_m", 1e-9),
+        ("max_slip_m_s", 1e-9),
+        ("lift_off_fraction", 1e-4),
+        ("multi_contact_fraction", 1e-4),
+        ("steps", 1.0),
+        ("constraint_rows", 16.0),
+    ],
+)
+def test_below_its_floor_nothing_counts_as_a_change(
+    column: str, floor: float, score: Make, scores: MakeAll
+) -> None:
+    accepted = scores(score({column: 0.0}))
+    for found, change in ((0.99 * floor, Change.SAME), (1.01 * floor, Change.LARGER)):
+        _, quantity = differences(accepted, scores(score({column: found})))
+        assert quantity.change is change
+
+
+@pytest.mark.parametrize(
+    ("steps", "count"),
+    [
+        (16_666, 12),
+        (16_667, 11),
+        (40_000, 5),
+        (40_001, 4),
+        (200_000, 4),
+        (10_000_000, 4),
+        (1, 12),
+    ],
+)
+def test_a_case_runs_again_4_to_12_times_within_200_000_steps(steps: int, count: int) -> None:
+    assert members(steps) == count
+
+
+def test_members_differ_by_1e_13_to_1e_9() -> None:
+    case = Case(scene=load("gentle-rock"), engine="mujoco", timestep=1e-3)
+    assert case.scene.release.psi == 0.0
+    first = [member(case, number).scene.release.psi for number in range(5)]
+    assert sorted(first) == [1e-13, 1e-12, 1e-11, 1e-10, 1e-9]  # one of each before any comes again
+    assert first[:2] == [1e-9, 1e-13]  # the fewest, four, hold both ends
+    assert member(case, 5).scene.release.psi == 1e-9
+
+
+def known(cases: list[Case]) -> Scores:
+    scores = [
+        Score(
+            identity=identity(case),
+            scene_digest="",
+            outcome="FINISHED",
+            truth_pulls=False,
+            values={},
+        )
+        for case in cases
+    ]
+    return Scores(
+        suite="full",
+        scores=MappingProxyType({one.identity: one for one in scores}),
+        versions={},
+    )
+
+
+def test_a_suite_may_have_grown_by_a_quarter() -> None:
+    case = Case(scene=load("gentle-rock"), engine="mujoco", timestep=1e-3)
+    cases = [replace(case, timestep=1e-3 / number) for number in range(1, 27)]
+    # five new ones beside twenty: grown, so that what is asked next is whether scenes changed
+    with pytest.raises(BaselineError, match="other scenes"):
+        owed(known(cases[:20]), "quick", cases[:25], every_engine=True)
+    with pytest.raises(BaselineError, match="holds the full suite, which has 20 of the 26 cases"):
+        owed(known(cases[:20]), "quick", cases, every_engine=True)
+
+
+@pytest.mark.parametrize(("count", "words"), [(12, "s-12 in"), (13, "and 1 more, in the table")])
+def test_twelve_cases_are_named(count: int, words: str, score: Make, scores: MakeAll) -> None:
+    names = [f"s-{number:02d}" for number in range(1, count + 1)]
+    first = scores(*(score({PHI: 1.0}, scene=name) for name in names))
+    second = scores(*(score({PHI: 2.0}, scene=name) for name in names))
+    text = " ".join(sentences(differences(first, second), first, second, GATE))
+    assert words in text
+    assert ("more, in the table" in text) is (count > 12)
+    assert "s-13" not in text
+
+
+@pytest.mark.parametrize(
+    ("spread", "kept"), [(1.2341e-7, 1.24e-7), (1.23e-7, 1.23e-7), (9.991e-3, 1e-2)]
+)
+def test_a_spread_is_kept_in_three_digits_rounded_up(
+    spread: float, kept: float, score: Make, scores: MakeAll, tmp_path: object
+) -> None:
+    write_baseline(scores(score({PHI: 1.0}, spread={PHI: spread})), tmp_path)  # type: ignore[arg-type]
+    (found,) = read_baseline(tmp_path).scores.values()  # type: ignore[arg-type]
+    assert found.spread[PHI] == kept

@@ -1,0 +1,62 @@
+"""Which modules are mutated, and which tests are asked about each."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+_METRICS = "tests/harness/metrics"
+_GATE = "tests/harness/gate"
+_QUALITY = (f"{_METRICS}/test_energy_and_contact.py", f"{_METRICS}/test_energy_of_effects.py")
+_LADDER = (f"{_METRICS}/test_order.py", f"{_METRICS}/test_plateau_and_front.py")
+_LIMITS = (f"{_METRICS}/test_limits.py",)
+_JUDGED = (f"{_GATE}/test_limits.py", f"{_GATE}/test_comparison.py")
+
+TESTS: dict[str, tuple[str, ...]] = {
+    "harness/engines/schedule.py": (
+        "tests/harness/engines/test_schedule_limits.py",
+        "tests/harness/engines/test_schedule.py",
+    ),
+    "harness/metrics/conservation.py": _QUALITY,
+    "harness/metrics/contact.py": (*_LIMITS, *_QUALITY),
+    "harness/metrics/error.py": (*_LIMITS, f"{_METRICS}/test_error.py"),
+    "harness/metrics/features.py": (*_LIMITS, f"{_METRICS}/test_features.py"),
+    "harness/metrics/motion.py": (
+        *_QUALITY,
+        f"{_METRICS}/test_features.py",
+        f"{_METRICS}/test_error.py",
+    ),
+    "harness/metrics/order.py": (*_LIMITS, *_LADDER),
+    "harness/metrics/pareto.py": _LADDER[1:],
+    "harness/metrics/plateau.py": (*_LIMITS, *_LADDER[1:]),
+    "harness/gate/baseline.py": (f"{_GATE}/test_baseline.py", f"{_GATE}/test_limits.py"),
+    "harness/gate/comparison.py": (*_JUDGED, f"{_GATE}/test_words.py"),
+    "harness/gate/ensemble.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_ensemble.py"),
+    "harness/gate/gate.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_owed.py"),
+    "harness/gate/identity.py": (f"{_GATE}/test_owed.py", f"{_GATE}/test_words.py"),
+    "harness/gate/quantities.py": _JUDGED,
+    "harness/gate/reading.py": (f"{_GATE}/test_words.py",),
+    "harness/gate/scores.py": (*_JUDGED, f"{_GATE}/test_ensemble.py"),
+    "harness/gate/words.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_words.py"),
+    "reference/turning_points.py": ("tests/reference/test_exact.py",),
+}
+"""Those that are quickest to fail first. Only whole runs, of a minute and more, try
+`gate/measuring.py` and `gate/reports.py`; `metrics/motion_frame.py` names columns."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """A module and the arguments of pytest that select its tests."""
+
+    path: Path
+    tests: tuple[str, ...]
+
+    @property
+    def module(self) -> str:
+        """Its dotted name."""
+        return ".".join(self.path.with_suffix("").parts)
+
+
+def targets() -> Iterator[Target]:
+    """Yield every module that is mutated."""
+    for path, tests in TESTS.items():
+        yield Target(path=Path(path), tests=tests)
