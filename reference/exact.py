@@ -167,9 +167,9 @@ def _chunk(
         for field, values in zip(out, better, strict=True):
             field[doubted] = values
         if left.size:
-            values, converged = graded_integrals(select_points(certain, left))
+            refined, converged = graded_integrals(select_points(certain, left))
             code[doubted[left[~converged]]] = OUTCOMES.index(Outcome.UNRESOLVED)
-            for field, value in zip(out, values, strict=True):
+            for field, value in zip(out, refined, strict=True):
                 field[doubted[left]] = np.where(converged, value, 0.0)
     return code, out[0], out[1], out[2], out[3], out[4], out[5]
 

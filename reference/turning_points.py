@@ -177,10 +177,10 @@ def _upper(well: Well, *, certain: bool) -> tuple[Floats, NDArray[np.bool_], NDA
     columns = np.arange(release.size)
     left, right = rise[np.maximum(first - 1, 0), columns], rise[first, columns]
     decided = np.ones(release.shape, dtype=bool)
-    doubted = np.full(release.shape, certain)
+    unsure = np.full(release.shape, certain)
     open_ = np.flatnonzero(~found)
-    doubted[open_] |= ~stays_positive(g[:, open_], to_coefficients(GRID + 1) @ g[:, open_])
-    doubted = np.flatnonzero(doubted)
+    unsure[open_] |= ~stays_positive(g[:, open_], to_coefficients(GRID + 1) @ g[:, open_])
+    doubted = np.flatnonzero(unsure)
     if doubted.size:
         some = select_well(well, doubted)
         height = some.reference
