@@ -6,7 +6,7 @@ from itertools import groupby
 import pandas as pd
 
 from harness.artefact import Prose, Table
-from harness.studies.audit.finding import MEANINGS, Finding, Verdict
+from harness.studies.audit.finding import MEANINGS, WRONG, Finding, Verdict
 
 COLUMNS = {
     "label": "The paper's label; text:, caption: and app: name claims without one",
@@ -52,7 +52,7 @@ def audit_words(findings: Sequence[Finding]) -> Prose:
     """Return how many claims stand, in two sentences."""
     found = counts(findings)
     told = ", ".join(f"{number} {verdict.value}" for verdict, number in found.items() if number)
-    wrong = [f for f in findings if f.ruling.verdict in {Verdict.MISPRINT, Verdict.INCONSISTENT}]
+    wrong = [f for f in findings if f.ruling.verdict in WRONG]
     first = f"Of {len(findings)} claims of the paper: {told}."
     second = f"The first that is wrong is {wrong[0].label}." if wrong else "None is wrong."
     return Prose(name="summary", title="Summary", text=f"{first} {second}")
@@ -84,11 +84,10 @@ def markdown(findings: Sequence[Finding]) -> str:
         "| label | section | printed | verdict | correct |",
         "|---|---|---|---|---|",
     ]
-    wrong = (Verdict.MISPRINT, Verdict.INCONSISTENT)
     lines += [
         _row(f.label, f.section, f.says, f.ruling.verdict.value, f.ruling.correct)
         for f in findings
-        if f.ruling.verdict in wrong
+        if f.ruling.verdict in WRONG
     ]
     for section, members in groupby(findings, key=lambda f: f.section):
         lines += ["", f"## {_heading(section)}", ""]
