@@ -81,7 +81,7 @@ class Identity:
 
     def as_corrected(self) -> Self:
         """Return evidence about the right claim."""
-        return self if self.corrected is None else replace(self, printed=self.corrected, others=())
+        return self if self.corrected is None else replace(self, printed=self.corrected)
 
     def _compare(self, claim: Expr) -> tuple[bool, mp.mpf]:
         form = claim if self.compared is None else self.compared(claim)
