@@ -68,14 +68,18 @@ def euler_lagrange() -> Identity:
 
     def change(law: Expr) -> Expr:
         motion = law.subs({moved: rate(LAGRANGIAN.diff(Phi)), pushed: LAGRANGIAN.diff(phi)})
-        return rate(energy).subs(others).subs(phi_dd, sp.solve(motion, phi_dd)[0])
+        inertia = motion.diff(phi_dd)
+        change = rate(energy).subs(others)
+        # phi'' = -rest/inertia, times the inertia
+        rest = motion.subs(phi_dd, 0)
+        return change.diff(phi_dd) * -rest + change.subs(phi_dd, 0) * inertia
 
     return Identity(
         printed=moved - pushed,
         compared=change,
         derived=sp.Integer(0),
         others=(moved + pushed, 2 * moved - pushed, moved - 2 * pushed),
-        source="the rate of the energy along its solutions",
+        source="the rate of the energy along its solutions, times the inertia",
     )
 
 
