@@ -81,7 +81,7 @@ class Identity:
 
     def as_corrected(self) -> Self:
         """Return evidence about the right claim."""
-        return self if self.corrected is None else replace(self, printed=self.corrected, others=())
+        return self if self.corrected is None else replace(self, printed=self.corrected)
 
     def _compare(self, claim: Expr) -> tuple[bool, mp.mpf]:
         form = claim if self.compared is None else self.compared(claim)
@@ -190,11 +190,7 @@ class Number:
 
     def ruling(self) -> Ruling:
         """Decide by half a unit in the last printed place."""
-        value = mp.mpmathify(self.value)
-        low = value if self.low is None else mp.mpmathify(self.low)
-        high = value if self.high is None else mp.mpmathify(self.high)
-        half = self._unit() / 2
-        near = low - half <= mp.mpf(self.printed) <= high + half
+        value, near = mp.mpmathify(self.value), self.near()
         mantissa = self.printed.lower().partition("e")[0]
         shown = digits(value, max(4, sum(x.isdigit() for x in mantissa) + 2))
         return Ruling(
@@ -204,6 +200,14 @@ class Number:
             else f"{shown} ({self.source}){'; ' if self.also else ''}{self.also}",
             how=f"{self.source}: {shown}, printed {self.printed}",
         )
+
+    def near(self) -> bool:
+        """Whether the value rounds to what is printed."""
+        low, high = (
+            mp.mpmathify(self.value if end is None else end) for end in (self.low, self.high)
+        )
+        half = self._unit() / 2
+        return bool(low - half <= mp.mpf(self.printed) <= high + half)
 
     def mutations(self) -> Iterator[Self]:
         """Return evidence about numbers two units in the last place away."""
