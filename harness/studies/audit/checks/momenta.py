@@ -12,7 +12,7 @@ from harness.studies.audit.evidence import Fact, Identity
 from harness.studies.audit.finding import Verdict
 from harness.studies.audit.newton_euler import ARM, VERTICAL, rotation
 from harness.studies.audit.registry import claim
-from harness.studies.audit.symbols import Co, Phi, Psi, S, Theta, a, c
+from harness.studies.audit.symbols import Co, Phi, Psi, S, Theta, a, c, h, phi
 from harness.studies.audit.symbols import psi as precession
 from reference import PAPER_CAN
 from reference.contact import contact_force
@@ -159,8 +159,8 @@ def lines_that_meet() -> Fact:
     """Solve for the points in which a line through the contact meets an axis through the centre."""
     contact = rotation() * ARM
     forward = sp.Matrix([1, 0, 0])
-    # in the vertical plane of the frame I, psi = 0
-    flat = {precession: 0}
+    # in the vertical plane of the frame I, psi = 0, at some tilt of some can
+    flat = {precession: 0, phi: sp.pi / 6, h: sp.Rational(3, 2)}
     place, axis = contact.subs(flat), (rotation() * VERTICAL).subs(flat)
     u, v = sp.symbols("u v", real=True)
     lines = {"N": VERTICAL, "F_x^I": forward}

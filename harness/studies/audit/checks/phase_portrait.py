@@ -3,6 +3,7 @@
 from functools import cache
 
 import mpmath as mp
+from scipy.optimize import brentq
 
 from harness.studies.audit import flat_motion, paper_can, release
 from harness.studies.audit.checks.hamiltonian import PRINTED
@@ -31,13 +32,13 @@ def _rests() -> dict[str, mp.mpf]:
     reduced = reduced_of(release.bounce().problem)
     with mp.workdps(30):
         zero, two = exact_constants()
-        guess = mp.cbrt(two**2 * paper_can.a_p)
+        guess = mp.cbrt(two**2 * paper_can.a_p)  # a_3/phi^3 = 1
 
         def exact(x: mp.mpf) -> mp.mpf:
             return flat_motion.drive(x, zero, two) - mp.cos(x) + paper_can.h * mp.sin(x)
 
-        steady = mp.findroot(exact, guess)
-        found = mp.findroot(lambda x: mp.mpf(float(reduced.force(float(x)))), guess, tol=1e-12)
+        steady = mp.findroot(exact, (guess / 3, 3 * guess), solver="anderson")
+    found = brentq(reduced.force, float(guess) / 3, 3 * float(guess))
     return {"steady": steady, "reduced": found, "phi*": mp.atan(1 / paper_can.h)}
 
 

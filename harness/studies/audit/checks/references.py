@@ -5,7 +5,7 @@ from functools import partial
 import sympy as sp
 
 from harness.studies.audit import flat_series as series
-from harness.studies.audit.checks.integrals import INTEGRALS
+from harness.studies.audit.checks.integrals import INTEGRANDS
 from harness.studies.audit.evidence import Fact
 from harness.studies.audit.finding import Verdict
 from harness.studies.audit.labels import DEFINED_IN, NUMBERS
@@ -132,7 +132,7 @@ def index_of_the_sums() -> Fact:
 def every_integral() -> Fact:
     """Compare the integrals that (5.4) sums over with those that appendix G lists."""
     asked = {f"J_{i}" for i in range(4)} | {f"J_l{i}" for i in range(3)} | {"J_ll"}
-    given = frozenset(INTEGRALS)
+    given = frozenset(INTEGRANDS)
     whole = given | {"J_0"}
     return Fact(
         printed=given,
