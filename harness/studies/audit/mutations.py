@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from harness.studies.audit.symbols import Expr
+from harness.studies.audit.symbols import ZERO, Expr, disagreement
 
 MOST = 6
 """Mutations kept of a form, spread over it: each costs an evaluation to forty digits."""
@@ -22,8 +22,9 @@ def mutated(form: Expr) -> list[Expr]:
         An expression or a matrix of expressions, in which every entry is mutated in turn.
     """
     if isinstance(form, sp.MatrixBase):
-        return _spread([x for place in range(len(form)) for x in _with_entry(form, place)])
-    return _spread([x for x in _in_one_place(sp.sympify(form)) if x != form])
+        everywhere = (x for place in range(len(form)) for x in _with_entry(form, place))
+        return _spread(list(everywhere), form)
+    return _spread(list(_in_one_place(sp.sympify(form))), form)
 
 
 def _with_entry(form: Expr, place: int) -> Iterator[Expr]:
@@ -48,7 +49,7 @@ def _in_one_place(form: Expr) -> Iterator[Expr]:
             yield form.xreplace({node: node * node.base})
 
 
-def _spread(found: list[Expr]) -> list[Expr]:
-    """Keep at most `MOST`, evenly over the list."""
+def _spread(found: list[Expr], form: Expr) -> list[Expr]:
+    """Keep at most `MOST`, evenly over the list, and none that equals the form."""
     step = max(1, -(-len(found) // MOST))
-    return found[::step]
+    return [x for x in found[::step] if disagreement(x, form) >= ZERO]

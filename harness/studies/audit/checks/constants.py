@@ -70,10 +70,9 @@ def valued(form: Expr) -> "sp.Lambda":
 def slope_at_release() -> Rate:
     """Compare with the slope itself."""
     p = paper_can
-    both = p.k * p.c_p
 
     def remainder(form: Expr) -> "sp.Lambda":
-        value = valued(form)
+        value, both = valued(form), p.k * p.c_p
 
         def left(x: mp.mpf) -> mp.mpf:
             slope = both * THETA + ((both - 2) * mp.cos(x) - p.h * p.k * mp.sin(x)) * PSI
@@ -124,8 +123,9 @@ def derived_zero() -> Expr:
     slope = (kc * Theta + ((kc - 2) * series.COS - beta * series.SIN) * Psi) * (
         1 / phi + phi / 6 + 7 * phi**3 / 360
     )
-    top = sp.expand(Psi * series.slope(singular) - slope * singular) * (series.SIN**3 / -2)
-    return series.up_to(top, 2)
+    # of order phi^-3, so that two more powers of either factor are enough
+    top = series.up_to(Psi * series.slope(singular) - slope * singular, -1)
+    return series.up_to(top * series.up_to(series.SIN**3, 5) / -2, 2)
 
 
 def _coefficients_of_zero(form: Expr) -> Expr:
@@ -210,6 +210,8 @@ def constants_stay() -> Both:
             Rate(
                 printed=form,
                 remainder=partial(along, which),
+                # Psi + Theta, a logarithm, shows at the lowest order only, Psi at every one
+                others=(2 * form, form + Psi * phi**2, form - Psi * phi**2 * log_phi),
                 stated=1,
                 at=SMALL,
                 source=f"{name} along an exact motion: what is cut off is phi^3 Psi",

@@ -6,7 +6,7 @@ import sympy as sp
 from harness.studies.audit import paper_can, release
 from harness.studies.audit.evidence import Both, Identity, Number
 from harness.studies.audit.finding import Verdict
-from harness.studies.audit.newton_euler import contact_force, papers_accelerations, turn_z
+from harness.studies.audit.newton_euler import contact_force, turn_z
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import A, H, R, a_p, h, m, psi
 
@@ -15,13 +15,15 @@ from harness.studies.audit.symbols import A, H, R, a_p, h, m, psi
 def friction_ratio() -> Identity:
     """Insert the force in G; compare its square with that of the force in I, without psi."""
     letters = sp.symbols("F_x F_y N")
-    force = contact_force().subs(papers_accelerations())
+    force = contact_force()
     seen = (turn_z(psi).T * force).subs(psi, 0)
     return Identity(
         printed=(letters[0] ** 2 + letters[1] ** 2) / letters[2] ** 2,
-        compared=lambda square: square.subs(dict(zip(letters, force, strict=True))),
-        derived=(seen[0] ** 2 + seen[1] ** 2) / seen[2] ** 2,
-        source="the force along and across the lean of the can, the square",
+        compared=lambda square: (
+            square.subs(dict(zip(letters, force, strict=True))) * force[2] ** 2
+        ),
+        derived=seen[0] ** 2 + seen[1] ** 2,
+        source="the force along and across the lean of the can, the square times N^2",
     )
 
 

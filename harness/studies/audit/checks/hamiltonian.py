@@ -125,9 +125,10 @@ def period_integral() -> Fact:
     energy = top + strength / (2 * top**2)
 
     def below(_t: float, y: "np.ndarray") -> float:
+        """Return what turns positive where the can is lowest."""
         return float(y[1])
 
-    below.direction = 1  # type: ignore[attr-defined]
+    below.direction, below.terminal = 1, True  # type: ignore[attr-defined]
     run = solve_ivp(
         lambda _t, y: [y[1], strength / y[0] ** 3 - 1],
         (0, 10),
@@ -136,7 +137,7 @@ def period_integral() -> Fact:
         rtol=1e-11,
         atol=1e-13,
     )
-    period = 2 * run.t_events[0][-1] if len(run.t_events[0]) == 1 else 2 * run.t_events[0][1]
+    period = 2 * float(run.t_events[0][0])
     bottom = mp.findroot(lambda y: y + strength / (2 * y**2) - energy, 0.07)
 
     def matches(integrand: Expr) -> bool:

@@ -1,5 +1,7 @@
 """Section 4: the closed subsystem, the second-order equation and its hypergeometric solution."""
 
+from functools import cache
+
 import mpmath as mp
 import sympy as sp
 
@@ -81,6 +83,7 @@ def beta_of_the_can() -> Number:
     return Number(printed="0.361", value=paper_can.k * paper_can.h, source="k h")
 
 
+@cache
 def _residual(rho: Expr) -> mp.mpf:
     """Largest relative residual of both branches of eq01:hyper_geom in eq01:frob_ode."""
     gamma, beta = 2 + paper_can.k, paper_can.k * paper_can.h
