@@ -8,9 +8,9 @@ from enum import Enum
 class Weight(Enum):
     """What an error does to the rest of the paper, gravest first."""
 
-    SUBSTANTIAL = "changes numbers or conclusions"
-    FORMULA = "a formula or statement is false, the results stand"
-    TYPOGRAPHICAL = "one symbol or reference"
+    SUBSTANTIAL = "errors that change numbers or conclusions"
+    FORMULA = "false formulas and statements that leave the results as they are"
+    TYPOGRAPHICAL = "slips of one symbol or reference"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

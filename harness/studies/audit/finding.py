@@ -65,6 +65,10 @@ class Finding:
     check : str
         Module and function that computed the ruling.
     seconds : float
+    place : str
+        Number of the equation in print, or where the statement stands.
+    causes : tuple of str
+        Names of the errors for which it is wrong, as in `causes.CAUSES`; none where it stands.
     """
 
     label: str
@@ -73,3 +77,5 @@ class Finding:
     ruling: Ruling
     check: str
     seconds: float
+    place: str = ""
+    causes: tuple[str, ...] = ()
