@@ -138,7 +138,7 @@ def period_integral() -> Fact:
         atol=1e-13,
     )
     period = 2 * float(run.t_events[0][0])
-    bottom = mp.findroot(lambda y: y + strength / (2 * y**2) - energy, 0.07)
+    bottom = min(r for r in mp.polyroots([1, -energy, 0, strength / 2]) if r > 0)
 
     def matches(integrand: Expr) -> bool:
         value = sp.lambdify(Phi, integrand, "mpmath")

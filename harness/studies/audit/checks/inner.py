@@ -161,10 +161,11 @@ def outer_in_inner_variable() -> Both:
 @claim("text:P and Q", "5.3", "P = sqrt(a_p/I), Q = 0")
 def matching_constants() -> Identity:
     """Slopes and constants of the two expansions."""
+    constant = sp.Symbol("Q")
     slope = sp.solve(sp.sqrt(q) / P - sp.sqrt(I), P)[0]
     return Identity(
         printed=sp.Matrix([sp.sqrt(q / I), 0]),
-        derived=sp.Matrix([slope, sp.solve(sp.Symbol("Q") / slope)[0]]),
+        derived=sp.Matrix([slope, sp.solve(constant / slope, constant)[0]]),
         source="equal slopes sqrt(a_p)/P = sqrt(I), and no constant eps^(1/2) Q/P",
     )
 

@@ -55,12 +55,13 @@ def mass() -> Number:
 
 
 def _groups() -> dict[str, Number]:
-    low, high = reach(lambda a, h: a + h**2, "0.727", "1.473")
     least, most = reach(lambda a, c, h: c / (a + c * (a + h**2)), "0.727", "0.615", "1.473")
     return {
         "a": Number(printed="0.727", value=MOMENT_A / SQUARE, source=f"A/(m R^2) with {IMPLIED}"),
         "c": Number(printed="0.615", value=MOMENT_C / SQUARE, source=f"C/(m R^2) with {IMPLIED}"),
-        "a_p": Number(printed="2.897", value=paper_can.a_p, low=low, high=high, source="a + h^2"),
+        "a_p": Number(
+            printed="2.897", value=paper_can.a + (HALF_HEIGHT / RADIUS) ** 2, source="a + (H/R)^2"
+        ),
         "c_p": Number(
             printed="1.6156", value=paper_can.c_p, source="c + 1", wrong=Verdict.MISPRINT
         ),

@@ -159,17 +159,10 @@ def reduced_with_remainder() -> Both:
         for logs in range(5)
         if series.coefficient(series.drive(), power, logs) != 0
     )
+    most = max(n for n in range(5) if series.coefficient(series.drive(), 1, n) != 0)
     with mp.workdps(60):
         gap, places = remainder({}), (mp.mpf("1e-7"), mp.mpf("1e-12"))
-        sizes = [abs(gap(x)) for x in places]
-
-    def bounds(order: tuple[int, int]) -> bool:
-        power, logs = order
-        ratios = [s / (x**power * abs(mp.log(x)) ** logs) for s, x in zip(sizes, places, strict=True)]
-        # smaller logarithms take some off; another one would add two thirds
-        return bool(ratios[1] < ratios[0] * mp.mpf("1.2"))
-
-    ratios = [s / (x * abs(mp.log(x))) for s, x in zip(sizes, places, strict=True)]
+        ratios = [abs(gap(x) / (x * mp.log(x))) for x in places]
     return Both(
         parts=(
             Fact(
@@ -180,7 +173,7 @@ def reduced_with_remainder() -> Both:
             ),
             Fact(
                 printed=(1, 1),
-                holds=bounds,
+                holds=lambda order: order[0] < 1 or (order[0] == 1 and order[1] >= most),
                 corrected=(1, 2),
                 others=((1, 1), (1, 0), (2, 2)),
                 how=f"the remainder over phi log phi goes from {mp.nstr(ratios[0], 4)} at 1e-7 to "
