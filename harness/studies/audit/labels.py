@@ -206,7 +206,6 @@ NEAR = {
     "text:singular J": "after (5.6)",
     "text:inner ansatz": "after (5.8)",
     "text:P and Q": "after (5.12)",
-    "text:order of the composite": "(5.14)",
     "text:matched agreement": "after (5.14)",
     "text:sqrt(I)": "caption",
     "caption:fig01:inner_outer_comp": "caption",

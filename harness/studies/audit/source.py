@@ -44,7 +44,7 @@ def numbered_rows(tex: str) -> Iterator[tuple[str, str]]:
     Parameters
     ----------
     tex : str
-        A LaTeX source, with its \\begin{document}.
+        A LaTeX source, with its document environment.
     """
     body, place = _body(tex), 0
     section, equation, letter = 0, 0, -1
@@ -100,9 +100,13 @@ def literals(tex: str) -> list[tuple[str, str]]:
         Number and quotation, in the order of the text.
     """
     text = _body(tex)
-    text = re.sub(rf"\\begin\{{({_DISPLAY})\}}.*?\\end\{{\1\}}", " [display] ", text, flags=re.DOTALL)
+    text = re.sub(
+        rf"\\begin\{{({_DISPLAY})\}}.*?\\end\{{\1\}}", " [display] ", text, flags=re.DOTALL
+    )
     text = re.sub(r"\\begin\{(overpic|minipage)\}.*|\\put\(.*", " ", text)
-    text = re.sub(r"\\(?:label|ref|eqref|cref|Cref|cite|email)(?:\[[^]]*\])?\{[^}]*\}", "[ref]", text)
+    text = re.sub(
+        r"\\(?:label|ref|eqref|cref|Cref|cite|email)(?:\[[^]]*\])?\{[^}]*\}", "[ref]", text
+    )
     text = re.sub(r"10\^\{(-?\d+)\}", r"1e\1", text)
     text = re.sub(r"([\d.]+)\s*\\times\s*1e", r"\1e", text)
     text = re.sub(r"[_^]\{[^{}]*\}|[_^]\d", "", text)

@@ -83,18 +83,19 @@ def _weighed(findings: Sequence[Finding]) -> str:
     return f"The {wrong} wrong claims come down to {len(found)} errors: {', '.join(parts)}."
 
 
-OPENING = (
-    "The checks know nothing of the paper's derivations: the equations of motion are derived again "
-    "from a rotation, the contact and Newton's laws; series by recurrence; integrals by quadrature; "
-    "numbers from the exact motion of the paper's release (g = 9.81 m/s^2), solved in this "
-    "repository. An expression is compared at random points to forty digits and, where it agrees, "
-    "symbolically; a stated order by the rate at which the remainder falls; a number by rounding. "
-    "Every check has been tried on altered claims and refused them.",
-    "Equations have their printed numbers, figures and statements the LaTeX label or the place. "
-    "Each number of text and captions, each numbered equation and each list of coefficients has a "
-    "row. What is printed is quoted in plain letters: B_-2 for $B_{-2}$, phi' for a "
-    "derivative in time, varphi for the inner variable.",
-)
+METHOD = """\
+The checks know nothing of the paper's derivations: the equations of motion are derived again from
+a rotation, the contact and Newton's laws; series by recurrence; integrals by quadrature; numbers
+from the exact motion of the paper's release (g = 9.81 m/s^2). An expression is compared at random
+points to forty digits and, where it agrees, symbolically; a stated order by the rate at which the
+remainder falls; a number by rounding. Every check is tried on altered claims, which it has to
+refuse.
+
+Each number of text and captions, each numbered equation and each list of coefficients has a row.
+Equations have their numbers in print, figures their LaTeX labels. What is printed is quoted in
+plain letters: B_-2 stands for $B_{-2}$, phi' for a derivative in time, varphi for the inner
+variable.
+"""
 
 
 def markdown(findings: Sequence[Finding]) -> str:
@@ -111,7 +112,7 @@ def markdown(findings: Sequence[Finding]) -> str:
         f"What {PAPER}, states, checked by computation. {_weighed(findings)}".rstrip(),
         "Written by `rockingcan audit`; each verdict is computed by the check named beside it.",
         "",
-        *(line for paragraph in OPENING for line in (paragraph, "")),
+        METHOD,
         "| verdict | claims | meaning |",
         "|---|---:|---|",
         *(f"| {v.value} | {found[v]} | {MEANINGS[v]} |" for v in Verdict),

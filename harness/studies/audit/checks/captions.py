@@ -67,7 +67,9 @@ for _label, _says, _panel, _correct in (
     claim(_label, "6.2", _says, name="large_constant")(partial(_large, _panel, _correct))
 
 
-@claim("text:panel b", "6.2", "b) rolls straight from rest at phi* - 1e-5, falls almost flat, turns")
+@claim(
+    "text:panel b", "6.2", "b) rolls straight from rest at phi* - 1e-5, falls almost flat, turns"
+)
 def fall_from_the_balance() -> Fact:
     """Compute its first bounce, and how far it has turned at half the height."""
     top = math.atan(1 / PAPER_CAN.h) - 1e-5
@@ -164,9 +166,7 @@ def drift_of_the_truncated_constants() -> Fact:
     )
 
 
-@claim(
-    "caption:fig01:inner_outer_comp", "5.3", "for 0.247 < t < 0.2507 the outer solution departs"
-)
+@claim("caption:fig01:inner_outer_comp", "5.3", "for 0.247 < t < 0.2507 the outer solution departs")
 def outer_solution_departs() -> Fact:
     """Distance of the leading outer solution from the composite, of the height of the panel."""
     width, strength = float(paper_can.WIDTH), 1.43e-10 * float(paper_can.a_p)
@@ -189,11 +189,9 @@ def outer_solution_departs() -> Fact:
 
 @claim("caption:fig01:can_fall", "1", "the contact point moves through Delta psi around the rim")
 def way_around_the_rim() -> Fact:
-    """The rim point in contact moves by minus the change of theta; the turn is that of psi."""
+    """Compare the change of theta, which moves the contact round the rim, with that of psi."""
     bounce = release.bounce().bounces[0]
-    on_plane, on_rim = (
-        math.degrees(abs(x)) for x in (bounce.angle_of_turn, bounce.rotation_turn)
-    )
+    on_plane, on_rim = (math.degrees(abs(x)) for x in (bounce.angle_of_turn, bounce.rotation_turn))
     return Fact(
         printed=1.0,
         others=(0.5, 2.0, 0.99),

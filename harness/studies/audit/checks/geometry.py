@@ -25,9 +25,7 @@ def sense_of_the_nutation() -> Identity:
     )
 
 
-@claim(
-    "text:simultaneous impact", "2", "at phi = 0 all points of the rim touch the plane at once"
-)
+@claim("text:simultaneous impact", "2", "at phi = 0 all points of the rim touch the plane at once")
 def simultaneous_impact() -> Fact:
     """Height of the points of the lower rim over the contact point."""
     angle = sp.Symbol("alpha", real=True)

@@ -54,7 +54,9 @@ def _told(*quantities: str) -> str:
 LOGARITHM = "(1 - h^2 k)/c_p B_-2 log phi"
 
 
-@claim("text:B_0 as momentum", "C", "B_0 is in proportion to the momentum H_z^B about the body's axis")
+@claim(
+    "text:B_0 as momentum", "C", "B_0 is in proportion to the momentum H_z^B about the body's axis"
+)
 def regular_constant_as_momentum() -> Fact:
     """Follow the momentum over the fall: B_0 is constant."""
     zero, _ = exact_constants()
@@ -142,7 +144,9 @@ def momentum_about_the_vertical_alone() -> Identity:
     return Identity(
         printed=letters[0] + letters[1],
         corrected=letters[0],
-        compared=lambda form: sp.expand(form.subs(dict(zip(letters, (vertical, axis), strict=True)))),
+        compared=lambda form: sp.expand(
+            form.subs(dict(zip(letters, (vertical, axis), strict=True)))
+        ),
         derived=a * Psi * S**2 + c * Co * (Psi * Co + Theta),
         others=(letters[1], letters[0] - letters[1], letters[0] + letters[1]),
         correct="the momentum about the vertical through the centre, alone",
@@ -184,5 +188,3 @@ def lines_that_meet() -> Fact:
         "same",
         wrong=Verdict.FALSE,
     )
-
-

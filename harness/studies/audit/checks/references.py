@@ -20,7 +20,7 @@ def _reference(printed: str, meant: str, others: tuple[str, ...], where: str) ->
         corrected=right,
         others=(printed, *others),
         holds=lambda label: DEFINED_IN[meant] == label,
-        how=f"{meant} is defined in {NUMBERS.get(right, right)}; {where} cites "
+        how=f"{meant}: defined in {NUMBERS.get(right, right)}; {where} cite "
         f"{NUMBERS.get(printed, printed)}",
         correct=f"{NUMBERS.get(right, right)} in place of {NUMBERS.get(printed, printed)}",
         wrong=Verdict.MISPRINT,
@@ -35,7 +35,7 @@ for _label, _section, _says, _printed, _meant, _others, _where in (
         "eq01:equilibrium",
         "S_bal",
         ("eq01:static_eqm",),
-        "the paragraph on bounded motion",
+        "the words on bounded motion",
     ),
     (
         "caption:fig01:hamiltonian_3D",
@@ -53,7 +53,7 @@ for _label, _section, _says, _printed, _meant, _others, _where in (
         "fig01:contact_locus",
         "panels a) to d) of the contact locus",
         ("fig01:eqm_comparison",),
-        "the paragraph on bounded motion",
+        "the words on bounded motion",
     ),
 ):
     claim(_label, _section, _says, name="reference")(
@@ -83,7 +83,9 @@ def bookmarks() -> Fact:
         others=({**right, "eq01:order1_outer": "(5.4)"}, {**right, "eq01:psi_orig": "(4.11)"}),
         holds=lambda numbers: numbers == right,
         how="numbers by LaTeX's rules: "
-        + ", ".join(f"{label} is {right[label]}, named {number}" for label, number in wrong.items()),
+        + ", ".join(
+            f"{label} is {right[label]}, named {number}" for label, number in wrong.items()
+        ),
         correct="(4.19) in the bookmark of appendix D",
         wrong=Verdict.MISPRINT,
     )
@@ -91,7 +93,7 @@ def bookmarks() -> Fact:
 
 @claim("text:subscript in (4.16)", "4.2", "Psi = B_0 Psi_0 + B_-2 Psi_2")
 def subscript_of_the_singular_solution() -> Fact:
-    """The subscript is the exponent that the solution begins with, as in (4.7) and (4.9)."""
+    """Read the exponent with which the solution begins, which is its name in (4.7) and (4.9)."""
     powers = [
         term.as_coeff_exponent(phi)[1] for term in sp.Add.make_args(series.singular_solution())
     ]
@@ -108,7 +110,7 @@ def subscript_of_the_singular_solution() -> Fact:
 
 @claim("text:index of the sums", "5.1", "sums over n of b_i J_i in (5.6) and of b_li J_li in (5.4)")
 def index_of_the_sums() -> Fact:
-    """A sum leaves no letter of its terms free but those that stand for quantities."""
+    """Ask which letters of its terms a sum leaves free."""
     i, n = sp.symbols("i n", integer=True)
     b, integral = sp.IndexedBase("b"), sp.IndexedBase("J")
     letters = {"i": i, "n": n}

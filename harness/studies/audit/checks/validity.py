@@ -43,7 +43,11 @@ NEAR = mp.mpf("0.01")
 """Relative error at which an approximation is left: the power of eps does not depend on it."""
 
 
-@claim("text:regular singular point", "4.1", "phi cot phi and phi^2 (gamma + beta cot phi) have Taylor series")
+@claim(
+    "text:regular singular point",
+    "4.1",
+    "phi cot phi and phi^2 (gamma + beta cot phi) have Taylor series",
+)
 def regular_singular_point() -> Fact:
     """Limits at phi = 0; divided once more by phi they have none."""
     gamma, beta = sp.symbols("gamma beta", positive=True)
@@ -62,13 +66,15 @@ def regular_singular_point() -> Fact:
 
 @claim("text:log terms", "4.1", "there will be log terms in the r = -2 solution")
 def logarithms() -> Fact:
-    """The strength of the logarithm is proportional to k h^2 - 1, which no can makes zero."""
+    """Factor k h^2 - 1, to which the strength of the logarithm is proportional."""
     strength = sp.factor(sp.together(1 - k * h**2))
     return Fact(
         printed=1,
         others=(0, 2),
-        holds=lambda value: bool(sp.factor(sp.together(value - k * h**2)).is_positive)
-        and sp.limit((k * h**2).subs({a: 1, c: 1}), h, sp.oo) == value,
+        holds=lambda value: (
+            bool(sp.factor(sp.together(value - k * h**2)).is_positive)
+            and sp.limit((k * h**2).subs({a: 1, c: 1}), h, sp.oo) == value
+        ),
         how=f"sympy: C = k (1 - k h^2)/2 q_0 with 1 - k h^2 = {strength} > 0; exponents that "
         "differ by an integer alone would only allow a logarithm",
     )
@@ -91,13 +97,17 @@ def _cut(form: Expr, plain: int, logs: int) -> Expr:
 def lost_coefficients(kept: str) -> tuple[str, ...]:
     """Return which coefficients of (4.19) come out wrong from series with these terms."""
     # some can and some motion, in rational numbers: an error for one is an error
-    letters = {series.k: sp.Rational(1, 4), series.h: sp.Rational(3, 2), series.c_p: sp.Rational(8, 5)}
+    letters = {
+        series.k: sp.Rational(1, 4),
+        series.h: sp.Rational(3, 2),
+        series.c_p: sp.Rational(8, 5),
+    }
     values = letters | {B0: sp.Rational(2, 5), B2: 1}
     whole = [form.subs(values) for form in (series.precession(), series.rotation_rate())]
 
     def drive(psi: Expr, theta: Expr) -> Expr:
         square = ((A_P - series.c_p) * SIN * COS - series.h * COS_2).subs(letters)
-        side = ((series.c_p * SIN + series.h * COS)).subs(letters)
+        side = (series.c_p * SIN + series.h * COS).subs(letters)
         return sp.expand(square * psi**2 - side * theta * psi)
 
     left = sp.expand(drive(*(_cut(form, *KEPT[kept]) for form in whole)) - drive(*whole))
@@ -148,9 +158,7 @@ def reach_of_the_outer_solution() -> tuple[mp.mpf, mp.mpf]:
         def off(y: mp.mpf, speed: Callable[[mp.mpf], mp.mpf] = speed) -> mp.mpf:
             top = paper_can.WIDTH / 2
             # (top - s^2): the root at the top is gone
-            time = mp.quad(
-                lambda s: 2 * s / speed(top - s**2), [0, mp.sqrt(top - y)], method=RULE
-            )
+            time = mp.quad(lambda s: 2 * s / speed(top - s**2), [0, mp.sqrt(top - y)], method=RULE)
             return (paper_can.WIDTH - time**2) / 2 / y - 1 + NEAR
 
         guess = _left_at(NEAR) * mp.sqrt(small)
@@ -178,7 +186,10 @@ claim("text:outer region", "5", "the outer region is phi >> 1", name="outer_regi
     partial(_outer_region)
 )
 claim(
-    "text:regular perturbation", "5.1", "when phi >> 1, phi = phi_0 + eps phi_1", name="outer_region"
+    "text:regular perturbation",
+    "5.1",
+    "when phi >> 1, phi = phi_0 + eps phi_1",
+    name="outer_region",
 )(partial(_outer_region))
 
 
@@ -255,9 +266,8 @@ def logarithms_of_the_error() -> tuple[int, list[mp.mpf]]:
     return degree, differences
 
 
-@claim("text:order of the composite", "5.3", "the matched solution (5.14) is right to O(eps)")
 def order_of_the_composite() -> Fact:
-    """Find how often the logarithm multiplies eps in the error of the composite."""
+    """Find how often the logarithm multiplies eps in the error of (5.14), printed as O(eps)."""
     degree, differences = logarithms_of_the_error()
     told = ", ".join(mp.nstr(x, 4) for x in differences)
     return Fact(
@@ -294,13 +304,16 @@ def sides_of_the_bounce() -> Fact:
         holds=lambda sides: set(sides) == {s for s, e in errors.items() if e < float(NEAR)},
         how="angle from the bottom of the bounce against the exact release, "
         "up to 100 times its "
-        "width: "
-        + ", ".join(f"{error:.1e} rad for {side}" for side, error in errors.items()),
+        "width: " + ", ".join(f"{error:.1e} rad for {side}" for side, error in errors.items()),
         correct="it is valid on both sides of the bounce, as (5.9) does not change under T -> -T",
     )
 
 
-@claim("text:errors of no account", "4.3", "the errors of the reduced equation do not matter for the turn")
+@claim(
+    "text:errors of no account",
+    "4.3",
+    "the errors of the reduced equation do not matter for the turn",
+)
 def errors_of_the_reduced_equation() -> Fact:
     """Turn of the reduced equation against the exact turn."""
     exact = float(np.degrees(release.bounce().bounces[0].angle_of_turn))
