@@ -12,6 +12,7 @@ from harness.studies.audit.checks import (  # noqa: F401 - read for what they re
     inner,
     integrals,
     kinematics,
+    matching,
     numbers,
     outer,
     phenomena,

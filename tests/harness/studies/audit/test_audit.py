@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.studies.audit import Finding, Verdict, audit_table, checks, counts, markdown
-from harness.studies.audit.finding import STANDS, WRONG
+from harness.studies.audit.finding import WRONG
 from harness.studies.audit.labels import LABELS
 from harness.studies.audit.registry import claim
 from harness.studies.audit.run import audit, claims
@@ -70,9 +70,7 @@ def test_the_equations_of_motion_hold(verdicts: dict[str, Verdict]) -> None:
         "text:uniform cylinder",
     ],
 )
-def test_errors_that_another_derivation_found_too(
-    verdicts: dict[str, Verdict], label: str
-) -> None:
+def test_errors_that_another_derivation_found_too(verdicts: dict[str, Verdict], label: str) -> None:
     """`reference` uses the right forms of these, and its docstrings say so."""
     assert verdicts[label] in {Verdict.MISPRINT, Verdict.FALSE}
 
