@@ -158,7 +158,7 @@ def composite() -> Both:
                 f"{mp.nstr(sizes[0] / pair[0], 4)} eps after sqrt(I) for eps = 1e-10 and "
                 f"{mp.nstr(sizes[1] / pair[1], 4)} eps for 1e-16, a logarithm: phi is wrong by as "
                 "much times the slope sqrt(I)",
-                correct="remainder O(eps log eps), as in inner_in_outer",
+                correct="remainder O(eps log eps), see text:outer in inner",
             ),
         )
     )
