@@ -73,7 +73,7 @@ def outer_in_inner_variable() -> Both:
                 corrected_to=1,
                 at=(1e-9, 1e-13),
                 source="b_3 J_3 at fixed T, remainder O(eps log eps)",
-                correct="eps a_p/(2 I^(3/2) (t - sqrt(I))), remainder O(eps log eps)",
+                correct="-eps a_p/(2 I^(3/2) (t - sqrt(I))), remainder O(eps log eps)",
             ),
             Identity(
                 printed=eps * q / (2 * I ** sp.Rational(5, 2)),
