@@ -14,6 +14,7 @@ from harness.studies.audit.checks import (  # noqa: F401 - read for what they re
     inner,
     integrals,
     kinematics,
+    matching,
     momenta,
     numbers,
     outer,

@@ -44,9 +44,7 @@ SMALL = (1e-9, 1e-12)
 kc = series.k * series.c_p
 beta = series.h * series.k
 PRINTED_SLOPE = (
-    (kc * (Psi + Theta) - 2 * Psi) / phi
-    - beta * Psi
-    + (kc * (Theta - 2 * Psi) + 4 * Psi) / 6 * phi
+    (kc * (Psi + Theta) - 2 * Psi) / phi - beta * Psi + (kc * (Theta - 2 * Psi) + 4 * Psi) / 6 * phi
 )
 PRINTED_ZERO = (
     kc / 2 * (Theta + Psi)
@@ -180,9 +178,7 @@ def singular_constant_again() -> Both:
     later = -kc / 2 * Theta + Psi * (1 - kc / 2)
     return Both(
         parts=(
-            Identity(
-                printed=later, derived=sp.expand(PRINTED_TWO / phi**2), source="eq01:B_sol"
-            ),
+            Identity(printed=later, derived=sp.expand(PRINTED_TWO / phi**2), source="eq01:B_sol"),
             Rate(
                 printed=later * phi**2,
                 remainder=_error_of_two,
@@ -280,9 +276,7 @@ def regular_constant_is_momentum() -> Rate:
 
         return left
 
-    return Rate(
-        printed=k * (c + 1) / (2 * c), remainder=remainder, stated=1, at=TINY, source=EXACT
-    )
+    return Rate(printed=k * (c + 1) / (2 * c), remainder=remainder, stated=1, at=TINY, source=EXACT)
 
 
 FRICTION = k * Phi * (a * Psi * S + c * h * (Psi * Co + Theta))

@@ -19,9 +19,7 @@ def friction_ratio() -> Identity:
     seen = (turn_z(psi).T * force).subs(psi, 0)
     return Identity(
         printed=(letters[0] ** 2 + letters[1] ** 2) / letters[2] ** 2,
-        compared=lambda square: (
-            square.subs(dict(zip(letters, force, strict=True))) * force[2] ** 2
-        ),
+        compared=lambda square: square.subs(dict(zip(letters, force, strict=True))) * force[2] ** 2,
         derived=seen[0] ** 2 + seen[1] ** 2,
         source="the force along and across the lean of the can, the square times N^2",
     )

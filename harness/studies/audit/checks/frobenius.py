@@ -167,13 +167,13 @@ def printed_theta(coefficient_of_c_p: int) -> Expr:
     return -B2 / phi**2 + B2 * k * h / phi + constant + THETA_LOG
 
 
-def listed(form: Expr, plain: int, with_log: int) -> Expr:
-    """Return the coefficients of a form up to two powers of phi: alone, and beside log phi."""
+def listed(form: Expr, stated: int) -> Expr:
+    """Return the coefficients of a form below a power of phi, and up to it beside log phi."""
     whole = sp.expand(form)
     return in_inertias(
         sp.Matrix(
-            [whole.coeff(log_phi, 0).coeff(phi, n) for n in range(-2, plain + 1)]
-            + [whole.coeff(log_phi, 1).coeff(phi, n) for n in range(-2, with_log + 1)]
+            [whole.coeff(log_phi, 0).coeff(phi, n) for n in range(-2, stated)]
+            + [whole.coeff(log_phi, 1).coeff(phi, n) for n in range(-2, stated + 1)]
         )
     )
 
@@ -190,9 +190,19 @@ def error_of_theta(form: Expr) -> "sp.Lambda":
     return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[1]
 
 
-def _series(of: str, printed: Expr, corrected: Expr | None, told: str, **what: object) -> Both:
-    """Compare every printed coefficient, and the remainder with the exact solution."""
-    stated, plain, with_log, wrong = (what[x] for x in ("stated", "plain", "with_log", "wrong"))
+def _series(
+    of: str,
+    printed: Expr,
+    stated: int,
+    corrected: Expr | None = None,
+    *,
+    correct: str = "",
+    wrong: Verdict = Verdict.FALSE,
+) -> Both:
+    """Compare every printed coefficient, and the remainder with the exact solution.
+
+    A series up to O(phi^stated) has its terms below that, and those beside log phi with it.
+    """
     psi = of == "Psi"
     solution = series.precession() if psi else series.rotation_rate()
     right = printed if corrected is None else corrected
@@ -206,16 +216,16 @@ def _series(of: str, printed: Expr, corrected: Expr | None, told: str, **what: o
                 stated=stated,
                 at=SMALL,
                 source="the exact solution",
-                correct=told,
+                correct=correct,
                 wrong=wrong,
             ),
             Identity(
                 printed=printed,
-                compared=lambda form: listed(form, plain, with_log),
+                compared=lambda form: listed(form, stated),
                 corrected=corrected,
-                derived=listed(solution, plain, with_log),
+                derived=listed(solution, stated),
                 source=f"every printed coefficient of {ODE}",
-                correct=told,
+                correct=correct,
                 wrong=wrong,
             ),
         )
@@ -224,16 +234,17 @@ def _series(of: str, printed: Expr, corrected: Expr | None, told: str, **what: o
 
 @claim("eq01:psi_orig", "4.1", "Psi for small phi, up to O(phi^2)")
 def series_of_psi() -> Both:
-    """The logarithm is printed to phi^2, the rest to phi."""
-    return _series("Psi", PRINTED_PSI, None, "", stated=2, plain=1, with_log=2, wrong=Verdict.FALSE)
+    """Compare terms to phi, and to phi^2 beside the logarithm."""
+    return _series("Psi", PRINTED_PSI, 2)
 
 
 @claim("eq01:theta_orig", "4.1", "Theta for small phi, with ((4 c_p + 3) B_-2 - 6 B_0 c_p) k")
 def series_of_theta() -> Both:
-    """The logarithm is printed to phi, the rest to phi^0."""
+    """Compare terms to phi^0, and to phi beside the logarithm."""
     told = "(3 c_p + 3) B_-2 in place of (4 c_p + 3) B_-2"
-    forms = printed_theta(4), printed_theta(3)
-    return _series("Theta", *forms, told, stated=1, plain=0, with_log=1, wrong=Verdict.MISPRINT)
+    return _series(
+        "Theta", printed_theta(4), 1, printed_theta(3), correct=told, wrong=Verdict.MISPRINT
+    )
 
 
 def _short(log_0: Expr, log_1: Expr) -> Expr:
@@ -249,16 +260,15 @@ THETA_00 = (2 - k * c_p) / (k * c_p) * B0 + (3 * k * (c_p + 1) - 4 - 9 * beta**2
 @claim("eq01:psi_series", "4.1", "leading terms of Psi, with the coefficients of appendix A")
 def leading_psi() -> Both:
     """Compare with the exact solution."""
-    forms = _short(PSI_L0, PSI_L1), _short(-PSI_L0, -PSI_L1)
     told = "with Psi_l0 and Psi_l1 of the other sign, see app:Psi_l0 and app:Psi_l1"
-    return _series("Psi", *forms, told, stated=1, plain=0, with_log=1, wrong=Verdict.FALSE)
+    return _series("Psi", _short(PSI_L0, PSI_L1), 1, _short(-PSI_L0, -PSI_L1), correct=told)
 
 
 @claim("eq01:theta_series", "4.1", "leading terms of Theta, with the coefficients of appendix A")
 def leading_theta() -> Both:
     """Compare with the exact solution."""
     short = -B2 / phi**2 + B2 * k * h / phi + THETA_00 + THETA_LOG
-    return _series("Theta", short, None, "", stated=1, plain=0, with_log=1, wrong=Verdict.FALSE)
+    return _series("Theta", short, 1)
 
 
 @claim("eq01:series_sols", "4.1", "the leading terms of both")

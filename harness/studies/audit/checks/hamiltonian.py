@@ -143,7 +143,8 @@ def period_integral() -> Fact:
     def matches(integrand: Expr) -> bool:
         value = sp.lambdify(Phi, integrand, "mpmath")
         over = mp.quad(
-            lambda y: value(mp.sqrt(2 * abs(energy - y - strength / (2 * y**2)))), [bottom, 0.5, top]
+            lambda y: value(mp.sqrt(2 * abs(energy - y - strength / (2 * y**2)))),
+            [bottom, 0.5, top],
         )
         # the integral is singular at both ends
         return bool(abs(over / period - 1) < mp.mpf("1e-6"))

@@ -62,9 +62,7 @@ class DoubleIntegral:
         return self if self.corrected is None else replace(self, printed=self.corrected)
 
     def _gaps(self) -> tuple[mp.mpf, mp.mpf]:
-        form, integrand = (
-            sp.lambdify(time, x, "mpmath") for x in (self.printed, self.integrand)
-        )
+        form, integrand = (sp.lambdify(time, x, "mpmath") for x in (self.printed, self.integrand))
         with mp.workdps(30):
             points = (mp.mpf("0.25"), mp.mpf("0.5"), mp.mpf("0.8"))
             gap = max(abs(mp.diff(form, x, 2) - integrand(x)) for x in points)

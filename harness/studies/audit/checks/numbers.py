@@ -79,7 +79,9 @@ for _name in ("a", "c", "a_p", "c_p", "h", "k"):
 
 
 @claim(
-    "eq01:material_parameters", "2", "the groups of the can (of c_p see the row text:c_p of the can)"
+    "eq01:material_parameters",
+    "2",
+    "the groups of the can (of c_p see the row text:c_p of the can)",
 )
 def groups() -> Both:
     """Each from the numbers printed with it; the digit of c_p has a row of its own."""
@@ -111,9 +113,10 @@ def initial_conditions() -> Fact:
 
     def fits(release_: tuple[str, str, mp.mpf]) -> bool:
         eps_, zeta_ = implied(release_)
-        return Number(printed="1.43e-10", value=eps_, source="").near() and Number(
-            printed="0.40", value=zeta_, source=""
-        ).near()
+        return (
+            Number(printed="1.43e-10", value=eps_, source="").near()
+            and Number(printed="0.40", value=zeta_, source="").near()
+        )
 
     printed = ("0.1001", "-0.1000", PHI)
     in_seconds, other = implied(printed)[0], implied(printed)[0] / p.SECOND**2

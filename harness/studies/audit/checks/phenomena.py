@@ -184,7 +184,7 @@ def circle_of_the_bounce() -> Fact:
         printed=1.0,
         holds=lambda said: abs(radius - said) < CLOSE,
         others=(0.95, 1.05, float(paper_can.h)),
-        how=f"exact locus, phi < 3 phi_min: radius {radius:.5f} R"
+        how=f"exact locus, phi < 3 phi_min: radius {radius:.5f} R",
     )
 
 
@@ -193,7 +193,9 @@ def sense_of_the_locus() -> Fact:
     """Velocity Theta (-sin psi, cos psi) with Theta = -Psi < 0 turns with psi; exact motion."""
     heading = sp.Matrix([sp.sin(psi), -sp.cos(psi)])
     bend = heading[0] * heading.diff(psi)[1] - heading[1] * heading.diff(psi)[0]
-    senses = {"clockwise" if x < 0 else "anticlockwise" for x in (sp.simplify(bend), release.turning())}
+    senses = {
+        "clockwise" if x < 0 else "anticlockwise" for x in (sp.simplify(bend), release.turning())
+    }
     return Fact(
         printed="clockwise",
         holds=lambda word: senses == {word},

@@ -158,7 +158,6 @@ def hypergeometric_solution() -> Both:
 @claim("caption:fig01:frob_comp", "4", "Psi is proportional to 1/phi^2 at small phi")
 def inverse_square() -> Rate:
     """phi^2 Psi tends to a constant."""
-
     return Rate(
         printed=-2,
         remainder=lambda power: lambda x: rates(x, mp.mpf("0.7"), mp.mpf(1))[0] / x**power - 1,

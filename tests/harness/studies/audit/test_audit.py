@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from harness.studies.audit import Finding, Verdict, audit_table, checks, counts, markdown
-from harness.studies.audit.finding import STANDS, WRONG
+from harness.studies.audit.causes import CAUSES, Weight
+from harness.studies.audit.finding import WRONG
 from harness.studies.audit.labels import LABELS
 from harness.studies.audit.registry import claim
 from harness.studies.audit.run import audit, claims
@@ -70,9 +71,7 @@ def test_the_equations_of_motion_hold(verdicts: dict[str, Verdict]) -> None:
         "text:uniform cylinder",
     ],
 )
-def test_errors_that_another_derivation_found_too(
-    verdicts: dict[str, Verdict], label: str
-) -> None:
+def test_errors_that_another_derivation_found_too(verdicts: dict[str, Verdict], label: str) -> None:
     """`reference` uses the right forms of these, and its docstrings say so."""
     assert verdicts[label] in {Verdict.MISPRINT, Verdict.FALSE}
 
@@ -119,3 +118,23 @@ def test_the_page_and_the_table_tell_the_same(findings: tuple[Finding, ...]) -> 
         assert f"| {verdict.value} | {number} |" in page
     for finding in findings:
         assert f"| {finding.label} |" in page
+
+
+@pytest.mark.slow
+def test_whatever_is_wrong_has_a_cause_and_a_cause_is_of_what_is_wrong(
+    findings: tuple[Finding, ...],
+) -> None:
+    wrong = {finding.label for finding in findings if finding.ruling.verdict in WRONG}
+    assert wrong == {label for cause in CAUSES for label in cause.claims}
+    assert wrong == {finding.label for finding in findings if finding.causes}
+
+
+@pytest.mark.slow
+def test_the_page_begins_with_the_errors(findings: tuple[Finding, ...]) -> None:
+    page = markdown(findings)
+    places = [page.index(weight.value.capitalize()) for weight in Weight]
+    assert places == sorted(places)
+    assert places[-1] < page.index("## Section 1")
+    assert f"come down to {len(CAUSES)} errors" in page
+    for cause in CAUSES:
+        assert f"| {cause.name} |" in page

@@ -10,6 +10,7 @@ from harness.studies.audit import symbols
 from harness.studies.audit.evidence import Both, Fact, Identity, Number, OutOfReach, Rate
 from harness.studies.audit.finding import WRONG, Verdict
 from harness.studies.audit.mutations import MOST, mutated
+from harness.studies.audit.registry import Evidence
 from harness.studies.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
 
 
@@ -18,12 +19,22 @@ def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
     return lambda x: 3 * x**power * (1 + x)
 
 
-def four(printed: int, **what: object) -> Fact:
+def four(
+    printed: int, *, corrected: int | None = None, correct: str = "", wrong: Verdict = Verdict.FALSE
+) -> Fact:
     """Return evidence about whether a number is four."""
-    return Fact(printed=printed, holds=lambda n: n == 4, others=(3, 5), how="counted", **what)
+    return Fact(
+        printed=printed,
+        holds=lambda n: n == 4,
+        others=(3, 5),
+        how="counted",
+        corrected=corrected,
+        correct=correct,
+        wrong=wrong,
+    )
 
 
-def verdict(evidence: Identity | Rate | Number | Fact | Both | OutOfReach) -> Verdict:
+def verdict(evidence: Evidence) -> Verdict:
     return evidence.ruling().verdict
 
 
