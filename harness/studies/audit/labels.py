@@ -116,7 +116,7 @@ UNLABELLED = {
     "(3.5)": "text:critical rate",
     "(3.7)": "eq01:equilibrium",
     "(3.10)": "text:r_circ",
-    "(3.12)": "text:S_rest",
+    "(3.12)": "eq01:comrest",
     "(3.13)": "text:S_rest",
     "(4.4)": "eq01:frobenius_subs",
     "(4.6)": "text:indicial equation",
