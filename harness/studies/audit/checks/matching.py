@@ -115,7 +115,9 @@ def matched_inner() -> Identity:
     )
 
 
-@claim("eq01:uniformly_valid_solution", "5.3", "outer plus inner minus what they share")
+@claim(
+    "eq01:uniformly_valid_solution", "5.3", "outer plus inner minus what they share, up to O(eps)"
+)
 def composite() -> Both:
     """Add, and measure the error against the reduced equation."""
     gap = sp.sqrt(I) - t
