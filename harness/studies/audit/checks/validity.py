@@ -211,8 +211,8 @@ def order_of_the_inner_correction() -> Fact:
         holds=balanced,
         how="sympy: (5.8) adds eps^(1/2) a_l2 log(eps^(1/2) varphi)/varphi^2, which over eps^(1/2) "
         "has no limit; (5.10) itself states O(eps^(1/2) log eps)",
-        correct="terms of order eps^(1/2) log eps, which (5.8) forces, and eps^(1/2) (log eps)^2, which "
-        "the matching adds, come before that of eps^(1/2)",
+        correct="terms of order eps^(1/2) log eps, which (5.8) forces, and eps^(1/2) (log eps)^2, "
+        "which the matching adds, come before that of eps^(1/2)",
     )
 
 
