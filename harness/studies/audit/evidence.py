@@ -1,11 +1,18 @@
-"""Kinds of evidence, and the verdict each comes to."""
+"""Kinds of evidence, and the verdict each comes to.
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+Every kind holds the claim as data in `printed`, so that the same check can be run on another
+claim: `mutations` gives evidence about wrong ones, which it must refuse, and `as_corrected`
+evidence about the right one, which it must accept.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import mpmath as mp
 
-from harness.studies.audit.finding import Ruling, Verdict
+from harness.studies.audit.finding import WRONG, Ruling, Verdict
+from harness.studies.audit.mutations import mutated
 from harness.studies.audit.registry import Evidence
 from harness.studies.audit.symbols import ZERO, Expr, disagreement, vanishes
 
@@ -25,22 +32,32 @@ class Identity:
     Parameters
     ----------
     printed, derived : Expr
-    corrected : Expr or None
-        The printed form with its misprint mended.
-    correct : str
-        That form in words for the table.
     source : str
         What the derived form comes from.
+    compared : callable or None
+        What of the printed form is compared with the derived one, such as its derivative; the
+        form itself if left out.
+    corrected : Expr or None
+        The printed form put right.
+    correct : str
+        That form in words for the table.
+    wrong : Verdict
+        Which verdict it is that `corrected` holds in place of `printed`.
+    others : sequence of Expr
+        Wrong claims; if left out those of `mutations.mutated`.
     """
 
     printed: Expr
     derived: Expr
     source: str
+    compared: Callable[[Expr], Expr] | None = None
     corrected: Expr | None = None
     correct: str = ""
+    wrong: Verdict = Verdict.FALSE
+    others: Sequence[Expr] = ()
 
     def ruling(self) -> Ruling:
-        """Decide symbolically and at random points; the two must agree."""
+        """Decide at random points and, where those agree, symbolically."""
         same, gap = self._compare(self.printed)
         if same:
             return Ruling(
@@ -48,20 +65,33 @@ class Identity:
                 correct="",
                 how=f"sympy: residual against {self.source} is 0; 40 digits: {digits(gap, 2)}",
             )
-        how = f"sympy: residual against {self.source} is not 0; relative {digits(gap, 2)}"
+        how = f"40 digits: relative residual against {self.source} {digits(gap, 2)}"
+        verdict = Verdict.INCONSISTENT
         if self.corrected is not None:
-            mended, left = self._compare(self.corrected)
-            if mended:
-                how += f"; with the correct form 0 and {digits(left, 2)}"
-                return Ruling(verdict=Verdict.MISPRINT, correct=self.correct, how=how)
-        return Ruling(verdict=Verdict.INCONSISTENT, correct=self.correct, how=how)
+            right, left = self._compare(self.corrected)
+            if right:
+                verdict = self.wrong
+                how += f"; with the correct form {digits(left, 2)}, and sympy: 0"
+        return Ruling(verdict=verdict, correct=self.correct, how=how)
 
-    def _compare(self, form: Expr) -> tuple[bool, mp.mpf]:
-        symbolic = vanishes(form - self.derived)
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about wrong claims."""
+        for other in self.others or mutated(self.printed):
+            yield replace(self, printed=other)
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the right claim."""
+        return self if self.corrected is None else replace(self, printed=self.corrected)
+
+    def _compare(self, claim: Expr) -> tuple[bool, mp.mpf]:
+        form = claim if self.compared is None else self.compared(claim)
         gap = disagreement(form, self.derived)
-        if symbolic != bool(gap < ZERO):
+        # a difference at one point to forty digits decides; only its absence needs a proof
+        if gap >= ZERO:
+            return False, gap
+        if not vanishes(form - self.derived):
             raise ArithmeticError(f"sympy and mpmath disagree on {form} = {self.derived}")
-        return symbolic, gap
+        return True, gap
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,38 +100,63 @@ class Rate:
 
     Parameters
     ----------
+    printed : object
+        The claim whose remainder it is: mostly an expression.
     remainder : callable
-        From the small parameter to the size of what the paper neglects.
+        From a claim to a function that returns, at a small parameter, the size of what it neglects.
     stated : float
         The power.
     at : pair of float
         Two small values between which the power is observed.
-    corrected : callable or None
-        The remainder of the mended form.
+    source : str
+        What the printed form is compared with.
+    corrected, correct, wrong, others
+        As of `Identity`.
+    corrected_to : float or None
+        The power that should be stated, where that is another.
     """
 
-    remainder: Callable[[mp.mpf], mp.mpf]
+    printed: Any
+    remainder: Callable[[Any], Callable[[mp.mpf], mp.mpf]]
     stated: float
     at: tuple[float, float]
     source: str
-    corrected: Callable[[mp.mpf], mp.mpf] | None = None
+    corrected: Any = None
+    corrected_to: float | None = None
     correct: str = ""
+    wrong: Verdict = Verdict.FALSE
+    others: Sequence[Any] = ()
 
     def ruling(self) -> Ruling:
         """Decide by the observed power."""
-        rate = self._observed(self.remainder)
+        rate = self._observed()
         how = f"against {self.source}: observed rate {digits(rate, 3)}, stated {self.stated:g}"
         if rate > self.stated - RATE_SLACK:
-            return Ruling(verdict=Verdict.TO_ORDER, correct=self.correct, how=how)
-        if self.corrected is not None:
-            mended = self._observed(self.corrected)
-            if mended > self.stated - RATE_SLACK:
-                how += f"; with the correct form {digits(mended, 3)}"
-                return Ruling(verdict=Verdict.MISPRINT, correct=self.correct, how=how)
-        return Ruling(verdict=Verdict.INCONSISTENT, correct=self.correct, how=how)
+            return Ruling(verdict=Verdict.TO_ORDER, correct="", how=how)
+        verdict, right = Verdict.INCONSISTENT, self.as_corrected()
+        mended = right._observed()  # noqa: SLF001 - of the same class
+        if mended > right.stated - RATE_SLACK:
+            verdict = self.wrong
+            how += f"; with the correct form {digits(mended, 3)}"
+        return Ruling(verdict=verdict, correct=self.correct, how=how)
 
-    def _observed(self, remainder: Callable[[mp.mpf], mp.mpf]) -> mp.mpf:
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about wrong claims: other forms, and the next power."""
+        for other in self.others or mutated(self.printed):
+            yield replace(self, printed=other)
+        yield replace(self, stated=self.stated + 1)
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the right claim."""
+        return replace(
+            self,
+            printed=self.printed if self.corrected is None else self.corrected,
+            stated=self.stated if self.corrected_to is None else self.corrected_to,
+        )
+
+    def _observed(self) -> mp.mpf:
         with mp.workdps(60):  # cancellation of neighbouring terms, then eighteen digits to spare
+            remainder = self.remainder(self.printed)
             big, small = (mp.mpf(repr(x)) for x in self.at)
             return mp.log(abs(remainder(big)) / abs(remainder(small))) / mp.log(big / small)
 
@@ -121,6 +176,8 @@ class Number:
         How the value was computed.
     also : str
         What to say beside the right number.
+    wrong : Verdict
+        Which verdict it is that the value is another.
     """
 
     printed: str
@@ -129,24 +186,51 @@ class Number:
     low: object = None
     high: object = None
     also: str = ""
+    wrong: Verdict = Verdict.INCONSISTENT
 
     def ruling(self) -> Ruling:
         """Decide by half a unit in the last printed place."""
-        value = mp.mpmathify(self.value)
-        low = value if self.low is None else mp.mpmathify(self.low)
-        high = value if self.high is None else mp.mpmathify(self.high)
-        mantissa, _, exponent = self.printed.lower().partition("e")
-        places = len(mantissa.partition(".")[2])
-        half = mp.mpf(10) ** (int(exponent or 0) - places) / 2
-        near = low - half <= mp.mpf(self.printed) <= high + half
+        value, near = mp.mpmathify(self.value), self.near()
+        mantissa = self.printed.lower().partition("e")[0]
         shown = digits(value, max(4, sum(x.isdigit() for x in mantissa) + 2))
         return Ruling(
-            verdict=Verdict.HOLDS if near else Verdict.INCONSISTENT,
+            verdict=Verdict.HOLDS if near else self.wrong,
             correct=""
             if near
             else f"{shown} ({self.source}){'; ' if self.also else ''}{self.also}",
             how=f"{self.source}: {shown}, printed {self.printed}",
         )
+
+    def near(self) -> bool:
+        """Whether the value rounds to what is printed."""
+        low, high = (
+            mp.mpmathify(self.value if end is None else end) for end in (self.low, self.high)
+        )
+        half = self._unit() / 2
+        return bool(low - half <= mp.mpf(self.printed) <= high + half)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about numbers two units in the last place away."""
+        for step in (-2, 2):
+            yield replace(self, printed=self._written(mp.mpf(self.printed) + step * self._unit()))
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the value, rounded to as many places."""
+        return replace(self, printed=self._written(mp.mpmathify(self.value)))
+
+    def _places(self) -> tuple[int, int]:
+        """Return the decimals of the mantissa and the exponent."""
+        mantissa, _, exponent = self.printed.lower().partition("e")
+        return len(mantissa.partition(".")[2]), int(exponent or 0)
+
+    def _unit(self) -> mp.mpf:
+        places, exponent = self._places()
+        return mp.mpf(10) ** (exponent - places)
+
+    def _written(self, value: mp.mpf) -> str:
+        places, exponent = self._places()
+        text = f"{float(value / mp.mpf(10) ** exponent):.{places}f}"
+        return f"{text}e{exponent}" if exponent else text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,45 +239,71 @@ class Fact:
 
     Parameters
     ----------
-    true : bool
-    how, correct : str
-    mended : bool
-        Whether the same computation found the form in `correct` true.
+    printed : object
+        What the statement says: a number, a word, a set, an expression.
+    holds : callable
+        Whether the computation finds a statement with other words in its place true.
+    others : sequence
+        What it could have said instead and would have been false.
+    how : str
+        What was computed.
+    corrected, correct, wrong
+        As of `Identity`.
     """
 
-    true: bool
+    printed: Any
+    holds: Callable[[Any], bool]
+    others: Sequence[Any]
     how: str
+    corrected: Any = None
     correct: str = ""
-    mended: bool = False
+    wrong: Verdict = Verdict.FALSE
 
     def ruling(self) -> Ruling:
         """Decide by the computation."""
-        verdict = Verdict.MISPRINT if self.mended else Verdict.INCONSISTENT
-        if self.true:
-            verdict = Verdict.HOLDS
-        return Ruling(verdict=verdict, correct="" if self.true else self.correct, how=self.how)
+        if self.holds(self.printed):
+            return Ruling(verdict=Verdict.HOLDS, correct="", how=self.how)
+        right = self.corrected is not None and self.holds(self.corrected)
+        verdict = self.wrong if right else Verdict.INCONSISTENT
+        return Ruling(verdict=verdict, correct=self.correct, how=self.how)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about wrong statements."""
+        for other in self.others:
+            yield replace(self, printed=other)
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the right statement."""
+        return self if self.corrected is None else replace(self, printed=self.corrected)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Both:
-    """Several pieces of evidence about one claim: the worst decides, all are told."""
+    """Several pieces of evidence about one claim: the gravest decides, all are told."""
 
     parts: Sequence[Evidence]
 
     def ruling(self) -> Ruling:
         """Decide by the gravest of the parts."""
-        order = (Verdict.HOLDS, Verdict.TO_ORDER, Verdict.MISPRINT, Verdict.INCONSISTENT)
+        order = list(Verdict)
         rulings = [part.ruling() for part in self.parts]
         worst = max(rulings, key=lambda ruling: order.index(ruling.verdict))
-        verdict = worst.verdict
-        if verdict is Verdict.INCONSISTENT and any(r.verdict is Verdict.MISPRINT for r in rulings):
-            verdict = Verdict.MISPRINT
-        told = [ruling.correct for ruling in rulings if ruling.correct]
+        wrong = [ruling for ruling in rulings if ruling.verdict in WRONG]
+        told = [ruling.correct for ruling in (wrong or rulings) if ruling.correct]
         return Ruling(
-            verdict=verdict,
+            verdict=worst.verdict,
             correct="; ".join(dict.fromkeys(told)),
             how="; ".join(ruling.how for ruling in rulings),
         )
+
+    def mutations(self) -> Iterator[Evidence]:
+        """Return the wrong claims of the parts: one part that refuses is enough."""
+        for part in self.parts:
+            yield from part.mutations()
+
+    def as_corrected(self) -> "Both":
+        """Return evidence about the right claim."""
+        return Both(parts=tuple(part.as_corrected() for part in self.parts))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -205,3 +315,11 @@ class OutOfReach:
     def ruling(self) -> Ruling:
         """Say that it cannot be checked."""
         return Ruling(verdict=Verdict.NOT_CHECKABLE, correct="", how=self.reason)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return nothing: what is not checked refuses nothing."""
+        return iter(())
+
+    def as_corrected(self) -> Self:
+        """Return itself."""
+        return self

@@ -5,20 +5,28 @@ from enum import Enum
 
 
 class Verdict(Enum):
-    """How a claim stands; the value is what the table says."""
+    """How a claim stands, from good to grave; the value is what the table says."""
 
     HOLDS = "holds"
     TO_ORDER = "holds to stated order"
     MISPRINT = "misprint"
     INCONSISTENT = "inconsistent"
+    FALSE = "false as printed"
     NOT_CHECKABLE = "not checkable"
 
+
+STANDS = frozenset({Verdict.HOLDS, Verdict.TO_ORDER})
+WRONG = frozenset({Verdict.MISPRINT, Verdict.INCONSISTENT, Verdict.FALSE})
 
 MEANINGS = {
     Verdict.HOLDS: "true as printed: a residual is zero identically, or a number rounds to it",
     Verdict.TO_ORDER: "true up to the remainder that the paper states, which falls at that rate",
-    Verdict.MISPRINT: "false as printed; the form given beside it passes the same check",
-    Verdict.INCONSISTENT: "does not follow from the paper's own equations and parameters",
+    Verdict.MISPRINT: "one symbol, digit, sign or parenthesis away from the form given beside it, "
+    "which passes the same check",
+    Verdict.INCONSISTENT: "a number that the paper's own equations and parameters do not give; "
+    "the one given beside it they do",
+    Verdict.FALSE: "further than one symbol from the form given beside it, which passes the same "
+    "check",
     Verdict.NOT_CHECKABLE: "depends on what the paper does not give: experiments, other works",
 }
 
@@ -57,6 +65,10 @@ class Finding:
     check : str
         Module and function that computed the ruling.
     seconds : float
+    place : str
+        Number of the equation in print, or where the statement stands.
+    causes : tuple of str
+        Names of the errors for which it is wrong, as in `causes.CAUSES`; none where it stands.
     """
 
     label: str
@@ -65,3 +77,5 @@ class Finding:
     ruling: Ruling
     check: str
     seconds: float
+    place: str = ""
+    causes: tuple[str, ...] = ()

@@ -6,7 +6,7 @@ from itertools import product
 import mpmath as mp
 
 with mp.workdps(80):  # more than any check asks for
-    MASS, RADIUS, HALF_HEIGHT = mp.mpf("4.3e-2"), mp.mpf("3.7e-2"), mp.mpf("5.45e-2")
+    RADIUS, HALF_HEIGHT = mp.mpf("3.7e-2"), mp.mpf("5.45e-2")
     MOMENT_A, MOMENT_C = mp.mpf("6.97e-5"), mp.mpf("5.89e-5")
     a, c, h = mp.mpf("0.727"), mp.mpf("0.615"), mp.mpf("1.473")
     a_p, c_p = a + h**2, c + 1

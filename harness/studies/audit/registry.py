@@ -1,6 +1,6 @@
 """Which claim is checked by which function: each check registers itself where it is written."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -12,6 +12,14 @@ class Evidence(Protocol):
 
     def ruling(self) -> Ruling:
         """Return what the evidence comes to."""
+        ...
+
+    def mutations(self) -> "Iterator[Evidence]":
+        """Return the same evidence about wrong claims, each of which it has to refuse."""
+        ...
+
+    def as_corrected(self) -> "Evidence":
+        """Return the same evidence about the right claim: itself, where the printed one is."""
         ...
 
 

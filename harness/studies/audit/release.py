@@ -24,6 +24,12 @@ def bounce() -> Solution:
 
 
 @cache
+def reduced_bounce() -> Solution:
+    """Return one bounce of the same release by the reduced equation."""
+    return solve(bounce().problem, model="reduced")
+
+
+@cache
 def turning() -> float:
     """Sense in which the contact locus bends during the bounce: 1 anticlockwise, -1 clockwise."""
     solution = bounce()

@@ -4,8 +4,9 @@ import time
 from collections.abc import Callable, Iterator
 
 from harness.studies.audit import checks  # noqa: F401 - registers the claims
-from harness.studies.audit.finding import Finding
-from harness.studies.audit.labels import LABELS
+from harness.studies.audit.causes import causes_of
+from harness.studies.audit.finding import WRONG, Finding
+from harness.studies.audit.labels import LABELS, place
 from harness.studies.audit.registry import Claim, registered
 
 
@@ -45,6 +46,8 @@ def audit(
             ruling=ruling,
             check=claim.name,
             seconds=time.perf_counter() - start,
+            place=place(claim.label),
+            causes=causes_of(claim.label) if ruling.verdict in WRONG else (),
         )
 
 

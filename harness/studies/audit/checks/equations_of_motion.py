@@ -1,8 +1,7 @@
 """Section 2: the equations of motion, their scaling, and the planar pendulum."""
 
-from functools import partial
+from functools import cache, partial
 
-import mpmath as mp
 import sympy as sp
 
 from harness.studies.audit.evidence import Both, Fact, Identity
@@ -78,29 +77,49 @@ for _label, _rows, _name, _says in (
 
 @claim("eq01:scalings", "2", "lengths in R, moments in m R^2, times in sqrt(R/g)")
 def scalings() -> Fact:
-    """No dimension is left in the equations of motion."""
-    weight = m * g * (R * Co - H * S) / (m * R**2) * (R / g)  # times t^2
-    left = sp.Tuple(*(sp.cancel(x) for x in (RAW_PSI, RAW_PHI, RAW_THETA, weight))).free_symbols
+    """With other scales the equations of motion would not be those of a can with R = m = g = 1."""
+
+    def scaled(scales: tuple[Expr, Expr, Expr]) -> bool:
+        length, moment, square_of_time = scales
+        own = m * R**2
+        letters = {h: h * length / R, a: a * moment / own, c: c * moment / own}
+        weight = m * g * (R * Co - H * S).subs(letters) / own * square_of_time
+        left = [x.subs(letters, simultaneous=True) - x for x in (RAW_PSI, RAW_PHI, RAW_THETA)]
+        return all(sp.cancel(x) == 0 for x in (*left, weight - GRAVITY))
+
     return Fact(
-        true=not left & {m, R, g} and sp.cancel(weight - GRAVITY) == 0,
-        how="sympy: m, R and g cancel from eq01:raw_eom",
+        printed=(R, m * R**2, R / g),
+        holds=scaled,
+        others=(
+            (2 * R, m * R**2, R / g),
+            (R, m * R, R / g),
+            (R, 2 * m * R**2, R / g),
+            (R, m * R**2, g / R),
+        ),
+        how="sympy: m, R and g cancel from eq01:raw_eom, which becomes that of R = m = g = 1",
     )
 
 
-def _balanced(*letters: Expr) -> Identity:
-    """Insert printed accelerations into the balance of moments and solve it for them again."""
-    accelerations = papers_accelerations()
+@cache
+def _solved() -> tuple[Expr, Expr]:
+    """Return the accelerations times the determinant of the balance of moments, and that."""
     balance = moment_balance()
-    unknown = sp.Matrix(list(accelerations))
+    unknown = sp.Matrix(list(papers_accelerations()))
     # the matrix is invertible wherever sin phi is not 0, so that the solution is the only one
     matrix = balance.jacobian(unknown)
     rest = balance.subs(dict.fromkeys(unknown, 0))
-    determinant = sp.factor(sp.simplify(matrix.det()))
+    return -matrix.adjugate() * rest, sp.factor(sp.simplify(matrix.det()))
+
+
+def _balanced(*letters: Expr) -> Identity:
+    """Compare printed accelerations with the solution of the balance of moments."""
+    accelerations = papers_accelerations()
+    solution, determinant = _solved()
     rows = [list(accelerations).index(letter) for letter in letters]
-    adjugate = matrix.adjugate()
     return Identity(
-        printed=sp.Matrix([accelerations[letter] * determinant for letter in letters]),
-        derived=sp.Matrix([-(adjugate * rest)[row] for row in rows]),
+        printed=sp.Matrix([accelerations[letter] for letter in letters]),
+        compared=lambda found: found * determinant,
+        derived=sp.Matrix([solution[row] for row in rows]),
         source=f"{BALANCE}, solved by Cramer's rule",
     )
 
@@ -119,23 +138,34 @@ for _label, _letters, _name, _says in (
     claim(_label, "2", _says, name=_name)(partial(_balanced, *_letters))
 
 
-def _defined(letter: str) -> Fact:
-    """Definitions of new letters: consistent if the other equations hold with them."""
-    balance = moment_balance().subs(papers_accelerations())
-    point = {phi: sp.Rational(7, 10), Phi: 2, Psi: 3, Theta: -1, a: 1, c: 1, h: 2}
-    size = max(abs(mp.mpmathify(sp.N(x.subs(point), 30))) for x in balance)
-    return Fact(
-        true=bool(size < mp.mpf("1e-25")),
-        how=f"definition of {letter}; with it the balance of moments closes to {mp.nstr(size, 2)}",
+def _defined(rate: Expr, acceleration: Expr) -> Identity:
+    """Insert eq01:Psi, eq01:Theta and eq01:Phi, read with a definition of one of their letters.
+
+    Here `rate` stands for the time derivative of the angle.
+    """
+
+    def balance(letter: Expr) -> Expr:
+        found = {x: y.subs(rate, letter) for x, y in papers_accelerations().items()}
+        found[acceleration] /= letter.diff(rate)
+        return moment_balance().subs(found)
+
+    return Identity(
+        printed=rate,
+        compared=balance,
+        derived=sp.zeros(3, 1),
+        others=(-rate, 2 * rate, rate / 2),
+        source=f"{BALANCE}, with eq01:Psi, eq01:Theta and eq01:Phi inserted",
     )
 
 
-for _label, _letter in (
-    ("eq01:psi", "Psi = psi'"),
-    ("eq01:theta", "Theta = theta'"),
-    ("eq01:phi", "Phi = phi'"),
+for _label, _rate, _acceleration in (
+    ("eq01:psi", Psi, psi_dd),
+    ("eq01:theta", Theta, theta_dd),
+    ("eq01:phi", Phi, phi_dd),
 ):
-    claim(_label, "2", _letter, name="rates")(partial(_defined, _letter))
+    claim(_label, "2", f"{_rate} = {str(_rate).lower()}'", name="rates")(
+        partial(_defined, _rate, _acceleration)
+    )
 
 
 @claim("text:a_p and c_p", "2", "a_p = a + h^2 and c_p = c + 1 are moments about the contact point")
@@ -179,32 +209,25 @@ def pendulum_solution() -> Both:
     """Differentiate: with u = phi - arctan(1/h) the equation is u'' = w^2 sin u."""
     constant = sp.Symbol("C_1", positive=True)
     s = sp.Symbol("s", positive=True)
-    square = (constant - 2 * sp.cos(s)) ** -1  # (du/dtau)^2 as printed, s the argument
-    printed = square.diff(s) / 2
-    right = (constant - 2 * sp.cos(s)).diff(s) / 2
-    frequency = sp.sqrt(sp.sqrt(h**2 + 1) / (a_p + 1))
+    square = constant - 2 * sp.cos(s)
     shifted = SLOPE.subs(phi, s + sp.atan(1 / h))
     return Both(
         parts=(
             Identity(
-                printed=printed,
-                corrected=right,
+                printed=1 / square,  # (du/dtau)^2 as printed, s the argument
+                corrected=square,
+                compared=lambda speed: speed.diff(s) / 2,
                 derived=sp.sin(s),
+                others=(constant + 2 * sp.cos(s), constant - sp.cos(s), square**2),
                 source="u'' = sin u",
                 correct="tau + C_2 = +- int^(phi - phi*) (C_1 - 2 cos s)^(-1/2) ds",
             ),
-            _frequency(frequency, shifted, s),
+            Identity(
+                printed=(h**2 + 1) / (a_p + 1),  # the square of tau/t
+                corrected=sp.sqrt(h**2 + 1) / (a_p + 1),
+                derived=sp.simplify(sp.expand_trig(shifted) / sp.sin(s)),
+                source="phi'' about the balancing angle",
+                correct="tau = (h^2+1)^(1/4) t/sqrt(a_p+1)",
+            ),
         )
-    )
-
-
-def _frequency(frequency: Expr, shifted: Expr, s: Expr) -> Identity:
-    """Return the evidence for the scale of time."""
-    derived = sp.simplify(sp.expand_trig(shifted) / sp.sin(s))
-    return Identity(
-        printed=(h**2 + 1) / (a_p + 1),
-        corrected=sp.simplify(frequency**2),
-        derived=derived,
-        source="phi'' about the balancing angle",
-        correct="tau = (h^2+1)^(1/4) t/sqrt(a_p+1)",
     )

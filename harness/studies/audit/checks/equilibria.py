@@ -1,6 +1,7 @@
 """Section 3: what stands still, and what rolls balanced."""
 
 from functools import cache
+from itertools import pairwise
 
 import mpmath as mp
 import sympy as sp
@@ -40,13 +41,33 @@ def at_balance(expression: Expr) -> Expr:
 
 @claim("eq01:static_eqm", "3", "(0, 0, 0, phi*) is an equilibrium, the only static one")
 def standing_on_the_rim() -> Both:
-    """Set every rate to zero: the slope h sin phi - cos phi vanishes once in (0, pi/2)."""
-    fall = papers_accelerations()[phi_dd].subs({Psi: 0, Theta: 0, Phi: 0})
-    rising = sp.simplify((fall * (a_p + 1)).diff(phi) - (h * sp.cos(phi) + sp.sin(phi))) == 0
+    """Insert the state, and count where a can at rest stays at rest."""
+    rates = papers_accelerations()
+    everything = sp.Matrix([Psi, Theta, Phi, *rates.values()])
+
+    def left(state: Expr) -> Expr:
+        at = dict(zip((Psi, Theta, Phi, phi), state, strict=True))
+        return sp.expand_trig(everything).subs(at)
+
+    fall = rates[phi_dd].subs({Psi: 0, Theta: 0, Phi: 0})
+    falls = [sp.lambdify(phi, fall.subs({a: 1, c: 1, h: x}), "mpmath") for x in (0.2, 1.473, 5)]
+    places = [mp.pi / 2 * n / 500 for n in range(501)]
+    signs = [[mp.sign(f(place)) for place in places] for f in falls]
+    zeros = {sum(x != y for x, y in pairwise(row)) for row in signs}
     return Both(
         parts=(
-            Identity(printed=at_balance(fall), derived=sp.Integer(0), source=EQUATIONS),
-            Fact(true=rising, how="the slope h cos phi + sin phi > 0, so there is one zero"),
+            Identity(
+                printed=sp.Matrix([0, 0, 0, sp.atan(1 / h)]),
+                compared=left,
+                derived=sp.zeros(6, 1),
+                source=EQUATIONS,
+            ),
+            Fact(
+                printed=1,
+                holds=lambda count: zeros == {count},
+                others=(0, 2),
+                how="at rest phi'' changes its sign once in (0, pi/2), for h = 0.2, 1.473 and 5",
+            ),
         )
     )
 
@@ -54,9 +75,11 @@ def standing_on_the_rim() -> Both:
 @claim("eq:phistar", "3", "phi* = arctan(1/h)")
 def balancing_angle() -> Identity:
     """Put the centre above the contact: R cos phi = H sin phi."""
-    angle = sp.atan(1 / h)
     return Identity(
-        printed=sp.cos(angle), derived=h * sp.sin(angle), source="the centre above the contact"
+        printed=sp.atan(1 / h),
+        compared=lambda angle: sp.expand_trig(sp.cos(angle) - h * sp.sin(angle)),
+        derived=sp.Integer(0),
+        source="the centre above the contact",
     )
 
 
@@ -131,38 +154,55 @@ def eigenvalues() -> Identity:
     )
 
 
+PRINTED_CRITICAL = REACH / (h * k * c_p * (h + c_p))
+CRITICAL = REACH / STIFFNESS
+
+
+def _critical(square: Expr) -> str:
+    """Return the critical rate of the paper's can."""
+    can = {a: paper_can.a, c: paper_can.c, h: paper_can.h}
+    return str(mp.nstr(mp.sqrt(mp.mpmathify(square.subs(can))), 5))
+
+
 @claim("text:critical rate", "3", "Theta_crit^2 = sqrt(h^2+1)/(h k c_p (h + c_p))")
-def critical_rolling() -> Both:
+def critical_rolling() -> Identity:
     """Where the eigenvalues of straight rolling vanish."""
     polynomial, x = _characteristic()
     square = sp.Symbol("square")
     quartic = sp.cancel(polynomial / x**2).subs(x, 0).subs(Theta, sp.sqrt(square))
-    identity = Identity(
-        printed=REACH / (h * k * c_p * (h + c_p)),
-        corrected=REACH / STIFFNESS,
+    return Identity(
+        printed=PRINTED_CRITICAL,
+        corrected=CRITICAL,
         derived=sp.solve(quartic, square)[0],
-        correct="Theta_crit^2 = sqrt(h^2+1)/(k c_p (c_p + h^2))",
+        correct="Theta_crit^2 = sqrt(h^2+1)/(k c_p (c_p + h^2)): for the paper's can Theta_crit is "
+        f"{_critical(CRITICAL)}, as printed {_critical(PRINTED_CRITICAL)} sqrt(g/R)",
         source="where both eigenvalues vanish",
     )
-    can = {a: paper_can.a, c: paper_can.c, h: paper_can.h}
-    rate = [
-        mp.sqrt(mp.mpmathify(form.subs(can)))
-        for form in (REACH / (h * k * c_p * (h + c_p)), REACH / STIFFNESS)
-    ]
-    told = f"for the paper's can {mp.nstr(rate[1], 5)}, as printed {mp.nstr(rate[0], 5)} sqrt(g/R)"
-    left = _eigenvalue(STIFFNESS).subs(can | {Theta: rate[1]})
-    return Both(parts=(identity, Fact(true=bool(abs(left) < mp.mpf("1e-12")), how=told)))
 
 
 @claim("text:centre-like", "3", "rolling faster than Theta_crit is centre-like, slower saddle-like")
 def stability_of_rolling() -> Fact:
-    """Signs of lambda^2 on either side of the critical rate."""
-    value = _eigenvalue(STIFFNESS)
-    fast = value.subs(Theta, sp.sqrt(2 * REACH / STIFFNESS))
-    slow = value.subs(Theta, 0)
+    """Sign of lambda^2 a little above and below the rate that is called critical."""
+    polynomial, x = _characteristic()
+    square = sp.simplify(sp.solve(sp.cancel(polynomial / x**2), x)[0] ** 2)
+    cans = ({a: 0.727, c: 0.615, h: 1.473}, {a: 0.25, c: 0.5, h: 0.1}, {a: 3, c: 0.5, h: 3})
+
+    def separates(critical: Expr) -> bool:
+        return all(
+            (square.subs(Theta, sp.sqrt(critical * share)).subs(can) < 0) == (share > 1)
+            for can in cans
+            for share in (0.99, 1.01)
+        )
+
     return Fact(
-        true=sp.simplify(fast + REACH / (a_p + 1)) == 0 and slow.is_positive is True,
-        how="sympy: lambda^2 = -sqrt(h^2+1)/(a_p+1) at twice the critical square, positive at rest",
+        printed=PRINTED_CRITICAL,
+        holds=separates,
+        corrected=CRITICAL,
+        others=(2 * CRITICAL, CRITICAL / 2, PRINTED_CRITICAL),
+        how="lambda^2 from the linearised equations is negative for Theta^2 1 % above sqrt(h^2+1)"
+        "/(k c_p (c_p + h^2)) and positive 1 % below, for three cans; the printed Theta_crit "
+        f"({_critical(PRINTED_CRITICAL)} for the paper's can) lies where rolling is saddle-like",
+        correct=f"with Theta_crit = {_critical(CRITICAL)} sqrt(g/R), see text:critical rate",
     )
 
 
@@ -192,9 +232,13 @@ def steady_rolling() -> Identity:
 @claim("text:lying and rolling", "3", "phi = pi/2, Psi = Theta = +-sqrt(h/(c_p - h)) is steady")
 def rolling_on_its_side() -> Identity:
     """Insert it."""
-    there = {phi: sp.pi / 2, Phi: 0, Psi: sp.sqrt(h / (c_p - h)), Theta: sp.sqrt(h / (c_p - h))}
+    rates = papers_accelerations()
+    spin = sp.sqrt(h / (c_p - h))
     return Identity(
-        printed=sp.simplify(papers_accelerations()[phi_dd].subs(there)),
+        printed=sp.Matrix([sp.pi / 2, spin, spin]),
+        compared=lambda at: rates[phi_dd].subs(
+            dict(zip((phi, Psi, Theta), at, strict=True)) | {Phi: 0}
+        ),
         derived=sp.Integer(0),
         source=EQUATIONS,
     )

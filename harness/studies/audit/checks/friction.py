@@ -4,20 +4,25 @@ import mpmath as mp
 import sympy as sp
 
 from harness.studies.audit import paper_can, release
-from harness.studies.audit.evidence import Both, Fact, Identity, Number
+from harness.studies.audit.evidence import Both, Identity, Number
+from harness.studies.audit.finding import Verdict
+from harness.studies.audit.newton_euler import contact_force, turn_z
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import A, H, R, a_p, h, m, psi
 
 
 @claim("eq01:friction_short", "6.3", "|F|/N = sqrt(F_x^2 + F_y^2)/N")
-def friction_ratio() -> Fact:
-    """Compare the two components in G and in I: the ratio does not depend on the frame."""
-    x, y = sp.symbols("F_x F_y", real=True)
-    turned = sp.Matrix([[sp.cos(psi), sp.sin(psi)], [-sp.sin(psi), sp.cos(psi)]]) * sp.Matrix(
-        [x, y]
+def friction_ratio() -> Identity:
+    """Insert the force in G; compare its square with that of the force in I, without psi."""
+    letters = sp.symbols("F_x F_y N")
+    force = contact_force()
+    seen = (turn_z(psi).T * force).subs(psi, 0)
+    return Identity(
+        printed=(letters[0] ** 2 + letters[1] ** 2) / letters[2] ** 2,
+        compared=lambda square: square.subs(dict(zip(letters, force, strict=True))) * force[2] ** 2,
+        derived=seen[0] ** 2 + seen[1] ** 2,
+        source="the force along and across the lean of the can, the square times N^2",
     )
-    same = sp.simplify(turned.dot(turned) - x**2 - y**2) == 0
-    return Fact(true=same, how="definition; the same in G and in I")
 
 
 @claim("eq01:required_friction", "6.3", "|F|/N = h/a_p = m R H/(A + m H^2) in the bounce")
@@ -69,48 +74,32 @@ def friction_in_short() -> Number:
 
 
 @claim("text:uniform cylinder", "6.3", "for a uniform cylinder |F|/N = 12 h/(3 + 13 h^2)")
-def uniform_cylinder() -> Both:
+def uniform_cylinder() -> Identity:
     """Integrate the moment of inertia of a cylinder of height 2 H."""
     r, angle, z = sp.symbols("r alpha z", positive=True)
     volume = 2 * sp.pi * h
     lever = ((r * sp.sin(angle)) ** 2 + z**2) * r
     moment = sp.integrate(lever, (r, 0, 1), (angle, 0, 2 * sp.pi), (z, -h, h)) / volume
-    ratio = sp.simplify(h / (moment + h**2))
-    numeric = mp.quad(lambda s: mp.mpf(1) / 4 + s**2, [-2, 2]) / 4  # h = 2, slice by slice
-    return Both(
-        parts=(
-            Identity(
-                printed=12 * h / (3 + 13 * h**2),
-                corrected=12 * h / (3 + 16 * h**2),
-                derived=ratio,
-                source="the moment of inertia of a cylinder of height 2 H, integrated",
-                correct="12 h/(3 + 16 h^2), since A = m (3 R^2 + (2H)^2)/12",
-            ),
-            Fact(
-                true=abs(numeric - (mp.mpf(3) + 16) / 12) < mp.mpf("1e-12"),
-                how=f"quadrature at h = 2: A/(m R^2) = {mp.nstr(numeric, 8)}, "
-                "printed (3 + h^2)/12 = 0.58333",
-            ),
-        )
+    return Identity(
+        printed=12 * h / (3 + 13 * h**2),
+        corrected=12 * h / (3 + 16 * h**2),
+        derived=sp.simplify(h / (moment + h**2)),
+        source="the moment of inertia of a cylinder of height 2 H, integrated",
+        correct="12 h/(3 + 16 h^2), since A = m (3 R^2 + (2H)^2)/12",
     )
 
 
 @claim("text:largest friction", "6.3", "its maximum is mu = 0.96")
-def largest_friction() -> Both:
+def largest_friction() -> Number:
     """Find the maximum of the mended form; of the printed form it is 0.96."""
-    right, printed = (sp.sqrt(3) / 4, 16), (sp.sqrt(sp.Rational(3, 13)), 13)
-    values = [sp.simplify(12 * at / (3 + n * at**2)) for at, n in (right, printed)]
-    slope = sp.simplify((12 * h / (3 + 16 * h**2)).diff(h).subs(h, right[0]))
-    return Both(
-        parts=(
-            Fact(true=slope == 0, how="sympy: slope 0 there"),
-            Number(
-                printed="0.96",
-                value=mp.mpmathify(sp.N(values[0], 30)),
-                source="maximum of 12 h/(3 + 16 h^2)",
-                also=f"that is sqrt(3)/2; the printed form has {sp.N(values[1], 4)}",
-            ),
-        )
+    forms = [12 * h / (3 + n * h**2) for n in (16, 13)]
+    values = [form.subs(h, sp.solve(form.diff(h), h)[0]) for form in forms]
+    return Number(
+        printed="0.96",
+        value=mp.mpmathify(sp.N(values[0], 30)),
+        source="maximum of 12 h/(3 + 16 h^2)",
+        also=f"that is sqrt(3)/2; the printed form has {sp.N(values[1], 4)}",
+        wrong=Verdict.FALSE,
     )
 
 
@@ -123,4 +112,5 @@ def height_of_largest_friction() -> Number:
         value=mp.mpmathify(sp.N(found[0], 30)),
         source="maximum of 12 h/(3 + 16 h^2)",
         also="that is sqrt(3)/4",
+        wrong=Verdict.FALSE,
     )

@@ -2,11 +2,13 @@
 
 import sympy as sp
 
-from harness.studies.audit.evidence import Both, Fact, Identity
+from harness.studies.audit.evidence import Both, Identity
+from harness.studies.audit.finding import Verdict
 from harness.studies.audit.newton_euler import rate
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import (
     Co,
+    Expr,
     Phi,
     Psi,
     S,
@@ -16,7 +18,8 @@ from harness.studies.audit.symbols import (
     h,
     phi,
     phi_dd,
-    vanishes,
+    psi_dd,
+    theta_dd,
     zeta,
 )
 
@@ -53,16 +56,31 @@ def conserved_momenta() -> Identity:
 
 
 @claim("app:Euler-Lagrange", "B", "d/dt dL/dq' - dL/dq = 0 for q = phi, psi, theta")
-def euler_lagrange() -> Fact:
+def euler_lagrange() -> Identity:
     """Energy is constant along what it gives."""
-    motion = rate(LAGRANGIAN.diff(Phi)) - LAGRANGIAN.diff(phi)
-    bend = sp.solve(motion, phi_dd)[0]
-    momenta = sp.Matrix([LAGRANGIAN.diff(Theta), LAGRANGIAN.diff(Psi)])
-    u, v = sp.symbols("psi_dd theta_dd", real=True)
-    others = sp.solve(list(rate(momenta)), [u, v], dict=True)[0]
+    moved, pushed = sp.symbols("d_dt_p dL_dq")
+    others = sp.solve(
+        list(rate(sp.Matrix([LAGRANGIAN.diff(Theta), LAGRANGIAN.diff(Psi)]))),
+        [psi_dd, theta_dd],
+        dict=True,
+    )[0]
     energy = LAGRANGIAN + 2 * (S + h * Co)
-    change = rate(energy).subs(others).subs(phi_dd, bend)
-    return Fact(true=vanishes(change), how="sympy: the energy is constant along its solutions")
+
+    def change(law: Expr) -> Expr:
+        motion = law.subs({moved: rate(LAGRANGIAN.diff(Phi)), pushed: LAGRANGIAN.diff(phi)})
+        inertia = motion.diff(phi_dd)
+        change = rate(energy).subs(others)
+        # phi'' = -rest/inertia, times the inertia
+        rest = motion.subs(phi_dd, 0)
+        return change.diff(phi_dd) * -rest + change.subs(phi_dd, 0) * inertia
+
+    return Identity(
+        printed=moved - pushed,
+        compared=change,
+        derived=sp.Integer(0),
+        others=(moved + pushed, 2 * moved - pushed, moved - 2 * pushed),
+        source="the rate of the energy along its solutions, times the inertia",
+    )
 
 
 def _force(power: int) -> sp.Expr:
@@ -84,6 +102,7 @@ def equation_of_nutation() -> Identity:
         corrected=inertia * phi_dd - _force(2),
         derived=motion,
         source="the Lagrangian",
+        wrong=Verdict.MISPRINT,
         correct="psi'^2 (A - C) sin phi cos phi",
     )
 

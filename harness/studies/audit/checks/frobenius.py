@@ -9,6 +9,7 @@ from harness.studies.audit import flat_motion as exact
 from harness.studies.audit import flat_series as series
 from harness.studies.audit import paper_can
 from harness.studies.audit.evidence import Both, Fact, Identity, Rate
+from harness.studies.audit.finding import Verdict
 from harness.studies.audit.flat_series import c_p, coefficient, h, in_inertias, k
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import B0, B2, Expr, log_phi, phi
@@ -30,7 +31,9 @@ def numeric(form: Expr) -> "sp.Lambda":
 
 def same(printed: Expr, derived: Expr, source: str = ODE) -> Identity:
     """Compare two forms in k, h and c_p as functions of a, c and h."""
-    return Identity(printed=in_inertias(printed), derived=in_inertias(derived), source=source)
+    return Identity(
+        printed=printed, compared=in_inertias, derived=in_inertias(derived), source=source
+    )
 
 
 @claim("eq01:frobenius_subs", "4.1", "the series inserted into eq01:frob_ode")
@@ -38,12 +41,11 @@ def inserted_series() -> Identity:
     """Insert one power."""
     n, cot = sp.symbols("n cot")
     power = phi**n
-    printed = n * (n - 1) * phi ** (n - 2) + 3 * cot * n * phi ** (n - 1)
-    derived = power.diff(phi, 2) + 3 * cot * power.diff(phi)
-    tail = (gamma + beta * cot) * power
+    printed = n * (n - 1) / phi**2 + 3 * cot * n / phi - (gamma + beta * cot)
+    derived = power.diff(phi, 2) + 3 * cot * power.diff(phi) - (gamma + beta * cot) * power
     return Identity(
-        printed=sp.simplify((printed - tail) / power),
-        derived=sp.simplify((derived - tail) / power),
+        printed=printed,
+        derived=sp.simplify(derived / power),
         source="d/dphi of phi^(n+r)",
     )
 
@@ -58,10 +60,28 @@ def indicial_equation() -> Identity:
 
 @claim("eq01:Psi0", "4.1", "for r = 0 the solution is a power series")
 def regular_series() -> Fact:
-    """Insert the solution, whose every coefficient the recurrence determines."""
-    left = sp.expand(series.second_order(series.regular_solution()))
-    clean = all(sp.simplify(left.coeff(phi, n)) == 0 for n in range(-2, series.TERMS - 1))
-    return Fact(true=clean, how="sympy: the residual vanishes to phi^3 without a logarithm")
+    """Solve for one coefficient after the other, starting from phi^r."""
+
+    def solvable(r: int) -> bool:
+        found = phi**r
+        if sp.expand(series.second_order(found)).coeff(phi, r - 2) != 0:
+            return False
+        for n in range(1, series.TERMS + 1):
+            letter = sp.Symbol("p")
+            left = sp.expand(series.second_order(found + letter * phi ** (n + r)))
+            answer = sp.solve(left.coeff(phi, n + r - 2), letter)
+            if not answer:
+                return False
+            found += answer[0] * phi ** (n + r)
+        return True
+
+    return Fact(
+        printed=0,
+        holds=solvable,
+        others=(-2, -1, 1),
+        how="sympy: for r = 0 every coefficient to phi^5 follows without a logarithm, and for "
+        "r = -2 that of phi^0 does not",
+    )
 
 
 @claim("text:Psi_0 to phi^3", "4.1", "Psi_0 = 1 + beta/3 phi + (beta^2 + 3 gamma)/24 phi^2 + ...")
@@ -74,15 +94,30 @@ def regular_coefficients() -> Identity:
 
 @claim("eq0:Psi2", "4.1", "for r = -2 the solution has C Psi_0 log phi")
 def singular_series() -> Fact:
-    """Insert the solution; C is not zero."""
-    left = sp.expand(series.second_order(series.singular_solution()))
+    """Insert the solution; what multiplies C log phi is Psi_0, and C is not zero."""
+    solution = sp.expand(series.singular_solution())
+    left = sp.expand(series.second_order(solution))
     clean = all(
         sp.simplify(left.coeff(log_phi, j).coeff(phi, n)) == 0
         for j in (0, 1)
         for n in range(-4, series.TERMS - 1)
     )
-    strength = coefficient(series.singular_solution(), 0, 1)
-    return Fact(true=clean and strength != 0, how=f"sympy: residual 0 to phi^3, C = {strength}")
+    strength = coefficient(solution, 0, 1)
+    beside = solution.coeff(log_phi, 1)
+
+    def shaped(form: tuple[int, Expr]) -> bool:
+        lowest, over = form
+        same = series.up_to(beside - strength * over, 3)
+        powers = [n for n in range(-4, 4) if solution.coeff(log_phi, 0).coeff(phi, n) != 0]
+        return clean and powers[0] == lowest and sp.simplify(same) == 0
+
+    regular = series.regular_solution()
+    return Fact(
+        printed=(-2, regular),
+        holds=shaped,
+        others=((-2, sp.Integer(0)), (-1, regular), (-2, phi * regular), (-2, 2 * regular)),
+        how=f"sympy: residual 0 to phi^3, C = {strength}",
+    )
 
 
 @claim("text:Psi_-2 inserted", "4.1", "eq0:Psi2 inserted into eq01:frob_ode")
@@ -132,6 +167,17 @@ def printed_theta(coefficient_of_c_p: int) -> Expr:
     return -B2 / phi**2 + B2 * k * h / phi + constant + THETA_LOG
 
 
+def listed(form: Expr, stated: int) -> Expr:
+    """Return the coefficients of a form below a power of phi, and up to it beside log phi."""
+    whole = sp.expand(form)
+    return in_inertias(
+        sp.Matrix(
+            [whole.coeff(log_phi, 0).coeff(phi, n) for n in range(-2, stated)]
+            + [whole.coeff(log_phi, 1).coeff(phi, n) for n in range(-2, stated + 1)]
+        )
+    )
+
+
 def error_of_psi(form: Expr) -> "sp.Lambda":
     """Return the remainder of a form of Psi as a function of phi."""
     value = numeric(form)
@@ -144,34 +190,60 @@ def error_of_theta(form: Expr) -> "sp.Lambda":
     return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[1]
 
 
-@claim("eq01:psi_orig", "4.1", "Psi for small phi, up to O(phi^2)")
-def series_of_psi() -> Rate:
-    """Compare with the exact solution to sixty digits."""
-    return Rate(
-        remainder=error_of_psi(PRINTED_PSI), stated=2, at=SMALL, source="the exact solution"
+def _series(
+    of: str,
+    printed: Expr,
+    stated: int,
+    corrected: Expr | None = None,
+    *,
+    correct: str = "",
+    wrong: Verdict = Verdict.FALSE,
+) -> Both:
+    """Compare every printed coefficient, and the remainder with the exact solution.
+
+    A series up to O(phi^stated) has its terms below that, and those beside log phi with it.
+    """
+    psi = of == "Psi"
+    solution = series.precession() if psi else series.rotation_rate()
+    right = printed if corrected is None else corrected
+    return Both(
+        parts=(
+            Rate(
+                printed=printed,
+                remainder=error_of_psi if psi else error_of_theta,
+                corrected=corrected,
+                others=(right + phi ** (stated - 1), 2 * right),
+                stated=stated,
+                at=SMALL,
+                source="the exact solution",
+                correct=correct,
+                wrong=wrong,
+            ),
+            Identity(
+                printed=printed,
+                compared=lambda form: listed(form, stated),
+                corrected=corrected,
+                derived=listed(solution, stated),
+                source=f"every printed coefficient of {ODE}",
+                correct=correct,
+                wrong=wrong,
+            ),
+        )
     )
+
+
+@claim("eq01:psi_orig", "4.1", "Psi for small phi, up to O(phi^2)")
+def series_of_psi() -> Both:
+    """Compare terms to phi, and to phi^2 beside the logarithm."""
+    return _series("Psi", PRINTED_PSI, 2)
 
 
 @claim("eq01:theta_orig", "4.1", "Theta for small phi, with ((4 c_p + 3) B_-2 - 6 B_0 c_p) k")
 def series_of_theta() -> Both:
-    """Compare with the exact solution, and the constant term with letters."""
-    return Both(
-        parts=(
-            Rate(
-                remainder=error_of_theta(printed_theta(4)),
-                corrected=error_of_theta(printed_theta(3)),
-                stated=1,
-                at=SMALL,
-                source="the exact solution",
-                correct="(3 c_p + 3) B_-2 in place of (4 c_p + 3) B_-2",
-            ),
-            Identity(
-                printed=in_inertias(coefficient(printed_theta(4), 0)),
-                corrected=in_inertias(coefficient(printed_theta(3), 0)),
-                derived=in_inertias(coefficient(series.rotation_rate(), 0)),
-                source=ODE,
-            ),
-        )
+    """Compare terms to phi^0, and to phi beside the logarithm."""
+    told = "(3 c_p + 3) B_-2 in place of (4 c_p + 3) B_-2"
+    return _series(
+        "Theta", printed_theta(4), 1, printed_theta(3), correct=told, wrong=Verdict.MISPRINT
     )
 
 
@@ -185,45 +257,35 @@ THETA_00 = (2 - k * c_p) / (k * c_p) * B0 + (3 * k * (c_p + 1) - 4 - 9 * beta**2
 ) * B2
 
 
-def _leading_psi() -> Rate:
-    return Rate(
-        remainder=error_of_psi(_short(-PSI_L0, -PSI_L1)),
-        stated=1,
-        at=SMALL,
-        source="the exact solution, with the mended Psi_l0 and Psi_l1",
-    )
+@claim("eq01:psi_series", "4.1", "leading terms of Psi, with the coefficients of appendix A")
+def leading_psi() -> Both:
+    """Compare with the exact solution."""
+    told = "with Psi_l0 and Psi_l1 of the other sign, see app:Psi_l0 and app:Psi_l1"
+    return _series("Psi", _short(PSI_L0, PSI_L1), 1, _short(-PSI_L0, -PSI_L1), correct=told)
 
 
-def _leading_theta() -> Rate:
+@claim("eq01:theta_series", "4.1", "leading terms of Theta, with the coefficients of appendix A")
+def leading_theta() -> Both:
+    """Compare with the exact solution."""
     short = -B2 / phi**2 + B2 * k * h / phi + THETA_00 + THETA_LOG
-    return Rate(remainder=error_of_theta(short), stated=1, at=SMALL, source="the exact solution")
-
-
-@claim("eq01:psi_series", "4.1", "leading terms of Psi, up to O(phi)")
-def leading_psi() -> Rate:
-    """Compare with the exact solution."""
-    return _leading_psi()
-
-
-@claim("eq01:theta_series", "4.1", "leading terms of Theta, up to O(phi)")
-def leading_theta() -> Rate:
-    """Compare with the exact solution."""
-    return _leading_theta()
+    return _series("Theta", short, 1)
 
 
 @claim("eq01:series_sols", "4.1", "the leading terms of both")
 def leading_terms() -> Both:
     """Both of them."""
-    return Both(parts=(_leading_theta(), _leading_psi()))
+    return Both(parts=(leading_theta(), leading_psi()))
 
 
 def _in_the_table(printed: Expr, of: str, logs: int, power: int, mended: str) -> Identity:
     solution = {"Psi": series.precession, "Theta": series.rotation_rate}[of]()
     return Identity(
-        printed=in_inertias(printed),
-        corrected=in_inertias(-printed) if mended else None,
+        printed=printed,
+        compared=in_inertias,
+        corrected=-printed if mended else None,
         derived=in_inertias(coefficient(solution, power, logs)),
         correct=mended,
+        wrong=Verdict.MISPRINT,
         source=ODE,
     )
 

@@ -1,14 +1,17 @@
-"""Sections 5.2 to 5.4: the inner solution, matching, and the angles in the bounce."""
+"""Sections 5.2 and 5.4: the inner solution, and the angles in the bounce."""
 
 import mpmath as mp
 import sympy as sp
 
 from harness.studies.audit import paper_can
 from harness.studies.audit.checks.outer import POWERS, a_
+from harness.studies.audit.checks.reduced import derived as of_reduced
 from harness.studies.audit.evidence import Both, Fact, Identity, Rate
+from harness.studies.audit.finding import Verdict
 from harness.studies.audit.flat_motion import rates
+from harness.studies.audit.flat_series import in_inertias
 from harness.studies.audit.registry import claim
-from harness.studies.audit.symbols import A, Expr, H, I, R, T, a_p, eps, m
+from harness.studies.audit.symbols import B2, A, Expr, H, I, R, T, a_p, eps, m
 
 q = sp.Symbol("a_p", positive=True)
 """The paper's a_p as a letter of its own: only that it is positive matters here."""
@@ -24,8 +27,13 @@ def inner_scalings() -> Fact:
     """Only this power balances phi'' with a_3/phi^3 and keeps the outer slope."""
     n, s = sp.symbols("n s")  # phi ~ eps^n, t ~ eps^s
     found = sp.solve([n - 2 * s - (1 - 3 * n), n - s], [n, s])
-    true = found == {n: sp.Rational(1, 2), s: sp.Rational(1, 2)}
-    return Fact(true=true, how=f"sympy: phi'' ~ eps/phi^3 and slope of order 1 give {found}")
+    half = sp.Rational(1, 2)
+    return Fact(
+        printed=(half, half),
+        holds=lambda powers: found == dict(zip((n, s), powers, strict=True)),
+        others=((half, 1), (1, 1), (half, sp.Rational(1, 3))),
+        how=f"sympy: phi'' ~ eps/phi^3 and slope of order 1 give {found}",
+    )
 
 
 @claim("eq01:inner_full", "5.2", "the reduced equation in inner variables")
@@ -45,105 +53,32 @@ def inner_equation() -> Identity:
 
 @claim("eq01:inner_problem", "5.2", "varphi_0'' = a_p/varphi_0^3")
 def inner_problem() -> Identity:
-    """Leading order of the inner equation, with a_3 = a_p once eps is taken out."""
-    full = q / x**3 + root * (a_["2"] / x**2 - 1)
-    return Identity(printed=q / x**3, derived=full.subs(eps, 0), source="eq01:inner_full")
+    """Leading order of eq01:Phi_reduced in inner variables, with a_3 from eq01:Phi itself."""
+    log = sp.Symbol("log_full")
+    force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
+    leading = sp.expand(root * force).subs(eps, 0)
+    strongest = in_inertias(of_reduced("a_3") / B2**2)
+    return Identity(
+        printed=a_p / x**3,
+        derived=leading.subs(a_["3"], strongest),
+        source="eq01:Phi_reduced at eps -> 0 and fixed varphi",
+    )
 
 
 @claim("eq01:inner_solution", "5.2", "varphi = sqrt(P^2 + (sqrt(a_p) T - Q)^2/P^2)")
 def inner_solution() -> Identity:
     """Differentiate twice."""
-    form = sp.sqrt(P**2 + (sp.sqrt(q) * T - Q) ** 2 / P**2)
+    lean = sp.sqrt(q) * T - Q
     return Identity(
-        printed=sp.simplify(form.diff(T, 2) * form**3), derived=q, source="eq01:inner_problem"
-    )
-
-
-@claim("text:inner in outer", "5.3", "sqrt(a_p) (sqrt(I) - t)/P + eps^(1/2) Q/P + O(eps)")
-def inner_in_outer_variable() -> Rate:
-    """At a fixed time before the bounce."""
-
-    def left(small: mp.mpf) -> mp.mpf:
-        p, q_, a, gap = mp.mpf(2), mp.mpf("0.5"), mp.mpf(3), mp.mpf("0.25")
-        stretched = -gap / mp.sqrt(small)
-        full = mp.sqrt(small) * mp.sqrt(p**2 + (mp.sqrt(a) * stretched - q_) ** 2 / p**2)
-        return full - (mp.sqrt(a) * gap / p + mp.sqrt(small) * q_ / p)
-
-    return Rate(remainder=left, stated=1, at=(1e-8, 1e-12), source="eq01:inner_solution")
-
-
-def _outer(small: mp.mpf, power: Expr) -> mp.mpf:
-    """Return what eq. 5.15 leaves of the outer solution at T = -1, for a_3 alone."""
-    width, a = mp.mpf("0.25"), mp.mpf(3)
-    u = 1 - mp.sqrt(small) / mp.sqrt(width)
-    j3 = u**2 / (8 - 8 * u**2) + 3 * u / 8 * mp.atanh(u)
-    full = width * (1 - u**2) / 2 + small * 8 * a / width**2 * j3
-    gap = -mp.sqrt(small)
-    return full - (-mp.sqrt(width) * gap - small * a / (2 * width**power * gap))
-
-
-@claim(
-    "text:outer in inner",
-    "5.3",
-    "-sqrt(I) (t - sqrt(I)) - eps a_p/(2 I^(5/2) (t - sqrt(I))) + O(eps^(3/2))",
-)
-def outer_in_inner_variable() -> Both:
-    """At a fixed inner time; and with letters, since the inner solution must meet it."""
-    half = mp.mpf(1) / 2
-    meets = sp.series(sp.sqrt(q / I * eps + I * x**2), eps, 0, 2).removeO()
-    derived = sp.expand(meets - sp.sqrt(I) * x) * x
-    return Both(
-        parts=(
-            Rate(
-                remainder=lambda small: _outer(small, 5 * half),
-                corrected=lambda small: _outer(small, 3 * half),
-                stated=1,
-                at=(1e-9, 1e-13),
-                source="b_3 J_3 at fixed T, remainder O(eps log eps)",
-                correct="eps a_p/(2 I^(3/2) (t - sqrt(I))), remainder O(eps log eps)",
-            ),
-            Identity(
-                printed=eps * q / (2 * I ** sp.Rational(5, 2)),
-                corrected=eps * q / (2 * I ** sp.Rational(3, 2)),
-                derived=sp.simplify(derived),
-                source="the inner solution with P = sqrt(a_p/I), Q = 0",
-            ),
-        )
-    )
-
-
-@claim("text:P and Q", "5.3", "P = sqrt(a_p/I), Q = 0")
-def matching_constants() -> Identity:
-    """Slopes and constants of the two expansions."""
-    return Identity(
-        printed=sp.sqrt(q / I),
-        derived=sp.solve(sp.sqrt(q) / P - sp.sqrt(I), P)[0],
-        source="equal slopes sqrt(a_p)/P = sqrt(I)",
-    )
-
-
-@claim("eq01:phi_inner", "5.3", "varphi = sqrt(a_p/I + I T^2)")
-def matched_inner() -> Identity:
-    """Insert P and Q."""
-    form = P**2 + q * T**2 / P**2
-    return Identity(
-        printed=INNER**2, derived=form.subs(P, sp.sqrt(q / I)), source="eq01:inner_solution"
-    )
-
-
-@claim("eq01:uniformly_valid_solution", "5.3", "outer plus inner minus what they share")
-def composite() -> Both:
-    """Add, and measure the error against the reduced equation with a_3 alone."""
-    gap = sp.sqrt(I) - t
-    inner = sp.sqrt(eps * q / I + I * gap**2)
-    return Both(
-        parts=(
-            Identity(
-                printed=-(gap**2) / 2 + inner,
-                derived=(I - t**2) / 2 + inner - sp.sqrt(I) * gap,
-                source="outer + inner - common part",
-            ),
-        )
+        printed=sp.sqrt(P**2 + lean**2 / P**2),
+        compared=lambda form: sp.simplify(form.diff(T, 2) * form**3),
+        derived=q,
+        others=(
+            sp.sqrt(2 * P**2 + lean**2 / P**2),
+            sp.sqrt(P**2 + lean**2 / P),
+            sp.sqrt(P**2 + (q * T - Q) ** 2 / P**2),
+        ),
+        source="eq01:inner_problem",
     )
 
 
@@ -163,27 +98,56 @@ RATE = sp.sqrt(q + 1) / INNER**2
     "5.4",
     "dpsi/dT/sqrt(a_p+1) = sgn/varphi^2 - eps^(1/2) sgn k h/varphi + O(log eps)",
 )
-def inner_precession() -> Fact:
+def inner_precession() -> Both:
     """Measure the remainder at fixed varphi = 1: the exact rate minus the two terms."""
+    slope = sp.Symbol("kh")
+    form = 1 / x**2 - root * slope / x
 
-    def left(small: mp.mpf) -> mp.mpf:
-        scale = mp.sqrt(small)
-        psi, _ = rates(scale, mp.mpf(0), scale)
-        return scale * psi - (1 - scale * paper_can.k * paper_can.h)
+    def remainder(kept: Expr) -> "sp.Lambda":
+        value = sp.lambdify((eps, x, slope), kept, "mpmath")
+
+        def left(small: mp.mpf) -> mp.mpf:
+            scale = mp.sqrt(small)
+            psi, _ = rates(scale, mp.mpf(0), scale)
+            return scale * psi - value(small, mp.mpf(1), paper_can.k * paper_can.h)
+
+        return left
 
     with mp.workdps(60):
         pair = mp.mpf("1e-12"), mp.mpf("1e-18")
-        sizes = [abs(left(small)) for small in pair]
-        per = [size / (small * abs(mp.log(small))) for size, small in zip(sizes, pair, strict=True)]
-    bounded = abs(per[0] / per[1] - 1) < mp.mpf("0.2")
-    # O(log eps) is then true too, but empty: it exceeds the terms that are kept
-    return Fact(
-        true=not bounded,
-        mended=bool(bounded),
-        how=f"at varphi = 1 the remainder is {mp.nstr(sizes[0], 3)} for eps = 1e-12 and "
-        f"{mp.nstr(sizes[1], 3)} for 1e-18, {mp.nstr(per[0], 3)} and {mp.nstr(per[1], 3)} times "
-        "eps |log eps|; the printed bound would exceed the terms kept",
-        correct="remainder O(eps log eps)",
+        sizes = [abs(remainder(form)(small)) for small in pair]
+
+    def bounds(order: tuple[float, int]) -> bool:
+        # a larger order is a bound too, but an empty one: it would exceed the terms that are kept
+        power, logs = order
+        per = [
+            size / (small**power * abs(mp.log(small)) ** logs)
+            for size, small in zip(sizes, pair, strict=True)
+        ]
+        return bool(abs(per[0] / per[1] - 1) < mp.mpf("0.2"))
+
+    return Both(
+        parts=(
+            Rate(
+                printed=form,
+                remainder=remainder,
+                others=(2 / x**2 - root * slope / x, 1 / x**2 + root * slope / x, 1 / x**2),
+                stated=1,
+                at=(1e-12, 1e-18),
+                source="the exact rate, which leaves eps log eps",
+            ),
+            Fact(
+                printed=(0, 1),
+                holds=bounds,
+                corrected=(1, 1),
+                others=((0, 1), (0.5, 1), (1, 0), (1, 3)),
+                how=f"at varphi = 1 the remainder is {mp.nstr(sizes[0], 3)} for eps = 1e-12 and "
+                f"{mp.nstr(sizes[1], 3)} for 1e-18, as eps log eps; the printed bound would exceed "
+                "the terms kept",
+                correct="remainder O(eps log eps)",
+                wrong=Verdict.MISPRINT,
+            ),
+        )
     )
 
 
@@ -211,11 +175,20 @@ def largest_rate() -> Identity:
 def inner_rotation() -> Rate:
     """(Theta + Psi)/Psi along a motion."""
 
-    def left(y: mp.mpf) -> mp.mpf:
-        psi, theta = rates(y, mp.mpf("0.75"), mp.mpf(1))
-        return (psi + theta) / psi
+    def remainder(factor: Expr) -> "sp.Lambda":
+        def left(y: mp.mpf) -> mp.mpf:
+            psi, theta = rates(y, mp.mpf("0.75"), mp.mpf(1))
+            return (theta - int(factor) * psi) / psi
 
-    return Rate(remainder=left, stated=2, at=(1e-8, 1e-11), source="the exact rates")
+        return left
+
+    return Rate(
+        printed=sp.Integer(-1),
+        remainder=remainder,
+        stated=2,
+        at=(1e-8, 1e-11),
+        source="the exact rates",
+    )
 
 
 ARC = sp.sqrt(q + 1) / sp.sqrt(q) * sp.atan(I * T / sp.sqrt(q))
@@ -225,20 +198,20 @@ FACTOR = "sqrt((a_p+1)/a_p) in place of sqrt(a_p+1)/a_p"
 
 def _angle(sign: int) -> Identity:
     return Identity(
-        printed=sign * ARC_PRINTED.diff(T),
-        corrected=sign * ARC.diff(T),
+        printed=sign * ARC_PRINTED,
+        corrected=sign * ARC,
+        compared=lambda angle: angle.diff(T),
         derived=sign * RATE,
+        wrong=Verdict.MISPRINT,
         source="its derivative against eq01:Psi_inner",
         correct=f"the factor is {FACTOR}",
     )
 
 
 @claim("eq01:psi_inner", "5.4", "psi = sqrt(a_p+1)/a_p arctan(I T/sqrt(a_p)) + C")
-def inner_angle() -> Both:
-    """Differentiate; and the jump must be the angle of turn."""
-    jump = sp.limit(ARC, T, sp.oo) - sp.limit(ARC, T, -sp.oo)
-    same = sp.simplify(jump - sp.pi * sp.sqrt((q + 1) / q)) == 0
-    return Both(parts=(_angle(1), Fact(true=same, how="the mended jump is the angle of turn")))
+def inner_angle() -> Identity:
+    """Differentiate."""
+    return _angle(1)
 
 
 @claim("eq01:theta_inner", "5.4", "theta = -sqrt(a_p+1)/a_p arctan(I T/sqrt(a_p)) + C")
@@ -277,7 +250,12 @@ def dimensional_turn() -> Identity:
 @claim("text:limits of the turn", "6.1", "at least pi for every can; without bound as a_p -> 0")
 def limits_of_the_turn() -> Fact:
     """Limits and monotony."""
-    form = sp.sqrt((q + 1) / q)
+    form = sp.pi * sp.sqrt((q + 1) / q)
     falls = sp.simplify(form.diff(q) / form + 1 / (2 * q * (q + 1))) == 0
-    true = sp.limit(form, q, sp.oo) == 1 and sp.limit(form, q, 0) == sp.oo and falls
-    return Fact(true=true, how="sympy: it falls with a_p, from infinity to pi")
+    ends = sp.limit(form, q, sp.oo), sp.limit(form, q, 0)
+    return Fact(
+        printed=(sp.pi, sp.oo),
+        holds=lambda least_and_most: falls and ends == least_and_most,
+        others=((2 * sp.pi, sp.oo), (sp.pi, 2 * sp.pi), (sp.Integer(0), sp.oo)),
+        how="sympy: it falls with a_p, from infinity to pi",
+    )

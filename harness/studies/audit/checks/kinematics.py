@@ -2,7 +2,8 @@
 
 import sympy as sp
 
-from harness.studies.audit.evidence import Both, Fact, Identity
+from harness.studies.audit.evidence import Fact, Identity
+from harness.studies.audit.finding import Verdict
 from harness.studies.audit.newton_euler import (
     ARM,
     VERTICAL,
@@ -13,7 +14,6 @@ from harness.studies.audit.newton_euler import (
     rotation,
     turn_y,
     turn_z,
-    vector_of,
 )
 from harness.studies.audit.registry import claim
 from harness.studies.audit.symbols import (
@@ -30,7 +30,6 @@ from harness.studies.audit.symbols import (
     phi_dd,
     psi,
     psi_dd,
-    rational,
     theta,
     theta_dd,
     tidy,
@@ -58,30 +57,36 @@ def rotation_matrices() -> Identity:
 
 @claim("text:R_GB", "2", "R_GB = R_GI R_IB")
 def order_of_the_product() -> Identity:
-    """Ask the matrix for the angular velocity of B: -R' R^T is its cross product."""
-
-    def velocity(matrix: Expr) -> Expr:
-        return vector_of(tidy(-rate(matrix) * matrix.T))
-
+    """Compare with the rotation of the frame B, transposed."""
     return Identity(
-        printed=velocity(GLOBAL_TO_I * I_TO_BODY),
-        corrected=velocity(I_TO_BODY * GLOBAL_TO_I),
-        derived=body_rates()[0],
+        printed=GLOBAL_TO_I * I_TO_BODY,
+        corrected=I_TO_BODY * GLOBAL_TO_I,
+        derived=rotation().T,
         correct="R_GB = R_IB R_GI, since R_ij converts frame i to frame j",
-        source="the angular velocity of the frame B",
+        source="the turns by psi about z and then by -phi about y",
     )
 
 
 @claim("text:GP", "2", "GP^B = (-R, 0, -H) leads to the contact point")
 def contact_point() -> Fact:
-    """Find the lowest point of the lower rim."""
-    angle = sp.Symbol("alpha", real=True)
-    rim = rotation() * sp.Matrix([sp.cos(angle), sp.sin(angle), -h])
-    slope, bend = rim[2].diff(angle), rim[2].diff(angle, 2)
-    at = {angle: sp.pi}
-    lowest = slope.subs(at) == 0 and sp.simplify(bend.subs(at) - S) == 0
+    """Ask whether it is the lowest point of the lower rim."""
+
+    def lowest(arm: Expr) -> bool:
+        on_the_rim = arm[0] ** 2 + arm[1] ** 2 == 1 and arm[2] == -h
+        outward, along = sp.Matrix([arm[0], arm[1], 0]), sp.Matrix([-arm[1], arm[0], 0])
+        # of the height over the rim, with the angle round it
+        slope, bend = (rotation() * along)[2], -(rotation() * outward)[2]
+        return bool(on_the_rim and sp.simplify(slope) == 0 and sp.simplify(bend - S) == 0)
+
     return Fact(
-        true=lowest and sp.Matrix([-1, 0, -h]) == ARM,
+        printed=sp.Matrix([-1, 0, -h]),
+        holds=lowest,
+        others=(
+            sp.Matrix([1, 0, -h]),
+            sp.Matrix([0, -1, -h]),
+            sp.Matrix([-1, 0, h]),
+            sp.Matrix([-2, 0, -h]),
+        ),
         how="sympy: over the rim the height has slope 0 and bend R sin(phi) > 0 there",
     )
 
@@ -99,28 +104,35 @@ def angular_velocities() -> Identity:
 
 @claim("eq01:n2l_lin", "2", "m a_G = -m g z + N + F")
 def balance_of_force() -> Identity:
-    """With the balance of moments it has to conserve energy, as no-slip forces do no work."""
-    force = contact_force()
+    """With the balance of moments the force that it gives conserves energy, as no-slip asks."""
     velocity, spin = centre_velocity(), rotation() * body_rates()[1]
-    power = (force - VERTICAL).dot(velocity) - rate(velocity).dot(velocity)
-    work = force.dot(velocity + spin.cross(rotation() * ARM))
+    acceleration, seen = rate(velocity), sp.Matrix(sp.symbols("a_x a_y a_z"))
+
+    def power(force: Expr) -> Expr:
+        moment = (rotation() * ARM).cross(force.subs(dict(zip(seen, acceleration, strict=True))))
+        return velocity.dot(acceleration) + velocity[2] + spin.dot(moment)
+
     return Identity(
-        printed=sp.Matrix([power, work]),
-        derived=sp.Matrix([0, 0]),
-        source="the rate of kinetic energy and the work at the contact",
+        printed=seen + VERTICAL,  # N + F = m a_G + m g z, per m g
+        compared=power,
+        derived=sp.Integer(0),
+        source="the rate of the energy, with N + F = m a_G + m g z in the balance of moments",
     )
 
 
 @claim("eq01:n2l_rot", "2", "I Omega' + omega x I Omega = GP x R_GB (N + F), in the body frame")
 def balance_of_moments() -> Identity:
-    """Compare the left side with the rate of angular momentum in G, seen in B."""
+    """Compare with the rate of angular momentum and the moment of the force in G, seen in B."""
     frame, can = body_rates()
     inertia = sp.diag(a, a, c)
     momentum = rotation() * (inertia * can)
+    force = sp.Matrix(sp.symbols("f_x f_y f_z", real=True))
+    left = inertia * rate(can) + frame.cross(inertia * can)
+    seen = rotation().T * sp.Matrix.hstack(rate(momentum), (rotation() * ARM).cross(force))
     return Identity(
-        printed=inertia * rate(can) + frame.cross(inertia * can),
-        derived=tidy(rotation().T * rate(momentum)),
-        source="d/dt of the angular momentum in G",
+        printed=sp.Matrix.hstack(left, ARM.cross(rotation().T * force)),
+        derived=tidy(seen),
+        source="d/dt of the angular momentum and the moment of the force in G",
     )
 
 
@@ -145,6 +157,7 @@ def velocity_of_the_centre() -> Identity:
         printed=sp.Matrix([-cos_psi * (Phi * FORTH - sin_psi * ASIDE), *rest]),
         corrected=sp.Matrix([-cos_psi * (Phi * FORTH) - sin_psi * ASIDE, *rest]),
         derived=centre_velocity(),
+        wrong=Verdict.MISPRINT,
         correct="a parenthesis is missing: "
         "x' = -cos psi (phi' (R sin phi + H cos phi)) - sin psi (...)",
         source=ROLLING,
@@ -166,6 +179,7 @@ def acceleration_of_the_centre() -> Identity:
         corrected=sp.Matrix([RIGHT_X, *rest]),
         derived=rate(centre_velocity()),
         correct=f"x'' = {RIGHT}",
+        wrong=Verdict.MISPRINT,
         source=ROLLING,
     )
 
@@ -185,6 +199,7 @@ def friction_along_x() -> Identity:
         corrected=RIGHT_X,
         derived=contact_force()[0],
         correct=f"F_x = m ({RIGHT})",
+        wrong=Verdict.MISPRINT,
         source=ROLLING,
     )
 
@@ -221,16 +236,10 @@ def locus_velocity() -> Identity:
 
 
 @claim("eq01:contact_point_velocity", "6.2", "v_l = Theta (-sin psi, cos psi)")
-def locus_velocity_in_short() -> Both:
+def locus_velocity_in_short() -> Identity:
     """Differentiate the place of the contact point; it stays in the plane."""
-    moved = centre_velocity() + rate(rotation() * ARM)
-    return Both(
-        parts=(
-            Identity(
-                printed=sp.Matrix([-Theta * sin_psi, Theta * cos_psi, 0]),
-                derived=moved,
-                source="d/dt of the contact point",
-            ),
-            Fact(true=sp.cancel(rational(moved[2])) == 0, how="its height does not change"),
-        )
+    return Identity(
+        printed=sp.Matrix([-Theta * sin_psi, Theta * cos_psi, 0]),
+        derived=centre_velocity() + rate(rotation() * ARM),
+        source="d/dt of the contact point",
     )

@@ -5,7 +5,8 @@ import sympy as sp
 
 from harness.studies.audit import paper_can
 from harness.studies.audit.checks.equilibria import EQUATIONS, at_balance
-from harness.studies.audit.evidence import Both, Fact, Identity
+from harness.studies.audit.evidence import Fact, Identity
+from harness.studies.audit.finding import Verdict
 from harness.studies.audit.newton_euler import (
     centre_velocity,
     contact_force,
@@ -43,6 +44,7 @@ def scaled_velocity() -> Identity:
         printed=sp.Matrix([-(FORTH * sp.cos(psi) - SIDE * sp.sin(psi)), y]),
         corrected=sp.Matrix([-FORTH * sp.cos(psi) - SIDE * sp.sin(psi), y]),
         derived=centre_velocity()[:2, :],
+        wrong=Verdict.MISPRINT,
         correct="a parenthesis is missing: x' = -Phi (sin phi + h cos phi) cos psi "
         "- (Psi (cos phi - h sin phi) + Theta) sin psi",
         source="rolling",
@@ -52,9 +54,9 @@ def scaled_velocity() -> Identity:
 @claim("eq01:comcoords", "3", "in steady motion x = r cos(Psi t), y = r sin(Psi t)")
 def circle_of_the_centre() -> Identity:
     """Differentiate and compare with the velocity of the centre."""
-    place = sp.Matrix([RADIUS * sp.cos(psi), RADIUS * sp.sin(psi)])
     return Identity(
-        printed=place.diff(psi) * Psi,
+        printed=sp.Matrix([RADIUS * sp.cos(psi), RADIUS * sp.sin(psi)]),
+        compared=lambda place: place.diff(psi) * Psi,
         derived=centre_velocity()[:2, :].subs(STEADY),
         source="rolling",
     )
@@ -72,32 +74,32 @@ def radius_of_the_circle() -> Identity:
 @claim("eq01:comrest", "3", "the centre rests where Psi (cos phi - h sin phi) + Theta = 0")
 def centre_at_rest() -> Identity:
     """Insert the Theta that it asks for."""
-    velocity = centre_velocity().subs(STEADY).subs(Theta, -Psi * (Co - h * S))
-    return Identity(printed=velocity, derived=sp.zeros(3, 1), source="rolling")
+    velocity = centre_velocity().subs(STEADY)
+    return Identity(
+        printed=SIDE,
+        compared=lambda condition: velocity.subs(Theta, sp.solve(condition, Theta)[0]),
+        derived=sp.zeros(3, 1),
+        others=(SIDE - 2 * Theta, SIDE + Theta, Psi * (Co + h * S) + Theta),
+        source="rolling",
+    )
 
 
 @claim("text:r on S_bal", "3", "on S_bal the radius is |Theta/Psi|")
 def balanced_radius() -> Identity:
-    """At phi* cos phi = h sin phi."""
+    """At phi* cos phi = h sin phi; squared."""
     return Identity(
-        printed=Theta / Psi, derived=sp.simplify(at_balance(RADIUS)), source="the radius at phi*"
+        printed=(Theta / Psi) ** 2, derived=at_balance(RADIUS) ** 2, source="the radius at phi*"
     )
 
 
 @claim("text:balanced at rest", "3", "on S_bal with Theta = 0, Psi != 0 the centre is at rest")
-def balanced_and_at_rest() -> Both:
-    """Find the radius, which is zero; that the motion is an equilibrium asks for a = c."""
-    drive = sp.simplify(at_balance(papers_accelerations()[phi_dd]).subs(Theta, 0))
-    needed = sp.solve(sp.numer(sp.together(drive)), a)
-    return Both(
-        parts=(
-            Identity(
-                printed=sp.simplify(at_balance(RADIUS)).subs(Theta, 0),
-                derived=sp.Integer(0),
-                source="the radius at phi*",
-            ),
-            Fact(true=needed == [c], how="though it is an equilibrium only for a = c"),
-        )
+def balanced_and_at_rest() -> Identity:
+    """Insert Theta = 0 into the radius; that it is steady asks for a = c, which the if allows."""
+    return Identity(
+        printed=sp.Integer(0),
+        compared=lambda rotation: at_balance(RADIUS).subs(Theta, rotation),
+        derived=sp.Integer(0),
+        source="the radius at phi*",
     )
 
 
@@ -105,7 +107,7 @@ def balanced_and_at_rest() -> Both:
 def friction_at_rest() -> Identity:
     """Find the force on a centre that rests: it is vertical."""
     force = contact_force().subs(STEADY).subs(Theta, -Psi * (Co - h * S))
-    return Identity(printed=sp.Matrix([0, 0, 1]), derived=force, source="Newton")
+    return Identity(printed=sp.zeros(2, 1), derived=force[:2, :], source="Newton")
 
 
 def _rest_square(sign: int) -> Expr:
@@ -127,31 +129,38 @@ def rates_at_rest() -> Identity:
         printed=_rest_square(1),
         corrected=_rest_square(-1),
         derived=-linear.subs(square, 0) / slope,
+        wrong=Verdict.MISPRINT,
         correct="Psi^2 = (cos phi - h sin phi)/(a sin phi cos phi - c h sin^2 phi)",
         source=EQUATIONS,
     )
 
 
 @claim("text:range of S_rest", "3", "S_rest only exists for phi < phi*")
-def range_of_rest() -> Both:
+def range_of_rest() -> Fact:
     """With the right sign Psi^2 is positive again beyond arctan(a/(c h)), for a > c."""
     p = paper_can
     edge = mp.atan(p.a / (p.c * p.h))
-    angle = mp.radians(60)
-    values = {a: p.a, c: p.c, h: p.h, phi: angle}
-    square = mp.mpmathify(_rest_square(-1).subs(values))
-    motion = {Psi: sp.sqrt(square), Theta: -sp.sqrt(square) * (Co - h * S), Phi: 0}
-    left = papers_accelerations()[phi_dd].subs(motion).subs(values)
-    steady = bool(abs(mp.mpmathify(sp.N(left, 30))) < mp.mpf("1e-14"))
-    return Both(
-        parts=(
-            Fact(
-                true=not (steady and square > 0),
-                how=f"at phi = 60 degrees Psi^2 = {mp.nstr(square, 5)} > 0 and phi'' = 0: steady",
-                correct="for a > c it exists for phi < phi* and again for phi > arctan(a/(c h)), "
-                f"{mp.nstr(mp.degrees(edge), 4)} degrees for the paper's can",
-            ),
-        )
+    star, end = mp.atan(1 / p.h), mp.pi / 2
+    letters = sp.Symbol("square", positive=True)
+    drive = papers_accelerations()[phi_dd].subs(Theta, -Psi * (Co - h * S)).subs(Phi, 0)
+    condition = sp.expand(drive.subs({a: p.a, c: p.c, h: p.h})).subs(Psi, sp.sqrt(letters))
+    rest, slope = condition.subs(letters, 0), sp.expand(condition).coeff(letters)
+    square = sp.lambdify(phi, -rest / slope, "mpmath")  # Psi^2 from phi'' = 0
+    places = [end * n / 400 for n in range(1, 400)]
+    found = [bool(square(place) > 0) for place in places]
+
+    def right(ranges: tuple[tuple[mp.mpf, mp.mpf], ...]) -> bool:
+        return found == [any(low < place < high for low, high in ranges) for place in places]
+
+    return Fact(
+        printed=((0, star),),
+        holds=right,
+        corrected=((0, star), (edge, end)),
+        others=(((0, star),), ((0, edge),), ((0, end),), ((star, end),)),
+        how=f"phi'' = 0 asks for Psi^2 = {mp.nstr(square(mp.radians(60)), 5)} > 0 at phi = 60 "
+        "degrees too",
+        correct="for a > c it exists for phi < phi* and again for phi > arctan(a/(c h)), "
+        f"{mp.nstr(mp.degrees(edge), 4)} degrees for the paper's can",
     )
 
 
@@ -159,10 +168,15 @@ def range_of_rest() -> Both:
 def steady_beyond_balance() -> Fact:
     """For any phi_0 and Psi the condition is linear in Theta."""
     p = paper_can
-    values = {a: p.a, c: p.c, h: p.h, phi: mp.radians(60), Psi: 1}
-    drive = papers_accelerations()[phi_dd].subs({Phi: 0})
-    found = sp.solve(drive.subs(values), Theta)[0]
+    rates = papers_accelerations()
+    values = {a: p.a, c: p.c, h: p.h, phi: mp.radians(60), Psi: 1, Phi: 0}
+    found = sp.solve(rates[phi_dd].subs(values), Theta)[0]
+    left = [abs(x.subs(values).subs(Theta, found)) for x in rates.values()]
+    # solved in double precision
+    steady = found.is_real is True and max(left) < 1e-12  # noqa: PLR2004
     return Fact(
-        true=found.is_real is True,
+        printed="exist",
+        holds=lambda word: (word == "exist") == steady,
+        others=("do not exist",),
         how=f"phi = 60 degrees, Psi = 1 is steady with Theta = {mp.nstr(mp.mpmathify(found), 5)}",
     )

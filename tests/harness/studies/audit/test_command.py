@@ -33,11 +33,11 @@ def test_both_files_are_written(
     few = tuple(claim for claim in run.claims() if claim.label in {"eq:phistar", "text:R_GB"})
     monkeypatch.setattr(run, "claims", lambda: few)
     audit(tmp_path / "new", tmp_path / "page")
-    assert "misprint" in capsys.readouterr().out
+    assert "false as printed" in capsys.readouterr().out
     assert "R_GB = R_IB R_GI" in (tmp_path / "new" / "audit.md").read_text(encoding="utf-8")
     with (tmp_path / "new" / "audit.csv").open(encoding="utf-8") as file:
         rows = {row["label"]: row["verdict"] for row in csv.DictReader(file)}
-    assert rows == {"eq:phistar": "holds", "text:R_GB": "misprint"}
+    assert rows == {"eq:phistar": "holds", "text:R_GB": "false as printed"}
     page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
-    assert "Of 2 claims of the paper: 1 holds, 1 misprint." in page
+    assert "Of 2 claims of the paper: 1 holds, 1 false as printed." in page
     assert "The first that is wrong is text:R_GB." in page

@@ -1,16 +1,40 @@
 """A verdict follows from its evidence, and from nothing else."""
 
+from collections.abc import Callable
+
 import mpmath as mp
 import pytest
 import sympy as sp
 
 from harness.studies.audit import symbols
 from harness.studies.audit.evidence import Both, Fact, Identity, Number, OutOfReach, Rate
-from harness.studies.audit.finding import Verdict
+from harness.studies.audit.finding import WRONG, Verdict
+from harness.studies.audit.mutations import MOST, mutated
+from harness.studies.audit.registry import Evidence
 from harness.studies.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
 
 
-def verdict(evidence: Identity | Rate | Number | Fact | Both | OutOfReach) -> Verdict:
+def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
+    """Return a remainder that falls with a power."""
+    return lambda x: 3 * x**power * (1 + x)
+
+
+def four(
+    printed: int, *, corrected: int | None = None, correct: str = "", wrong: Verdict = Verdict.FALSE
+) -> Fact:
+    """Return evidence about whether a number is four."""
+    return Fact(
+        printed=printed,
+        holds=lambda n: n == 4,
+        others=(3, 5),
+        how="counted",
+        corrected=corrected,
+        correct=correct,
+        wrong=wrong,
+    )
+
+
+def verdict(evidence: Evidence) -> Verdict:
     return evidence.ruling().verdict
 
 
@@ -26,6 +50,7 @@ def test_a_mended_sign_is_a_misprint() -> None:
         derived=sp.Integer(1),
         source="double angles",
         correct="without the 1",
+        wrong=Verdict.MISPRINT,
     ).ruling()
     assert ruling.verdict is Verdict.MISPRINT
     assert ruling.correct == "without the 1"
@@ -37,37 +62,53 @@ def test_what_no_form_mends_is_inconsistent() -> None:
 
 
 def test_evidence_that_contradicts_itself_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A symbolic zero that is not a numerical one must never become a verdict."""
-    monkeypatch.setattr("harness.studies.audit.evidence.vanishes", lambda _: True)
+    """A numerical zero that is not a symbolic one must never become a verdict."""
+    monkeypatch.setattr("harness.studies.audit.evidence.vanishes", lambda _: False)
     with pytest.raises(ArithmeticError, match="disagree"):
-        Identity(printed=S, derived=Co, source="a lie").ruling()
+        Identity(printed=S, derived=S, source="a lie").ruling()
 
 
 @pytest.mark.parametrize(
     ("power", "expected"), [(2, Verdict.TO_ORDER), (3, Verdict.TO_ORDER), (1, Verdict.INCONSISTENT)]
 )
 def test_a_remainder_is_judged_by_its_rate(power: int, expected: Verdict) -> None:
-    rate = Rate(
-        remainder=lambda x: 3 * x**power * (1 + x), stated=2, at=(1e-5, 1e-8), source="a toy"
-    )
+    rate = Rate(printed=power, remainder=falling, stated=2, at=(1e-5, 1e-8), source="a toy")
     assert verdict(rate) is expected
 
 
 def test_a_logarithm_does_not_spoil_a_rate() -> None:
-    rate = Rate(remainder=lambda x: x * mp.log(x), stated=1, at=(1e-9, 1e-12), source="a toy")
+    rate = Rate(
+        printed=1,
+        remainder=lambda n: lambda x: x**n * mp.log(x),
+        stated=1,
+        at=(1e-9, 1e-12),
+        source="a toy",
+    )
     assert verdict(rate) is Verdict.TO_ORDER
 
 
-def test_a_mended_remainder_is_a_misprint() -> None:
+def test_a_form_that_its_remainder_refuses_is_false() -> None:
     rate = Rate(
-        remainder=lambda x: x,
-        corrected=lambda x: x**2,
+        printed=1,
+        remainder=falling,
+        corrected=2,
+        others=(1,),
         stated=2,
         at=(1e-5, 1e-8),
         source="a toy",
         correct="the square",
     )
-    assert verdict(rate) is Verdict.MISPRINT
+    assert verdict(rate) is Verdict.FALSE
+    assert verdict(rate.as_corrected()) is Verdict.TO_ORDER
+    assert {verdict(other) for other in rate.as_corrected().mutations()} <= WRONG
+
+
+def test_a_remainder_may_be_put_right_by_another_power() -> None:
+    rate = Rate(
+        printed=1, remainder=falling, corrected_to=1, stated=2, at=(1e-5, 1e-8), source="a toy"
+    )
+    assert verdict(rate) is Verdict.FALSE
+    assert rate.as_corrected().stated == 1
 
 
 @pytest.mark.parametrize(
@@ -94,12 +135,39 @@ def test_rounded_inputs_widen_a_number() -> None:
 
 
 def test_the_gravest_part_decides() -> None:
-    good, bad = Fact(true=True, how="seen"), Fact(true=False, how="not seen", correct="this")
-    mended = Fact(true=False, how="mended", correct="that", mended=True)
+    good, bad = four(4), four(5, correct="this")
+    misprint = four(3, correct="that", corrected=4, wrong=Verdict.MISPRINT)
+    false = four(3, correct="that", corrected=4)
     assert verdict(Both(parts=(good, good))) is Verdict.HOLDS
     assert verdict(Both(parts=(good, bad))) is Verdict.INCONSISTENT
-    assert verdict(Both(parts=(good, mended))) is Verdict.MISPRINT
-    assert Both(parts=(bad, mended)).ruling().correct == "this; that"
+    assert verdict(Both(parts=(good, misprint))) is Verdict.MISPRINT
+    assert verdict(Both(parts=(misprint, false))) is Verdict.FALSE
+    assert Both(parts=(bad, misprint)).ruling().correct == "this; that"
+    assert verdict(Both(parts=(misprint, false)).as_corrected()) is Verdict.HOLDS
+
+
+def test_a_statement_is_mutated_part_by_part() -> None:
+    mutations = list(Both(parts=(four(4), four(4))).mutations())
+    assert [verdict(x) for x in mutations] == [Verdict.INCONSISTENT] * 4
+
+
+@pytest.mark.parametrize("printed", ["209", "1.43e-10", "0.40", "4.3e-2"])
+def test_a_number_is_mutated_in_its_last_digit(printed: str) -> None:
+    number = Number(printed=printed, value=mp.mpf(printed), source="a toy")
+    assert number.as_corrected().printed == printed
+    assert [verdict(x) for x in number.mutations()] == [Verdict.INCONSISTENT] * 2
+
+
+def test_mutations_of_a_form_are_other_forms() -> None:
+    form = sp.Matrix([S**2 + 3 * Co, sp.Integer(0)])
+    found = mutated(form)
+    assert 3 <= len(found) <= MOST
+    assert all(disagreement(x, form) > mp.mpf("1e-3") for x in found)
+
+
+def test_a_mutation_that_says_the_same_is_none() -> None:
+    # the square of m in both places of a quotient cancels
+    assert all(sp.simplify(x - phi) != 0 for x in mutated((phi**2 + phi) / (1 + phi)))
 
 
 def test_what_is_out_of_reach_says_why() -> None:
