@@ -64,13 +64,18 @@ def test_two_methods_agree_and_the_answer_is_the_closed_one() -> None:
     assert closed.agreement is None
 
 
-@pytest.mark.parametrize("by", [1e-11, 1e-6, 0.3])
+CLOSE = 1e-11
+"""A turning point so little off that no integrand turns negative: only another method tells."""
+
+
+@pytest.mark.parametrize("by", [CLOSE, 1e-6, 0.3])
 @pytest.mark.parametrize("bounces", [1, 20])
 def test_a_wrong_turning_point_is_caught(forced: Forced, by: float, bounces: int) -> None:
     """However little it is off, beyond round-off, and however many bounces are asked for."""
     problem = replace(GENTLE, bounces=bounces)
     forced(lambda points: lower(points, by))
-    assert solve(problem, model="exact").model == "exact"  # which asks for nothing else
+    # the closed motion alone asks for nothing else, and finds only what is far off
+    assert solve(problem, model="exact").model == ("exact" if by == CLOSE else "rolling")
     found = solve(problem)
     integrated = solve(problem, model="rolling")
     assert found.agreement is not None

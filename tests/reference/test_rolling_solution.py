@@ -146,7 +146,7 @@ def test_impossible_cans(values: tuple[float, float, float]) -> None:
         ({"bounces": 1, "duration": 1.0}, "exactly one"),
         ({"bounces": None}, "exactly one"),
         ({"bounces": 0}, "at least 1"),
-        ({"bounces": None, "duration": -1.0}, "positive"),
+        ({"bounces": None, "duration": -1.0}, "greater than zero"),
     ],
 )
 def test_impossible_problems(change: dict[str, float], message: str) -> None:
