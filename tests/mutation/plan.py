@@ -37,7 +37,11 @@ TESTS: dict[str, tuple[str, ...]] = {
     "harness/gate/reading.py": (f"{_GATE}/test_words.py",),
     "harness/gate/scores.py": (*_JUDGED, f"{_GATE}/test_ensemble.py"),
     "harness/gate/words.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_words.py"),
-    "reference/turning_points.py": ("tests/reference/test_exact.py",),
+    "reference/turning_points.py": (
+        "tests/reference/test_turning_points.py",
+        "tests/reference/test_exact.py",
+    ),
+    "reference/brackets.py": ("tests/reference/test_turning_points.py",),
 }
 """Those that are quickest to fail first. Only whole runs, of a minute and more, try
 `gate/measuring.py` and `gate/reports.py`; `metrics/motion_frame.py` names columns."""
