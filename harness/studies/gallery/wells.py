@@ -112,13 +112,13 @@ def wells() -> Figure:
         name="wells",
         title="Effective potential, steady motions and their folds",
         seen=(
-            f"Left, a = {upper.parameters.a}, c = {upper.parameters.c}, h = {upper.parameters.h}: "
-            f"{known.phi.size} steady motions on the level of the release, centres at phi = "
-            f"{known.phi[0]:.3f} and {known.phi[2]:.3f} and a saddle between them at "
-            f"{known.phi[1]:.3f}. Released at {upper.phi:.3f} the can stays in the upper well, "
-            f"under a barrier that is {barrier:.1e} m g R above its energy. Right, the paper's "
-            f"can and release: one well, whose centre lies at phi = "
-            f"{steady_motions(paper.parameters, *_level(paper)).phi[0]:.2e}. A well begins or ends "
+            f"Left, a can with a = {upper.parameters.a}, c = {upper.parameters.c} and h = "
+            f"{upper.parameters.h} has {known.phi.size} steady motions on the level of its "
+            f"release, centres at phi = {known.phi[0]:.3f} and {known.phi[2]:.3f} with a saddle at "
+            f"{known.phi[1]:.3f} between them, and released at {upper.phi:.3f} it stays in the "
+            f"upper well, under a barrier {barrier:.1e} m g R above its energy. Right, the paper's "
+            "can and release have one well, whose centre lies at phi = "
+            f"{steady_motions(paper.parameters, *_level(paper)).phi[0]:.2e}; a well begins or ends "
             "at a fold, or where its steady motion passes phi = pi/2."
         ),
         panels=tuple(panel for row in rows for panel in row),
