@@ -24,7 +24,7 @@ ROUNDINGS = 200.0
 # s of the processor, for one scene.
 LONGEST = 5.0
 # Releases solved in one batch, and kept in one file.
-PIECE = 100
+PIECE = 50
 MEASURES = ("period", "phi_min")
 RELEASED = ("phi", "phi_dot", "psi_dot", "theta_dot")
 # Relative amplitude below which a motion is called steady (`reference.track`), with a margin for
