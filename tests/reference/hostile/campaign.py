@@ -15,7 +15,13 @@ from reference import Cycles, Outcome, Problem, Solution, exact_bounces, solve
 from reference.agreement import USEFUL
 from reference.conditioning import EPS, neighbours
 from tests.reference.hostile.made import CLOSEST, FAMILIES, Made, made
-from tests.reference.hostile.truth import conditioning, moved_by_an_ulp, numbers_of, truth_of
+from tests.reference.hostile.truth import (
+    Truth,
+    conditioning,
+    moved_by_an_ulp,
+    numbers_of,
+    truth_of,
+)
 
 # Relative, of the period and phi_min: what is promised of hard releases.
 AGREED = 1e-9
@@ -107,12 +113,8 @@ def piece(numbers: range, seed: int) -> Tally:
     """Try the releases of these numbers."""
     tally = Tally()
     releases = list(made(numbers, seed))
-    cycles = exact_bounces(
-        **{name: [getattr(one.parameters, name) for one in releases] for name in "ach"},
-        **{name: [getattr(one, name) for one in releases] for name in RELEASED},
-    )
-    for number, one in enumerate(releases):
-        _judge(tally, one, _of_batch(cycles, number))
+    for one, answer in zip(releases, in_a_batch(releases), strict=True):
+        _judge(tally, one, answer)
     return tally
 
 
@@ -132,19 +134,14 @@ def kept_piece(numbers: range, seed: int, folder: Path) -> Tally:
 def _judge(tally: Tally, release: Made, batch: Answer) -> None:
     family = tally.families[release.family]
     family.seen += 1
-    problem = Problem(
-        parameters=release.parameters,
-        **{name: getattr(release, name) for name in RELEASED},
-        # of a moving release the second bounce is the first whole one
-        bounces=2,
-    )
+    problem = problem_of(release)
     start = time.process_time()
     single = _of_solution(solve(problem))
     taken = time.process_time() - start
     tally.slowest = max(tally.slowest, taken)
     if taken > LONGEST:
         tally.faults.append(f"{taken:.1f} s for {release}")
-    integrated = _integrated(problem)
+    integrated = integrated_answer(problem)
     family.bounced += batch.outcome is Outcome.FINISHED
     family.batch_refused += batch.outcome is Outcome.UNRESOLVED
     family.single_refused += single.outcome is Outcome.UNRESOLVED
@@ -156,7 +153,7 @@ def _judge(tally: Tally, release: Made, batch: Answer) -> None:
     apart = max((answer.parts(integrated) for answer in given.values()), default=0.0)
     allowed = AGREED
     if AGREED < apart < USEFUL:
-        allowed += _moved(problem, integrated)
+        allowed += moved_by_roundings(problem, integrated)
         family.conditioned += apart <= allowed
     if apart <= min(allowed, USEFUL):
         family.worst = max(family.worst, apart / allowed)
@@ -165,10 +162,10 @@ def _judge(tally: Tally, release: Made, batch: Answer) -> None:
     _by_sixty_digits(tally, release, given)
 
 
-def _moved(problem: Problem, own: Answer) -> float:
+def moved_by_roundings(problem: Problem, own: Answer) -> float:
     """Return by how much so many roundings of each number move an answer, added up."""
     return sum(
-        max(_integrated(other).parts(own) for other in beside)
+        max(integrated_answer(other).parts(own) for other in beside)
         for beside in neighbours(problem, ROUNDINGS * EPS / 2)
     )
 
@@ -178,43 +175,67 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
     family = tally.families[release.family]
     family.by_truth += 1
     truth = truth_of(numbers_of(release))
-    if len(given) < 2:
-        names = " and ".join({"batch", "single"} - set(given))
+    refused = " and ".join(name for name in ("batch", "single") if name not in given)
+    if refused:
         moved = moved_by_an_ulp(release, truth, USEFUL)
         tally.refusals.append(
-            f"{names}: an ulp moves the period by {moved:.1e} or more, and the least gap of the "
+            f"{refused}: an ulp moves the period by {moved:.1e} or more, and the least gap of the "
             f"energy is {float(truth.gap):.1e}: {release}"
         )
         if moved <= USEFUL:
-            tally.faults.append(f"refused by {names}, though an ulp decides nothing: {release}")
-    bounces = truth.period is not None
-    # a motion whose amplitude is below what counts as a bounce is called steady
-    small = bounces and truth.phi_max - truth.phi_min < STEADY * truth.phi_max
-    errors = {}
-    for name, answer in given.items():
-        if bounces != (answer.outcome is Outcome.FINISHED):
-            if not (small and answer.outcome is Outcome.STEADY):
-                errors[name, "ending"] = np.inf
-        elif bounces:
-            for measure in MEASURES:
-                off = abs(getattr(answer, measure) / float(getattr(truth, measure)) - 1)
-                errors[name, measure] = off
-    if max(errors.values(), default=0.0) <= AGREED:
+            tally.faults.append(f"refused by {refused}, though an ulp decides nothing: {release}")
+    errors = {name: _errors(answer, truth) for name, answer in given.items()}
+    if max((max(error.values()) for error in errors.values()), default=0.0) <= AGREED:
         return
     known = conditioning(release, truth)
     if known["gap"] * ROUNDINGS > 1:
         # the numbers given do not tell whether there is a bounce, nor how long it takes
         return
-    for (name, measure), error in errors.items():
-        allowed = AGREED + ROUNDINGS * known.get(measure, 0.0)
-        family.worst = max(family.worst, error / allowed)
-        if error > allowed:
-            tally.faults.append(
-                f"{name}: {measure} off by {error:.1e}, {allowed:.1e} allowed: {release}"
-            )
+    for name, found in errors.items():
+        for measure, error in found.items():
+            allowed = AGREED + ROUNDINGS * known.get(measure, 0.0)
+            family.worst = max(family.worst, error / allowed)
+            if error > allowed:
+                tally.faults.append(
+                    f"{name}: {measure} off by {error:.1e}, {allowed:.1e} allowed: {release}"
+                )
 
 
-def _integrated(problem: Problem) -> Answer:
+def _errors(answer: Answer, truth: Truth) -> dict[str, float]:
+    """Return by how much each measure is off, relative; an ending that is wrong by infinity."""
+    if truth.period is None or truth.phi_min is None or truth.phi_max is None:
+        return {"ending": np.inf if answer.outcome is Outcome.FINISHED else 0.0}
+    if answer.outcome is not Outcome.FINISHED:
+        # a motion whose amplitude is below what counts as a bounce is called steady
+        small = truth.phi_max - truth.phi_min < STEADY * truth.phi_max
+        steady = small and answer.outcome is Outcome.STEADY
+        return {"ending": 0.0 if steady else np.inf}
+    return {
+        "period": abs(answer.period / float(truth.period) - 1),
+        "phi_min": abs(answer.phi_min / float(truth.phi_min) - 1),
+    }
+
+
+def problem_of(release: Made) -> Problem:
+    """Return what is solved of a release: of a moving one the second bounce is the first whole."""
+    return Problem(
+        parameters=release.parameters,
+        **{name: getattr(release, name) for name in RELEASED},
+        bounces=2,
+    )
+
+
+def in_a_batch(releases: list[Made]) -> list[Answer]:
+    """Solve releases by `exact_bounces`."""
+    cycles = exact_bounces(
+        **{name: [getattr(one.parameters, name) for one in releases] for name in "ach"},
+        **{name: [getattr(one, name) for one in releases] for name in RELEASED},
+    )
+    return [_of_batch(cycles, number) for number in range(len(releases))]
+
+
+def integrated_answer(problem: Problem) -> Answer:
+    """Solve a problem by integration."""
     return _of_solution(solve(problem, model="rolling"))
 
 
