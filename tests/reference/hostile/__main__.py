@@ -62,7 +62,7 @@ def page(tally: Tally, count: int, seed: int) -> str:
         f"{len(tally.faults)} faults.",
         *(f"- {fault}" for fault in tally.faults),
         "",
-        f"Refused: {refused / seen:.2%}. Each, with what an ulp of the numbers given does:",
+        f"Refused: {refused / seen:.2%}" + (", each with its reason:" if tally.refusals else "."),
         *(f"- {refusal}" for refusal in tally.refusals),
     ]
     return "\n".join(lines) + "\n"
