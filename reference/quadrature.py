@@ -14,7 +14,8 @@ from reference.brackets import stays_positive
 from reference.elliptic import Clock
 from reference.states import Floats
 from reference.turning_points import TurningPoints
-from reference.well import Well, level, select_well, slope_noise, well_at
+from reference.well import BESIDE as SHORT
+from reference.well import Well, between, level, select_well, slope_noise, well_at
 
 # Nodes that make exp(-2 pi strip nodes/K) smaller than round-off: 38 is -log of 3e-17.
 DECADES = 38.0
@@ -115,8 +116,14 @@ def rates(points: TurningPoints, clock: Clock, fraction: Floats, *, careful: boo
         near = low_noise < noise
         g = np.where(near, -low_state.slope * rise, g)
         noise = np.where(near, low_noise, noise) / np.abs(g)
-    quartic = rise * gap * (phi + points.low) * ((clock.beyond - clock.high) + gap)
-    room = S**2 * g / quartic
+    outside = (phi + points.low) * ((clock.beyond - clock.high) + gap)
+    room = S**2 * g / (rise * gap * outside)
+    small = np.flatnonzero(points.well.poised & (points.swing < SHORT * points.high))
+    if small.size:
+        inside, lost = between(select_well(points.well, small), rise[:, small], gap[:, small])
+        room[:, small] = S[:, small] ** 2 * inside / outside[:, small]
+        if careful:
+            noise[:, small] = lost / np.abs(inside)
     time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(np.where(room > 0, room, np.nan))
     psi_dot = state.b / S**2
     return Rates(

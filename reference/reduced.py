@@ -95,7 +95,10 @@ class Reduced:
         return float(brentq(short, low, min(high, phi * (1 - 1e-9)), xtol=1e-300, rtol=1e-14))
 
     def period(self, phi: float) -> float:
-        """Period of the motion that rests at `phi`, in this equation's own time."""
+        """Period of the motion that rests at `phi`, in this equation's own time.
+
+        Not a number where the motion does not go from one turning point to the other.
+        """
         low, level = self.turning_point(phi), float(self.potential(np.asarray(phi)))
         clock = Clock(
             low=np.array([low]),
@@ -108,7 +111,7 @@ class Reduced:
         nutation, rise, gap = clock.nutation(fraction)
         room = 2 * (level - self.potential(nutation))
         quartic = rise * (nutation + low) * gap * (np.pi - nutation)
-        slow = np.sqrt(np.maximum(quartic, 0.0) / np.maximum(room, np.finfo(float).tiny))
+        slow = np.sqrt(quartic / np.where(room > 0, room, np.nan))
         return float(2 * clock.quarter[0] * clock.gauge[0] * slow.mean())
 
 

@@ -1,30 +1,71 @@
 """A sample of the hostile campaign (`python -m tests.reference.hostile`), fixed seed."""
 
 import numpy as np
+import pytest
 
-from reference import Outcome, Problem, exact_bounces, solve
-from tests.reference.hostile.made import made
+from reference import Outcome, Parameters, exact_bounces
+from tests.reference.hostile.campaign import (
+    AGREED,
+    in_a_batch,
+    integrated_answer,
+    moved_by_roundings,
+    problem_of,
+)
+from tests.reference.hostile.made import CLOSEST, made
 
-# Neighbouring energies beside a barrier amplify round-off by its share of the well: in this sample
-# no energy is nearer than a hundredth.
-AGREED = 1e-7
+NUMBERS, SEED = range(150), 7
 
 
-def test_releases_in_upper_wells_are_solved_as_the_integrator_solves_them() -> None:
-    """Outcome, period and phi_min of the batch."""
-    releases = [one for one in made(120, 7) if one.family == "upper well"]
-    names = ("phi", "phi_dot", "psi_dot", "theta_dot")
-    cycles = exact_bounces(
-        **{name: [getattr(one.parameters, name) for one in releases] for name in "ach"},
-        **{name: [getattr(one, name) for one in releases] for name in names},
-    )
-    assert cycles.bounced.sum() >= len(releases) / 2
-    for number, one in enumerate(releases):
-        release = {name: getattr(one, name) for name in names}
-        asked = Problem(parameters=one.parameters, bounces=2, **release)
-        integrated = solve(asked, model="rolling")
-        assert cycles.outcome(number) is integrated.outcome, one
-        if integrated.outcome is Outcome.FINISHED:
-            period = np.diff(integrated.maxima)[-1]
-            assert abs(cycles.period[number] / period - 1) < AGREED, one
-            assert abs(cycles.phi_min[number] / integrated.bounces[-1].phi_min - 1) < AGREED, one
+def test_constructed_releases_are_solved_as_the_integrator_solves_them() -> None:
+    """Outcome, period and phi_min of the batch, to what the numbers given allow."""
+    releases = [one for one in made(NUMBERS, SEED) if one.family != CLOSEST]
+    refused = bounced = 0
+    for one, answer in zip(releases, in_a_batch(releases), strict=True):
+        refused += answer.outcome is Outcome.UNRESOLVED
+        bounced += answer.outcome is Outcome.FINISHED
+        if answer.outcome is Outcome.UNRESOLVED:
+            continue
+        problem = problem_of(one)
+        integrated = integrated_answer(problem)
+        apart = answer.parts(integrated)
+        if apart > AGREED:
+            assert apart <= AGREED + moved_by_roundings(problem, integrated), one
+    assert bounced >= len(releases) / 2
+    # the campaign's limit
+    assert refused <= 0.01 * len(releases)
+
+
+# Sixty digits of `tests.reference.hostile.truth`.
+OSCILLATIONS = (
+    (
+        Parameters(a=0.15947293348237318, c=0.11659139373591411, h=0.5762731701138756),
+        {
+            "phi": 1.2702932339221178,
+            "phi_dot": 2.2308743623308443e-08,
+            "psi_dot": 1.2076588816276375,
+            "theta_dot": 0.4617697015324338,
+        },
+        8.69060804788113,
+    ),
+    (
+        Parameters(a=4.339557789471864, c=8.679115578943728, h=5.279106703307725),
+        {
+            "phi": 0.8087415733951503,
+            "phi_dot": 1.1568065983231015e-08,
+            "psi_dot": 0.5365907710909475,
+            "theta_dot": 1.1271612315486816,
+        },
+        57.49885019329466,
+    ),
+)
+
+
+@pytest.mark.parametrize(("can", "release", "period"), OSCILLATIONS)
+def test_small_oscillations_about_steady_rolling_keep_their_digits(
+    can: Parameters, release: dict[str, float], period: float
+) -> None:
+    """With amplitudes of 1e-8 the terms of the energy cancel to less than a double resolves."""
+    found = exact_bounces(a=can.a, c=can.c, h=can.h, **release)
+    assert found.period == pytest.approx(period, rel=1e-13)
+    swing = np.abs(found.phi_max / found.phi_min - 1)
+    assert (swing < 1e-6).all()

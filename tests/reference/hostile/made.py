@@ -15,10 +15,15 @@ from reference.frobenius import can_of, first_integrals, precession_and_spin, se
 from reference.states import Floats
 
 FAMILIES = ("upper well", "separatrix", "steady")
+# Energies that doubles can hardly tell from a barrier's: a family of its own, one release in so
+# many.
+CLOSEST = "round-off of a separatrix"
+RARE = 50
 # Where potentials are looked at: log-spaced below, for the lower well lies there.
 GRID = np.unique(np.concatenate([np.geomspace(1e-4, 1.57, 300), np.linspace(0.02, 1.57, 300)]))
-# Of the energies beside a barrier, relative: from a tenth down to round-off.
-DECADES = 16.0
+# Of the energies beside a barrier, relative: from a tenth down to where an ulp of the numbers given
+# decides the third digit, and from there down to round-off.
+DECADES = {"separatrix": (1.0, 12.0), CLOSEST: (12.0, 16.0)}
 # Steady motions of one can among which one is chosen.
 STEADY = 32
 
@@ -57,11 +62,13 @@ class Branch:
         return np.asarray((p.a * q**2 + p.c * w**2 + (w - p.h * q) ** 2) / 2 + S + p.h * C)
 
 
-def made(count: int, seed: int) -> Iterator[Made]:
-    """Yield so many releases, the families in turn."""
-    rng = np.random.default_rng(seed)
-    for number in range(count):
+def made(numbers: range, seed: int) -> Iterator[Made]:
+    """Yield the releases of these numbers, the families in turn; each has its own generator."""
+    for number in numbers:
+        rng = np.random.default_rng([seed, number])
         family = FAMILIES[number % len(FAMILIES)]
+        if number % RARE == RARE - 1:
+            family = CLOSEST
         while (found := _try(family, rng)) is None:
             pass
         yield found
@@ -85,7 +92,7 @@ def _try(family: str, rng: np.random.Generator) -> Made | None:
     beside = np.abs(inner - at) <= 1
     # a maximum of the potential on the steady motion itself, or between it and the flat state
     saddle, above = (tops & beside).any(axis=0), (tops & (inner < at - 1)).any(axis=0)
-    wanted = {"upper well": above & ~saddle, "separatrix": saddle, "steady": at > 0}[family]
+    wanted = {"upper well": above & ~saddle, "steady": at > 0}.get(family, saddle)
     if not wanted.any():
         return None
     one = int(rng.choice(np.flatnonzero(wanted)))
@@ -99,7 +106,9 @@ def _try(family: str, rng: np.random.Generator) -> Made | None:
         barrier = float(V[1:-1, one][tops[:, one] & (inner[:, 0] < at[one] - 1)][-1])
         energy = height + rng.uniform(0.01, 1.5) * (barrier - height)
     else:
-        energy = height * (1 + float(rng.choice([-1.0, 1.0])) * 10.0 ** -rng.uniform(1.0, DECADES))
+        energy = height * (
+            1 + float(rng.choice([-1.0, 1.0])) * 10.0 ** -rng.uniform(*DECADES[family])
+        )
     return _at_energy(family, branch, place, energy, rng)
 
 

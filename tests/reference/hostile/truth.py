@@ -1,4 +1,4 @@
-"""Forty digits of one motion: its turning points, its period, and what an ulp of the input does.
+"""Sixty digits of one motion: its turning points, its period, and what an ulp of the input does.
 
 Precession and spin by the series of `reference.frobenius` in sixty digits, with no difference from
 a reference anywhere: cancellation is met with digits. Roots by a scan of the effective potential
@@ -29,7 +29,7 @@ STEP = mp.mpf(10) ** -28
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truth:
-    """A motion in forty digits.
+    """A motion in sixty digits.
 
     Attributes
     ----------
@@ -243,3 +243,24 @@ def conditioning(made: Made, truth: Truth) -> dict[str, float]:
                 continue
             changed[key] += abs(two / one - 1) / STEP * EPS
     return {key: float(value) for key, value in changed.items()}
+
+
+def moved_by_an_ulp(made: Made, truth: Truth, enough: float) -> float:
+    """Return by how much an ulp of each number moves the period, added up until it is enough.
+
+    Infinite where an ulp decides whether there is a period.
+    """
+    numbers = numbers_of(made)
+    total = 0.0
+    for name in ("psi_dot", "theta_dot", "phi", "a", "c", "h", "phi_dot"):
+        moved = []
+        for share in (2 * EPS, -2 * EPS) if numbers[name] else ():
+            other = truth_of({**numbers, name: numbers[name] * (1 + share)})
+            if (other.period is None) != (truth.period is None):
+                return float("inf")
+            if truth.period is not None:
+                moved.append(float(abs(other.period / truth.period - 1)))
+        total += max(moved, default=0.0)
+        if total > enough:
+            break
+    return total
