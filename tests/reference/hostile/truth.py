@@ -231,7 +231,11 @@ def conditioning(made: Made, truth: Truth) -> dict[str, float]:
 
     `gap` is the change of the least gap over the gap: beyond 1 round-off decides what follows.
     """
-    numbers = numbers_of(made)
+    with mp.workdps(DIGITS):
+        return _conditioning(numbers_of(made), truth)
+
+
+def _conditioning(numbers: dict[str, mp.mpf], truth: Truth) -> dict[str, float]:
     changed = dict.fromkeys(("period", "phi_min", "gap"), mp.mpf(0))
     for name, value in numbers.items():
         if value == 0:
