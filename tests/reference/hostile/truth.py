@@ -23,8 +23,8 @@ RULE = tuple(part.tolist() for part in np.polynomial.legendre.leggauss(24))
 EPS = mp.mpf(2) ** -53
 INPUTS = ("phi", "phi_dot", "psi_dot", "theta_dot")
 CAN = ("a", "c", "h")
-# A change of the input that neither its square nor the digits count.
-STEP = mp.mpf(10) ** -28
+# An ulp: the quadrature of the period leaves 1e-13, and smaller changes would be lost in it.
+STEP = 2 * EPS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,7 +231,11 @@ def conditioning(made: Made, truth: Truth) -> dict[str, float]:
 
     `gap` is the change of the least gap over the gap: beyond 1 round-off decides what follows.
     """
-    numbers = numbers_of(made)
+    with mp.workdps(DIGITS):
+        return _conditioning(numbers_of(made), truth)
+
+
+def _conditioning(numbers: dict[str, mp.mpf], truth: Truth) -> dict[str, float]:
     changed = dict.fromkeys(("period", "phi_min", "gap"), mp.mpf(0))
     for name, value in numbers.items():
         if value == 0:
