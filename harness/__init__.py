@@ -7,12 +7,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.case import Case
+    from harness.api import compare, simulate, validate
+    from harness.core.case import Case
+    from harness.core.errors import HarnessError
+    from harness.core.simulation import Outcome, Simulation
     from harness.engines.registry import names as engine_names
-    from harness.errors import HarnessError
-    from harness.face import compare, simulate, validate
-    from harness.runner import Evaluation
-    from harness.simulation import Outcome, Simulation
+    from harness.evaluation.evaluation import Evaluation
     from models.catalogue import load as load_scene
     from models.catalogue import names as scene_names
     from models.scene import Scene
@@ -33,18 +33,18 @@ __all__ = [
 ]
 
 _PLACES = {
-    "Case": "harness.case:Case",
-    "Evaluation": "harness.runner:Evaluation",
-    "HarnessError": "harness.errors:HarnessError",
-    "Outcome": "harness.simulation:Outcome",
+    "Case": "harness.core.case:Case",
+    "Evaluation": "harness.evaluation.evaluation:Evaluation",
+    "HarnessError": "harness.core.errors:HarnessError",
+    "Outcome": "harness.core.simulation:Outcome",
     "Scene": "models.scene:Scene",
-    "Simulation": "harness.simulation:Simulation",
-    "compare": "harness.face:compare",
+    "Simulation": "harness.core.simulation:Simulation",
+    "compare": "harness.api:compare",
     "engine_names": "harness.engines.registry:names",
     "load_scene": "models.catalogue:load",
     "scene_names": "models.catalogue:names",
-    "simulate": "harness.face:simulate",
-    "validate": "harness.face:validate",
+    "simulate": "harness.api:simulate",
+    "validate": "harness.api:validate",
 }
 
 

@@ -13,14 +13,7 @@ from models.contact_effects import (
 )
 from models.effects import IDEAL, KINDS, NO_SLIP_FRICTION, Effects
 from models.errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
-from models.kinematics import (
-    angle_rates,
-    angles,
-    angular_velocity,
-    principal,
-    quaternion,
-    to_body,
-)
+from models.kinematics import angle_rates, angles, angular_velocity, principal, quaternion, to_body
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
 from models.modelling_choices import MODELLING_CHOICES, modelling_choices
 from models.record import RESOLVED_STEP, Angles, angles_of_record

@@ -1,20 +1,19 @@
 """What is true: the mathematics of the rocking can, dimensionless."""
 
-from reference.agreement import ENDING, Agreement
-from reference.chaos import Divergence, divergence
-from reference.choice import Choice, carries, smallest
-from reference.conditioning import neighbours
-from reference.confirmation import differences
-from reference.contact_modes import Kind, Phase
-from reference.effects import EffectError, Effects, Gravity, Mass
-from reference.exact import Cycles, exact_bounces
-from reference.guard import Finding, Guard, examine
-from reference.integrate import METHODS, MODELS, SolverError, solve
-from reference.outcome import Outcome
-from reference.parameters import PAPER_CAN, ParameterError, Parameters
-from reference.problem import Problem, ProblemError
+from reference.analysis.agreement import ENDING, Agreement
+from reference.analysis.conditioning import neighbours
+from reference.analysis.confirmation import differences
+from reference.analysis.lyapunov import Divergence, divergence
+from reference.analysis.validity import Finding, Guard, examine
+from reference.equations.contact_laws import Kind, Phase
+from reference.integrable.cycle import Cycles, exact_bounces
+from reference.problem.can import PAPER_CAN, ParameterError, Parameters
+from reference.problem.effects import EffectError, Effects, Gravity, Mass
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem, ProblemError
+from reference.problem.states import States
 from reference.solution import Bounce, Solution
-from reference.states import States
+from reference.solve import METHODS, MODELS, Choice, SolverError, carries, smallest, solve
 
 __all__ = [
     "ENDING",

@@ -4,15 +4,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.agreement import Agreement
-from reference.conditioning import caveat
-from reference.contact_modes import Phase
-from reference.outcome import Outcome
-from reference.pieces import PiecesPath
-from reference.problem import Problem
-from reference.run import Path
-from reference.sampling import grid_by_angle
-from reference.states import Floats, States
+from reference.analysis.agreement import Agreement
+from reference.analysis.conditioning import caveat
+from reference.analysis.sampling import grid_by_angle
+from reference.equations.contact_laws import Phase
+from reference.nonsmooth.segments import SegmentsPath
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, States
+from reference.smooth.extrema import Path
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +119,7 @@ class Solution:
             Zero of a model whose rim neither rubs nor is driven.
         """
         own = self.path
-        return own.lost(times) if isinstance(own, PiecesPath) else np.zeros_like(times)
+        return own.lost(times) if isinstance(own, SegmentsPath) else np.zeros_like(times)
 
     @property
     def caveat(self) -> str:
@@ -132,7 +132,10 @@ class Solution:
         return caveat(self.problem, self.at(self.maxima[-1:])) or measured
 
     def grid(self) -> Floats:
-        """Return sampling times, dense by angle: see `reference.sampling.grid_by_angle`."""
+        """Return sampling times, dense by angle.
+
+        See `reference.analysis.sampling.grid_by_angle`.
+        """
         landmarks = np.concatenate([[0.0, self.t_end], self.maxima, self.minima])
         # every fourth node: where to look, not yet how densely
         times, _ = self.path.nodes()

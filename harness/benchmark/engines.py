@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from harness.benchmark.clock import Ratio, in_turns, seconds
-from harness.case import Case
+from harness.core.case import Case
 from harness.engines.registry import engine
-from harness.engines.stepping import PhysicsEngine
-from harness.runner import Evaluation, evaluate
+from harness.engines.stepping.physics_engine import PhysicsEngine
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.evaluation import Evaluation
 from models.catalogue import load
 from models.rim import released
 from models.state import Pose, Release

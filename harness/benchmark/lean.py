@@ -20,15 +20,16 @@ from statistics import median
 import numpy as np
 
 from harness.benchmark.clock import seconds
-from harness.case import Case
-from harness.engines.horizon import natural_time
-from harness.engines.reference import Truth, may_be_chaotic
-from harness.engines.reference.posing import problem
+from harness.core.case import Case
+from harness.core.simulation import Simulation
+from harness.core.trajectory import Floats, Trajectory
+from harness.engines.reference.assumption_checks import may_be_chaotic
+from harness.engines.reference.to_reference_problem import problem
+from harness.engines.reference.truth import Truth
 from harness.engines.registry import engine
-from harness.metrics.features import bounces
+from harness.engines.stepping.horizon import natural_time
+from harness.metrics.bounces import bounces
 from harness.metrics.motion import motion
-from harness.simulation import Simulation
-from harness.trajectory import Floats, Trajectory
 from models.catalogue import load, names
 from models.scene import Horizon, Scene
 from reference import Bounce, Solution, divergence, examine, smallest, solve

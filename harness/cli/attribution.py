@@ -8,22 +8,25 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
-from harness.artefact import Artefact, Prose, Table
-from harness.case import Case
-from harness.cli import printing
-from harness.cli.answers import spell
-from harness.cli.running import Running, runs
-from harness.provenance import provenance
-from harness.report import check_writable, write_report
-from harness.runner import Evaluation, run
-from harness.studies.attribution import Attribution, design, path, read
-from harness.studies.attribution import attribution as attributed
+from harness.cli import terminal
+from harness.cli.json_output import to_json
+from harness.cli.run_options import RunOptions, with_run_options
+from harness.core.case import Case
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact, Prose, Table
+from harness.evaluation.evaluate import run_cases
+from harness.evaluation.evaluation import Evaluation
+from harness.report.atomic_folder import check_writable
+from harness.report.write import write_report
+from harness.studies.attribution.ablation import ablation_path, attribution_cases
+from harness.studies.attribution.report import Attribution, attribution_report
+from harness.studies.attribution.report import attribution as attributed
 from models.catalogue import load
 
 _SHOWN = ("place", "gap", "quantity", "in_order", "alone", "left_open", "interaction")
 
 
-@runs
+@with_run_options
 def attribute(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -41,44 +44,44 @@ def attribute(  # noqa: PLR0917 - a parameter an option
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
     *,
-    running: Running,
+    running: RunOptions,
 ) -> None:
     """Say who is to blame: close the gaps from default to matched one at a time, and each alone.
 
     For example: rockingcan attribute gentle-rock --engine mujoco
     """
-    way = path(load(scene), engine, timestep, first or ())
+    way = ablation_path(load(scene), engine, timestep, first or ())
     if out is not None:
         check_writable(out)
-    found = attributed(way, evaluations(design(way), running))
-    artefacts = read(found)
+    found = attributed(way, evaluations(attribution_cases(way), running))
+    artefacts = attribution_report(found)
     page = (
         None if out is None else report(artefacts, found.evaluations.values(), out, "attribution")
     )
     if json:
-        typer.echo(spell(_answer(found)))
+        typer.echo(to_json(_answer(found)))
         return
-    console = printing.out()
+    console = terminal.stdout_console()
     for artefact in artefacts:
         if isinstance(artefact, Table) and artefact.name.endswith("-gaps"):
-            console.print(printing.data(artefact, _SHOWN))
+            console.print(terminal.table_artefact(artefact, _SHOWN))
         if isinstance(artefact, Table) and artefact.name.endswith("-interactions"):
-            console.print(printing.data(artefact, tuple(artefact.columns)[2:]))
+            console.print(terminal.table_artefact(artefact, tuple(artefact.columns)[2:]))
     for sentence in found.sentences:
         console.print(escape(sentence))
     if page is not None:
         console.print(f"\nThe report: {page}")
 
 
-def evaluations(cases: Sequence[Case], running: Running) -> tuple[Evaluation, ...]:
+def evaluations(cases: Sequence[Case], running: RunOptions) -> tuple[Evaluation, ...]:
     """Run cases beside a progress bar."""
-    with printing.progress() as bar, running.executor() as executor:
+    with terminal.progress_bar() as bar, running.executor() as executor:
         task = bar.add_task("starting the engines", total=len(cases))
 
         def show(evaluation: Evaluation) -> None:
             bar.update(task, advance=1, description=evaluation.simulation.case.label())
 
-        return run(cases, executor, show, store=running.store, on_kept=running.kept)
+        return run_cases(cases, executor, show, store=running.store, on_kept=running.kept)
 
 
 def report(
@@ -89,12 +92,12 @@ def report(
         [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts],
         out,
         title=f"rockingcan, {study}",
-        cases=[told(e) for e in found],
+        cases=[case_record(e) for e in found],
         provenance=provenance(),
     )
 
 
-def told(e: Evaluation) -> dict[str, Any]:
+def case_record(e: Evaluation) -> dict[str, Any]:
     """Return a case as the manifest says it."""
     return {
         "digest": e.simulation.case.digest(e.simulation.engine_version),

@@ -5,32 +5,29 @@ from typing import Annotated
 
 import typer
 
-from harness.case import Case
-from harness.cli import printing
-from harness.cli.answers import reference_answer, run_answer, spell
+from harness.cli import terminal
 from harness.cli.attribution import attribute
-from harness.cli.benchmark import benchmark
-from harness.cli.check import check
+from harness.cli.benchmark import benchmark, faults
+from harness.cli.cache import app as store
 from harness.cli.cost import cost
-from harness.cli.diff import diff
 from harness.cli.effects import effects
-from harness.cli.faults import faults
-from harness.cli.files import check_motion_file, write_motion, write_text
-from harness.cli.joining import report
-from harness.cli.listings import engines_answer, print_engine, print_engines
+from harness.cli.engines import check, engines_answer, print_engine, print_engines
+from harness.cli.gate import diff
+from harness.cli.json_output import reference_json, run_json, to_json
 from harness.cli.model_answer import model_answer, sentences
-from harness.cli.paper import audit, gallery
+from harness.cli.paper import audit, gallery, join_reports
+from harness.cli.run_options import parse_settings
 from harness.cli.stability import stability
-from harness.cli.store import app as store
 from harness.cli.sweep import sweep
+from harness.cli.terminal import check_motion_file, write_motion, write_text
 from harness.cli.three_errors import errors
-from harness.cli.validation import validate
-from harness.cli.words import settings
-from harness.engines.reference import solved
-from harness.errors import InvalidSettingError, ParityError
-from harness.reach import check_reach
-from harness.runner import by_itself, evaluate
-from harness.simulation import Outcome
+from harness.cli.validate import validate
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError, ParityError
+from harness.core.scene_limits import check_scene_limits
+from harness.core.simulation import Outcome
+from harness.engines.reference.truth import solve_case
+from harness.evaluation.evaluate import evaluate, evaluate_without_truth
 from models.catalogue import load, names
 from models.mjcf import mjcf
 from models.urdf import urdf
@@ -49,7 +46,7 @@ app = typer.Typer(
 )
 for command in (
     validate,
-    report,
+    join_reports,
     attribute,
     errors,
     check,
@@ -84,7 +81,7 @@ def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the comman
     """List the scenes of the catalogue: what each is, and where it comes from."""
     catalogue = [load(name) for name in names()]
     if json:
-        _say(spell({"scenes": [scene.to_dict() for scene in catalogue]}))
+        _say(to_json({"scenes": [scene.to_dict() for scene in catalogue]}))
         return
     rows = []
     for scene in catalogue:
@@ -103,7 +100,7 @@ def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the comman
             )
         )
     columns = ("scene", "phi_rad", "psi_dot_rad_s", "theta_dot_rad_s", "ends", "effects", "source")
-    printing.out().print(printing.table("Scenes", columns, rows))
+    terminal.stdout_console().print(terminal.table("Scenes", columns, rows))
 
 
 @app.command()
@@ -115,7 +112,7 @@ def engines(
 ) -> None:
     """List the engines, or the settings of one: what it ships with and what `matched` takes."""
     if json:
-        _say(spell(engines_answer(name)))
+        _say(to_json(engines_answer(name)))
     elif name is None:
         print_engines()
     else:
@@ -135,17 +132,17 @@ def reference(
     """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
     options = (("model", model), ("method", method), ("rtol", rtol))
     case = Case(scene=load(scene), engine="reference", options=options)
-    evaluation = by_itself(case)
+    evaluation = evaluate_without_truth(case)
     simulation = evaluation.simulation
     known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
-    found = solved(case, again=False) if known else None
-    answer = reference_answer(evaluation, found.bounces if found else ())
+    found = solve_case(case, again=False) if known else None
+    answer = reference_json(evaluation, found.bounces if found else ())
     answer |= model_answer(evaluation, found, model)
     if json:
-        _say(spell(answer))
+        _say(to_json(answer))
     else:
-        told = (*sentences(answer), *printing.choices(answer))
-        printing.out().print(*printing.motion(answer), *told, sep="\n")
+        told = (*sentences(answer), *terminal.choices(answer))
+        terminal.stdout_console().print(*terminal.motion(answer), *told, sep="\n")
 
 
 @app.command()
@@ -183,7 +180,7 @@ def run(  # noqa: PLR0917 - a parameter an option
         engine=engine,
         profile=profile,
         timestep=timestep,
-        options=settings(set_ or []),
+        options=parse_settings(set_ or []),
     )
     if out is not None:
         check_motion_file(out)
@@ -192,15 +189,15 @@ def run(  # noqa: PLR0917 - a parameter an option
     if out is not None and evaluation.motion is not None:
         write_motion(evaluation.motion, out)
     if json:
-        _say(spell(run_answer(evaluation)))
+        _say(to_json(run_json(evaluation)))
     else:
-        console = printing.out()
+        console = terminal.stdout_console()
         if simulation.parity:
-            console.print(printing.parity(simulation.parity))
+            console.print(terminal.parity(simulation.parity))
         if simulation.outcome is not Outcome.MISMATCH:
-            answer = run_answer(evaluation)
-            told = (*printing.parting(answer), *printing.choices(answer))
-            console.print(*printing.motion(answer), *told, sep="\n")
+            answer = run_json(evaluation)
+            told = (*terminal.divergence_sentences(answer), *terminal.choices(answer))
+            console.print(*terminal.motion(answer), *told, sep="\n")
     if simulation.outcome is Outcome.MISMATCH:
         raise ParityError(case.label(), simulation.note)
 
@@ -218,7 +215,7 @@ def export(
     if format_ not in writers:
         raise InvalidSettingError("--format", format_, " or ".join(writers))
     chosen = load(scene)
-    check_reach(chosen)  # what overflows is no model
+    check_scene_limits(chosen)  # what overflows is no model
     text = writers[format_](chosen)
     if out is None:
         _say(text.rstrip("\n"))

@@ -1,4 +1,7 @@
-"""What accuracy costs in time, and which settings buy it."""
+"""What accuracy costs in time, and which settings buy it.
+
+The report of what accuracy costs, with every case that was run for it.
+"""
 
 import hashlib
 import math
@@ -13,36 +16,76 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from harness import face
-from harness.campaign import Shelf
-from harness.case import Case
-from harness.cli import printing
-from harness.cli.answers import spell
-from harness.cli.cost_report import cost_report
-from harness.cli.files import write_text
-from harness.cli.running import Running, runs
+from harness import api
+from harness.cli import terminal
+from harness.cli.json_output import to_json
+from harness.cli.run_options import RunOptions, with_run_options
+from harness.cli.terminal import write_text
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
+from harness.core.provenance import provenance
 from harness.engines.registry import engine as engine_of
-from harness.engines.variants import paste
-from harness.errors import InvalidSettingError
-from harness.isolation import LostTaskError
-from harness.provenance import provenance
-from harness.report import check_writable
-from harness.runner import check
-from harness.studies.cost import CHOICES, FIXED, FOLLOWING, SUITES, Cost, Plan, expected, plan, read
-from harness.studies.cost import cost as put_together
-from harness.studies.cost import run as error_cases
-from harness.studies.cost import timed as timing_cases
+from harness.engines.stepping.variants import export_settings
+from harness.evaluation.case_record import LOST, lost_errors, measured
+from harness.evaluation.evaluate import check_case
+from harness.evaluation.step_overhead import case as aloft
+from harness.evaluation.step_overhead import overhead
+from harness.evaluation.timed_tasks import Record, Timed, records, run_timed_tasks
+from harness.evaluation.timed_tasks import TaskProgress as Told
+from harness.evaluation.timing import single_thread_executor, time_alone, untimed
+from harness.execution.tasks import ResultCache
+from harness.execution.worker import LostTaskError
+from harness.report.atomic_folder import check_writable
+from harness.report.write import write_report
+from harness.studies.cost.design import (
+    SUITES,
+    CostPlan,
+    error_cases,
+    expected,
+    plan_cost,
+    timing_cases,
+)
+from harness.studies.cost.hard_tables import hard_command
+from harness.studies.cost.points import Point
 from harness.studies.cost.prices import TARGETS
+from harness.studies.cost.report import cost_report as cost_report_report
+from harness.studies.cost.results import CHOICES, FIXED, FOLLOWING, Cost
+from harness.studies.cost.results import cost as put_together
 from harness.studies.cost.tables import price_rows
-from harness.timing.alone import one_thread, time_alone, untimed
-from harness.timing.campaign import Progress as Told
-from harness.timing.campaign import complete
-from harness.timing.errors import LOST, lost_errors, measured
-from harness.timing.overhead import case as aloft
-from harness.timing.overhead import overhead
-from harness.timing.record import Record, Timed, records
 from models.catalogue import load
 from models.scene_text import write_scene
+
+
+def cost_report(found: Cost, folder: Path) -> Path:
+    """Write the report of a study and return its page."""
+    return write_report(
+        cost_report_report(found),
+        folder,
+        title=f"rockingcan, what accuracy costs: {found.plan.scene.name}",
+        cases=[
+            *(_case(point, point.command) for point in found.points),
+            *(
+                _case(point, hard_command(point))
+                for _, ladders in found.hardness
+                for _, ladder in ladders
+                for point in ladder
+            ),
+        ],
+        provenance=provenance(),
+    )
+
+
+def _case(point: Point, command: str) -> dict[str, str]:
+    """Return a case as the manifest says it."""
+    return {
+        "digest": point.digest,
+        "label": point.case.label(),
+        "command": command,
+        "engine": point.case.engine,
+        "engine_version": point.version,
+        "outcome": point.outcome.value,
+    }
+
 
 _TUNING = ("gentle-rock", "paper-release")
 """Where settings are chosen: on the first that is not the scene scored."""
@@ -64,7 +107,7 @@ _COLUMNS = (
 )
 
 
-@runs
+@with_run_options
 def cost(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -90,7 +133,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
     *,
-    running: Running,
+    running: RunOptions,
 ) -> None:
     """Say what accuracy costs: work-precision of every setting, a price list, settings to paste.
 
@@ -104,20 +147,20 @@ def cost(  # noqa: PLR0917 - a parameter an option
         raise InvalidSettingError("--target", target, "a positive number of degrees")
     chosen = load(scene)
     other = load(tune or next(name for name in _TUNING if name != chosen.name))
-    engines = ("reference", *(n for n in face.stepping_engines(engine) if n != "reference"))
-    made = plan(chosen, other, engines, suite, load(_HARD))
+    engines = ("reference", *(n for n in api.stepping_engines(engine) if n != "reference"))
+    made = plan_cost(chosen, other, engines, suite, load(_HARD))
     page_folder = out / made.scene.name
     check_writable(page_folder)
     found = measure(made, out, running)
     page = cost_report(found, page_folder)
     if json:
-        typer.echo(spell(_answer(found, target)))
+        typer.echo(to_json(_answer(found, target)))
         return
     _print(found, target)
-    printing.out().print(f"\nThe report: {page}")
+    terminal.stdout_console().print(f"\nThe report: {page}")
 
 
-def measure(made: Plan, out: Path, running: Running) -> Cost:
+def measure(made: CostPlan, out: Path, running: RunOptions) -> Cost:
     """Run what has not been run, keep it, and put it together.
 
     Parameters
@@ -130,12 +173,12 @@ def measure(made: Plan, out: Path, running: Running) -> Cost:
     """
     cases = error_cases(made)
     for case in cases:
-        check(case)
+        check_case(case)
     for hard in made.hardness:
         (out / "scenes").mkdir(parents=True, exist_ok=True)
         write_text(write_scene(hard.scene), out / "scenes" / f"{hard.scene.name}.toml")
     with _progress("errors") as told, running.executor() as executor:
-        errors = complete(
+        errors = run_timed_tasks(
             cases,
             measured,
             _records(running, "errors", measured),
@@ -148,8 +191,8 @@ def measure(made: Plan, out: Path, running: Running) -> Cost:
         )
     wanted = timing_cases(made)
     times = {case: untimed(case) for case in wanted if errors[case]["outcome"] in LOST}
-    with _progress("timing alone") as told, one_thread(running.limits) as executor:
-        times |= complete(
+    with _progress("timing alone") as told, single_thread_executor(running.limits) as executor:
+        times |= run_timed_tasks(
             [case for case in wanted if case not in times],
             time_alone,
             _records(running, f"times-{_machine()}", time_alone),
@@ -176,8 +219,8 @@ def _overhead(case: Case, executor: Executor) -> Record:
 
 
 def _records(
-    running: Running, kind: str, work: Callable[[Case], Record]
-) -> Shelf[Case, Timed] | None:
+    running: RunOptions, kind: str, work: Callable[[Case], Record]
+) -> ResultCache[Case, Timed] | None:
     """Return where the records of some work are kept."""
     return None if running.store is None else records(running.store, kind, work.__module__)
 
@@ -223,7 +266,7 @@ def _duration(seconds: float) -> str:
 
 def _print(found: Cost, target: float | None) -> None:
     """Print the price list; for a target, what to paste as well."""
-    console = printing.out()
+    console = terminal.stdout_console()
     for choice in CHOICES:
         rows = [
             row
@@ -234,17 +277,17 @@ def _print(found: Cost, target: float | None) -> None:
         if choice in {FIXED, FOLLOWING}:
             title += f" (on {found.plan.tuning_scene.name})"
         lines = [[row.get(name) for name in _COLUMNS] for row in rows]
-        console.print(printing.table(title, _COLUMNS, lines))
-    for artefact in read(found):
+        console.print(terminal.table(title, _COLUMNS, lines))
+    for artefact in cost_report_report(found):
         if artefact.name.endswith("-overhead"):
-            console.print(printing.data(artefact, ("engine", "loop", "step_us")))  # type: ignore[arg-type]
+            console.print(terminal.table_artefact(artefact, ("engine", "loop", "step_us")))  # type: ignore[arg-type]
     if target is None:
         console.print("The rules: the fairness contract in the report. To paste: --target DEGREES.")
         return
     for title, case in _to_paste(found, target).items():
         # not wrapped: it is to be copied
         console.print(f"\n[bold]{title}[/]\n{escape(case.command())}\n", soft_wrap=True)
-        console.print(escape(paste(case)), soft_wrap=True)
+        console.print(escape(export_settings(case)), soft_wrap=True)
 
 
 def _to_paste(found: Cost, target: float) -> dict[str, Case]:
@@ -260,7 +303,7 @@ def _to_paste(found: Cost, target: float) -> dict[str, Case]:
                 )
             elif price.best is not None:
                 best = f"{price.best.error:.2g} degrees"
-                printing.out().print(f"{name}, {choice}: not reached; best is {best}")
+                terminal.stdout_console().print(f"{name}, {choice}: not reached; best is {best}")
     return chosen
 
 
@@ -283,4 +326,4 @@ def _answer(found: Cost, target: float | None) -> dict[str, Any]:
 def _pasted(found: Cost, row: dict[str, Any]) -> str | None:
     """Return the settings of a row of the price list in the engine's own language."""
     price = found.price(row["engine"], row["choice"], row["target_deg"])
-    return paste(price.winners[0].point.case) if price.winners else None
+    return export_settings(price.winners[0].point.case) if price.winners else None

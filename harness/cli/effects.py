@@ -8,20 +8,23 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
-from harness import face
-from harness.artefact import Table
-from harness.case import Case
-from harness.cli import printing
-from harness.cli.answers import spell
+from harness import api
+from harness.cli import terminal
 from harness.cli.attribution import evaluations, report
-from harness.cli.running import Running, runs
-from harness.errors import InvalidSettingError
-from harness.isolation import Limits, LostTaskError
-from harness.report import check_writable
-from harness.studies.effects import Plan, Study, design, friction, ladder, plan, read, study
-from harness.studies.effects.verdict import Verdict
-from harness.timing.alone import one_thread, time_alone, untimed
-from harness.timing.errors import LOST
+from harness.cli.json_output import to_json
+from harness.cli.run_options import RunOptions, with_run_options
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
+from harness.core.report_model import Table
+from harness.evaluation.case_record import LOST
+from harness.evaluation.timing import single_thread_executor, time_alone, untimed
+from harness.execution.limits import Limits
+from harness.execution.worker import LostTaskError
+from harness.report.atomic_folder import check_writable
+from harness.studies.effects.friction import friction, ladder
+from harness.studies.effects.plan import EffectsPlan, effects_cases, plan_effects
+from harness.studies.effects.report import EffectsResults, effects_report, effects_results
+from harness.studies.effects.verdict import EffectStatus
 from models.catalogue import load
 
 _SHOWN = (
@@ -38,7 +41,7 @@ _SHOWN = (
 )
 
 
-@runs
+@with_run_options
 def effects(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -64,7 +67,7 @@ def effects(  # noqa: PLR0917 - a parameter an option
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
     *,
-    running: Running,
+    running: RunOptions,
 ) -> None:
     """Say which effects a scene needs, which it lacks, what each costs, what engines impose.
 
@@ -72,28 +75,28 @@ def effects(  # noqa: PLR0917 - a parameter an option
     """
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise InvalidSettingError("--tolerance", tolerance, "a positive number of degrees")
-    movers = ("reference", *(n for n in face.stepping_engines(engine) if n != "reference"))
+    movers = ("reference", *(n for n in api.stepping_engines(engine) if n != "reference"))
     words = tuple(_assumption(word) for word in assume or ())
-    made = plan(load(scene), movers, timestep=timestep, words=words, tolerance=tolerance)
+    made = plan_effects(load(scene), movers, timestep=timestep, words=words, tolerance=tolerance)
     if out is not None:
         check_writable(out)
-    cases, slippery = design(made), ladder(made.scene, movers, timestep)
+    cases, slippery = effects_cases(made), ladder(made.scene, movers, timestep)
     runs_done = evaluations(tuple(dict.fromkeys((*cases, *slippery.design))), running)
     came = {e.simulation.case for e in runs_done if e.simulation.outcome.name not in LOST}
     times = {case: untimed(case) for case in cases if case not in came}
     times |= _timed(tuple(case for case in cases if case in came), running.limits)
-    found = study(made, runs_done, times)
-    artefacts = (*read(found), *friction(slippery, found.evaluations))
+    found = effects_results(made, runs_done, times)
+    artefacts = (*effects_report(found), *friction(slippery, found.evaluations))
     page = None if out is None else report(artefacts, runs_done, out, "effects")
     if json:
-        typer.echo(spell(_answer(made, found)))
+        typer.echo(to_json(_answer(made, found)))
         return
-    console = printing.out()
+    console = terminal.stdout_console()
     for artefact in artefacts:
         if isinstance(artefact, Table) and artefact.name.endswith("-effects"):
-            known = artefact.frame["verdict"] != Verdict.UNSUPPORTED.value
+            known = artefact.frame["verdict"] != EffectStatus.UNSUPPORTED.value
             shown = replace(artefact, frame=artefact.frame[known])
-            console.print(printing.data(shown, _SHOWN))
+            console.print(terminal.table_artefact(shown, _SHOWN))
     for sentence in found.sentences:
         console.print(escape(sentence))
     if page is not None:
@@ -102,7 +105,7 @@ def effects(  # noqa: PLR0917 - a parameter an option
 
 def _timed(cases: tuple[Case, ...], limits: Limits) -> dict[Case, dict[str, Any]]:
     """Return what each case takes, one after the other and nothing beside it."""
-    with printing.progress() as bar, one_thread(limits) as executor:
+    with terminal.progress_bar() as bar, single_thread_executor(limits) as executor:
         task = bar.add_task("timing alone", total=len(cases))
         times = {}
         for case in cases:
@@ -124,7 +127,7 @@ def _assumption(word: str) -> tuple[str, float]:
         raise InvalidSettingError("--assume", word, "EFFECT.CONSTANT=NUMBER") from None
 
 
-def _answer(made: Plan, found: Study) -> dict[str, Any]:
+def _answer(made: EffectsPlan, found: EffectsResults) -> dict[str, Any]:
     """Return a study as `--json` says it."""
     return {
         "scene": made.scene.name,

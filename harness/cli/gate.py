@@ -1,38 +1,32 @@
-"""The gate of `validate`: accepted results are read before anything runs, and judged at the end."""
+"""The gate of `validate`: accepted results are read before anything runs, and judged at the end.
+
+Two reports held against each other: two versions of an engine, two machines, two settings.
+"""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Annotated, Any
 
+import typer
 from rich.console import Console
 from rich.markup import escape
 
-from harness.artefact import Artefact, Prose, Table
-from harness.case import Case
-from harness.cli import printing
-from harness.errors import InvalidSettingError
-from harness.gate import (
-    FILE,
-    GATE,
-    BaselineError,
-    Difference,
-    Scores,
-    check_place,
-    count,
-    differences,
-    measured,
-    owed,
-    read,
-    read_scores,
-    regressions,
-    scored,
-    write_baseline,
-)
-from harness.gate.identity import Identity
-from harness.provenance import provenance
-from harness.runner import Evaluation
+from harness.cli import terminal
+from harness.cli.json_output import to_json
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact, Prose, Table
+from harness.evaluation.evaluation import Evaluation
+from harness.gate.baseline import FILE, BaselineError, check_place, read_baseline, write_baseline
+from harness.gate.comparison import Difference, differences
+from harness.gate.report import GATE, SIDES, changed, gate_report, regressions, sentences
+from harness.gate.scores import CaseIdentity, Scores, scored
+from harness.gate.spread import count, measured
+from harness.gate.stored_scores import read_scores, required_cases
 
 BASELINE = Path("reports/baseline")
 """Where results are accepted if nothing else is said."""
@@ -47,7 +41,7 @@ _WORDS = ("scene", "engine", "profile", "timestep_s", "quantity")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Gate:
+class GateRequest:
     """What a run is to be held against.
 
     Parameters
@@ -69,12 +63,12 @@ class Gate:
     designed: tuple[Case, ...]
     settings: Mapping[str, str]
     accepted: Scores | None
-    owed: tuple[Identity, ...]
+    owed: tuple[CaseIdentity, ...]
     place: Path | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Held:
+class GateResult:
     """A run held against what was accepted."""
 
     scores: Scores
@@ -87,7 +81,7 @@ class Held:
         return bool(regressions(self.differences))
 
 
-def opened(
+def open_gate(
     suite: str,
     designed: Sequence[Case],
     settings: Mapping[str, str],
@@ -95,7 +89,7 @@ def opened(
     *,
     accept: bool,
     every_engine: bool,
-) -> Gate:
+) -> GateRequest:
     """Return the gate of a run, or refuse before anything runs.
 
     Raises
@@ -108,18 +102,18 @@ def opened(
         raise InvalidSettingError("--accept", True, allowed)  # noqa: FBT003 - as it was typed
     folder = BASELINE if accept and baseline is None else baseline
     accepted: Scores | None = None
-    debts: tuple[Identity, ...] = ()
+    debts: tuple[CaseIdentity, ...] = ()
     if accept and folder is not None:
         check_place(folder)
     if folder is not None and (not accept or (folder / FILE).is_file()):
         try:
             accepted = read_scores(folder)
-            debts = owed(accepted, suite, designed, every_engine=every_engine)
+            debts = required_cases(accepted, suite, designed, every_engine=every_engine)
         except BaselineError:
             if not accept:
                 raise
             accepted = None  # what does not fit is what is to be replaced
-    return Gate(
+    return GateRequest(
         suite=suite,
         designed=tuple(designed),
         settings=settings,
@@ -129,7 +123,7 @@ def opened(
     )
 
 
-def held(gate: Gate, evaluations: Sequence[Evaluation]) -> Held:
+def compare_to_baseline(gate: GateRequest, evaluations: Sequence[Evaluation]) -> GateResult:
     """Return a run held against what was accepted; against nothing if that is what there is."""
     scores = Scores(
         suite=gate.suite,
@@ -139,12 +133,12 @@ def held(gate: Gate, evaluations: Sequence[Evaluation]) -> Held:
         settings=gate.settings,
     )
     if gate.accepted is None:
-        return Held(scores=scores, differences=(), artefacts=())
+        return GateResult(scores=scores, differences=(), artefacts=())
     found = differences(gate.accepted, scores, expected=gate.owed)
-    return Held(
+    return GateResult(
         scores=scores,
         differences=found,
-        artefacts=read(found, gate.accepted, scores, GATE),
+        artefacts=gate_report(found, gate.accepted, scores, GATE),
     )
 
 
@@ -156,11 +150,11 @@ def _versions(evaluations: Sequence[Evaluation]) -> dict[str, str]:
     return versions
 
 
-def accepted(gate: Gate, run: Held, executor: Executor) -> Path:
+def accept_baseline(gate: GateRequest, run: GateResult, executor: Executor) -> Path:
     """Measure how far each result is free to move, accept the run, and return the file."""
     place = gate.place or BASELINE
     scores = list(run.scores.scores.values())
-    with printing.progress() as bar:
+    with terminal.progress_bar() as bar:
         task = bar.add_task("measuring the spread", total=count(gate.designed, scores))
         found = measured(
             gate.designed,
@@ -179,7 +173,7 @@ def show_changes(artefacts: Sequence[Artefact], console: Console, columns: Seque
             moved = artefact.frame[~artefact.frame["verdict"].isin(_QUIET)]
             if len(moved):
                 top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
-                console.print(printing.data(top, (*_WORDS, *columns)))
+                console.print(terminal.table_artefact(top, (*_WORDS, *columns)))
             if len(moved) > _ROWS:
                 console.print(f"... and {len(moved) - _ROWS} more")
     for artefact in artefacts:
@@ -189,3 +183,62 @@ def show_changes(artefacts: Sequence[Artefact], console: Console, columns: Seque
 
 _QUIET = ("same", "not judged", "undecidable")
 """Verdicts that the terminal leaves out."""
+
+
+def diff(
+    a: Annotated[
+        Path, typer.Argument(metavar="A", help="Folder of a report, or of accepted results.")
+    ],
+    b: Annotated[Path, typer.Argument(metavar="B", help="The same, to hold against it.")],
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Accepted results whose measured spread tells what may differ: reports have none.",
+        ),
+    ] = None,
+    gate: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--gate", help="Leave with code 1 if anything is better in A.")
+    ] = False,
+    json: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
+    ] = False,
+) -> None:
+    """Say what differs between two reports of validate, case by case, quantity by quantity.
+
+    For example: rockingcan diff reports/before reports/after --baseline reports/baseline
+    """
+    first, second = read_scores(a), read_scores(b)
+    spreads = None if baseline is None else read_baseline(baseline)
+    if not set(first.scores) & set(second.scores):
+        raise BaselineError(f"'{a}' and '{b}' have no case in common: there is nothing to compare")
+    found = differences(first, second, spreads=spreads)
+    if json:
+        told = sentences(found, first, second, SIDES, spreads)
+        typer.echo(
+            to_json({"differences": [_told(one) for one in changed(found)], "sentences": told})
+        )
+    else:
+        show_changes(
+            gate_report(found, first, second, SIDES, spreads), terminal.stdout_console(), _COLUMNS
+        )
+    if gate and regressions(found):
+        raise typer.Exit(1)
+
+
+_COLUMNS = ("a", "b", "tolerance", "factor", "verdict", "note")
+
+
+def _told(one: Difference) -> dict[str, Any]:
+    """Return a difference as `--json` says it."""
+    return {
+        **one.identity.to_dict(),
+        "quantity": one.quantity,
+        "a": one.first,
+        "b": one.second,
+        "spread": one.spread,
+        "tolerance": one.tolerance,
+        "factor": one.factor,
+        "verdict": SIDES.verdict(one),
+        "note": one.note,
+    }

@@ -2,26 +2,69 @@
 
 0 done; 1 a fidelity gate failed; 2 wrong use or bad input, with one message; 130 and 143 stopped by
 Ctrl-C and by SIGTERM, with what is done and how to go on.
+
+Standard output, which is for answers alone, and may lead to a disk that is full.
 """
 
+import io
 import os
 import shlex
 import sys
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import typer
 from typer.exceptions import TyperException
 
 from harness.cli.commands import app
-from harness.cli.standard_output import keep_for_answers
-from harness.errors import HarnessError, ParityError
-from harness.interruption import Interrupted, leave_at_once, listen
-from harness.isolation import end_beside
-from harness.store import StoreWarning
+from harness.core.errors import HarnessError, OutputError, ParityError
+from harness.execution.cache import CacheWarning
+from harness.execution.isolated_pool import end_background_worker
+from harness.execution.signals import Interrupted, exit_on_signal, handle_signals
 from models.errors import ModelError
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
+
+
+class _Answers(io.FileIO):
+    """Where answers go. Says once that it cannot write; what comes after that goes nowhere."""
+
+    _failed = False
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Write what fits.
+
+        Raises
+        ------
+        BrokenPipeError
+            If nobody reads any more.
+        OutputError
+            If it cannot be written for another reason.
+        """
+        if self._failed:  # what is buffered comes again when the program leaves
+            return memoryview(data).nbytes
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            self._failed = True
+            told = f"cannot write to standard output: {error.strerror or error}"
+            raise OutputError(told) from error
+
+
+def keep_for_answers() -> None:
+    """Keep standard output for answers: what engines print from C goes to standard error."""
+    sys.stdout.flush()
+    answers = _Answers(os.dup(1), "w")
+    os.dup2(2, 1)
+    sys.stdout = io.TextIOWrapper(
+        io.BufferedWriter(answers), encoding="utf-8", line_buffering=answers.isatty()
+    )
+
 
 GATE_FAILED = 1
 WRONG_USE = 2
@@ -34,14 +77,14 @@ def main() -> None:
     """Run the command line and leave with its exit code."""
     arguments = sys.argv[1:]
     try:
-        listen()
+        handle_signals()
         keep_for_answers()
         code = code_of(arguments)
-        end_beside()
-        leave_at_once("")  # all is said and done
+        end_background_worker()
+        exit_on_signal("")  # all is said and done
     except Interrupted as error:  # between the command and here
         code = _complain(_stopped(error, arguments), error.exit_code)
-        end_beside()
+        end_background_worker()
     if code >= INTERRUPTED:
         # nothing is left to clean up, and a signal more would end the interpreter's own untidily
         with suppress(HarnessError, OSError):
@@ -53,7 +96,7 @@ def main() -> None:
 def code_of(arguments: list[str]) -> int:
     """Run a command and return its exit code."""
     with warnings.catch_warnings():
-        warnings.simplefilter("always", StoreWarning)
+        warnings.simplefilter("always", CacheWarning)
         warnings.showwarning = _shown(warnings.showwarning)  # type: ignore[assignment]
         return _code_of(arguments)
 
@@ -114,7 +157,7 @@ def _shown(usual: Show) -> Show:
         file: TextIO | None = None,
         line: str | None = None,
     ) -> None:
-        if issubclass(category, StoreWarning):
+        if issubclass(category, CacheWarning):
             sys.stderr.write(f"rockingcan: warning: {message}\n")
         else:
             usual(message, category, filename, lineno, file, line)

@@ -3,12 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import asdict
 
-from harness.cli.answers import Answer, divergence_answer
-from harness.cli.printing import chaos
-from harness.engines.reference import ENDING, Agreement, Truth, guard, refusal, solved
-from harness.errors import TrajectoryError
-from harness.runner import Evaluation
-from harness.simulation import Outcome
+from harness.cli.json_output import Answer, divergence_json
+from harness.cli.terminal import chaos_sentences
+from harness.core.errors import TrajectoryError
+from harness.core.simulation import Outcome
+from harness.engines.reference import ENDING, Agreement
+from harness.engines.reference.assumption_checks import check_assumptions
+from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.truth import Truth, solve_case
+from harness.evaluation.evaluation import Evaluation
 
 
 def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
@@ -36,7 +39,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         "phases": [],
         "guard": None,
         "findings": [asdict(finding) for finding in e.findings],
-        "divergence": divergence_answer(e.divergence),
+        "divergence": divergence_json(e.divergence),
     }
     if found is None:
         if e.simulation.outcome is Outcome.BROKEN:
@@ -44,7 +47,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         if refusal(e.simulation.case.scene):
             return answer
         # a model without a locus, of a motion that ends early: there is no trajectory, but a model
-        found = solved(e.simulation.case, again=False)
+        found = solve_case(e.simulation.case, again=False)
     own = found.chosen if asked == "auto" else found.solved_as
     answer |= {
         "model": own.model,
@@ -58,7 +61,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         ],
     }
     if e.simulation.trajectory is not None:
-        seen = guard(found)
+        seen = check_assumptions(found)
         answer["findings"] = [asdict(finding) for finding in seen.findings]
         answer["guard"] = {
             "friction_ratio": seen.friction_ratio,
@@ -101,7 +104,7 @@ def sentences(answer: Answer) -> Iterable[str]:
     if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
-    yield from chaos(answer)
+    yield from chaos_sentences(answer)
     for finding in answer["findings"]:
         carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
         yield f"Finding: {finding['sentence']}{carried}"

@@ -1,22 +1,30 @@
-"""What concerns the paper: the audit of its claims, and its figures drawn again."""
+"""What concerns the paper: the audit of its claims, and its figures drawn again.
 
+One page from the reports of several studies, without running anything again.
+"""
+
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli import printing
-from harness.cli.files import write_text
-from harness.errors import HarnessError, OutputError
-from harness.provenance import provenance
-from harness.report import check_writable, write_report
+from harness.cli import terminal
+from harness.cli.terminal import write_text
+from harness.core.errors import HarnessError, OutputError
+from harness.core.provenance import provenance
+from harness.paper.audit.tables import audit_table, audit_words, counts, markdown
+from harness.paper.gallery.figures import ABOUT, FIGURES
+from harness.paper.gallery.figures import gallery as draw
+from harness.report.atomic_folder import check_writable
+from harness.report.section import Section
+from harness.report.stored import read_report
 from harness.report.tables import csv_text
-from harness.studies.audit import Finding, audit_table, audit_words, counts, markdown
-from harness.studies.gallery import ABOUT, FIGURES
-from harness.studies.gallery import gallery as draw
+from harness.report.write import write_chapters, write_report
 
 if TYPE_CHECKING:
-    from harness.artefact import Figure, Prose
+    from harness.core.report_model import Figure, Prose
+    from harness.paper.audit.finding import AuditRow
 
 
 class MissingMathematicsError(HarnessError, ImportError):
@@ -41,16 +49,16 @@ def audit(
     """Check every equation and number of the paper; write audit.md and audit.csv."""
     try:
         # here and not above: sympy and mpmath are an extra, and every other command does without
-        from harness.studies.audit.run import audit as run  # noqa: PLC0415
-        from harness.studies.audit.run import claims  # noqa: PLC0415
+        from harness.paper.audit.run import audit as run  # noqa: PLC0415
+        from harness.paper.audit.run import claims  # noqa: PLC0415
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
     _make(out)
     if page is not None:
         check_writable(page)
     chosen = claims()
-    findings: list[Finding] = []
-    with printing.progress() as bar:
+    findings: list[AuditRow] = []
+    with terminal.progress_bar() as bar:
         task = bar.add_task("reading the paper", total=len(chosen))
         for finding in run(chosen, lambda claim: bar.update(task, description=claim.label)):
             findings.append(finding)
@@ -62,8 +70,8 @@ def audit(
         title = "Audit of the paper"
         write_report(told, page, title=title, cases=(), provenance=provenance())
     rows = [(verdict.value, number) for verdict, number in counts(findings).items()]
-    console = printing.out()
-    console.print(printing.table("Audit of the paper", ("verdict", "claims"), rows))
+    console = terminal.stdout_console()
+    console.print(terminal.table("Audit of the paper", ("verdict", "claims"), rows))
     console.print(f"\nEvery claim: {out / 'audit.md'}")
 
 
@@ -75,7 +83,7 @@ def gallery(
     """Draw every figure of the paper from our own solutions; write SVG, PNG and a page."""
     check_writable(out)
     drawn: list[Figure | Prose] = [ABOUT]
-    with printing.progress() as bar:
+    with terminal.progress_bar() as bar:
         task = bar.add_task("drawing", total=len(FIGURES))
         for figure in draw():
             drawn.append(figure)
@@ -83,7 +91,7 @@ def gallery(
     page = write_report(
         drawn, out, title="The figures of the paper", cases=(), provenance=provenance()
     )
-    printing.out().print(f"The gallery: {page}")
+    terminal.stdout_console().print(f"The gallery: {page}")
 
 
 def _make(out: Path) -> None:
@@ -92,3 +100,33 @@ def _make(out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
+
+
+def join_reports(
+    folders: Annotated[
+        list[Path],
+        typer.Argument(metavar="FOLDER...", help="Reports to join, such as reports/latest."),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder of the page; replaced as a whole.")] = Path(
+        "reports/all"
+    ),
+) -> None:
+    """Join the reports of several studies into one page, its scorecard filled from all of them.
+
+    For example: rockingcan report reports/latest reports/stability reports/cost/paper-release
+    """
+    check_writable(out)
+    chapters = joined_sections(folders)
+    page = write_chapters(chapters, out, title="rockingcan", provenance=provenance())
+    terminal.stdout_console().print(f"{len(chapters)} studies in one report: {page}")
+
+
+def joined_sections(folders: Sequence[Path]) -> list[Section]:
+    """Return the chapters of reports that were written earlier.
+
+    Raises
+    ------
+    ReportError
+        If a folder holds no report.
+    """
+    return [chapter for folder in folders for chapter in read_report(folder)]

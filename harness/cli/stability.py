@@ -9,35 +9,26 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
-from harness import face
-from harness.artefact import Prose, Table
-from harness.campaign import Listener, complete
-from harness.case import Case
-from harness.cli import printing
-from harness.cli.running import Running, runs
+from harness import api
+from harness.cli import terminal
+from harness.cli.run_options import RunOptions, with_run_options
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.core.provenance import provenance
+from harness.core.report_model import Prose, Table
 from harness.engines import registry
-from harness.errors import InvalidSettingError, MissingPackageError
-from harness.isolation import LostTaskError
-from harness.provenance import provenance
-from harness.report import check_writable, write_report
-from harness.runner import attempt, check, lost
-from harness.studies.stability import (
-    SUITES,
-    Finding,
-    Judged,
-    Suite,
-    by_scene,
-    design,
-    examine,
-    findings,
-    judge,
-    limits,
-    next_round,
-    random_scenes,
-    read,
-    scenes,
-    verdicts,
-)
+from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
+from harness.execution.tasks import ProgressListener, run_tasks
+from harness.execution.worker import LostTaskError
+from harness.report.atomic_folder import check_writable
+from harness.report.write import write_report
+from harness.studies.stability.classify import classify
+from harness.studies.stability.failure_criteria import ClassifiedRun
+from harness.studies.stability.keeping import classified_cache, reference_check_cache
+from harness.studies.stability.limits import by_scene, limits, next_round
+from harness.studies.stability.report import stability_report
+from harness.studies.stability.suite import SUITES, Suite, random_scenes, scenes, stability_cases
+from harness.studies.stability.survey import ReferenceCheck, examine
 from models.catalogue import load
 from models.scene import Scene
 
@@ -52,11 +43,11 @@ class Work:
     """What runs, how, and who is told in words what was done, and how much of it."""
 
     executor: Executor
-    running: Running
+    running: RunOptions
     told: Told
 
 
-@runs
+@with_run_options
 def stability(
     suite: Annotated[
         str, typer.Option(help="quick: about two minutes; full: every hard case.")
@@ -68,22 +59,22 @@ def stability(
         "reports/stability"
     ),
     *,
-    running: Running,
+    running: RunOptions,
 ) -> None:
     """Run hard cases until engines fail, say how they fail, and from which timestep on."""
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
-    chosen, engines = SUITES[suite], face.stepping_engines(engine)
+    chosen, engines = SUITES[suite], api.stepping_engines(engine)
     for name in engines:
         if not _steps(name):
-            able = ", ".join(each for each in face.stepping_engines(None) if _steps(each))
+            able = ", ".join(each for each in api.stepping_engines(None) if _steps(each))
             allowed = f"{able}: stability judges engines that take timesteps"
             raise InvalidSettingError("--engine", name, allowed)
-    cases = design(chosen, engines)
+    cases = stability_cases(chosen, engines)
     for case in cases:
-        check(case)
+        check_case(case)
     check_writable(out)
-    with printing.progress() as bar, running.executor() as executor:
+    with terminal.progress_bar() as bar, running.executor() as executor:
         task = bar.add_task("starting the engines", total=None)
 
         def told(words: str, done: int) -> None:
@@ -93,7 +84,9 @@ def stability(
         judged = judged_runs(chosen, engines, cases, work)
         hard = examined(scenes(chosen), work)
         random = examined(list(random_scenes(chosen.random_scenes)), work)
-    artefacts = read(chosen, judged, limits(chosen, engines, by_scene(judged)), hard, random)
+    artefacts = stability_report(
+        chosen, judged, limits(chosen, engines, by_scene(judged)), hard, random
+    )
     page = write_report(
         artefacts,
         out,
@@ -101,10 +94,10 @@ def stability(
         cases=[_told(one) for one in judged],
         provenance=provenance(),
     )
-    console = printing.out()
+    console = terminal.stdout_console()
     for artefact in artefacts:
         if isinstance(artefact, Table) and artefact.name in {"largest-timesteps", "random-scenes"}:
-            console.print(printing.data(artefact, tuple(artefact.columns)))
+            console.print(terminal.table_artefact(artefact, tuple(artefact.columns)))
         if isinstance(artefact, Prose):
             console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")
     console.print(f"\nThe report: {page}")
@@ -122,7 +115,7 @@ def _steps(name: str) -> bool:
 
 def judged_runs(
     suite: Suite, engines: Sequence[str], cases: Sequence[Case], work: Work
-) -> list[Judged]:
+) -> list[ClassifiedRun]:
     """Run the map, then round after round of the searches; return the verdicts.
 
     Parameters
@@ -133,16 +126,16 @@ def judged_runs(
         Of the map.
     work : Work
     """
-    judged: dict[Case, Judged] = {}
+    judged: dict[Case, ClassifiedRun] = {}
     store = work.running.store
     while cases:
-        found = complete(
+        found = run_tasks(
             cases,
             _judged,
             work.executor,
             lost=_lost,
-            shelf=None if store is None else verdicts(store),
-            listener=Listener(
+            shelf=None if store is None else classified_cache(store),
+            listener=ProgressListener(
                 kept=work.running.kept, done=lambda case, _: work.told(case.label(), 1)
             ),
         )
@@ -151,39 +144,39 @@ def judged_runs(
     return list(judged.values())
 
 
-def _judged(case: Case) -> Judged:
-    return judge(attempt(case))
+def _judged(case: Case) -> ClassifiedRun:
+    return classify(evaluate_case(case))
 
 
-def _lost(case: Case, error: LostTaskError) -> Judged:
-    return judge(lost(case, error))
+def _lost(case: Case, error: LostTaskError) -> ClassifiedRun:
+    return classify(failed_evaluation(case, error))
 
 
-def examined(chosen: Sequence[Scene], work: Work) -> list[Finding]:
+def examined(chosen: Sequence[Scene], work: Work) -> list[ReferenceCheck]:
     """Return how the reference fares on scenes."""
     store = work.running.store
-    found = complete(
+    found = run_tasks(
         [tuple(chosen[start : start + _SHARE]) for start in range(0, len(chosen), _SHARE)],
         _examined,
         work.executor,
         lost=_unexamined,
-        shelf=None if store is None else findings(store),
-        listener=Listener(
+        shelf=None if store is None else reference_check_cache(store),
+        listener=ProgressListener(
             kept=work.running.kept, done=lambda part, _: work.told("the reference", len(part))
         ),
     )
     return [finding for part in found for finding in part]
 
 
-def _examined(part: Sequence[Scene]) -> list[Finding]:
+def _examined(part: Sequence[Scene]) -> list[ReferenceCheck]:
     return [examine(scene) for scene in part]
 
 
-def _unexamined(part: Sequence[Scene], error: LostTaskError) -> list[Finding]:
-    return [Finding(scene=scene.name, failure=error.reason) for scene in part]
+def _unexamined(part: Sequence[Scene], error: LostTaskError) -> list[ReferenceCheck]:
+    return [ReferenceCheck(scene=scene.name, failure=error.reason) for scene in part]
 
 
-def _told(one: Judged) -> dict[str, Any]:
+def _told(one: ClassifiedRun) -> dict[str, Any]:
     """Return a case as the manifest says it."""
     s = one.simulation
     return {

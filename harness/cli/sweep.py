@@ -10,21 +10,24 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
-from harness.artefact import Table
-from harness.cli import printing
-from harness.cli.answers import spell
-from harness.cli.running import MemoryLimit, TimeLimit, limits_of
-from harness.cli.words import settings
-from harness.errors import HarnessError, InvalidSettingError
-from harness.executors import Serial, check_address, cluster, local
-from harness.interruption import Interrupted
-from harness.isolation import Limits
-from harness.isolation.limits import sensible
-from harness.provenance import provenance
-from harness.report import check_writable, write_report
-from harness.studies.sweep import Overview, artefacts, overview
-from harness.sweep import Folder, Part, Plan, opened, plan, read_axis
-from harness.sweep import sweep as carry_out
+from harness.cli import terminal
+from harness.cli.json_output import to_json
+from harness.cli.run_options import MemoryLimit, TimeLimit, limits_of, parse_settings
+from harness.core.errors import HarnessError, InvalidSettingError
+from harness.core.provenance import provenance
+from harness.core.report_model import Table
+from harness.execution.dask_cluster import check_cluster_address, dask_executor
+from harness.execution.isolated_pool import SerialExecutor, local_executor
+from harness.execution.limits import Limits, default_limits
+from harness.execution.signals import Interrupted
+from harness.report.atomic_folder import check_writable
+from harness.report.write import write_report
+from harness.sweep.axes import read_axis
+from harness.sweep.folder import Folder, opened
+from harness.sweep.overview import Overview, overview, sweep_report
+from harness.sweep.partition import Partition
+from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.run import run_sweep as carry_out
 from models.catalogue import load
 
 REPORT = "report"
@@ -83,13 +86,13 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     --over release.theta_dot=-1:1:401 --out reports/signs
     """
     if on is not None:
-        check_address(on)
+        check_cluster_address(on)
     workers = jobs or len(os.sched_getaffinity(0))
     limits = limits_of(workers if on is None else 1, time_limit, memory_limit)
     asked = list(quantity or ())
     if against is not None and quantity and against not in asked:
         asked.append(against)
-    chosen = plan(
+    chosen = plan_sweep(
         load(scene),
         [read_axis(text) for text in over],
         sample=sample,
@@ -98,7 +101,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         engine=engine,
         profile=profile,
         timestep=timestep,
-        options=settings(set_ or []),
+        options=parse_settings(set_ or []),
         quantities=asked,
     )
     if against is not None and against not in chosen.quantities:
@@ -108,19 +111,19 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         _complete(folder, workers, on, limits)
         found = overview(chosen, folder.read(), against)
     page = write_report(
-        artefacts(found),
+        sweep_report(found),
         out / REPORT,
         title=f"rockingcan, sweep of {chosen.scene.name}",
         cases=(),
         provenance=provenance(),
     )
     if json:
-        typer.echo(spell(_answer(found, folder)))
+        typer.echo(to_json(_answer(found, folder)))
         return
-    console = printing.out()
-    for artefact in artefacts(found):
+    console = terminal.stdout_console()
+    for artefact in sweep_report(found):
         if isinstance(artefact, Table):
-            console.print(printing.data(artefact, tuple(artefact.columns)))
+            console.print(terminal.table_artefact(artefact, tuple(artefact.columns)))
     console.print(escape(f"\nThe table: {folder.parts}\nThe report: {page}"))
 
 
@@ -137,11 +140,11 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
         return
     done = 0
     try:
-        with printing.progress() as bar, _executor(chosen, jobs, on, limits) as executor:
+        with terminal.progress_bar() as bar, _executor(chosen, jobs, on, limits) as executor:
             # of what is left alone: what was there before took no time
             task = bar.add_task(chosen.scene.name, total=left)
 
-            def show(part: Part) -> None:
+            def show(part: Partition) -> None:
                 nonlocal done
                 done += len(part.rows)
                 bar.update(task, completed=done)
@@ -154,16 +157,16 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
 
 
 @contextmanager
-def _executor(chosen: Plan, jobs: int, on: str | None, limits: Limits) -> Iterator[Executor]:
+def _executor(chosen: SweepPlan, jobs: int, on: str | None, limits: Limits) -> Iterator[Executor]:
     """Open what carries out a plan; limits are of a scene's run, and the exact bounce has none."""
     made: Executor
     if on is not None:
-        made = cluster(on, sensible(1) if chosen.exact else limits, _IMPORTS)
+        made = dask_executor(on, default_limits(1) if chosen.exact else limits, _IMPORTS)
     elif not chosen.exact:
         # never this process, which an engine could take along
-        made = local(jobs, spawned=True, limits=limits, imports=_IMPORTS)
+        made = local_executor(jobs, spawned=True, limits=limits, imports=_IMPORTS)
     elif jobs == 1:
-        made = Serial()
+        made = SerialExecutor()
     else:
         # arrays in compiled loops: threads run them side by side, in the memory of one process
         made = ThreadPoolExecutor(jobs)

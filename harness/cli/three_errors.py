@@ -6,14 +6,14 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
-from harness.artefact import Table
-from harness.cli import printing
-from harness.cli.answers import spell
+from harness.cli import terminal
 from harness.cli.attribution import evaluations, report
-from harness.cli.running import Running, runs
-from harness.cli.words import settings
-from harness.report import check_writable
-from harness.studies.errors import ThreeErrors, design, plan, read, three_errors
+from harness.cli.json_output import to_json
+from harness.cli.run_options import RunOptions, parse_settings, with_run_options
+from harness.core.report_model import Table
+from harness.report.atomic_folder import check_writable
+from harness.studies.errors.plan import errors_cases, plan_errors
+from harness.studies.errors.report import ThreeErrors, errors_report, three_errors
 from models.catalogue import load
 
 _SHOWN = {
@@ -33,7 +33,7 @@ _SHOWN = {
 }
 
 
-@runs
+@with_run_options
 def errors(  # noqa: PLR0917 - a parameter an option
     scene: Annotated[
         str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -53,28 +53,30 @@ def errors(  # noqa: PLR0917 - a parameter an option
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
     *,
-    running: Running,
+    running: RunOptions,
 ) -> None:
     """Tell model form, discretisation and solver error apart, and what is not decidable.
 
     For example: rockingcan errors gentle-rock --engine mujoco --set solref=0.005,1
     """
-    chosen = plan(load(scene), engine, profile, timestep=timestep, options=settings(set_ or []))
+    chosen = plan_errors(
+        load(scene), engine, profile, timestep=timestep, options=parse_settings(set_ or [])
+    )
     if out is not None:
         check_writable(out)
-    found = three_errors(chosen, evaluations(design(chosen), running))
-    artefacts = read(found)
+    found = three_errors(chosen, evaluations(errors_cases(chosen), running))
+    artefacts = errors_report(found)
     page = (
         None if out is None else report(artefacts, found.evaluations.values(), out, "three errors")
     )
     if json:
-        typer.echo(spell(_answer(found)))
+        typer.echo(to_json(_answer(found)))
         return
-    console = printing.out()
+    console = terminal.stdout_console()
     for artefact in artefacts:
         for ending, columns in _SHOWN.items():
             if isinstance(artefact, Table) and artefact.name.endswith(ending):
-                console.print(printing.data(artefact, columns))
+                console.print(terminal.table_artefact(artefact, columns))
     for sentence in found.sentences:
         console.print(escape(sentence))
     if page is not None:

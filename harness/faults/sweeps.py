@@ -9,10 +9,13 @@ from itertools import pairwise
 from pathlib import Path
 from threading import Event, Thread
 
-from harness.executors import Serial, local
-from harness.faults.processes import Program, begin, resident
+from harness.execution.isolated_pool import SerialExecutor, local_executor
+from harness.faults.programs import Program, begin, resident
 from harness.faults.trial import Trial
-from harness.sweep import Plan, opened, plan, read_axis, sweep
+from harness.sweep.axes import read_axis
+from harness.sweep.folder import opened
+from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.run import run_sweep
 from models.catalogue import load
 
 _SECONDS, _MEMORY = 60.0, 500e6
@@ -131,12 +134,12 @@ def _watched(process: Program) -> Iterator[list[int]]:
 
 def _cost(sizes: Sizes, folder: Path, told: Callable[[str], None]) -> _Part:
     """Return what a release costs in maps of several sizes: processor time of one thread."""
-    warm = plan(load("paper-release"), [read_axis(text) for text in _over(2, 2)])
+    warm = plan_sweep(load("paper-release"), [read_axis(text) for text in _over(2, 2)])
     _processor_time(warm, folder / "warm")
     costs = []
     for number, (across, up) in enumerate(sizes.maps):
         told(f"the cost of one of {across * up:,} releases")
-        chosen = plan(load("paper-release"), [read_axis(text) for text in _over(across, up)])
+        chosen = plan_sweep(load("paper-release"), [read_axis(text) for text in _over(across, up)])
         costs.append(_processor_time(chosen, folder / str(number)) / chosen.rows)
     each = ", ".join(
         f"{1e6 * cost:.1f} us of {_count(shape):,}"
@@ -150,17 +153,17 @@ def _cost(sizes: Sizes, folder: Path, told: Callable[[str], None]) -> _Part:
     )
 
 
-def _processor_time(chosen: Plan, out: Path) -> float:
+def _processor_time(chosen: SweepPlan, out: Path) -> float:
     """Return the processor time of a sweep in this thread, its start left out, in s."""
     with opened(out, chosen) as folder:
         began = time.thread_time()
-        sweep(folder, Serial())
+        run_sweep(folder, SerialExecutor())
         return time.thread_time() - began
 
 
 def _scaling(sizes: Sizes, folder: Path, told: Callable[[str], None]) -> _Part:
     """Run an engine in one process and in two, and compare times and files."""
-    chosen = plan(
+    chosen = plan_sweep(
         load("gentle-rock"),
         [read_axis("release.psi_dot=1.5:2.5")],
         sample="sobol",
@@ -173,8 +176,8 @@ def _scaling(sizes: Sizes, folder: Path, told: Callable[[str], None]) -> _Part:
         told(f"{sizes.runs:,} runs of an engine in {jobs} process{'es' * (jobs > 1)}")
         out = folder / str(jobs)
         began = time.monotonic()
-        with opened(out, chosen) as place, local(jobs, spawned=True) as executor:
-            sweep(place, executor)
+        with opened(out, chosen) as place, local_executor(jobs, spawned=True) as executor:
+            run_sweep(place, executor)
         seconds.append(time.monotonic() - began)
         files.append({path.name: path.read_bytes() for path in place.parts.iterdir()})
     efficiency = seconds[0] / (2.0 * seconds[1])

@@ -5,13 +5,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-from harness.faults.deadly import deadly
-from harness.faults.disk import disk
-from harness.faults.kills import kills
-from harness.faults.lost_worker import lost_worker
-from harness.faults.signals import signals
+from harness.faults.interruptions import disk, kills, signals
 from harness.faults.sweeps import Sizes, sweeps
 from harness.faults.trial import Trial
+from harness.faults.workers import deadly, lost_worker
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

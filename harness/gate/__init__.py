@@ -1,14 +1,11 @@
 """The gate: results held against accepted ones, within a tolerance that was measured."""
 
-from harness.gate.baseline import FILE, check_place, read_baseline, write_baseline
+from harness.gate.baseline import FILE, BaselineError, check_place, read_baseline, write_baseline
 from harness.gate.comparison import Change, Difference, differences
-from harness.gate.errors import BaselineError
-from harness.gate.gate import owed
-from harness.gate.measuring import count, measured
-from harness.gate.reading import read, table
-from harness.gate.reports import gate_keys, read_scores
+from harness.gate.report import GATE, SIDES, changed, gate_report, regressions, sentences, table
 from harness.gate.scores import Score, Scores, scored
-from harness.gate.words import GATE, SIDES, changed, regressions, sentences
+from harness.gate.spread import count, measured
+from harness.gate.stored_scores import gate_keys, read_scores, required_cases
 
 __all__ = [
     "FILE",
@@ -24,12 +21,12 @@ __all__ = [
     "count",
     "differences",
     "gate_keys",
+    "gate_report",
     "measured",
-    "owed",
-    "read",
     "read_baseline",
     "read_scores",
     "regressions",
+    "required_cases",
     "scored",
     "sentences",
     "table",

@@ -1,6 +1,8 @@
 """Accepted results as one file, a line a case, so that a change of them can be reviewed.
 
 The file lies beside whatever else a baseline's folder holds, and is replaced in one move.
+
+What wrong use of the gate raises.
 """
 
 import json
@@ -12,11 +14,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from harness.errors import OutputError
-from harness.gate.ensemble import SIZES
-from harness.gate.errors import BaselineError
-from harness.gate.identity import told_identity
-from harness.gate.scores import Number, Score, Scores
+from harness.core.errors import HarnessError, OutputError
+from harness.gate.scores import Number, Score, Scores, told_identity
+from harness.gate.spread import SIZES
+
+
+class BaselineError(HarnessError, ValueError):
+    """Accepted results, or a report, cannot be read or do not fit what they are held against."""
+
 
 FILE = "accepted.json"
 FORMAT, VERSION = "rockingcan-baseline", 1

@@ -10,9 +10,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from harness.gate.identity import Identity
-from harness.gate.quantities import QUANTITIES, Kind, Quantity
-from harness.gate.scores import Number, Score, Scores
+from harness.gate.scores import (
+    QUANTITIES,
+    CaseIdentity,
+    GatedQuantity,
+    Number,
+    QuantityKind,
+    Score,
+    Scores,
+)
 
 SPREADS = 4.0
 """Spreads in a tolerance: with few members the largest departure seen is not the largest there is.
@@ -57,7 +63,7 @@ class Difference:
         Of the second's case, or of the first's where there is no second.
     """
 
-    identity: Identity
+    identity: CaseIdentity
     quantity: str
     first: Number = None
     second: Number = None
@@ -89,7 +95,7 @@ def differences(
     first: Scores,
     second: Scores,
     *,
-    expected: Iterable[Identity] | None = None,
+    expected: Iterable[CaseIdentity] | None = None,
     spreads: Scores | None = None,
 ) -> tuple[Difference, ...]:
     """Return all differences, case by case in the order of the second, then what it lacks.
@@ -174,7 +180,7 @@ def _word(outcome: str) -> str:
 
 def _quantity(
     second: Score,
-    quantity: Quantity,
+    quantity: GatedQuantity,
     a: Number,
     b: Number,
     measured: list[Mapping[str, Number]],
@@ -188,9 +194,9 @@ def _quantity(
     tolerance = None if spread is None else SPREADS * spread + quantity.floor
     first, then = (None if value is None else abs(value) for value in (a, b))
     change, note = judge(first, then, tolerance)
-    if quantity.kind is Kind.TIME:
+    if quantity.kind is QuantityKind.TIME:
         change, note = Change.INFORMATION, "machines are noisy: times are not judged"
-    elif quantity.kind is Kind.ERROR and pulled:
+    elif quantity.kind is QuantityKind.ERROR and pulled:
         change, note = Change.INFORMATION, "the exact motion asks the plane to pull: not judged"
     return Difference(
         identity=second.identity,

@@ -1,17 +1,190 @@
-"""What is kept of a run to hold a later one against: its ending, its numbers, their spread."""
+"""What is kept of a run to hold a later one against: its ending, its numbers, their spread.
 
+Which case a result belongs to, whatever version of an engine made it.
+
+A case's digest names a version of its engine, so that results of two versions never share one. Here
+they must meet: a case is what the suite designed, without the settings that a run put on top of it.
+
+The quantities that are held against accepted ones; of each, smaller is better.
+
+A floor is what round-off alone makes of a quantity that is zero in exact arithmetic: some 1e6 steps
+that each add 1e-16 of its scale, in no order. Below its floor nothing counts as a change.
+"""
+
+import hashlib
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from types import MappingProxyType
 from typing import Any
 
-from harness.case import Case
-from harness.gate.identity import Identity, identity, scene_digest
-from harness.gate.quantities import QUANTITIES
-from harness.runner import Evaluation
-from harness.simulation import Outcome
-from harness.studies.comparison import results
+from harness.core.case import Case
+from harness.core.simulation import Outcome
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.comparison.results import results
+from models.scene import Scene
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, order=True)
+class CaseIdentity:
+    """A case by what was asked of it.
+
+    Parameters
+    ----------
+    scene, engine, profile : str
+    timestep : float
+        s; zero for the profile's own, which may differ from version to version.
+    options : str
+        Settings of the suite's own on top of the profile, as `name=value`, with spaces between.
+    """
+
+    scene: str
+    engine: str
+    profile: str
+    timestep: float = 0.0
+    options: str = ""
+
+    def label(self) -> str:
+        """Return the case in a few words."""
+        step = "its own timestep" if self.timestep == 0.0 else f"{self.timestep:g} s"
+        return " ".join(
+            word
+            for word in (f"{self.scene} in {self.engine} ({self.profile}, {step})", self.options)
+            if word
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what a file says of it."""
+        return {name: getattr(self, name) for name in self.__slots__}
+
+
+def identity(case: Case) -> CaseIdentity:
+    """Return the identity of a case as a suite designed it."""
+    return CaseIdentity(
+        scene=case.scene.name,
+        engine=case.engine,
+        profile=case.profile,
+        timestep=case.timestep or 0.0,
+        options=" ".join(f"{name}={value}" for name, value in case.options),
+    )
+
+
+def told_identity(told: Mapping[str, Any]) -> CaseIdentity:
+    """Return the identity that a file tells.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If it tells none.
+    """
+    return CaseIdentity(
+        scene=str(told["scene"]),
+        engine=str(told["engine"]),
+        profile=str(told["profile"]),
+        timestep=float(told["timestep"]),
+        options=str(told["options"]),
+    )
+
+
+def scene_digest(scene: Scene) -> str:
+    """Return 16 hexadecimal digits that name the motion which a scene asks for.
+
+    Name and citation do not move the can.
+    """
+    told = {k: v for k, v in scene.to_dict().items() if k not in {"name", "cite"}}
+    text = json.dumps(told, sort_keys=True, default=repr)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+class QuantityKind(Enum):
+    """What a quantity speaks of, which decides when it is judged."""
+
+    ERROR = "distance from the exact motion"
+    CONTACT = "quality of the contact"
+    COST = "work that does not depend on the machine"
+    TIME = "time on this machine"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GatedQuantity:
+    """A column of the table of results, and how it is held against an accepted one."""
+
+    column: str
+    words: str
+    unit: str
+    kind: QuantityKind
+    floor: float
+
+
+def _error(column: str, words: str, unit: str, floor: float) -> GatedQuantity:
+    return GatedQuantity(
+        column=column, words=words, unit=unit, kind=QuantityKind.ERROR, floor=floor
+    )
+
+
+def _contact(column: str, words: str, unit: str, floor: float) -> GatedQuantity:
+    return GatedQuantity(
+        column=column, words=words, unit=unit, kind=QuantityKind.CONTACT, floor=floor
+    )
+
+
+_RAD = 1e-12
+"""rad: the comparison of orders, too, takes a smaller error for a sum of roundings."""
+
+_DEG = 1e-10
+"""deg: the same of a difference of two angles of some hundred degrees."""
+
+_M = 1e-13
+"""m: the same of a locus within some radii of 0.04 m."""
+
+_TOUCH_M = 1e-9
+"""m: a nanometre; contacts rest micrometres deep, and round-off of a position is 1e-17."""
+
+_SHARE = 1e-4
+"""Of the time: a single sample of the short records; one that flips is no change of an engine."""
+
+_ROWS = 16.0
+"""Rows of one step with four points and a pyramid each: the last step may fall on either side."""
+
+QUANTITIES = (
+    _error("angle_of_turn_error_deg", "error of the angle of turn", "deg", _DEG),
+    _error("bounce_time_error_s", "error of the time of the bounce", "s", 1e-13),
+    _error("peak_friction_ratio_error", "error of the peak friction ratio", "", 1e-10),
+    _error("phi_rms_rad", "rms error of phi", "rad", _RAD),
+    _error("phi_max_rad", "largest error of phi", "rad", _RAD),
+    _error("psi_rms_rad", "rms error of psi", "rad", 10.0 * _RAD),  # psi runs through many turns
+    _error("theta_rms_rad", "rms error of theta", "rad", 10.0 * _RAD),  # and so does theta
+    _error("rotation_rms_rad", "rms error of the orientation", "rad", 10.0 * _RAD),
+    _error("contact_locus_rms_m", "rms error of the contact locus", "m", _M),
+    _error("contact_locus_hausdorff_m", "distance of the contact loci as curves", "m", _M),
+    _contact("energy_drift", "energy drift", "m g R", _RAD),
+    _contact("max_penetration_m", "deepest penetration", "m", _TOUCH_M),
+    _contact("max_slip_m_s", "fastest slip", "m/s", _TOUCH_M),  # a nanometre a second
+    _contact("lift_off_fraction", "time without contact", "of the time", _SHARE),
+    _contact("multi_contact_fraction", "time with several contacts", "of the time", _SHARE),
+    GatedQuantity(
+        column="steps", words="steps", unit="", kind=QuantityKind.COST, floor=1.0
+    ),  # the last one
+    GatedQuantity(
+        column="constraint_rows",
+        words="constraint rows",
+        unit="",
+        kind=QuantityKind.COST,
+        floor=_ROWS,
+    ),
+    GatedQuantity(
+        column="wall_s", words="time by the clock", unit="s", kind=QuantityKind.TIME, floor=0.0
+    ),
+    GatedQuantity(
+        column="cpu_s", words="time of the processor", unit="s", kind=QuantityKind.TIME, floor=0.0
+    ),
+)
+"""In the order in which they are named where several have changed."""
+
+BY_COLUMN = {quantity.column: quantity for quantity in QUANTITIES}
+
 
 Number = float | None
 
@@ -41,7 +214,7 @@ class Score:
         How often the run and its members ended with which outcome.
     """
 
-    identity: Identity
+    identity: CaseIdentity
     scene_digest: str
     outcome: str
     truth_pulls: bool
@@ -86,7 +259,7 @@ class Scores:
     """
 
     suite: str
-    scores: Mapping[Identity, Score]
+    scores: Mapping[CaseIdentity, Score]
     versions: Mapping[str, str]
     made: Mapping[str, Any] = field(default_factory=dict)
     settings: Mapping[str, str] = field(default_factory=dict)
@@ -114,7 +287,7 @@ def scored(designed: Sequence[Case], evaluations: Sequence[Evaluation]) -> tuple
     )
 
 
-def score(row: Mapping[Any, Any], *, identity: Identity, scene: str, outcome: str) -> Score:
+def score(row: Mapping[Any, Any], *, identity: CaseIdentity, scene: str, outcome: str) -> Score:
     """Return the score that a row of the table of results tells."""
     return Score(
         identity=identity,

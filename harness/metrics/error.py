@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from harness.bounce import Bounce
+from harness.core.bounce import Bounce
+from harness.core.trajectory import Floats
 from harness.metrics.motion import Motion, shares
-from harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,8 +18,8 @@ from pathlib import Path
 from types import ModuleType
 
 import harness
-from harness.artefact import Table
-from harness.errors import ReportError
+from harness.core.errors import ReportError
+from harness.core.report_model import Table
 from harness.report.tables import plain_text
 
 BEGIN, END = "<!-- columns: begin -->\n", "<!-- columns: end -->\n"

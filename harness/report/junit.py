@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from harness.artefact import Table
-from harness.report.chapter import FIDELITY
-from harness.report.contents import Report
-from harness.report.digits import is_missing, readable
+from harness.core.report_model import Table
+from harness.report.layout import Report
+from harness.report.number_format import is_missing, readable
+from harness.report.section import FIDELITY
 from harness.report.tables import rows
 
 _ALIEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -2,10 +2,14 @@
 
 `artefacts.json` holds what the page was made of: tables with every digit, curves as the page shows
 them, as base64 of little-endian doubles. What is read back makes the same page, byte for byte.
+
+Values in JSON's own types.
 """
 
 import base64
 import json
+import math
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -15,23 +19,38 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from harness.artefact import (
+from harness.core.errors import ReportError
+from harness.core.provenance import Commit, Provenance
+from harness.core.report_model import (
     Artefact,
     Body,
     Figure,
     Floats,
-    Heat,
+    Heatmap,
     Panel,
     Prose,
     Replay,
     Series,
     Table,
 )
-from harness.errors import ReportError
-from harness.provenance import Commit, Provenance
-from harness.report.chapter import Chapter
-from harness.report.digits import is_missing
-from harness.report.plain import plain
+from harness.report.number_format import is_missing
+from harness.report.section import Section
+
+
+def to_plain(value: object) -> object:
+    """Return a value in JSON's own types: what JSON cannot say, infinity included, as text."""
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [to_plain(inner) for inner in value]
+    if value is None or isinstance(value, (str, bool)):
+        return value
+    if isinstance(value, numbers.Integral):
+        return int(value)
+    if isinstance(value, numbers.Real) and math.isfinite(value):
+        return float(value)
+    return str(value)
+
 
 ARTEFACTS = "artefacts.json"
 VERSION = 1
@@ -43,7 +62,7 @@ _KINDS: Mapping[str, type[Artefact]] = {
     "prose": Prose,
     "replay": Replay,
 }
-_Part = Panel | Series | Body | Heat
+_Part = Panel | Series | Body | Heatmap
 
 _NESTED: Mapping[str, type[_Part]] = {
     "panels": Panel,
@@ -52,7 +71,7 @@ _NESTED: Mapping[str, type[_Part]] = {
 }
 
 
-def spelled(chapters: Sequence[Chapter]) -> str:
+def to_json(chapters: Sequence[Section]) -> str:
     """Return chapters as the text of `artefacts.json`."""
     told = {
         "format": "rockingcan-artefacts",
@@ -61,7 +80,7 @@ def spelled(chapters: Sequence[Chapter]) -> str:
             {
                 "title": chapter.title,
                 "provenance": chapter.provenance.to_dict(),
-                "cases": [plain(case) for case in chapter.cases],
+                "cases": [to_plain(case) for case in chapter.cases],
                 "artefacts": [_artefact(artefact) for artefact in chapter.artefacts],
             }
             for chapter in chapters
@@ -70,7 +89,7 @@ def spelled(chapters: Sequence[Chapter]) -> str:
     return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
-def read_report(folder: Path) -> tuple[Chapter, ...]:
+def read_report(folder: Path) -> tuple[Section, ...]:
     """Return the chapters of a report that was written earlier.
 
     Raises
@@ -95,8 +114,8 @@ def read_report(folder: Path) -> tuple[Chapter, ...]:
         raise ReportError(f"cannot read '{path}': it is no record of a report") from error
 
 
-def _chapter(told: Mapping[str, Any]) -> Chapter:
-    return Chapter(
+def _chapter(told: Mapping[str, Any]) -> Section:
+    return Section(
         title=told["title"],
         artefacts=tuple(_read(artefact) for artefact in told["artefacts"]),
         cases=tuple(told["cases"]),
@@ -134,7 +153,7 @@ def _spelled(value: object) -> object:
         return {"shape": list(value.shape), "f8": data}
     if isinstance(value, pd.DataFrame):
         return {str(name): _column(value[name]) for name in value.columns}
-    if isinstance(value, Panel | Series | Body | Heat):
+    if isinstance(value, Panel | Series | Body | Heatmap):
         return _fields(value)
     if isinstance(value, tuple):
         return [_spelled(inner) for inner in value]
@@ -153,7 +172,7 @@ def _column(column: "pd.Series[Any]") -> dict[str, Any]:
 def _number(value: object) -> object:
     if isinstance(value, float) and np.isinf(value):
         return {"inf": 1 if value > 0.0 else -1}
-    return plain(value)
+    return to_plain(value)
 
 
 def _read(told: Mapping[str, Any]) -> Artefact:
@@ -171,7 +190,7 @@ def _value(name: str, told: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
         made = _NESTED[name]
         return tuple(made(**_given(made, one)) for one in told)
     if name == "heat" and told is not None:
-        return Heat(**_given(Heat, told))
+        return Heatmap(**_given(Heatmap, told))
     if name == "frame":
         return pd.DataFrame({key: _series(column) for key, column in told.items()})
     if isinstance(told, dict) and "f8" in told:

@@ -2,6 +2,8 @@
 
 CSV follows RFC 4180. A text that a spreadsheet would run as a formula gets an apostrophe in front
 (OWASP, CSV injection); numbers keep every digit. The same table gives the same bytes.
+
+A table row by row, as the report reads what studies wrote.
 """
 
 import csv
@@ -15,9 +17,8 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.artefact import Table
-from harness.report.digits import is_missing, is_number, readable
-from harness.report.naming import heading
+from harness.core.report_model import Table
+from harness.report.number_format import heading, is_missing, is_number, readable
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>|~#$])")
@@ -141,3 +142,15 @@ def _one_type(column: "pd.Series[Any]") -> "pd.Series[Any] | Sequence[object]":
     if all(value is None or is_number(value) for value in values):
         return [None if value is None else float(str(value)) for value in values]
     return [None if value is None else str(value) for value in values]
+
+
+Row = Mapping[str, object]
+
+
+def records(table: Table) -> list[Row]:
+    """Return each row by column name; what is missing is None."""
+    names = [str(name) for name in table.frame.columns]
+    return [
+        {name: None if is_missing(value) else value for name, value in zip(names, row, strict=True)}
+        for row in rows(table.frame)
+    ]

@@ -1,4 +1,7 @@
-"""Write a report: the page, its figures and tables as files, a summary and a manifest."""
+"""Write a report: the page, its figures and tables as files, a summary and a manifest.
+
+The headline in Markdown, for pasting into a pull request.
+"""
 
 import hashlib
 import json
@@ -7,21 +10,44 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from harness.artefact import Artefact, Figure, Replay, Table
-from harness.provenance import Provenance
-from harness.report.chapter import Chapter, ordered
-from harness.report.contents import Picture, Report, arranged, named
-from harness.report.folder import FORMAT, MANIFEST, replacing
-from harness.report.html import page
+from harness.core.provenance import Provenance
+from harness.core.report_model import Artefact, Figure, Replay, Table
+from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
 from harness.report.junit import junit
-from harness.report.palette import palette
-from harness.report.plain import plain
-from harness.report.printed import printed
+from harness.report.layout import Picture, Report, arrange, unique_names
+from harness.report.matplotlib_renderer import render
+from harness.report.page import page
 from harness.report.scorecard import derived
-from harness.report.stored import ARTEFACTS, spelled
-from harness.report.summary import summary
-from harness.report.tables import csv_text, dictionary, parquet_bytes
-from harness.report.thinning import PAPER, SCREEN, thinned
+from harness.report.section import Section, ordered
+from harness.report.simplify_curves import PAPER, SCREEN, simplify
+from harness.report.stored import ARTEFACTS, to_json, to_plain
+from harness.report.style import palette
+from harness.report.tables import csv_text, dictionary, markdown, parquet_bytes, plain_text
+
+
+def summary(report: Report) -> str:
+    """Return title, headline texts and tables, and one line of provenance."""
+    opening = report.opening
+    parts = [f"# {plain_text(report.title)}\n"]
+    for text in opening.leading_texts.values():
+        parts += [plain_text(paragraph) + "\n" for paragraph in text.text.split("\n\n")]
+    for table in opening.leading_tables.values():
+        parts.append(f"## {plain_text(table.title)}\n")
+        parts.append(markdown(table))
+    parts.append(_made_by(report) + "\n")
+    return "\n".join(parts)
+
+
+def _made_by(report: Report) -> str:
+    told = report.provenance
+    engines = (f"{n} {told.packages[n]}" for n in ("mujoco", "pybullet") if n in told.packages)
+    words = [f"rockingcan {told.rockingcan}", *engines, f"python {told.python}"]
+    if told.commit is not None:
+        words.append(
+            f"commit {told.commit.digest[:12]}{' + changes' if told.commit.changed else ''}"
+        )
+    return plain_text(", ".join([*words, told.processor, told.written]))
+
 
 VERSION = 1  # of the manifest's keys; a later one adds keys and removes none
 
@@ -59,14 +85,14 @@ def write_report(
     OutputError
         If `out` cannot be written, or is a folder that is not a report.
     """
-    chapter = Chapter(
+    chapter = Section(
         title=title, artefacts=tuple(artefacts), cases=tuple(cases), provenance=provenance
     )
     return write_chapters([chapter], out, title=title, provenance=provenance)
 
 
 def write_chapters(
-    chapters: Sequence[Chapter], out: Path, *, title: str, provenance: Provenance
+    chapters: Sequence[Section], out: Path, *, title: str, provenance: Provenance
 ) -> Path:
     """Write one report of several studies.
 
@@ -88,14 +114,14 @@ def write_chapters(
         As for `write_report`.
     """
     report = _report([_fine(chapter) for chapter in ordered(chapters)], title, provenance)
-    with replacing(out) as draft:
+    with replace_folder(out) as draft:
         _write_files(report, draft)
         manifest = {
             "format": FORMAT,
             "version": VERSION,
             "title": title,
             "provenance": provenance.to_dict(),
-            "cases": [plain(case) for case in report.cases],
+            "cases": [to_plain(case) for case in report.cases],
             "files": _listed(draft),
         }
         text = json.dumps(manifest, indent=1, ensure_ascii=False, allow_nan=False)
@@ -103,26 +129,26 @@ def write_chapters(
     return out / "index.html"
 
 
-def _fine(chapter: Chapter) -> Chapter:
+def _fine(chapter: Section) -> Section:
     """Return a chapter with its curves as the page shows them."""
     if chapter.fine:
         return chapter
     return replace(
         chapter,
         artefacts=tuple(
-            thinned(artefact, SCREEN) if isinstance(artefact, Figure) else artefact
+            simplify(artefact, SCREEN) if isinstance(artefact, Figure) else artefact
             for artefact in chapter.artefacts
         ),
     )
 
 
-def _report(chapters: Sequence[Chapter], title: str, provenance: Provenance) -> Report:
+def _report(chapters: Sequence[Section], title: str, provenance: Provenance) -> Report:
     """Draw the figures and give everything its name."""
-    above, below = named(derived(chapters), chapters)
+    above, below = unique_names(derived(chapters), chapters)
     everything = {name: artefact for group in (above, *below) for name, artefact in group.items()}
     figures = {n: a for n, a in everything.items() if isinstance(a, Figure)}
     inks = palette(_kinds(everything.values()))
-    opening, parts = arranged(
+    opening, parts = arrange(
         above, [(chapter.title, group) for chapter, group in zip(chapters, below, strict=True)]
     )
     return Report(
@@ -130,7 +156,7 @@ def _report(chapters: Sequence[Chapter], title: str, provenance: Provenance) -> 
         opening=opening,
         parts=parts,
         pictures={
-            name: Picture(figure=figure, printed=printed(thinned(figure, PAPER), inks))
+            name: Picture(figure=figure, printed=render(simplify(figure, PAPER), inks))
             for name, figure in figures.items()
         },
         tables={n: a for n, a in everything.items() if isinstance(a, Table)},
@@ -150,7 +176,7 @@ def _kinds(artefacts: Iterable[Artefact]) -> Iterable[str]:
             yield from (body.kind for body in artefact.bodies)
 
 
-def _once(chapters: Sequence[Chapter]) -> tuple[Mapping[str, Any], ...]:
+def _once(chapters: Sequence[Section]) -> tuple[Mapping[str, Any], ...]:
     """Return the cases of all chapters, each once: studies share some."""
     found: dict[object, Mapping[str, Any]] = {}
     for case in (case for chapter in chapters for case in chapter.cases):
@@ -167,7 +193,7 @@ def _write_files(report: Report, folder: Path) -> None:
     for name, table in report.tables.items():
         _write_text(folder / "tables" / f"{name}.csv", csv_text(table))
         (folder / "tables" / f"{name}.parquet").write_bytes(parquet_bytes(table))
-    _write_text(folder / ARTEFACTS, spelled(report.chapters))
+    _write_text(folder / ARTEFACTS, to_json(report.chapters))
     _write_text(folder / "columns.md", dictionary(report.tables.values()))
     _write_text(folder / "summary.md", summary(report))
     _write_text(folder / "junit.xml", junit(report))

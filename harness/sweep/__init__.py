@@ -1,14 +1,13 @@
 """Sweeps: many scenes that differ in a few parameters, a row of a table each."""
 
-from harness.sweep.axes import Axis, read_axis
-from harness.sweep.choice import SAMPLES
+from harness.sweep.axes import SAMPLES, Axis, read_axis
 from harness.sweep.folder import Folder, opened
 from harness.sweep.parameters import PARAMETERS, Parameter
-from harness.sweep.partition import Part, compute
-from harness.sweep.planning import Plan, plan
-from harness.sweep.quantities import DEFAULT, QUANTITIES, Quantity
-from harness.sweep.run import sweep
-from harness.sweep.stated import PlanMismatchError
+from harness.sweep.partition import Partition, compute
+from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.plan_file import PlanMismatchError
+from harness.sweep.quantities import DEFAULT, QUANTITIES, SweepQuantity
+from harness.sweep.run import run_sweep
 
 __all__ = [
     "DEFAULT",
@@ -18,13 +17,13 @@ __all__ = [
     "Axis",
     "Folder",
     "Parameter",
-    "Part",
-    "Plan",
+    "Partition",
     "PlanMismatchError",
-    "Quantity",
+    "SweepPlan",
+    "SweepQuantity",
     "compute",
     "opened",
-    "plan",
+    "plan_sweep",
     "read_axis",
-    "sweep",
+    "run_sweep",
 ]

@@ -5,16 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.reference import refusal
-from harness.engines.reference_batch import (
-    SENTENCES,
-    Releases,
-    bounces_of,
-    epsilon_of,
-)
-from harness.simulation import Outcome
-from harness.sweep.found import Found
+from harness.core.simulation import Outcome
+from harness.engines.reference.batch import SENTENCES, Releases, bounces_of, epsilon_of
+from harness.engines.reference.to_reference_problem import refusal
 from harness.sweep.parameters import Floats, dimensions, scene_at
+from harness.sweep.quantities import SweepValues
 from models.can import AXIAL_INERTIA_ALLOWED
 from models.scene import Scene
 
@@ -29,7 +24,9 @@ _AS_IS = {
 }
 
 
-def solved_exactly(scene: Scene, values: Mapping[str, Floats], quantities: Sequence[str]) -> Found:
+def solved_exactly(
+    scene: Scene, values: Mapping[str, Floats], quantities: Sequence[str]
+) -> SweepValues:
     """Return the exact quantities of scenes and how each ended.
 
     Parameters
@@ -58,7 +55,7 @@ def solved_exactly(scene: Scene, values: Mapping[str, Floats], quantities: Seque
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if well.any():
         _solve(_releases(scene, values, well), well, numbers, outcomes)
-    return Found(numbers=numbers, outcomes=outcomes.tolist())
+    return SweepValues(numbers=numbers, outcomes=outcomes.tolist())
 
 
 def _releases(scene: Scene, values: Mapping[str, Floats], well: NDArray[np.bool_]) -> Releases:

@@ -3,6 +3,8 @@
 A file is named by its partition, by the digest of the plan, and by the first half of its own
 SHA-256; one that is not what its name says is damaged, and set aside to be made again. While a
 sweep is at work it holds a lock, which goes with its process however that ends.
+
+A partition as a table of Arrow, and back: a column each, with its meaning.
 """
 
 import fcntl
@@ -11,16 +13,71 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from harness.errors import HarnessError, OutputError
-from harness.interruption import finishing
-from harness.store.entry import checksum
-from harness.sweep.partition import Part
-from harness.sweep.planning import Plan
-from harness.sweep.stated import DAMAGED, LOCK, NAME, PARTS, SUFFIX, check_same, write_plan
-from harness.sweep.table import part_of, table_of
+from harness.core.errors import HarnessError, OutputError
+from harness.execution.cache_entry import checksum
+from harness.execution.signals import delay_signals
+from harness.sweep.parameters import PARAMETERS, Floats
+from harness.sweep.partition import Partition
+from harness.sweep.plan import SweepPlan
+from harness.sweep.plan_file import DAMAGED, LOCK, NAME, PARTS, SUFFIX, check_same, write_plan
+from harness.sweep.quantities import QUANTITIES
+
+_OF_PLAN = b"rockingcan.plan"
+_OUTCOME = "How the scene ended; says why where the numbers are missing."
+
+
+def table_of(part: Partition, digest: str) -> pa.Table:
+    """Return a part as a table; what is no number is missing, and units are in the names.
+
+    Parameters
+    ----------
+    part : Part
+    digest : str
+        Of the plan; the table carries it.
+    """
+    columns: dict[str, tuple[pa.Array, str]] = {
+        "row": (pa.array(np.arange(part.rows.start, part.rows.stop)), "Number of the scene.")
+    }
+    for known in PARAMETERS.values():
+        if known.column in part.parameters:
+            told = f"{known.name} of the scene."
+            columns[known.column] = (pa.array(part.parameters[known.column]), told)
+    for name, values in part.quantities.items():
+        numbers = pa.array(values, mask=np.isnan(values))
+        columns[name] = (numbers, QUANTITIES[name].meaning)
+    outcome = pa.DictionaryArray.from_arrays(part.code.astype(np.int32), list(part.sentences))
+    columns["outcome"] = (outcome, _OUTCOME)
+    schema = pa.schema(
+        [
+            pa.field(name, array.type, metadata={"description": told})
+            for name, (array, told) in columns.items()
+        ],
+        metadata={_OF_PLAN: digest.encode()},
+    )
+    return pa.Table.from_arrays([array for array, _ in columns.values()], schema=schema)
+
+
+def part_of(table: pa.Table, index: int, plan: SweepPlan) -> Partition:
+    """Return a table as the part that it was written from."""
+    outcome = table.column("outcome").combine_chunks()
+    sentences = [str(sentence) for sentence in outcome.dictionary.to_pylist()]
+
+    def numbers(name: str) -> Floats:
+        return np.asarray(table.column(name).to_numpy(zero_copy_only=False), dtype=np.float64)
+
+    return Partition(
+        index=index,
+        rows=plan.span(index),
+        parameters={axis.column: numbers(axis.column) for axis in plan.axes},
+        quantities={name: numbers(name) for name in plan.quantities},
+        code=outcome.indices.to_numpy(zero_copy_only=False).astype(np.int64),
+        sentences=tuple(sentences),
+    )
+
 
 _DIGITS = 32
 """Of a SHA-256, in a name: none of 2^64 damaged files passes."""
@@ -29,7 +86,7 @@ _DIGITS = 32
 class Folder:
     """The place of one sweep; opened by `opened`, which holds its lock."""
 
-    def __init__(self, out: Path, plan: Plan) -> None:
+    def __init__(self, out: Path, plan: SweepPlan) -> None:
         self.out = out
         self.plan = plan
         self._digest = plan.digest()
@@ -70,7 +127,7 @@ class Folder:
                 gone.append(index)
         return gone
 
-    def write(self, part: Part) -> None:
+    def write(self, part: Partition) -> None:
         """Write a partition, whole or not at all; a signal waits until it is done.
 
         Raises
@@ -78,7 +135,7 @@ class Folder:
         OutputError
             If it cannot be written, such as to a full disk.
         """
-        with finishing():
+        with delay_signals():
             content = _bytes(table_of(part, self._digest))
             name = f"part-{part.index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
             path, draft = self.parts / name, self.parts / f".{name}.draft"
@@ -95,7 +152,7 @@ class Folder:
                     "the same command goes on from it"
                 ) from error
 
-    def read(self) -> Iterator[Part]:
+    def read(self) -> Iterator[Partition]:
         """Yield the partitions, one at a time, in order.
 
         Raises
@@ -126,7 +183,7 @@ class Folder:
 
 
 @contextmanager
-def opened(out: Path, plan: Plan) -> Iterator[Folder]:
+def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
     """Give the folder of a sweep, new or begun earlier, to one process at a time.
 
     Raises

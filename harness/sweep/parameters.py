@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import InvalidSettingError
+from harness.core.errors import InvalidSettingError
 from models.can import Can
 from models.effects import KINDS, Effects
 from models.scene import MOST_BOUNCES, Horizon, Scene

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.sweep.exact import solved_exactly
-from harness.sweep.found import Found
 from harness.sweep.parameters import PARAMETERS, Floats, scene_at
-from harness.sweep.planning import Plan
-from harness.sweep.quantities import QUANTITIES
+from harness.sweep.plan import SweepPlan
+from harness.sweep.quantities import QUANTITIES, SweepValues
 from harness.sweep.simulated import ERRORS, run_each
 from models.errors import InvalidValueError, ModelError
 from models.scene import Scene
@@ -25,7 +24,7 @@ IMPOSSIBLE = "no such scene:"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Part:
+class Partition:
     """Consecutive rows of a sweep.
 
     Parameters
@@ -51,7 +50,7 @@ class Part:
     sentences: tuple[str, ...]
 
 
-def compute(plan: Plan, index: int, rows: range | None = None) -> Part:
+def compute(plan: SweepPlan, index: int, rows: range | None = None) -> Partition:
     """Return a partition, or some rows of it; the same wherever and in whatever order it is made.
 
     Parameters
@@ -65,12 +64,12 @@ def compute(plan: Plan, index: int, rows: range | None = None) -> Part:
     rows = plan.span(index) if rows is None else rows
     values = plan.values(rows)
     if plan.exact:
-        return part(plan, index, rows, solved_exactly(plan.scene, values, plan.quantities))
+        return to_partition(plan, index, rows, solved_exactly(plan.scene, values, plan.quantities))
     scenes = [_scene(plan, values, place) for place in range(len(rows))]
-    return part(plan, index, rows, run_each(plan, scenes, _exact(plan, index, rows)))
+    return to_partition(plan, index, rows, run_each(plan, scenes, _exact(plan, index, rows)))
 
 
-def compute_for(plan: Plan, index: int, rows: range, seconds: float) -> Part:
+def compute_for(plan: SweepPlan, index: int, rows: range, seconds: float) -> Partition:
     """Return the first of some rows of a partition: as many as there is time for, and at least one.
 
     So a slow engine needs no more time for a task than a task may take, however many rows there
@@ -88,7 +87,7 @@ def compute_for(plan: Plan, index: int, rows: range, seconds: float) -> Part:
     if plan.exact or math.isinf(seconds):
         return compute(plan, index, rows)
     end = time.monotonic() + seconds
-    done: list[Part] = []
+    done: list[Partition] = []
     start, count = rows.start, 1
     while start < rows.stop and count > 0:
         block = range(start, min(start + count, rows.stop))
@@ -97,14 +96,14 @@ def compute_for(plan: Plan, index: int, rows: range, seconds: float) -> Part:
         now = time.monotonic()
         start = block.stop
         count = int((end - now) * len(block) / max(now - began, _INSTANT))
-    return joined(index, done)
+    return concatenate(index, done)
 
 
-def part(plan: Plan, index: int, rows: range, found: Found) -> Part:
+def to_partition(plan: SweepPlan, index: int, rows: range, found: SweepValues) -> Partition:
     """Return what was found of rows as a part, its outcomes as codes."""
     sentences = tuple(sorted(set(found.outcomes)))
     place = {sentence: number for number, sentence in enumerate(sentences)}
-    return Part(
+    return Partition(
         index=index,
         rows=rows,
         parameters={PARAMETERS[name].column: v for name, v in plan.values(rows).items()},
@@ -114,14 +113,14 @@ def part(plan: Plan, index: int, rows: range, found: Found) -> Part:
     )
 
 
-def joined(index: int, parts: Sequence[Part]) -> Part:
+def concatenate(index: int, parts: Sequence[Partition]) -> Partition:
     """Return parts that follow each other as one."""
     if len(parts) == 1:
         return parts[0]
     sentences = tuple(sorted({sentence for one in parts for sentence in one.sentences}))
     place = {sentence: number for number, sentence in enumerate(sentences)}
     first = parts[0]
-    return Part(
+    return Partition(
         index=index,
         rows=range(first.rows.start, parts[-1].rows.stop),
         parameters={n: np.concatenate([p.parameters[n] for p in parts]) for n in first.parameters},
@@ -131,7 +130,7 @@ def joined(index: int, parts: Sequence[Part]) -> Part:
     )
 
 
-def _scene(plan: Plan, values: Mapping[str, Floats], place: int) -> Scene | str:
+def _scene(plan: SweepPlan, values: Mapping[str, Floats], place: int) -> Scene | str:
     """Return one scene of a partition, or why there is none."""
     try:
         return scene_at(plan.scene, {name: float(v[place]) for name, v in values.items()})
@@ -141,7 +140,7 @@ def _scene(plan: Plan, values: Mapping[str, Floats], place: int) -> Scene | str:
         return f"{IMPOSSIBLE} {error}"
 
 
-def _exact(plan: Plan, index: int, rows: range) -> dict[str, Floats]:
+def _exact(plan: SweepPlan, index: int, rows: range) -> dict[str, Floats]:
     """Return exact numbers that runs are held against, or that no run has, if any is asked for.
 
     Of the whole partition, whichever rows: of other companions they might differ by round-off.

@@ -1,13 +1,18 @@
-"""What a sweep may ask of each scene: a column each, all of the first bounce."""
+"""What a sweep may ask of each scene: a column each, all of the first bounce.
 
-from collections.abc import Mapping
+What was found of consecutive scenes of a sweep.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
+from harness.sweep.parameters import Floats
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class SweepQuantity:
     """A number of a bounce.
 
     Parameters
@@ -30,55 +35,57 @@ class Quantity:
 
 
 _ALL = (
-    Quantity(
+    SweepQuantity(
         name="angle_of_turn_deg",
         label="angle of turn [deg]",
         meaning="Signed change of psi from the maximum of phi before the bounce to the one after.",
     ),
-    Quantity(
+    SweepQuantity(
         name="rotation_turn_deg",
         label="turn of theta [deg]",
         meaning="Signed change of theta between the same two.",
     ),
-    Quantity(name="period_s", label="period [s]", meaning="Time between the same two."),
-    Quantity(name="phi_min_rad", label="least phi [rad]", meaning="Least nutation, in the bounce."),
-    Quantity(
+    SweepQuantity(name="period_s", label="period [s]", meaning="Time between the same two."),
+    SweepQuantity(
+        name="phi_min_rad", label="least phi [rad]", meaning="Least nutation, in the bounce."
+    ),
+    SweepQuantity(
         name="peak_psi_dot_rad_s",
         label="peak psi' [rad/s]",
         meaning="Precession rate of largest magnitude in the bounce, with its sign.",
     ),
-    Quantity(
+    SweepQuantity(
         name="epsilon",
         label="epsilon",
         meaning="The paper's small parameter, B_-2 squared with rates in sqrt(g/R), of the "
         "release: its square root measures how far the can is from falling flat.",
     ),
-    Quantity(
+    SweepQuantity(
         name="peak_friction_ratio",
         label="peak |F|/N",
         meaning="Largest |F|/N between the two maxima.",
         source="run",
     ),
-    Quantity(
+    SweepQuantity(
         name="energy_drift",
         label="change of energy [m g R]",
         meaning="Largest change of energy over the whole motion, over m g R.",
         source="run",
     ),
-    Quantity(name="steps", label="steps", meaning="Steps that the run took.", source="run"),
-    Quantity(
+    SweepQuantity(name="steps", label="steps", meaning="Steps that the run took.", source="run"),
+    SweepQuantity(
         name="angle_of_turn_error_deg",
         label="error of the angle of turn [deg]",
         meaning="The engine's angle of turn minus the exact one.",
         source="error",
     ),
-    Quantity(
+    SweepQuantity(
         name="period_error_s",
         label="error of the period [s]",
         meaning="The engine's period minus the exact one.",
         source="error",
     ),
-    Quantity(
+    SweepQuantity(
         name="phi_min_error_rad",
         label="error of the least phi [rad]",
         meaning="The engine's least nutation minus the exact one.",
@@ -86,7 +93,7 @@ _ALL = (
     ),
 )
 
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType({known.name: known for known in _ALL})
+QUANTITIES: Mapping[str, SweepQuantity] = MappingProxyType({known.name: known for known in _ALL})
 """What may be asked, by name."""
 
 DEFAULT = (
@@ -97,3 +104,19 @@ DEFAULT = (
     "peak_psi_dot_rad_s",
 )
 """What is asked if nothing is said."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SweepValues:
+    """Quantities and outcomes of n scenes.
+
+    Parameters
+    ----------
+    numbers : mapping of str to ndarray, shape (n,)
+        By the names of quantities; NaN where a scene has none.
+    outcomes : sequence of str
+        How each scene ended.
+    """
+
+    numbers: Mapping[str, Floats]
+    outcomes: Sequence[str]

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.interruption import finishing
-from harness.isolation import NO_LIMITS, Limits, Loss, LostTaskError
-from harness.runner import lost
+from harness.evaluation.evaluate import failed_evaluation
+from harness.execution.limits import NO_LIMITS, Limits
+from harness.execution.signals import delay_signals
+from harness.execution.worker import Loss, LostTaskError
 from harness.sweep.folder import Folder
-from harness.sweep.found import Found
-from harness.sweep.partition import Part, compute_for, joined, part
-from harness.sweep.planning import Plan
+from harness.sweep.partition import Partition, compute_for, concatenate, to_partition
+from harness.sweep.plan import SweepPlan
+from harness.sweep.quantities import SweepValues
 
 _TRIES = 2
 """Of rows whose process was stopped from outside: by chance once, for their sake twice."""
@@ -30,10 +31,10 @@ _SHARE = 0.5
 """Of the time that a task may take, for the rows it takes on: some are slower than those before."""
 
 
-def sweep(
+def run_sweep(
     folder: Folder,
     executor: Executor,
-    on_done: Callable[[Part], None] | None = None,
+    on_done: Callable[[Partition], None] | None = None,
     *,
     window: int | None = None,
 ) -> None:
@@ -57,8 +58,8 @@ def sweep(
         If the executor can do nothing more; what is done stays.
     """
 
-    def keep(made: Part) -> None:
-        with finishing():
+    def keep(made: Partition) -> None:
+        with delay_signals():
             folder.write(made)
             if on_done is not None:
                 on_done(made)
@@ -81,16 +82,16 @@ class _Piece:
 class _Making:
     """Partitions in the making, piece by piece."""
 
-    def __init__(self, plan: Plan, executor: Executor, window: int, seconds: float) -> None:
+    def __init__(self, plan: SweepPlan, executor: Executor, window: int, seconds: float) -> None:
         self._plan = plan
         self._executor = executor
         self._window = window
         self._seconds = seconds
         self._todo: deque[_Piece] = deque()
-        self._pending: dict[Future[Part], _Piece] = {}
-        self._parts: defaultdict[int, list[Part]] = defaultdict(list)
+        self._pending: dict[Future[Partition], _Piece] = {}
+        self._parts: defaultdict[int, list[Partition]] = defaultdict(list)
 
-    def run(self, missing: list[int], keep: Callable[[Part], None]) -> None:
+    def run(self, missing: list[int], keep: Callable[[Partition], None]) -> None:
         """Make partitions; those that are begun before others."""
         left = deque(missing)
         try:
@@ -105,7 +106,7 @@ class _Making:
                     parts = self._parts[index]
                     if sum(len(one.rows) for one in parts) == len(self._plan.span(index)):
                         del self._parts[index]
-                        keep(joined(index, sorted(parts, key=lambda one: one.rows.start)))
+                        keep(concatenate(index, sorted(parts, key=lambda one: one.rows.start)))
         except BaseException:  # Ctrl-C too
             for future in self._pending:
                 future.cancel()
@@ -118,7 +119,7 @@ class _Making:
         )
         self._pending[future] = piece
 
-    def _end(self, future: Future[Part], piece: _Piece) -> int:
+    def _end(self, future: Future[Partition], piece: _Piece) -> int:
         """Take what came of a piece; return its partition."""
         try:
             made = future.result()
@@ -144,9 +145,11 @@ class _Making:
             self._parts[piece.index].append(_without(self._plan, piece, error))
 
 
-def _without(plan: Plan, piece: _Piece, error: LostTaskError) -> Part:
+def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> Partition:
     """Return a row that has no numbers, since its process died."""
-    said = lost(plan.case(plan.scene), error).simulation
+    said = failed_evaluation(plan.case(plan.scene), error).simulation
     numbers = {name: np.full(1, np.nan) for name in plan.quantities}
     outcome = f"{said.outcome.value} ({said.note})"
-    return part(plan, piece.index, piece.rows, Found(numbers=numbers, outcomes=[outcome]))
+    return to_partition(
+        plan, piece.index, piece.rows, SweepValues(numbers=numbers, outcomes=[outcome])
+    )

@@ -6,21 +6,20 @@ from contextlib import suppress
 
 import numpy as np
 
-from harness.bounce import Bounce
-from harness.case import Case
-from harness.engines.reference import solved
+from harness.core.bounce import Bounce
+from harness.core.case import Case
+from harness.core.errors import HarnessError
+from harness.core.simulation import Outcome, Simulation
+from harness.engines.contract import contract_violation, describe_exception
+from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine
-from harness.engines.soundness import fault, raised
-from harness.errors import HarnessError
-from harness.keys import version_of
-from harness.metrics.conservation import energy_drift
-from harness.metrics.features import bounces
+from harness.evaluation.case_cache import engine_version
+from harness.metrics.bounces import bounces
+from harness.metrics.energy import energy_drift
 from harness.metrics.motion import motion
-from harness.simulation import Outcome, Simulation
-from harness.sweep.found import Found
 from harness.sweep.parameters import Floats
-from harness.sweep.planning import Plan
-from harness.sweep.quantities import QUANTITIES
+from harness.sweep.plan import SweepPlan
+from harness.sweep.quantities import QUANTITIES, SweepValues
 from models.scene import Scene
 
 UNRESOLVED = "unresolved: the record is too coarse to tell how often psi went round"
@@ -37,7 +36,9 @@ Numbers = dict[str, float]
 _Together = Callable[[Sequence[Case]], list[Simulation]]
 
 
-def run_each(plan: Plan, scenes: Sequence[Scene | str], exact: Mapping[str, Floats]) -> Found:
+def run_each(
+    plan: SweepPlan, scenes: Sequence[Scene | str], exact: Mapping[str, Floats]
+) -> SweepValues:
     """Run scenes; return their quantities and how each ended.
 
     Parameters
@@ -62,7 +63,7 @@ def run_each(plan: Plan, scenes: Sequence[Scene | str], exact: Mapping[str, Floa
             found[name] = found[of] - exact[of]
     if "epsilon" in exact:
         found["epsilon"] = exact["epsilon"]
-    return Found(numbers={name: found[name] for name in plan.quantities}, outcomes=outcomes)
+    return SweepValues(numbers={name: found[name] for name in plan.quantities}, outcomes=outcomes)
 
 
 def _simulations(cases: Sequence[Case]) -> Iterator[Simulation]:
@@ -88,7 +89,7 @@ def _family(cases: Sequence[Case]) -> Sequence[Simulation]:
         # whatever goes wrong: one by one, below, says which case it was and why
         with suppress(Exception):
             done = together(cases)
-            if len(done) == len(cases) and not any(map(fault, done, cases)):
+            if len(done) == len(cases) and not any(map(contract_violation, done, cases)):
                 return done
     return [_alone(case) for case in cases]
 
@@ -99,19 +100,19 @@ def _alone(case: Case) -> Simulation:
     outcome, note = Outcome.BROKEN, ""
     try:
         answer = chosen.simulate(case)
-        note = fault(answer, case)
+        note = contract_violation(answer, case)
         if not note:
             return answer
     except HarnessError as error:  # wrong use that only this scene's own values reveal
         outcome, note = Outcome.NO_SOLUTION, str(error)
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
-        note = raised(error)
+        note = describe_exception(error)
     return Simulation(
         case=case,
         outcome=outcome,
         note=note,
         trajectory=None,
-        engine_version=version_of(case.engine),
+        engine_version=engine_version(case.engine),
         model=case.engine,
     )
 
@@ -136,7 +137,7 @@ def _first_bounce(case: Case, simulation: Simulation) -> Bounce | None:
     if simulation.outcome is Outcome.NO_SOLUTION and simulation.trajectory is None:
         return None
     if case.engine == "reference":
-        return next(iter(solved(case).bounces), None)
+        return next(iter(solve_case(case).bounces), None)
     if simulation.trajectory is None:
         return None
     found = motion(simulation.trajectory, case.scene)

@@ -1,6 +1,6 @@
 """What came of fuzzing, as a page of Markdown."""
 
-from harness.provenance import provenance
+from harness.core.provenance import provenance
 from tests.fuzz.campaign import MADE, Tally
 from tests.fuzz.mutations import LEVELS
 from tests.fuzz.verdict import LONGEST

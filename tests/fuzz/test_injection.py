@@ -9,11 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.artefact import Figure, Panel, Prose, Series, Table
-from harness.provenance import provenance
-from harness.report import write_report
-from models import load, mjcf, urdf
+from harness.core.provenance import provenance
+from harness.core.report_model import Figure, Panel, Prose, Series, Table
+from harness.report.write import write_report
+from models import load
 from models.errors import ModelError
+from models.mjcf import mjcf
+from models.urdf import urdf
 from tests.fuzz.verdict import WRONG_USE, judged
 
 HARM = (

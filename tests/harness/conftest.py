@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.artefact import Figure
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.report_model import Figure
+from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
-from harness.engines.settling import settle
-from harness.runner import Evaluation, evaluate
-from harness.trajectory import Trajectory
+from harness.engines.stepping.settling import settle
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.evaluation import Evaluation
 from models import Horizon, Scene, load, release_state
 
 Evaluator = Callable[..., Evaluation]

@@ -7,14 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from harness.bounce import Bounce
-from harness.case import Case
-from harness.engines.reference import truth
-from harness.metrics.conservation import conserves_energy
+from harness.core.bounce import Bounce
+from harness.core.case import Case
+from harness.core.simulation import Outcome
+from harness.engines.reference.truth import truth
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.convergence import observed_order
+from harness.metrics.energy import conserves_energy
 from harness.metrics.error import Errors
-from harness.metrics.order import observed_order
-from harness.runner import Evaluation, evaluate
-from harness.simulation import Outcome
 from models import Compliance, Effects, Horizon, Scene, names
 
 ENGINES = ("mujoco", "pybullet")

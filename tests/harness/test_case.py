@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from harness.case import Case
-from harness.errors import HarnessError, InvalidSettingError
+from harness.core.case import Case
+from harness.core.errors import HarnessError, InvalidSettingError
 from models import Effects, Horizon, Scene, Slip
 
 

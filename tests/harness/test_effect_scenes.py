@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from harness.engines.reference import findings
-from harness.metrics.order import observed_order
-from harness.runner import Evaluation
+from harness.engines.reference.assumption_checks import findings
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.convergence import observed_order
 from models import Horizon, load
 
 ENGINES = ("mujoco", "pybullet")

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.campaign import Shelf, complete
-from harness.executors import Serial
-from harness.interruption import SIGNALS, Interrupted, finishing, listen
-from harness.isolation import LostTaskError
-from harness.store import About, Content, Store
+from harness.execution.cache import CacheFolder
+from harness.execution.cache_entry import EntryContent, Metadata
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.signals import SIGNALS, Interrupted, delay_signals, handle_signals
+from harness.execution.tasks import ResultCache, run_tasks
+from harness.execution.worker import LostTaskError
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 def _listening() -> Iterator[None]:
     """Listen, and leave the signals as they were."""
     before = {number: signal.getsignal(number) for number in SIGNALS}
-    listen()
+    handle_signals()
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
@@ -41,8 +42,8 @@ def test_a_write_is_finished_first() -> None:
     done = []
 
     def write() -> None:
-        with finishing():
-            with finishing():
+        with delay_signals():
+            with delay_signals():
                 os.kill(os.getpid(), signal.SIGTERM)
                 done.append("inner")
             done.append("outer")
@@ -50,7 +51,7 @@ def test_a_write_is_finished_first() -> None:
     with pytest.raises(Interrupted):
         write()
     assert done == ["inner", "outer"]
-    with finishing():
+    with delay_signals():
         done.append("later")  # the signal is not heard twice
 
 
@@ -66,9 +67,9 @@ def stopped(number: signal.Signals) -> bool:
 def test_one_signal_is_enough_and_others_do_not_disturb_the_clean_up() -> None:
     found = [stopped(number) for number in (signal.SIGINT, signal.SIGINT, signal.SIGTERM)]
     assert found == [True, False, False]
-    with finishing():
+    with delay_signals():
         assert not stopped(signal.SIGTERM)
-    listen()
+    handle_signals()
     assert stopped(signal.SIGTERM)
 
 
@@ -134,7 +135,7 @@ def test_the_command_starts_where_signals_are_heard_first() -> None:
     assert subprocess.run([sys.executable, "-c", light], cwd=ROOT, check=False).returncode == 0  # noqa: S603
 
 
-class Impatient(Store):
+class Impatient(CacheFolder):
     """A store that is asked to stop while it keeps what it is given, or reads it."""
 
     def note(self, event: str, kind: str, key: str) -> None:
@@ -143,7 +144,7 @@ class Impatient(Store):
         if event == "kept" and key == "b":
             os.kill(os.getpid(), signal.SIGTERM)
 
-    def get(self, kind: str, key: str) -> Content | None:
+    def get(self, kind: str, key: str) -> EntryContent | None:
         """Return what is kept."""
         found = super().get(kind, key)
         if key == "b":
@@ -151,13 +152,13 @@ class Impatient(Store):
         return found
 
 
-def shelf(store: Store) -> Shelf[str, str]:
-    return Shelf(
+def shelf(store: CacheFolder) -> ResultCache[str, str]:
+    return ResultCache(
         store=store,
         kind="letters",
         key=lambda task: task,
-        about=lambda task: About(label=task),
-        pack=lambda result: Content(record={"result": result}),
+        about=lambda task: Metadata(label=task),
+        pack=lambda result: EntryContent(record={"result": result}),
         unpack=lambda _, content: str(content.record["result"]),
     )
 
@@ -169,12 +170,14 @@ def lost(task: str, error: LostTaskError) -> str:
 def account(tasks: Sequence[str], folder: Path) -> list[str]:
     """Return what a campaign says that is stopped."""
     with pytest.raises(Interrupted) as stopping:
-        complete(tasks, str.upper, Serial(), lost=lost, shelf=shelf(Impatient(folder=folder)))
+        run_tasks(
+            tasks, str.upper, SerialExecutor(), lost=lost, shelf=shelf(Impatient(folder=folder))
+        )
     return list(stopping.value.__notes__)
 
 
 def test_what_is_being_kept_when_a_signal_comes_counts(tmp_path: Path) -> None:
     assert account("abc", tmp_path) == [f"2 of 3 are done and kept in '{tmp_path}'."]
-    listen()
+    handle_signals()
     # the third is done while the first is read; the signal comes with the second, read as well
     assert account("abc", tmp_path) == [f"3 of 3 are done and kept in '{tmp_path}'."]

@@ -5,20 +5,24 @@
 from collections.abc import Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import pytest
 
-from harness.case import Case
-from harness.errors import (
+from harness.core.case import Case
+from harness.core.errors import (
     HarnessError,
     InvalidSettingError,
     UnknownEngineError,
     UnknownSettingError,
     UnsupportedEffectError,
 )
-from harness.executors import Serial, local
-from harness.runner import Evaluation, run
+from harness.evaluation.evaluate import run_cases
+from harness.execution.isolated_pool import SerialExecutor, local_executor
 from models import Effects, Horizon, Restitution, Scene
+
+if TYPE_CHECKING:
+    from harness.evaluation.evaluation import Evaluation
 
 
 @pytest.fixture
@@ -32,7 +36,7 @@ def cases(brief: Scene) -> list[Case]:
 
 def test_results_come_in_the_order_of_the_cases(cases: list[Case]) -> None:
     told: list[Evaluation] = []
-    done = run(cases, None, told.append)
+    done = run_cases(cases, None, told.append)
     assert [e.simulation.case for e in done] == cases
     assert all(first is second for first, second in zip(told, done, strict=True))
 
@@ -52,19 +56,21 @@ class Backwards(Executor):
         return future
 
 
-@pytest.mark.parametrize("executor", [Backwards(), ThreadPoolExecutor(1), Serial()], ids=repr)
+@pytest.mark.parametrize(
+    "executor", [Backwards(), ThreadPoolExecutor(1), SerialExecutor()], ids=repr
+)
 def test_any_executor_keeps_the_order_and_tells_of_each_once(
     cases: list[Case], executor: Executor
 ) -> None:
     told: list[str] = []
     with executor:
-        done = run(cases, executor, lambda e: told.append(e.simulation.case.label()))
+        done = run_cases(cases, executor, lambda e: told.append(e.simulation.case.label()))
     assert [e.simulation.case for e in done] == cases
     assert sorted(told) == sorted(case.label() for case in cases)
 
 
 def test_no_case_is_no_result() -> None:
-    assert run([]) == ()
+    assert run_cases([]) == ()
 
 
 def wrong(brief: Scene) -> Sequence[tuple[Case, type[HarnessError]]]:
@@ -87,7 +93,7 @@ def test_wrong_use_is_refused_before_anything_runs(
     bad, kind = wrong(brief)[number]
     told: list[Evaluation] = []
     with pytest.raises(kind):
-        run([*cases, bad], None, told.append)
+        run_cases([*cases, bad], None, told.append)
     assert told == []
 
 
@@ -95,13 +101,13 @@ def test_an_executor_hands_on_what_a_task_raises() -> None:
     def fail() -> None:
         raise ZeroDivisionError("on purpose")
 
-    future = Serial().submit(fail)
+    future = SerialExecutor().submit(fail)
     with pytest.raises(ZeroDivisionError, match="on purpose"):
         future.result()
-    assert Serial().submit(divmod, 7, 2).result() == (3, 1)
+    assert SerialExecutor().submit(divmod, 7, 2).result() == (3, 1)
 
 
 def test_one_job_is_this_process_and_two_are_a_pool() -> None:
-    assert isinstance(local(1), Serial)
-    with local(2) as pool:
-        assert not isinstance(pool, Serial)
+    assert isinstance(local_executor(1), SerialExecutor)
+    with local_executor(2) as pool:
+        assert not isinstance(pool, SerialExecutor)

@@ -7,9 +7,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.simulation import Outcome, ParityRow, Simulation
-from harness.trajectory import Trajectory
+from harness.core.case import Case
+from harness.core.simulation import Outcome, ParityRow, Simulation
+from harness.core.trajectory import Trajectory
 from models import Scene
 
 

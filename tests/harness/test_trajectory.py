@@ -7,8 +7,8 @@ from dataclasses import FrozenInstanceError, fields
 import numpy as np
 import pytest
 
-from harness.errors import HarnessError, TrajectoryError
-from harness.trajectory import Trajectory, join, take
+from harness.core.errors import HarnessError, TrajectoryError
+from harness.core.trajectory import Trajectory, join, take
 
 NAMES = [field.name for field in fields(Trajectory)]
 Made = Callable[..., Trajectory]

@@ -2,7 +2,8 @@
 
 import pytest
 
-from models import KINDS, MODELLING_CHOICES, Effects, modelling_choices
+from models import KINDS, MODELLING_CHOICES, Effects
+from models.modelling_choices import modelling_choices
 
 
 def test_every_effect_has_its_sentence() -> None:

@@ -23,13 +23,12 @@ from models import (
     Slip,
     Tilt,
     load,
-    mjcf,
     release_state,
-    urdf,
 )
 from models.gravity import gravity_vector
 from models.mass import body
-from models.mjcf import dof_damping
+from models.mjcf import dof_damping, mjcf
+from models.urdf import urdf
 
 EPS = np.finfo(np.float64).eps
 EFFECTS = {

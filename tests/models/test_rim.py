@@ -5,15 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models import (
-    Can,
-    Release,
-    contact_point,
-    contact_velocity,
-    quaternion,
-    release_state,
-    to_body,
-)
+from models import Can, Release, contact_point, contact_velocity, quaternion, release_state, to_body
 
 EPS = np.finfo(np.float64).eps
 CAN = Can.from_groups(mass=0.043, radius=0.037, a=0.727, c=0.615, h=1.473)

@@ -4,16 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from models import (
-    Can,
-    Effects,
-    Horizon,
-    Release,
-    Scene,
-    SceneFileError,
-    Slip,
-    read_scene,
-)
+from models import Can, Effects, Horizon, Release, Scene, SceneFileError, Slip, read_scene
 
 GOOD = """\
 name = "a-scene"

@@ -17,8 +17,8 @@ from models import (
     load,
     names,
     release_state,
-    urdf,
 )
+from models.urdf import urdf
 
 FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 

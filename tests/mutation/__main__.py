@@ -16,7 +16,7 @@ from tests.mutation.plan import Target, targets
 from tests.mutation.report import Tally, page, reasons
 from tests.mutation.trial import Trial, Verdict, tried, warm
 
-IMPORTED = ("harness", "harness.gate", "harness.face", "harness.studies", "hypothesis", "pyarrow")
+IMPORTED = ("harness", "harness.gate", "harness.api", "harness.studies", "hypothesis", "pyarrow")
 IMPORTED_ENGINES = ("harness.engines.mujoco", "harness.engines.pybullet", "scipy.integrate")
 
 PATIENCE = 4.0

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.provenance import provenance
+from harness.core.provenance import provenance
 from tests.onsets.campaign import DURATION, KINDS, PIECE, Tally, campaign
 
 ALL = list(range(20))

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from reference import Effects, Kind, ParameterError, Parameters, Problem, Solution, solve
-from reference.contact_modes import Mode
-from reference.coulomb import CoulombEquations
-from reference.incipient import admissible, slack
-from reference.pieces import PiecesPath
-from reference.rows import LEAN, SLIP, TURN, Angles, released
-from reference.states import Floats
+from reference.equations.contact_laws import Mode
+from reference.equations.coulomb import CoulombEquations
+from reference.equations.state_vector import LEAN, SLIP, TURN, Angles, released
+from reference.nonsmooth.segments import SegmentsPath
+from reference.nonsmooth.slip_onset import admissible, slack
+from reference.problem.states import Floats
 
 DURATION = 0.3
 """sqrt(R/g) to look ahead: some slips long, and some motions through a whole bounce."""
@@ -146,7 +146,7 @@ def least_force(found: Solution) -> float:
     """Return the least normal force of a motion over the size of its round-off; 0 of none."""
     if found.t_end == 0:
         return 0.0
-    assert isinstance(found.path, PiecesPath)
+    assert isinstance(found.path, SegmentsPath)
     nodes, _ = found.path.nodes()
     parts = np.arange(BETWEEN + 1) / (BETWEEN + 1)
     times = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * parts).ravel(), nodes[-1])

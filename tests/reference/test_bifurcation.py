@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Parameters
-from reference.bifurcation import (
+from reference.equations.bifurcation import (
     SteadyMotions,
     branches,
     effective_potential,
@@ -14,10 +14,14 @@ from reference.bifurcation import (
     states_at,
     steady_motions,
 )
-from reference.equilibria import critical_rolling_rate, squared_eigenvalue, steady_rotation
-from reference.invariants import energy
-from reference.rolling import nutation_acceleration
-from reference.states import Floats, States
+from reference.equations.energy import energy
+from reference.equations.nonholonomic import nutation_acceleration
+from reference.equations.steady_motion import (
+    critical_rolling_rate,
+    squared_eigenvalue,
+    steady_rotation,
+)
+from reference.problem.states import Floats, States
 
 UPPER = Parameters(a=0.2919, c=0.3791, h=0.5575)
 K, B = -0.0559, 0.4719

@@ -5,23 +5,25 @@ import math
 import numpy as np
 import pytest
 
-from reference import (
-    PAPER_CAN,
-    Outcome,
-    Parameters,
-    Problem,
-    equilibria,
-    solve,
+from reference import PAPER_CAN, Outcome, Parameters, Problem, solve
+from reference.asymptotic.expansions import paper_constants
+from reference.equations import steady_motion
+from reference.equations.energy import energy
+from reference.equations.frictionless import (
+    axial_momentum,
+    leading_turn_without_friction,
+    vertical_momentum,
 )
-from reference.contact import friction_ratio
-from reference.expansions import paper_constants
-from reference.frictionless import leading_turn_without_friction
-from reference.frobenius import can_of, first_integrals, precession_and_spin, series_of
-from reference.invariants import energy
-from reference.momenta import axial_momentum, vertical_momentum
-from reference.pendulum import planar_motion
-from reference.rolling import nutation_acceleration
-from reference.states import States, initial_states
+from reference.equations.nonholonomic import nutation_acceleration
+from reference.equations.pendulum import planar_motion
+from reference.equations.reaction_force import friction_ratio
+from reference.integrable.frobenius import (
+    can_constants,
+    first_integrals,
+    precession_and_spin,
+    series_of,
+)
+from reference.problem.states import States, initial_states
 
 CANS = [
     PAPER_CAN,
@@ -84,7 +86,7 @@ def test_steady_motions_stay(can: Parameters) -> None:
     series = series_of(can)
     for phi in (0.3 * can.balancing_angle, 0.9 * can.balancing_angle):
         Psi = 0.7
-        Theta = equilibria.steady_rotation(can, phi, Psi)
+        Theta = steady_motion.steady_rotation(can, phi, Psi)
         at = np.array([phi])
         spin = np.array([Psi + Theta])
         assert abs(nutation_acceleration(at, np.array([Psi]), spin, can)[0]) < 1e-14
@@ -93,48 +95,50 @@ def test_steady_motions_stay(can: Parameters) -> None:
 
         def force(x: float, b: float = b, spin: float = Psi + Theta, phi: float = phi) -> float:
             K, B = first_integrals(
-                can_of(can),
+                can_constants(can),
                 series,
                 np.array([phi]),
                 np.array([b / np.sin(phi) ** 2]),
                 np.array([spin]),
             )
-            rates = precession_and_spin(can_of(can), series, np.array([x]), K, B)
+            rates = precession_and_spin(can_constants(can), series, np.array([x]), K, B)
             return float(nutation_acceleration(np.array([x]), *rates, can)[0])
 
         slope = (force(phi + step) - force(phi - step)) / (2 * step)
         # a central difference: step^2 over phi^2, and eps over step
-        assert equilibria.squared_eigenvalue(can, phi, Psi, Theta) == pytest.approx(slope, rel=1e-6)
+        assert steady_motion.squared_eigenvalue(can, phi, Psi, Theta) == pytest.approx(
+            slope, rel=1e-6
+        )
 
 
 @pytest.mark.parametrize("can", CANS)
 def test_critical_rolling(can: Parameters) -> None:
     """The eigenvalue vanishes at our critical rate; the paper's has h (h + c_p) for h^2 + c_p."""
-    rate, balance = equilibria.critical_rolling_rate(can), can.balancing_angle
-    assert abs(equilibria.squared_eigenvalue(can, balance, 0.0, rate)) < 1e-13
+    rate, balance = steady_motion.critical_rolling_rate(can), can.balancing_angle
+    assert abs(steady_motion.squared_eigenvalue(can, balance, 0.0, rate)) < 1e-13
     printed = math.sqrt(math.sqrt(can.h**2 + 1) / (can.h * can.k * can.c_p * (can.h + can.c_p)))
-    assert abs(equilibria.squared_eigenvalue(can, balance, 0.0, printed)) > 1e-3
-    Theta = equilibria.balanced_rotation(can, 1.3)
-    assert equilibria.steady_rotation(can, balance, 1.3) == pytest.approx(Theta, rel=1e-12)
+    assert abs(steady_motion.squared_eigenvalue(can, balance, 0.0, printed)) > 1e-3
+    Theta = steady_motion.balanced_rotation(can, 1.3)
+    assert steady_motion.steady_rotation(can, balance, 1.3) == pytest.approx(Theta, rel=1e-12)
 
 
 def test_motion_about_a_centre_at_rest() -> None:
     """S_rest with its sign mended: steady, with the centre still. It exists past balance too."""
     p = PAPER_CAN
     for phi in (0.1, 0.5, 0.9):
-        Psi, Theta = equilibria.rest_rates(p, phi)
-        assert equilibria.steady_rotation(p, phi, Psi) == pytest.approx(Theta, rel=1e-12)
-        assert equilibria.circle_radius(p, phi, Psi, Theta) < 1e-15
+        Psi, Theta = steady_motion.rest_rates(p, phi)
+        assert steady_motion.steady_rotation(p, phi, Psi) == pytest.approx(Theta, rel=1e-12)
+        assert steady_motion.circle_radius(p, phi, Psi, Theta) < 1e-15
         assert friction_ratio(one_state(phi, Psi, Theta), p)[0] < 1e-14
     assert p.balancing_angle < 0.9
     with pytest.raises(ValueError, match="no motion"):
-        equilibria.rest_rates(p, 0.63)
+        steady_motion.rest_rates(p, 0.63)
 
 
 def test_spinning_on_the_side() -> None:
     """The example at phi = pi/2, for a can with h < c_p."""
     rate = math.sqrt(PAPER_CAN.h / (PAPER_CAN.c_p - PAPER_CAN.h))
-    assert equilibria.steady_rotation(PAPER_CAN, math.pi / 2, rate) == pytest.approx(
+    assert steady_motion.steady_rotation(PAPER_CAN, math.pi / 2, rate) == pytest.approx(
         rate, rel=1e-13
     )
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import reference.confirmation
-import reference.exact_path
+import reference.analysis.confirmation
+import reference.integrable.exact_motion
 from reference import PAPER_CAN, Outcome, Parameters, Problem, examine, solve
-from reference.conditioning import EPS, neighbours
-from reference.equilibria import steady_rotation
-from reference.turning_points import OUTCOMES, TurningPoints, turning_points
-from reference.well import Well
+from reference.analysis.conditioning import EPS, neighbours
+from reference.equations.steady_motion import steady_rotation
+from reference.integrable.effective_potential import EffectivePotential
+from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
 
 HARD = json.loads((Path(__file__).parent / "golden" / "hard.json").read_text())
 GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.12, theta_dot=-0.06, bounces=1)
@@ -34,10 +34,10 @@ def forced(monkeypatch: pytest.MonkeyPatch) -> Forced:
     """Make the closed solution take other turning points."""
 
     def force(change: Callable[[TurningPoints], TurningPoints]) -> None:
-        def wrong(well: Well, **options: bool) -> TurningPoints:
+        def wrong(well: EffectivePotential, **options: bool) -> TurningPoints:
             return change(turning_points(well, **options))
 
-        monkeypatch.setattr(reference.exact_path, "turning_points", wrong)
+        monkeypatch.setattr(reference.integrable.exact_motion, "turning_points", wrong)
 
     return force
 
@@ -93,13 +93,13 @@ def test_a_closed_motion_without_measure_is_caught_before_it_is_followed(
     monkeypatch: pytest.MonkeyPatch, period: float
 ) -> None:
     """A period of next to nothing has more extrema up to the horizon than there is memory."""
-    own = reference.exact_path.harmonics_of
+    own = reference.integrable.exact_motion.harmonics_of
 
-    def scaled(values: np.ndarray) -> reference.exact_path.Harmonics:
+    def scaled(values: np.ndarray) -> reference.integrable.exact_motion.Harmonics:
         found = own(values)
         return replace(found, slope=found.slope * period, waves=found.waves * period)
 
-    monkeypatch.setattr(reference.exact_path, "harmonics_of", scaled)
+    monkeypatch.setattr(reference.integrable.exact_motion, "harmonics_of", scaled)
     before = time.process_time()
     found = solve(replace(GENTLE, bounces=None, duration=5.0))
     assert time.process_time() - before < 5.0
@@ -130,8 +130,8 @@ def test_a_bounce_that_only_the_closed_solution_finds_is_denied(
     assert ahead.outcome is Outcome.OVERTURNED
     assert ahead.agreement is not None
     assert ahead.agreement.holds
-    path = reference.exact_path.exact_path(GENTLE, locus=False)
-    monkeypatch.setattr(reference.confirmation, "exact_path", lambda *_, **__: path)
+    path = reference.integrable.exact_motion.exact_path(GENTLE, locus=False)
+    monkeypatch.setattr(reference.analysis.confirmation, "exact_path", lambda *_, **__: path)
     found = solve(over)
     assert found.outcome is Outcome.OVERTURNED
     assert found.bounces == ()

@@ -6,17 +6,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from reference import (
-    PAPER_CAN,
-    Parameters,
-    Problem,
-    solve,
-)
-from reference.expansions import expansions, leading_constants, paper_constants
-from reference.frobenius import can_of, precession_and_spin, series_of
-from reference.hypergeometric import gauss, hypergeometric_pair
-from reference.momenta import axial_momentum, vertical_momentum
-from reference.states import States, initial_states
+from reference import PAPER_CAN, Parameters, Problem, solve
+from reference.asymptotic.expansions import expansions, leading_constants, paper_constants
+from reference.asymptotic.hypergeometric import gauss, hypergeometric_pair
+from reference.equations.frictionless import axial_momentum, vertical_momentum
+from reference.integrable.frobenius import can_constants, precession_and_spin, series_of
+from reference.problem.states import States, initial_states
 
 CANS = [
     PAPER_CAN,
@@ -45,7 +40,9 @@ def test_hypergeometric_solution_is_the_series(can: Parameters) -> None:
     """Two constants fitted at two nutations hold at all others."""
     phi = np.array([0.05, 0.1, 0.3, 0.6, 1.0, 1.5])
     pairs = np.array([hypergeometric_pair(can, x) for x in phi.tolist()])
-    Psi, _ = precession_and_spin(can_of(can), series_of(can), phi, np.array([0.3]), np.array([0.2]))
+    Psi, _ = precession_and_spin(
+        can_constants(can), series_of(can), phi, np.array([0.3]), np.array([0.2])
+    )
     constants = np.linalg.solve(pairs[[2, 4]], Psi[[2, 4]].astype(complex))
     # sixty Taylor terms and some thirty steps
     assert np.abs(pairs @ constants / Psi - 1).max() < 1e-11

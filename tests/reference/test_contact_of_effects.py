@@ -2,7 +2,8 @@
 
 Places are of the body turned by SciPy's rotations, its lowest point found by a search; velocities
 are differences of places along a motion; the energy is that of one rigid body about the common
-centre of mass (`reference.newton_euler`), where `reference.invariants` takes two bodies.
+centre of mass (`reference.equations.newton_euler`), where `reference.equations.energy` takes two
+bodies.
 """
 
 import math
@@ -14,7 +15,10 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, Solution, States, solve
-from reference.contact import (
+from reference.equations.contact_laws import Mode
+from reference.equations.energy import energy
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.reaction_force import (
     centre_from_middle,
     centre_position,
     centre_velocity,
@@ -25,11 +29,8 @@ from reference.contact import (
     friction_ratio,
     locus_velocity,
 )
-from reference.contact_modes import Mode
-from reference.invariants import energy
-from reference.newton_euler import GeneralEquations
-from reference.pieces import PiecesPath
-from reference.states import initial_states
+from reference.nonsmooth.segments import SegmentsPath
+from reference.problem.states import initial_states
 
 MASS = Mass(share=0.2, x=0.4, y=-0.3, z=0.5)
 TILT = Gravity(constant=(0.05 * 0.6, 0.05 * 0.8, -math.sqrt(1 - 0.05**2)))
@@ -110,7 +111,7 @@ def test_velocities_are_the_rates_of_places(effects: Effects) -> None:
 @pytest.mark.parametrize("effects", EFFECTS, ids=lambda effects: "+".join(effects.declared()))
 def test_the_energy_is_that_of_one_rigid_body(effects: Effects) -> None:
     found, times = motion(effects), np.linspace(0.0, 3.0, 50)
-    assert isinstance(found.path, PiecesPath)
+    assert isinstance(found.path, SegmentsPath)
     times = times[times <= found.t_end]
     rows, _ = found.path.rows(times)
     equations = GeneralEquations(parameters=PAPER_CAN, effects=effects)

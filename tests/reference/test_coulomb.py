@@ -18,12 +18,12 @@ from reference import (
     Solution,
     solve,
 )
-from reference.contact import centre_position, centre_velocity
-from reference.contact_modes import Mode
-from reference.newton_euler import GeneralEquations
-from reference.pieces import PiecesPath
-from reference.rows import DISSIPATED
-from reference.states import Floats
+from reference.equations.contact_laws import Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.reaction_force import centre_position, centre_velocity
+from reference.equations.state_vector import DISSIPATED
+from reference.nonsmooth.segments import SegmentsPath
+from reference.problem.states import Floats
 
 UNIT = math.sqrt(0.037 / 9.81)
 GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=2 * UNIT, theta_dot=-UNIT, bounces=1)
@@ -74,7 +74,7 @@ def test_with_vanishing_friction_it_is_frictionless_with_an_error_of_first_order
 
 
 def rows_of(found: Solution, samples: int = 400) -> Floats:
-    assert isinstance(found.path, PiecesPath)
+    assert isinstance(found.path, SegmentsPath)
     rows, _ = found.path.rows(np.linspace(0, found.t_end, samples))
     return rows
 

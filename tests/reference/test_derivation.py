@@ -1,4 +1,4 @@
-"""The equations of `reference.rolling` and `reference.contact` follow from Newton and Euler.
+"""The equations of rolling and of its reaction force follow from Newton and Euler.
 
 Everything starts here from the rotation R_WB = Rz(psi) Ry(-phi), the contact point (-1, 0, -h) in
 the body, and the laws of motion; nothing is taken from the paper but the claim to be checked.
@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from reference.contact import contact_force, contact_from_centre, locus_velocity
-from reference.parameters import PAPER_CAN, Parameters
-from reference.rolling import accelerations
-from reference.states import States
+from reference.equations.nonholonomic import accelerations
+from reference.equations.reaction_force import contact_force, contact_from_centre, locus_velocity
+from reference.problem.can import PAPER_CAN, Parameters
+from reference.problem.states import States
 
 a, c, h = sp.symbols("a c h", positive=True)
 phi, Phi, Psi, Theta = sp.symbols("phi Phi Psi Theta", real=True)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import reference.chaos
+import reference.analysis.lyapunov
 from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, divergence, solve
 
 ROCKING = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.06, bounces=1)
@@ -36,7 +36,7 @@ def test_a_regular_motion_is_not_called_chaotic_where_its_horizon_is_rounded(
     found = divergence(problem)
     assert not found.chaotic
     # like time, and as a bounce turns
-    assert found.growth < reference.chaos.CHAOTIC
+    assert found.growth < reference.analysis.lyapunov.CHAOTIC
 
 
 def test_a_motion_that_is_known_is_not_solved_again() -> None:

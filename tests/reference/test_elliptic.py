@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from reference.elliptic import Clock, squared_sn_cn
+from reference.integrable.elliptic import EllipticSubstitution, squared_sn_cn
 
 FRACTIONS = np.linspace(0.01, 0.99, 9)[:, None]
 
@@ -24,7 +24,7 @@ def test_squares_to_relative_round_off(complementary: float) -> None:
 @pytest.mark.parametrize("low", [1e-12, 1e-3, 0.2])
 def test_nutation_obeys_its_equation(low: float) -> None:
     """dphi/du against the quartic, by central differences, and the two distances against phi."""
-    clock = Clock(
+    clock = EllipticSubstitution(
         low=np.array([low]),
         high=np.array([0.3]),
         swing=np.array([0.3 - low]),

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Outcome, Parameters, Problem, solve
-from reference.exact import exact_bounces
-from reference.invariants import energy
+from reference.equations.energy import energy
+from reference.integrable.cycle import exact_bounces
 
 TABLES = Path(__file__).parent / "golden"
 GOLDEN = json.loads((TABLES / "golden.json").read_text())

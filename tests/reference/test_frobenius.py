@@ -6,14 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from reference.frobenius import (
-    can_of,
+from reference.integrable.frobenius import (
+    can_constants,
     first_integrals,
     horner,
     precession_and_spin,
     series_of,
 )
-from reference.parameters import PAPER_CAN, Parameters
+from reference.problem.can import PAPER_CAN, Parameters
 
 CANS = [
     PAPER_CAN,
@@ -28,7 +28,7 @@ def test_wronskian_is_one(can: Parameters) -> None:
     """The system is traceless: b2 s1 - b1 s2 = 1 up to pi/2, where 72 terms still suffice."""
     series, phi = series_of(can), np.linspace(1e-9, np.pi / 2, 50)
     b1, s1 = horner(series.b1, phi), horner(series.s1, phi)
-    log = float(can_of(can).residue) * np.log(phi)
+    log = float(can_constants(can).residue) * np.log(phi)
     b2, s2 = horner(series.b2, phi) + log * b1, horner(series.s2, phi) + log * s1
     # products of series that grow like the second power of the height
     scale = np.abs(b2 * s1) + np.abs(b1 * s2)
@@ -54,9 +54,9 @@ def test_series_solves_the_closed_subsystem(can: Parameters) -> None:
 
     run = solve_ivp(rate, (1.5, 0.01), [0.7, -0.4], method="DOP853", rtol=1e-13, atol=1e-15)
     K, B = first_integrals(
-        can_of(can), series_of(can), np.array([1.5]), np.array([0.7]), np.array([0.3])
+        can_constants(can), series_of(can), np.array([1.5]), np.array([0.7]), np.array([0.3])
     )
-    Psi, spin = precession_and_spin(can_of(can), series_of(can), np.array([0.01]), K, B)
+    Psi, spin = precession_and_spin(can_constants(can), series_of(can), np.array([0.01]), K, B)
     # 13 digits a step, some hundred steps
     assert Psi[0] == pytest.approx(run.y[0, -1], rel=2e-11)
     assert spin[0] - Psi[0] == pytest.approx(run.y[1, -1], rel=2e-11)
@@ -73,7 +73,7 @@ def test_first_integrals_return_the_state(
     phi: float, psi_dot: float, spin: float, other: float
 ) -> None:
     """From any state to its constants, to another nutation, and back."""
-    can, series = can_of(PAPER_CAN), series_of(PAPER_CAN)
+    can, series = can_constants(PAPER_CAN), series_of(PAPER_CAN)
     here = (np.array([psi_dot]), np.array([spin]))
     constants = first_integrals(can, series, np.array([phi]), *here)
     there = precession_and_spin(can, series, np.array([other]), *constants)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Problem, solve
-from reference.asymptotic import friction_bound, matched_of
-from reference.exact import exact_bounces
-from reference.pendulum import planar_motion
-from reference.reduced import reduced_of
+from reference.asymptotic.matched import friction_bound, matched_of
+from reference.asymptotic.small_nutation import reduced_of
+from reference.equations.pendulum import planar_motion
+from reference.integrable.cycle import exact_bounces
 
 SIZES = np.array([0.04, 0.02, 0.01])
 

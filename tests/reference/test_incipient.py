@@ -23,14 +23,14 @@ from reference import (
     examine,
     solve,
 )
-from reference.contact import contact_force
-from reference.contact_modes import Mode
-from reference.coulomb import CoulombEquations
-from reference.guard import LIGHT
-from reference.incipient import Onset, admissible, onset, slack
-from reference.newton_euler import GeneralEquations
-from reference.rows import released
-from reference.states import Floats
+from reference.analysis.validity import LIGHT
+from reference.equations.contact_laws import Mode
+from reference.equations.coulomb import CoulombEquations
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.reaction_force import contact_force
+from reference.equations.state_vector import released
+from reference.nonsmooth.slip_onset import SlipOnset, admissible, onset, slack
+from reference.problem.states import Floats
 from tests.onsets.__main__ import page
 from tests.onsets.campaign import Tally, campaign, drawn
 
@@ -123,7 +123,7 @@ class RigidBody:
         return angles[turns & (N > 0) & (grip > 0) & ((e * a).sum(axis=0) > 0)].tolist()
 
 
-def admissible_of(problem: Problem) -> tuple[Onset, ...]:
+def admissible_of(problem: Problem) -> tuple[SlipOnset, ...]:
     assert problem.effects.mu is not None
     equations = CoulombEquations(parameters=problem.parameters, mu=problem.effects.mu)
     return admissible(equations, released(problem), Mode(slips=True))

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Outcome, Problem, solve
-from reference.chebyshev import (
+from reference.equations.energy import energy
+from reference.equations.nonholonomic import accelerations
+from reference.equations.regularised import regular_equations, vector_field
+from reference.integrable.frobenius import can_constants, first_integrals, series_of
+from reference.numerics.chebyshev import (
     clenshaw,
     integrator,
     points,
     primitive_coefficients,
     to_coefficients,
 )
-from reference.frobenius import can_of, first_integrals, series_of
-from reference.invariants import energy
-from reference.marching import march
-from reference.regular import field, regular_equations
-from reference.rolling import accelerations
-from reference.states import States
-from reference.time_stepping import SCIPY_METHODS, step_in_time
+from reference.problem.states import States
+from reference.smooth.scipy_ivp import SCIPY_METHODS, step_in_time
+from reference.smooth.stepping import integrate
 
 UNIT = math.sqrt(0.037 / 9.81)
 
@@ -45,7 +45,7 @@ def test_regular_equations_are_the_rolling_equations() -> None:
     )
     phi_dd, psi_dd, theta_dd = accelerations(state, PAPER_CAN)
     rise = phi - 0.7
-    rate = field(
+    rate = vector_field(
         regular_equations(PAPER_CAN, 0.7), np.stack([T, Phi, S**2 * Psi, Psi + Theta, rise])
     )
     expected = np.stack(
@@ -75,13 +75,13 @@ def test_chebyshev_matrices() -> None:
 @pytest.mark.slow
 def test_a_thousand_bounces_conserve() -> None:
     """Energy and both first integrals, each relative to its own size."""
-    run = march(paper_release(1000), locus=False)
+    run = integrate(paper_release(1000), locus=False)
     assert run.track.minima.size == 1000
     _, states = run.path.nodes()
     E = energy(states, PAPER_CAN)
     assert np.ptp(E) < 1e-12
     K, B = first_integrals(
-        can_of(PAPER_CAN), series_of(PAPER_CAN), states.phi, states.psi_dot, states.spin
+        can_constants(PAPER_CAN), series_of(PAPER_CAN), states.phi, states.psi_dot, states.spin
     )
     assert np.ptp(B) < 1e-12 * np.abs(B).max()
     assert np.ptp(K) < 1e-12 * np.abs(K).max()
@@ -90,7 +90,7 @@ def test_a_thousand_bounces_conserve() -> None:
 def test_work_does_not_grow_with_the_hardness() -> None:
     """A bounce 1e9 times harder takes only the logarithm of that longer."""
     soft, hard = (
-        march(Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=rate, bounces=1), locus=False)
+        integrate(Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=rate, bounces=1), locus=False)
         for rate in (1e-3, 1e-12)
     )
     # down and up again through ln(1e9) e-folds of nutation, 2.7 of them a step
@@ -100,7 +100,10 @@ def test_work_does_not_grow_with_the_hardness() -> None:
 
 def test_later_bounces_cost_less_than_the_first() -> None:
     """The steps of one bounce guess those of the next: a handful of evaluations each."""
-    once, often = march(paper_release(1), locus=False), march(paper_release(21), locus=False)
+    once, often = (
+        integrate(paper_release(1), locus=False),
+        integrate(paper_release(21), locus=False),
+    )
     assert (often.evaluations - once.evaluations) / 20 < once.evaluations / 2
 
 

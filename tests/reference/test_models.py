@@ -6,27 +6,20 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from reference import (
-    PAPER_CAN,
-    Parameters,
-    Problem,
-    ProblemError,
-    SolverError,
-    solve,
-)
-from reference.asymptotic import (
+from reference import PAPER_CAN, Parameters, Problem, ProblemError, SolverError, solve
+from reference.asymptotic.expansions import expansions, leading_constants
+from reference.asymptotic.matched import (
     boundary_rotation,
     friction_bound,
+    integrals,
     locus_arc,
     matched_of,
     uniform_cylinder,
 )
-from reference.exact import exact_bounces
-from reference.expansions import expansions, leading_constants
-from reference.outer import integrals
-from reference.reduced import reduced_equation, reduced_of
-from reference.rolling import nutation_acceleration
-from reference.states import initial_states
+from reference.asymptotic.small_nutation import reduced_equation, reduced_of
+from reference.equations.nonholonomic import nutation_acceleration
+from reference.integrable.cycle import exact_bounces
+from reference.problem.states import initial_states
 
 CANS = [
     PAPER_CAN,

@@ -18,10 +18,10 @@ from reference import (
     divergence,
     solve,
 )
-from reference.contact_modes import Mode
-from reference.newton_euler import GeneralEquations
-from reference.pieces import PiecesPath
-from reference.rows import DISSIPATED, SUPPLIED
+from reference.equations.contact_laws import Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import DISSIPATED, SUPPLIED
+from reference.nonsmooth.segments import SegmentsPath
 
 UNIT = math.sqrt(0.037 / 9.81)
 GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=2 * UNIT, theta_dot=-UNIT, bounces=1)
@@ -105,7 +105,7 @@ def test_energy_is_what_was_there_less_what_was_lost_plus_what_was_supplied(
     effects: Effects,
 ) -> None:
     found = general(effects, replace(GENTLE, bounces=None, duration=4.0))
-    assert isinstance(found.path, PiecesPath)
+    assert isinstance(found.path, SegmentsPath)
     rows, _ = found.path.rows(np.linspace(0, found.t_end, 300))
     equations = GeneralEquations(parameters=PAPER_CAN, effects=effects)
     energy = equations.energy(rows, Mode(slips=effects.mu is not None))

@@ -5,7 +5,7 @@ import pytest
 from mpmath import linspace, mp, mpf, quad, sqrt
 
 from reference import PAPER_CAN, Outcome, Problem, solve
-from reference.pendulum import planar_motion
+from reference.equations.pendulum import planar_motion
 
 
 def height(phi: mpf) -> mpf:

@@ -8,10 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from reference import PAPER_CAN, Effects, Gravity, Outcome, Problem, Solution, solve
-from reference.contact_modes import Kind, Mode
-from reference.newton_euler import GeneralEquations
-from reference.pieces import PiecesPath
-from reference.rows import DISSIPATED, SUPPLIED
+from reference.equations.contact_laws import Kind, Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import DISSIPATED, SUPPLIED
+from reference.nonsmooth.segments import SegmentsPath
 
 ARM = 1e-3
 RESISTED = Effects(rolling_resistance=ARM)
@@ -27,7 +27,7 @@ def general(problem: Problem) -> Solution:
 
 def lost(found: Solution, times: np.ndarray) -> np.ndarray:
     """Return what was lost, the balance of energy being checked on the way."""
-    assert isinstance(found.path, PiecesPath)
+    assert isinstance(found.path, SegmentsPath)
     rows, _ = found.path.rows(times)
     effects = found.problem.effects
     equations = GeneralEquations(parameters=PAPER_CAN, effects=effects)

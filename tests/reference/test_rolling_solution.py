@@ -16,8 +16,8 @@ from reference import (
     SolverError,
     solve,
 )
-from reference.contact import centre_position, centre_velocity, locus_velocity
-from reference.invariants import energy
+from reference.equations.energy import energy
+from reference.equations.reaction_force import centre_position, centre_velocity, locus_velocity
 
 UNIT = math.sqrt(0.037 / 9.81)  # sqrt(R/g) in s: the paper's rates are per second
 SCIPY = {"model": "rolling", "method": "DOP853"}

@@ -11,10 +11,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Outcome, Parameters, Problem, Solution, equilibria, solve
-from reference.balance import short_of_balance
-from reference.double_double import sine_and_cosine
-from reference.exact import exact_bounces
+from reference import PAPER_CAN, Outcome, Parameters, Problem, Solution, solve
+from reference.equations import steady_motion
+from reference.equations.balancing_angle import short_of_balance, sine_and_cosine
+from reference.integrable.cycle import exact_bounces
 
 HARD = json.loads((Path(__file__).parent / "golden" / "hard.json").read_text())
 RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
@@ -126,7 +126,7 @@ def test_what_round_off_takes_is_said() -> None:
     balance = PAPER_CAN.balancing_angle
     assert "exactly the numbers given" in solved(phi=balance - 1e-12, theta_dot=0.1).caveat
     assert solved(phi=balance - 1e-5, theta_dot=0.1).caveat == ""
-    rotation = equilibria.steady_rotation(PAPER_CAN, 0.3, 0.5)
+    rotation = steady_motion.steady_rotation(PAPER_CAN, 0.3, 0.5)
     assert "cancel" in solved(phi=0.3 * (1 - 1e-8), psi_dot=0.5, theta_dot=rotation).caveat
     assert solved(phi=0.3, psi_dot=0.5, theta_dot=0.1).caveat == ""
 
@@ -144,7 +144,7 @@ def test_beside_steady_rolling_no_more_is_lost_than_is_said() -> None:
             parameters=can,
             phi=phi * (1 - 10.0 ** random.uniform(-9.0, -5.0)),
             psi_dot=psi_dot,
-            theta_dot=equilibria.steady_rotation(can, phi, psi_dot),
+            theta_dot=steady_motion.steady_rotation(can, phi, psi_dot),
             bounces=1,
         )
         formula, integrated = (solve(problem, model=model) for model in ("exact", "rolling"))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reference import Outcome, exact_bounces
-from reference.brackets import first_brackets, stays_positive
-from reference.states import Floats
+from reference.integrable.brackets import first_brackets, stays_positive
+from reference.problem.states import Floats
 
 UPPER_WELL = {
     "a": 0.2919,

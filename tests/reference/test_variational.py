@@ -17,14 +17,8 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, Solution, divergence, solve
-from reference.chaos import DISTURBANCE
-from reference.contact_modes import Mode
-from reference.newton_euler import GeneralEquations
-from reference.pieces import PiecesPath
-from reference.radau import integrator
-from reference.rows import LEAN, PSI, ROWS, TIME, TOTAL, TURN, W3
-from reference.states import Floats
-from reference.variational import (
+from reference.analysis.lyapunov import DISTURBANCE
+from reference.analysis.variational import (
     CORE,
     DISTURBED,
     NUMBER,
@@ -32,6 +26,12 @@ from reference.variational import (
     release_disturbances,
     stretches,
 )
+from reference.equations.contact_laws import Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import LEAN, PSI, ROWS, TIME, TOTAL, TURN, W3
+from reference.nonsmooth.radau_iia import integrator
+from reference.nonsmooth.segments import SegmentsPath
+from reference.problem.states import Floats
 
 GOLDEN = Path(__file__).parent / "golden" / "tangent.json"
 MASS = Mass(share=0.1, x=0.5, y=0.1, z=-0.2)
@@ -55,9 +55,9 @@ def posed(effects: Effects, slip: tuple[float, float] = (0.0, 0.0)) -> Problem:
     return replace(ROLLING, effects=effects, slip=slip)
 
 
-def solved(problem: Problem) -> tuple[Solution, GeneralEquations, PiecesPath]:
+def solved(problem: Problem) -> tuple[Solution, GeneralEquations, SegmentsPath]:
     found = solve(problem, model="general")
-    assert isinstance(found.path, PiecesPath)
+    assert isinstance(found.path, SegmentsPath)
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
     return found, equations, found.path
 

@@ -8,8 +8,8 @@ import hashlib
 import sys
 from dataclasses import fields
 
-from harness.simulation import Simulation
-from harness.trajectory import Trajectory
+from harness.core.simulation import Simulation
+from harness.core.trajectory import Trajectory
 
 
 def fingerprint(simulation: Simulation) -> str:
@@ -24,10 +24,10 @@ def fingerprint(simulation: Simulation) -> str:
 def main(name: str) -> str:
     """Return the fingerprint of a registered engine's run of the brief release."""
     # imported here, since the bench and the checks import this module
-    from harness.engines.conformance.bench import Bench  # noqa: PLC0415
+    from harness.engines.conformance.fixture import Fixture  # noqa: PLC0415
     from harness.engines.registry import engine  # noqa: PLC0415
 
-    bench = Bench(engine(name))
+    bench = Fixture(engine(name))
     return fingerprint(bench.run(bench.case(bench.brief)))
 
 

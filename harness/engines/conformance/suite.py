@@ -1,19 +1,16 @@
 """The contract in full: every check, in order, and what it says of an engine."""
 
 from harness.engines.base import Engine
-from harness.engines.conformance import (
-    answers,
-    contact,
-    effects,
-    failure,
-    identity,
-    refusals,
-    repeats,
-    sampling,
-    start,
+from harness.engines.conformance import answers, contact, effects, start
+from harness.engines.conformance.fixture import (
+    BrokenContractError,
+    Check,
+    ClauseEvidence,
+    ClauseResult,
+    ClauseStatus,
+    Fixture,
+    not_applicable,
 )
-from harness.engines.conformance.bench import Bench, BrokenContractError
-from harness.engines.conformance.verdict import Check, Found, Result, Verdict, not_applicable
 
 _RUNS = "trajectory"
 
@@ -21,25 +18,25 @@ CHECKS = (
     Check(
         name="name",
         sentence="The name fits a command line, a file name and a table.",
-        look=identity.name,
+        look=answers.name,
         needs_run=False,
     ),
     Check(
         name="version",
         sentence="The version is a text.",
-        look=identity.version,
+        look=answers.version,
         needs_run=False,
     ),
     Check(
         name="settings",
         sentence="Each setting is named once, explained, and takes its own values.",
-        look=identity.settings,
+        look=answers.settings,
         needs_run=False,
     ),
     Check(
         name="capabilities",
         sentence="What is honoured is an effect of scenes; what is imposed has a sentence.",
-        look=identity.capabilities,
+        look=answers.capabilities,
         needs_run=False,
     ),
     Check(
@@ -81,65 +78,65 @@ CHECKS = (
     Check(
         name="repeats",
         sentence="A case run twice gives equal bits.",
-        look=repeats.repeats,
+        look=answers.repeats,
     ),
     Check(
         name="repeats after another",
         sentence="A case run after another case gives equal bits.",
-        look=repeats.repeats_after_another,
+        look=answers.repeats_after_another,
     ),
     Check(
         name="repeats in a batch",
         sentence="Cases run together give the same bits as one by one.",
-        look=repeats.repeats_in_a_batch,
+        look=answers.repeats_in_a_batch,
     ),
     Check(
         name="repeats in a fresh process",
         sentence="A case run in a process of its own gives equal bits.",
-        look=repeats.repeats_in_a_fresh_process,
+        look=answers.repeats_in_a_fresh_process,
     ),
     Check(
         name="starts",
         sentence="Samples start at t = 0 and time increases strictly.",
-        look=sampling.starts,
+        look=answers.starts,
     ),
     Check(
         name="dense",
         sentence="Samples are dense by angle, so that turns can be counted.",
-        look=sampling.dense,
+        look=answers.dense,
     ),
     Check(
         name="ends",
         sentence="Samples end at the horizon, whether or not the timestep divides it.",
-        look=sampling.ends,
+        look=answers.ends,
     ),
     Check(
         name="horizon",
         sentence="A longer horizon does not change what happens before.",
-        look=sampling.grows,
+        look=answers.grows,
     ),
     Check(
         name="unknown setting",
         sentence="A setting that does not exist is refused by name.",
-        look=refusals.unknown_setting,
+        look=effects.unknown_setting,
         needs_run=False,
     ),
     Check(
         name="wrong value",
         sentence="A value of another kind than the setting's is refused.",
-        look=refusals.wrong_value,
+        look=effects.wrong_value,
         needs_run=False,
     ),
     Check(
         name="unsupported effect",
         sentence="A scene that declares what the engine cannot represent is refused.",
-        look=refusals.unsupported_effect,
+        look=effects.unsupported_effect,
         needs_run=False,
     ),
     Check(
         name="friction",
         sentence="Where slip is honoured, friction reaches what is declared and not more.",
-        look=refusals.friction,
+        look=effects.friction,
     ),
     Check(
         name="laws of effects",
@@ -154,13 +151,13 @@ CHECKS = (
     Check(
         name="divergence",
         sentence="What no engine can do ends with an outcome, not with an exception.",
-        look=failure.divergence,
+        look=contact.divergence,
         needs_run=False,
     ),
     Check(
         name="flight",
         sentence="Where nothing touches there is no contact point and no force.",
-        look=failure.flight,
+        look=contact.flight,
     ),
     Check(
         name="newton",
@@ -176,7 +173,7 @@ CHECKS = (
 """Every clause, in the order in which they are worth reading."""
 
 
-def conform(engine: Engine) -> tuple[Verdict, ...]:
+def conform(engine: Engine) -> tuple[ClauseResult, ...]:
     """Return what each check says of an engine.
 
     Parameters
@@ -184,8 +181,8 @@ def conform(engine: Engine) -> tuple[Verdict, ...]:
     engine : Engine
         Need not be registered; what needs a name in other processes is then not applicable.
     """
-    bench = Bench(engine)
-    verdicts: list[Verdict] = []
+    bench = Fixture(engine)
+    verdicts: list[ClauseResult] = []
     runs = True
     for check in CHECKS:
         if check.needs_run and not runs:
@@ -193,9 +190,9 @@ def conform(engine: Engine) -> tuple[Verdict, ...]:
         else:
             found = _look(check, bench)
         if check.name == _RUNS:
-            runs = found.result is Result.PASSED
+            runs = found.result is ClauseStatus.PASSED
         verdicts.append(
-            Verdict(
+            ClauseResult(
                 name=check.name,
                 sentence=check.sentence,
                 result=found.result,
@@ -208,11 +205,13 @@ def conform(engine: Engine) -> tuple[Verdict, ...]:
     return tuple(verdicts)
 
 
-def _look(check: Check, bench: Bench) -> Found:
+def _look(check: Check, bench: Fixture) -> ClauseEvidence:
     """Return what a check finds; whatever the adapter raises is a failure of it."""
     try:
         return check.look(bench)
     except BrokenContractError as error:
-        return Found(result=Result.FAILED, detail=str(error))
+        return ClauseEvidence(result=ClauseStatus.FAILED, detail=str(error))
     except Exception as error:  # noqa: BLE001 - the suite reports on any adapter to its end
-        return Found(result=Result.FAILED, detail=f"raised {type(error).__name__}: {error}")
+        return ClauseEvidence(
+            result=ClauseStatus.FAILED, detail=f"raised {type(error).__name__}: {error}"
+        )

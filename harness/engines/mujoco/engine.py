@@ -3,6 +3,16 @@
 `mujoco.rollout` steps in C and returns the state after each step and the sensors of the state
 before it; both are put at the same instant here. Forces and the locus come from MuJoCo's contact
 sensors.
+
+MuJoCo's settings that are worth a price, and how to write them into a model of one's own.
+
+Each is one change to `matched`. A time constant of solref held while the timestep shrinks keeps the
+can soft; tied to it, as in `matched`, the softness vanishes.
+
+What separates MuJoCo as it ships from the matched one, and how hard its solver can try.
+
+The gaps in the order in which they are closed: the contact first, since friction and solver act
+through it, the timestep last, since a matched contact is tied to it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,25 +21,161 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from harness.case import Case, Value
-from harness.engines.base import Capabilities, Floats
-from harness.engines.chunk import Chunk
-from harness.engines.mujoco.batch import LARGEST, MOST_STEPS, run_batch, steps_for
-from harness.engines.mujoco.chunks import STATE, chunk_of, control
-from harness.engines.mujoco.gaps import EFFORTS, GAPS
+from harness.core.case import Case, Value
+from harness.core.simulation import Simulation
+from harness.engines.base import TIMESTEP, Capabilities, Chunk, Effort, Floats, Gap
 from harness.engines.mujoco.settings import (
     DEFAULT_TIMESTEP,
     FAINTEST,
     MATCHED_TIMESTEP,
     SETTINGS,
+    attributes,
     in_force,
+    soft_solref,
 )
-from harness.engines.mujoco.sparing import glanced, spares
-from harness.engines.mujoco.variants import VARIANTS, counted_step, paste
+from harness.engines.mujoco.stepping import (
+    LARGEST,
+    MOST_STEPS,
+    STATE,
+    chunk_of,
+    control,
+    glanced,
+    run_batch,
+    spares,
+    steps_for,
+)
 from harness.engines.mujoco.world import MujocoWorld, alike
-from harness.engines.schedule import Fixed, Schedule, Stage
-from harness.engines.stepping import MOST, PhysicsEngine
-from harness.simulation import Simulation
+from harness.engines.registry import engine
+from harness.engines.stepping.physics_engine import MOST, PhysicsEngine
+from harness.engines.stepping.schedule import Fixed, Schedule, Stage
+from harness.engines.stepping.variants import COMMON, Variant
+from models.mjcf_contact import pair, surface
+
+SHIPPED_SOLREF = 0.02
+"""s: the time constant that MuJoCo ships with."""
+
+VARIANTS = (
+    *COMMON,
+    Variant(name="adaptive RK4", profile="adaptive", settings=(("integrator", "RK4"),)),
+    *(
+        Variant(
+            name=f"integrator {word}",
+            settings=(("integrator", word),),
+            thorough=word in {"implicit", "discrete"},
+        )
+        for word in ("RK4", "implicit", "implicitfast", "discrete")
+    ),
+    Variant(
+        name="cone pyramidal",
+        settings=(("cone", "pyramidal"),),
+        imposes="a friction cone that is a pyramid",
+    ),
+    *(
+        Variant(
+            name=f"impratio {number:g}",
+            settings=(("impratio", number),),
+            imposes="friction that yields, so that the rim creeps",
+            thorough=number > 1.0,
+        )
+        for number in (1.0, 10.0)
+    ),
+    *(
+        Variant(
+            name=f"solref held at {seconds:g} s",
+            settings=(("solref", (seconds, 1.0)),),
+            imposes="a contact that stays soft",
+            thorough=seconds < SHIPPED_SOLREF,
+        )
+        for seconds in (SHIPPED_SOLREF, 0.002)
+    ),
+    Variant(name="1 solver iteration", settings=(("iterations", 1),)),
+    Variant(name="solver CG", settings=(("solver", "CG"),), thorough=True),
+    Variant(name="solver PGS", settings=(("solver", "PGS"),), thorough=True),
+    Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
+)
+
+
+def counted_step(world: "MujocoWorld") -> int:
+    """Step, and return the iterations of the solver, of the last stage of RK4, over all islands."""
+    world.step()
+    data = world.data
+    return int(data.solver_niter[: max(1, int(data.nisland))].sum())
+
+
+_ADAPTIVE = """\
+<!-- The timestep follows the motion. Before each mj_step of a can with these measures:
+from harness.engines.stepping.schedule import Adaptive  # schedule = Adaptive(can,
+largest={largest!r}, ...)
+model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
+model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
+-->
+"""
+
+
+def paste(case: Case) -> str:
+    """Return the settings of a case as MJCF: `option`, and `default` for the geoms of the contact.
+
+    Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
+    spring, for geoms named as in the model files.
+    """
+    chosen = engine(case.engine)
+    timestep = chosen.timestep(case)
+    # not the stages that are left out: a model of one's own may need them, and no number does
+    option, geom, flag = attributes(case, in_force(case, timestep or 0.0))
+    if timestep is not None:
+        option = {"timestep": repr(timestep)} | option
+    lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
+    if not flag:
+        lines = [f"<option {_spelled(option)}/>"]
+    if geom:
+        lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
+    if soft_solref(case, timestep or 0.0) is not None:
+        springy = pair(surface(case.scene) | geom, timestep)
+        lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
+    text = "\n".join(lines) + "\n"
+    if case.profile == "adaptive":
+        text = _ADAPTIVE.format(largest=timestep) + text
+    return text
+
+
+def _spelled(attributes: dict[str, str]) -> str:
+    return " ".join(f'{name}="{value}"' for name, value in attributes.items())
+
+
+GAPS = (
+    Gap(
+        name="compliance",
+        settings=("solref", "solimp"),
+        sentence="The contact yields with a time constant of 0.02 s, so that the can sinks in.",
+    ),
+    Gap(
+        name="friction regularisation",
+        settings=("cone", "impratio"),
+        sentence="Friction is as soft as the normal, its cone a pyramid, and the rim creeps.",
+    ),
+    Gap(
+        name="solver",
+        settings=("tolerance", "jacobian", "build"),
+        sentence="The solver stops at an improvement of 1e-8, and idle stages run.",
+    ),
+    Gap(
+        name="timestep",
+        settings=(TIMESTEP,),
+        sentence="Steps of 2 ms are long beside the bounce.",
+    ),
+)
+
+# below 1e-15 the solver's own cost is round-off; 200 iterations are reached by none of its solves
+_CONVERGED = (("tolerance", 1e-15), ("iterations", 200), ("ls_iterations", 200))
+
+EFFORTS = (
+    Effort(name="1 iteration", settings=(("tolerance", 1e-15), ("iterations", 1))),
+    Effort(name="2 iterations", settings=(("tolerance", 1e-15), ("iterations", 2))),
+    Effort(name="3 iterations", settings=(("tolerance", 1e-15), ("iterations", 3))),
+    Effort(name="tolerance 1e-4", settings=(("tolerance", 1e-4),)),
+    Effort(name="tolerance 1e-8, as shipped", settings=(("tolerance", 1e-8),)),
+    Effort(name="converged", settings=_CONVERGED),
+)
 
 
 class MujocoEngine(PhysicsEngine[MujocoWorld]):

@@ -14,9 +14,9 @@ from collections.abc import Mapping
 
 import mujoco
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
 from harness.engines.base import Setting, resolve
-from harness.engines.schedule import ETA_SETTING
+from harness.engines.stepping.schedule import ETA_SETTING
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, spring
 

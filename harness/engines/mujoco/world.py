@@ -13,10 +13,10 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.errors import RefusedModelError
 from harness.engines.base import Contact, Floats
 from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
-from harness.errors import RefusedModelError
 from models.gravity import shaking
 from models.kinematics import to_body
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf

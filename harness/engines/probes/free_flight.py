@@ -10,10 +10,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.case import Case
+from harness.core.case import Case
 from harness.engines.base import World
-from harness.engines.probes.evidence import Evidence, Finding, Trace
-from harness.engines.probes.opening import ALOFT, UPRIGHT, Opener, aloft
+from harness.engines.probes.fixture import (
+    ALOFT,
+    UPRIGHT,
+    Evidence,
+    Opener,
+    ProbeFinding,
+    Trace,
+    aloft,
+)
 from models.kinematics import half_angles
 from models.state import Pose, Twist
 
@@ -45,7 +52,7 @@ def damping(engine: Opener, case: Case) -> Iterator[Evidence]:
         # a rate is known to an ulp of the velocity over the timestep
         noise = 8.0 * 2.0**-52 / dt
         for law, value, in_unit in (("linear", linear, "1/s"), ("quadratic", quadratic, per)):
-            yield Finding(
+            yield ProbeFinding(
                 effect="damping",
                 quantity=f"{law} damping of {kind}",
                 unit=in_unit,
@@ -59,7 +66,7 @@ def clamp(engine: Opener, case: Case) -> Iterator[Evidence]:
     """Yield the greatest velocity and the greatest spin that a step leaves."""
     world = aloft(engine, case)
     for kind, unit, _ in _KINDS:
-        yield Finding(
+        yield ProbeFinding(
             effect="velocity clamp",
             quantity=f"greatest {kind} left by a step",
             unit=unit,
@@ -85,7 +92,7 @@ def turn(engine: Opener, case: Case) -> Iterator[Evidence]:
         ("turn of the orientation in a step", "rad", turned[largest], asked[largest]),
         ("largest turn in a step that is exact", "rad", max(exact, default=0.0), asked[largest]),
     ):
-        yield Finding(
+        yield ProbeFinding(
             effect="orientation update",
             quantity=quantity,
             unit=unit,

@@ -19,13 +19,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.errors import RefusedModelError
+from harness.core.trajectory import Floats
 from harness.engines.base import Setting, World
-from harness.engines.horizon import natural_time
-from harness.engines.probes.evidence import Evidence, Finding, Trace
-from harness.engines.probes.opening import ALOFT, UPRIGHT, Opener, aloft
-from harness.errors import RefusedModelError
-from harness.trajectory import Floats
+from harness.engines.probes.fixture import (
+    ALOFT,
+    UPRIGHT,
+    Evidence,
+    Opener,
+    ProbeFinding,
+    Trace,
+    aloft,
+)
+from harness.engines.stepping.horizon import natural_time
 from models.kinematics import to_body
 from models.state import Pose, Twist
 
@@ -164,8 +171,10 @@ def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[st
             yield setting.name, value
 
 
-def _finding(quantity: str, unit: str, value: float, how: str) -> Finding:
-    return Finding(effect=_EFFECT, quantity=quantity, unit=unit, value=value, expected=0.0, how=how)
+def _finding(quantity: str, unit: str, value: float, how: str) -> ProbeFinding:
+    return ProbeFinding(
+        effect=_EFFECT, quantity=quantity, unit=unit, value=value, expected=0.0, how=how
+    )
 
 
 def _to_world(pose: Pose, vector: Floats) -> Floats:

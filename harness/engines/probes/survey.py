@@ -1,22 +1,22 @@
-"""All probes of an engine, one after the other, each in a world of its own."""
+"""All probes of an engine, one after the other, each in a world of its own.
 
-from collections.abc import Callable, Iterator
+Which engines are probed with which settings: as they ship, and matched, each once.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeGuard
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
 from harness.engines.base import Engine
-from harness.engines.probes.compliance import compliance
-from harness.engines.probes.creep import creep
-from harness.engines.probes.evidence import Evidence, Finding, Measurement, Trace
+from harness.engines.probes.contact_point import creep, points, rim
+from harness.engines.probes.contact_stiffness import compliance, stabilisation
+from harness.engines.probes.fixture import Evidence, Measurement, Opener, ProbeFinding, Trace
 from harness.engines.probes.free_flight import clamp, damping, turn
 from harness.engines.probes.gyroscopic import gyroscopic
-from harness.engines.probes.opening import Opener
-from harness.engines.probes.points import points
-from harness.engines.probes.rim import rim
-from harness.engines.probes.stabilisation import stabilisation
 from harness.engines.registry import engine
-from harness.errors import InvalidSettingError
+from models.catalogue import load
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +111,34 @@ def measure(case: Case) -> Measurement:
         case=case,
         engine_version=chosen.version,
         timestep=chosen.timestep(case),
-        findings=tuple(each for each in evidence if isinstance(each, Finding)),
+        findings=tuple(each for each in evidence if isinstance(each, ProbeFinding)),
         traces=tuple(each for each in evidence if isinstance(each, Trace)),
+    )
+
+
+PROFILES = ("default", "matched")
+"""Adaptive is matched with other timesteps, and probes take one timestep."""
+
+SCENE = "gentle-rock"
+"""Whose can and gravity are probed; the release is each probe's own."""
+
+
+def design(
+    engines: Sequence[str], profiles: Sequence[str] = PROFILES, timestep: float | None = None
+) -> tuple[Case, ...]:
+    """Return the cases to measure.
+
+    Parameters
+    ----------
+    engines : sequence of str
+        Names of engines that step a world.
+    profiles : sequence of str
+    timestep : float, optional
+        s; each profile's own if left out.
+    """
+    scene = load(SCENE)
+    return tuple(
+        Case(scene=scene, engine=engine, profile=profile, timestep=timestep)
+        for engine in engines
+        for profile in profiles
     )

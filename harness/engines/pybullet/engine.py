@@ -2,30 +2,187 @@
 
 There is no batched stepping: each step is a call, and so is each of the three readings, so that
 states are read no oftener than the recorder needs them.
+
+PyBullet's settings that are worth a price, and how to write them into a program of one's own.
+
+Each is one change to `matched`. A margin makes another rim than the scene's, which only profile
+`default` lets pass: so that variant is the shipped engine with all gaps closed but this.
+
+What separates PyBullet as it ships from the matched one, and how hard its solver can try.
+
+The gaps in the order in which they are closed: the body first (its rim, its moments), then what
+acts on a body in flight, then the contact and its solver, the timestep last.
 """
 
 from collections.abc import Iterator
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import pybullet
 
-from harness.case import Case, Value
-from harness.engines.base import Capabilities
-from harness.engines.chunk import Chunk
-from harness.engines.pybullet.gaps import EFFORTS, GAPS
+from harness.core.case import Case, Value
+from harness.engines.base import TIMESTEP, Capabilities, Chunk, Effort, Gap
 from harness.engines.pybullet.settings import (
     DEFAULT_TIMESTEP,
+    DYNAMICS,
     IMPOSED_BY_DEFAULT,
     MATCHED_TIMESTEP,
+    PROCESS_WIDE,
     SETTINGS,
+    SOLVER,
+    URDF_FLAGS,
     in_force,
 )
-from harness.engines.pybullet.steps import Steps
-from harness.engines.pybullet.variants import VARIANTS, counted_step, paste
+from harness.engines.pybullet.stepping import Steps
 from harness.engines.pybullet.world import PybulletWorld
-from harness.engines.schedule import Schedule, Stage
-from harness.engines.stepping import PhysicsEngine
+from harness.engines.registry import engine
+from harness.engines.stepping.physics_engine import PhysicsEngine
+from harness.engines.stepping.schedule import Schedule, Stage
+from harness.engines.stepping.variants import COMMON, Variant
+
+_ALL_BUT_THE_MARGIN = tuple(
+    (setting.name, setting.matched)
+    for setting in SETTINGS
+    if setting.matched not in {None, setting.default} and not callable(setting.matched)
+)
+
+SHIPPED_ERP = 0.08
+"""What contactERP is where PyBullet is not handed one."""
+
+VARIANTS = (
+    *COMMON,
+    *(
+        Variant(
+            name=f"{count} sweeps at most",
+            settings=(("numSolverIterations", count),),
+            thorough=count != 5,  # noqa: PLR2004 - the middle one
+        )
+        for count in (2, 5, 10)
+    ),
+    *(
+        Variant(
+            name=f"contactERP {share:g}",
+            settings=(("contactERP", share),),
+            imposes="penetration that is taken away slowly",
+            thorough=share > SHIPPED_ERP,
+        )
+        for share in (SHIPPED_ERP, 0.2)
+    ),
+    Variant(
+        name="margin of 1 mm",
+        profile="default",
+        settings=tuple((dict(_ALL_BUT_THE_MARGIN) | {"collisionMargin": 0.001}).items()),
+        imposes="a rim rounded by a margin of 1 mm",
+    ),
+    Variant(
+        name="friction of two directions",
+        settings=(("enableConeFriction", 0),),
+        imposes="a friction cone that is a pyramid",
+    ),
+    Variant(name="maximal coordinates", settings=(("useMaximalCoordinates", True),)),
+)
+
+
+def counted_step(world: "PybulletWorld") -> int:
+    """Step, and return the sweeps of the solver over all islands."""
+    here = {"physicsClientId": world.client}
+    pybullet.setPhysicsEngineParameter(reportSolverAnalytics=1, **here)
+    islands: tuple[dict[str, Any], ...] = pybullet.stepSimulation(**here) or ()
+    return sum(int(island["numIterationsUsed"]) for island in islands)
+
+
+_ADAPTIVE = """\
+# The timestep follows the motion. Before each stepSimulation of a can with these measures:
+#   from harness.engines.stepping.schedule import Adaptive  # Adaptive(can, largest={largest!r},
+...)
+#   pybullet.setTimeStep(step)                     # of schedule.next(quaternion, angular velocity)
+"""
+
+
+def paste(case: Case) -> str:
+    """Return the settings of a case as calls, for a world that is connected and a file can.urdf."""
+    chosen = engine(case.engine)
+    timestep = chosen.timestep(case)
+    settings = in_force(case, timestep or 0.0)
+    solver = {s.name: settings[s.name] for s in SOLVER if settings[s.name] is not None}
+    solver = {**PROCESS_WIDE, **solver}
+    dynamics = {s.name: settings[s.name] for s in DYNAMICS if settings[s.name] is not None}
+    flags = [
+        f"pybullet.{s.name}" for s in URDF_FLAGS if s.name.startswith("URDF_") and settings[s.name]
+    ]
+    load = ['"can.urdf"', *([f"flags={' | '.join(flags)}"] if flags else [])]
+    load += ["useMaximalCoordinates=True"] if settings["useMaximalCoordinates"] else []
+    lines = [
+        "import pybullet",
+        "",
+        f"pybullet.setTimeStep({timestep!r})",
+        f"pybullet.setPhysicsEngineParameter({_arguments(solver)})",
+        f"can = pybullet.loadURDF({', '.join(load)})",
+    ]
+    if dynamics:
+        lines.append(f"pybullet.changeDynamics(can, -1, {_arguments(dynamics)})")
+    text = "\n".join(lines) + "\n"
+    if case.profile == "adaptive":
+        text = _ADAPTIVE.format(largest=timestep) + text
+    return text
+
+
+def _arguments(settings: dict[str, Any]) -> str:
+    """Return settings as arguments; a setting that is a word is one of PyBullet's constants."""
+    told = {n: f"pybullet.{v}" if isinstance(v, str) else repr(v) for n, v in settings.items()}
+    return ", ".join(f"{name}={value}" for name, value in told.items())
+
+
+GAPS = (
+    Gap(
+        name="rim shape",
+        settings=("URDF_USE_IMPLICIT_CYLINDER", "collisionMargin"),
+        sentence="The rim is a polygon with 32 corners inside a margin of 1 mm.",
+    ),
+    Gap(
+        name="inertia",
+        settings=("URDF_USE_INERTIA_FROM_FILE",),
+        sentence="The moments are those of the collision shape, not the declared ones.",
+    ),
+    Gap(
+        name="damping",
+        settings=("linearDamping", "angularDamping"),
+        sentence="Velocities decay at 0.04 per second.",
+    ),
+    Gap(
+        name="velocity clamp",
+        settings=("maxJointVelocity",),
+        sentence="No component of velocity exceeds 100 m/s or rad/s.",
+    ),
+    Gap(
+        name="stabilisation",
+        settings=("contactERP", "contactSlop"),
+        sentence="A slop of 0.01 mm is left alone and what is deeper taken away at 8 % a step.",
+    ),
+    Gap(
+        name="solver",
+        settings=("solverResidualThreshold", "enableConeFriction"),
+        sentence="The sweeps stop at a squared residual of 1e-7.",
+    ),
+    Gap(
+        name="timestep",
+        settings=(TIMESTEP,),
+        sentence="Steps of 1/240 s are long beside the bounce.",
+    ),
+)
+
+# a squared residual of 1e-30 is round-off of velocities of 1 m/s; sweeps end there before 1000
+_RESIDUAL = ("solverResidualThreshold", 1e-30)
+
+EFFORTS = (
+    Effort(name="1 sweep", settings=(_RESIDUAL, ("numSolverIterations", 1))),
+    Effort(name="2 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 2))),
+    Effort(name="5 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 5))),
+    Effort(name="10 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 10))),
+    Effort(name="residual 1e-7, as shipped", settings=(("solverResidualThreshold", 1e-7),)),
+    Effort(name="converged", settings=(_RESIDUAL, ("numSolverIterations", 1000))),
+)
 
 
 class PybulletEngine(PhysicsEngine[PybulletWorld]):

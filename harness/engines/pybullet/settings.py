@@ -15,9 +15,9 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
 from harness.engines.base import Setting, resolve
-from harness.engines.schedule import ETA_SETTING
+from harness.engines.stepping.schedule import ETA_SETTING
 from models.scene import Scene
 
 DEFAULT_TIMESTEP = 1.0 / 240.0

@@ -5,19 +5,29 @@ engine does, so it can be run, timed and compared like one; and as the truth it 
 state at any instant, so that an engine is compared on its own time grid.
 """
 
-from harness.engines.reference.engine import ReferenceEngine
-from harness.engines.reference.guarding import (
+from harness.engines.reference.assumption_checks import (
     PARTED,
     Divergence,
     Guard,
+    check_assumptions,
+    divergence_of,
     findings,
-    guard,
     may_be_chaotic,
-    parting,
 )
-from harness.engines.reference.posing import carried, refusal
-from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
-from harness.engines.reference.truth import Phase, Truth, apart, beside, sampled, solved, truth
+from harness.engines.reference.engine import ReferenceEngine
+from harness.engines.reference.to_reference_problem import carried, refusal
+from harness.engines.reference.truth import (
+    SETTINGS,
+    VARIANTS,
+    WITHOUT_LOCUS,
+    Phase,
+    Truth,
+    apart,
+    beside,
+    sample_truth,
+    solve_case,
+    truth,
+)
 from reference import ENDING, Agreement, Finding
 
 __all__ = [
@@ -36,12 +46,12 @@ __all__ = [
     "apart",
     "beside",
     "carried",
+    "check_assumptions",
+    "divergence_of",
     "findings",
-    "guard",
     "may_be_chaotic",
-    "parting",
     "refusal",
-    "sampled",
-    "solved",
+    "sample_truth",
+    "solve_case",
     "truth",
 ]

@@ -3,13 +3,18 @@
 import time
 from importlib.metadata import version
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities, resolve
-from harness.engines.reference.posing import HONOURS, refusal
-from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
-from harness.engines.reference.truth import sampled, solved
-from harness.errors import InvalidSettingError
-from harness.simulation import Outcome, Simulation
+from harness.engines.reference.to_reference_problem import HONOURS, refusal
+from harness.engines.reference.truth import (
+    SETTINGS,
+    VARIANTS,
+    WITHOUT_LOCUS,
+    sample_truth,
+    solve_case,
+)
 from reference import Outcome as Ending
 from reference import Solution
 
@@ -63,13 +68,13 @@ class ReferenceEngine:
                 settings=chosen,
             )
         started, cpu = time.perf_counter(), time.process_time()
-        found = solved(case)
+        found = solve_case(case)
         outcome, note = _ending(found.solution)
         trajectory = None
         if chosen["model"] in WITHOUT_LOCUS:
             note = f"{note} The model knows no contact locus: no motion to show.".lstrip()
         else:
-            trajectory = sampled(found)
+            trajectory = sample_truth(found)
         return Simulation(
             case=case,
             outcome=outcome,

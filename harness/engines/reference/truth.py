@@ -1,20 +1,29 @@
-"""The exact motion of a scene, which knows its state at any instant."""
+"""The exact motion of a scene, which knows its state at any instant.
 
+The last exact motions that were solved: not twice in a process.
+
+A scene with friction may take seconds, and is asked for as an engine's answer, as the truth that
+it is held to, and by the command that prints it, from the same samples. All are the same bits.
+
+The choices of the reference, and the ways to solve a scene that are worth a row in a study.
+"""
+
+from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Generic, TypeVar
 
 import numpy as np
 
-from harness.bounce import Bounce
-from harness.case import Case
-from harness.engines.base import Floats, resolve
-from harness.engines.horizon import natural_time
-from harness.engines.reference.followed import Followed
-from harness.engines.reference.posing import problem
-from harness.engines.reference.settings import SETTINGS, WITHOUT_LOCUS
-from harness.errors import InvalidSettingError
-from harness.trajectory import Trajectory
+from harness.core.bounce import Bounce
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
+from harness.core.trajectory import Trajectory
+from harness.engines.base import Floats, Setting, resolve
+from harness.engines.reference.to_reference_problem import problem
+from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.variants import Variant
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset
 from models.scene import Scene
@@ -22,6 +31,7 @@ from reference import (
     METHODS,
     MODELS,
     Choice,
+    Problem,
     Solution,
     SolverError,
     carries,
@@ -30,7 +40,87 @@ from reference import (
     smallest,
     solve,
 )
-from reference.contact import contact_force_in_world
+from reference.equations.reaction_force import contact_force_in_world
+
+T = TypeVar("T")
+
+MOST = 16
+"""Motions that are kept, each of some megabytes at most."""
+
+
+class Followed(Generic[T]):
+    """The last motions, by scene, problem and the model that solves it."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[tuple[Scene, Problem, str], T] = OrderedDict()
+
+    def find(self, scene: Scene, problem: Problem, model: str) -> T | None:
+        """Return a motion that was asked for by a model or "auto", if it is kept."""
+        return self._kept.get((scene, problem, _meant(model, problem)))
+
+    def keep(self, scene: Scene, problem: Problem, model: str, motion: T) -> None:
+        """Keep a motion, and let the oldest go."""
+        self._kept[scene, problem, _meant(model, problem)] = motion
+        while len(self._kept) > MOST:
+            self._kept.popitem(last=False)
+
+
+def _meant(model: str, problem: Problem) -> str:
+    """Return the model that "auto" means; of a rim that rolls it is the formula, by that name."""
+    needed = smallest(problem).model
+    return needed if model == "auto" and needed != "rolling" else model
+
+
+SETTINGS = (
+    Setting(
+        name="model",
+        default="auto",
+        matched="auto",
+        meaning="Which equations; auto takes the smallest that carries the scene.",
+    ),
+    Setting(
+        name="method",
+        default="auto",
+        matched="auto",
+        meaning="How they are integrated; auto takes the model's own method.",
+    ),
+    Setting(
+        name="rtol",
+        default=1e-12,
+        matched=1e-12,
+        meaning="Relative tolerance of the integrator.",
+    ),
+)
+
+_TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
+
+WITHOUT_LOCUS = frozenset({"reduced", "asymptotic"})
+"""Models that know the angles alone."""
+
+VARIANTS = (
+    Variant(name="exact bounce", settings=(("model", "exact"),), along=""),
+    Variant(name="fast integrator", settings=(("model", "rolling"),), along=""),
+    *(
+        Variant(
+            name=f"rolling, {method}",
+            settings=(("model", "rolling"), ("method", method)),
+            along="rtol",
+            values=_TOLERANCES,
+            thorough=method not in {"DOP853", "LSODA"},
+        )
+        for method in ("RK45", "DOP853", "LSODA", "Radau", "BDF")
+    ),
+    *(
+        Variant(
+            name=f"{model} model",
+            settings=(("model", model),),
+            along="",
+            imposes="the terms that the model leaves out: model form",
+        )
+        for model in ("reduced", "asymptotic")
+    ),
+)
+"""Ways to solve a scene; an implicit method in the raw variables is slow where it is stiff."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,7 +245,7 @@ FOLLOWED: Followed[Truth] = Followed()
 """What has been solved, which may take seconds."""
 
 
-def solved(case: Case, seconds: float | None = None, *, again: bool = True) -> Truth:
+def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) -> Truth:
     """Return the exact motion of a case's scene, up to its own horizon or for so many seconds.
 
     It is solved even if it was before, so that it can be timed, unless `again` is false.
@@ -210,7 +300,7 @@ def truth(scene: Scene, seconds: float | None = None) -> Truth:
     """Return the exact motion of a scene, by the smallest model that carries it, and keep it.
 
     Where the rim rolls it is the integration that confirms the closed motion, or what is left where
-    the two do not agree (`reference.confirmation`).
+    the two do not agree (`reference.analysis.confirmation`).
     """
     needed = smallest(problem(scene, seconds)).model
     found = _by(needed if needed != "rolling" else "auto", scene, seconds)
@@ -223,11 +313,11 @@ def truth(scene: Scene, seconds: float | None = None) -> Truth:
 
 def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
     case = Case(scene=scene, engine="reference", options=(("model", model),))
-    return solved(case, seconds, again=False)
+    return solve_case(case, seconds, again=False)
 
 
 @lru_cache(maxsize=64)
-def sampled(motion: Truth) -> Trajectory:
+def sample_truth(motion: Truth) -> Trajectory:
     """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
     return motion.at(motion.grid())
 

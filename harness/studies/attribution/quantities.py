@@ -4,11 +4,11 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from harness.runner import Evaluation
+from harness.evaluation.evaluation import Evaluation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class AttributedQuantity:
     """One discrepancy.
 
     Parameters
@@ -65,14 +65,14 @@ def _known(value: float) -> float | None:
 
 
 QUANTITIES = (
-    Quantity(
+    AttributedQuantity(
         key="turn_error_deg",
         words="angle of turn",
         unit="degrees",
         meaning="Angle of the first turn, engine minus truth, where the record can count it.",
         read=turn,
     ),
-    Quantity(
+    AttributedQuantity(
         key="contact_locus_rms_m",
         words="contact locus (rms)",
         unit="mm",
@@ -80,7 +80,7 @@ QUANTITIES = (
         meaning="Distance of the contact points at the same instant, root mean square.",
         read=lambda e: _known(e.errors.contact_locus_rms) if e.errors else None,
     ),
-    Quantity(
+    AttributedQuantity(
         key="phi_rms_rad",
         words="nutation phi (rms)",
         unit="mrad",
@@ -88,14 +88,14 @@ QUANTITIES = (
         meaning="Error of phi over the run, root mean square.",
         read=lambda e: _known(e.errors.phi_rms) if e.errors else None,
     ),
-    Quantity(
+    AttributedQuantity(
         key="peak_friction_ratio_error",
         words="peak friction ratio",
         unit="",
         meaning="Largest |F|/N of the first bounce, engine minus truth.",
         read=_friction,
     ),
-    Quantity(
+    AttributedQuantity(
         key="contact_locus_hausdorff_m",
         words="contact locus (Hausdorff)",
         unit="mm",

@@ -5,11 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.case import Case
-from harness.runner import Evaluation
-from harness.studies.attribution.accounts import Account, Level, total
-from harness.studies.attribution.path import Path, case, stops
+from harness.core.case import Case
+from harness.core.report_model import Table
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.attribution.ablation import AblationPath, Account, Level, case, stops, total
 from harness.studies.attribution.quantities import QUANTITIES, turn_seen
 
 _GAPS: Mapping[str, str] = {
@@ -28,7 +27,7 @@ _GAPS: Mapping[str, str] = {
 }
 
 
-def gap_table(way: Path, accounts: Mapping[str, Account]) -> Table:
+def gap_table(way: AblationPath, accounts: Mapping[str, Account]) -> Table:
     """Return what each gap accounts for, a row a gap and quantity."""
     rows = []
     for quantity in QUANTITIES:
@@ -71,7 +70,7 @@ _INTERACTIONS: Mapping[str, str] = {
 }
 
 
-def interaction_table(way: Path, accounts: Mapping[str, Account]) -> Table:
+def interaction_table(way: AblationPath, accounts: Mapping[str, Account]) -> Table:
     """Return the whole, the sums and the interaction, a row a quantity."""
     rows = []
     for quantity in QUANTITIES:
@@ -113,7 +112,7 @@ _RUNS: Mapping[str, str] = {
 
 
 def run_table(
-    way: Path, evaluations: Mapping[Case, Evaluation], accounts: Mapping[str, Account]
+    way: AblationPath, evaluations: Mapping[Case, Evaluation], accounts: Mapping[str, Account]
 ) -> Table:
     """Return every run, with what it takes away and the command that reproduces it."""
     rows = []
@@ -156,7 +155,7 @@ def _ratio(part: Level, whole: Level) -> Level:
 
 
 def _table(
-    way: Path,
+    way: AblationPath,
     name: str,
     title: str,
     rows: list[dict[str, Any]],

@@ -1,8 +1,14 @@
 """The comparison study: every engine on every scene, as it ships and as well as it can be run."""
 
-from harness.studies.comparison.design import SUITES, design
-from harness.studies.comparison.reading import read
+from harness.studies.comparison.report import comparison_report
 from harness.studies.comparison.results import results
-from harness.studies.comparison.unsupported import Unsupported, parted
+from harness.studies.comparison.suite import SUITES, Unsupported, split_unsupported, suite_cases
 
-__all__ = ["SUITES", "Unsupported", "design", "parted", "read", "results"]
+__all__ = [
+    "SUITES",
+    "Unsupported",
+    "comparison_report",
+    "results",
+    "split_unsupported",
+    "suite_cases",
+]

@@ -5,12 +5,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from harness.artefact import Figure, Panel, Series
-from harness.bounce import Bounce
+from harness.core.bounce import Bounce
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
+from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
-from harness.runner import Evaluation
-from harness.studies.comparison.curves import MS, digests, label, longest
-from harness.trajectory import Floats
+from harness.studies.comparison.selection import MS, digests, label, longest
 
 _WINDOW = 12.0
 """Half-width of the zoom in 1/(peak precession rate): the turn is then 94 % done."""

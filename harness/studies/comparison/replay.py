@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.artefact import Body, Replay
+from harness.core.report_model import Body, Replay
+from harness.core.trajectory import Floats
+from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
-from harness.runner import Evaluation
-from harness.studies.comparison.curves import drawn_runs, label, longest
-from harness.trajectory import Floats
+from harness.studies.comparison.selection import drawn_runs, label, longest
 from models.rim import contact_point
 from models.scene import Scene
 

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from harness.artefact import Table
-from harness.metrics.order import observed_order
-from harness.runner import Evaluation
-from harness.studies.comparison.rows import CASE, LINK, frame, key, link
+from harness.core.report_model import Table
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.convergence import observed_order
+from harness.studies.comparison.results import CASE, LINK, frame, key, link
 
 _BOUNCES: Mapping[str, str] = {
     **CASE,

@@ -1,7 +1,14 @@
 """The study of cost: what accuracy costs in time, for each engine, and which settings buy it."""
 
-from harness.studies.cost.design import SUITES, Plan, expected, plan, run, timed
-from harness.studies.cost.reading import read
+from harness.studies.cost.design import (
+    SUITES,
+    CostPlan,
+    error_cases,
+    expected,
+    plan_cost,
+    timing_cases,
+)
+from harness.studies.cost.report import cost_report
 from harness.studies.cost.results import CHOICES, FIXED, FOLLOWING, HERE, SHIPPED, Cost, cost
 
 __all__ = [
@@ -12,11 +19,11 @@ __all__ = [
     "SHIPPED",
     "SUITES",
     "Cost",
-    "Plan",
+    "CostPlan",
     "cost",
+    "cost_report",
+    "error_cases",
     "expected",
-    "plan",
-    "read",
-    "run",
-    "timed",
+    "plan_cost",
+    "timing_cases",
 ]

@@ -5,26 +5,119 @@ same on another scene, errors and the time of that one run, from which each engi
 chosen. *Gaps*: at the finest timestep of the engine as it ships, each gap closed alone and each
 left open, to say what a plateau is made of. *Hardness*: matched at fixed and adaptive steps, on the
 same can with its spin turned down. Nothing here runs.
+
+Scenes of any hardness: the same can, its spin turned up or down.
+
+The small parameter of the paper, epsilon = B_{-2}^2 (a_p + 1), is read off the exact motion: its
+bounce comes as near to flat as phi_min = sqrt(epsilon a_p/((a_p + 1) I)), with I/2 the largest phi
+(eq01:phi_inner; the paper's 1.43e-10 has the factor a_p + 1, see `reference.asymptotic.matched`).
+Psi' and
+theta' at release are multiplied by one factor, and epsilon goes with its square.
 """
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from harness.case import Case
+import numpy as np
+from scipy.stats import t as student
+
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
 from harness.engines.base import TIMESTEP
-from harness.engines.carried import check_exact
-from harness.engines.horizon import natural_time
-from harness.engines.reference import carried, truth
+from harness.engines.reference.support import check_exact
+from harness.engines.reference.to_reference_problem import carried
+from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of
-from harness.engines.schedule import ETA
-from harness.engines.variants import COMMON, Variant, variants
-from harness.errors import InvalidSettingError
-from harness.studies.attribution import Path, path
-from harness.studies.attribution.path import case as closed_case
-from harness.studies.cost.hardness import DECADES, epsilon, hardened
-from harness.studies.cost.ladders import Family, family, timesteps
-from models.scene import Scene
+from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.schedule import ETA
+from harness.engines.stepping.variants import COMMON, Variant, variants
+from harness.studies.attribution.ablation import AblationPath, ablation_path
+from harness.studies.attribution.ablation import case as closed_case
+from harness.studies.cost.points import Family, family, timesteps
+from models.scene import Horizon, Scene
+
+DECADES = {"quick": (-6, -8, -10), "full": (-4, -5, -6, -7, -8, -9, -10)}
+"""Powers of ten of epsilon, from mild to the paper's."""
+
+_ROUNDS = 6
+"""Of regula falsi in logarithms, each a digit or more: epsilon is nearly a power of the factor."""
+
+_NEAR = 0.02
+"""Of epsilon, by which a scene may miss the one asked for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exponent:
+    """Cost ~ epsilon^exponent; half-width of the 95 % interval, infinite for two points."""
+
+    exponent: float
+    confidence: float
+    points: int
+
+
+def epsilon(scene: Scene) -> float | None:
+    """Return the paper's small parameter of a scene, or None if its can does not bounce."""
+    bounces = truth(scene).bounces
+    if not bounces:
+        return None
+    can = scene.can
+    a_p = can.a + can.h**2
+    largest = max(scene.release.phi, bounces[0].phi_min)
+    return (a_p + 1.0) / a_p * 2.0 * largest * bounces[0].phi_min ** 2
+
+
+def hardened(scene: Scene, wanted: float) -> Scene | None:
+    """Return the scene with its spin changed so that epsilon is as wanted, for one bounce.
+
+    Returns
+    -------
+    Scene or None
+        None if no such spin is found: a can that stands upright does not bounce gently.
+    """
+    own = epsilon(scene)
+    if own is None or own == 0.0:
+        return None
+    factor = math.sqrt(wanted / own)
+    for _ in range(_ROUNDS):
+        made = _spun(scene, factor, wanted)
+        found = epsilon(made)
+        if found is None or not 0.0 < found < math.inf:
+            return None
+        if abs(found / wanted - 1.0) < _NEAR:
+            return made
+        factor *= math.sqrt(wanted / found)
+    return None
+
+
+def _spun(scene: Scene, factor: float, wanted: float) -> Scene:
+    release = scene.release
+    return replace(
+        scene,
+        name=f"{scene.name}-epsilon-1e{round(math.log10(wanted))}",
+        cite=f"{scene.name} with psi' and theta' multiplied by {factor:.6g}",
+        release=replace(
+            release, psi_dot=release.psi_dot * factor, theta_dot=release.theta_dot * factor
+        ),
+        horizon=Horizon(bounces=1),
+    )
+
+
+def exponent(epsilons: Sequence[float], costs: Sequence[float]) -> Exponent | None:
+    """Return the exponent of cost against epsilon, by least squares in logarithms; None of one."""
+    pairs = [(e, c) for e, c in zip(epsilons, costs, strict=True) if c > 0.0 and math.isfinite(c)]
+    if len(pairs) < 2:  # noqa: PLR2004 - a slope needs two points
+        return None
+    x, y = np.log(np.array(pairs)).T
+    slope, offset = np.polyfit(x, y, 1)
+    freedom = len(x) - 2
+    width = math.inf
+    if freedom:
+        rest = y - slope * x - offset
+        error = math.sqrt(float(rest @ rest) / freedom / float(np.sum((x - x.mean()) ** 2)))
+        width = float(student.ppf(0.975, freedom)) * error
+    return Exponent(exponent=float(slope), confidence=width, points=len(x))
+
 
 SUITES = ("quick", "full")
 
@@ -56,7 +149,7 @@ class Hardness:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class CostPlan:
     """What is to be run.
 
     Parameters
@@ -74,7 +167,7 @@ class Plan:
     suite: str
     scored: tuple[Family, ...]
     tuning: tuple[Family, ...]
-    ways: tuple[Path, ...]
+    ways: tuple[AblationPath, ...]
     hardness: tuple[Hardness, ...]
 
     @property
@@ -93,13 +186,13 @@ def target_of(scene: Scene) -> str:
     return "turn_deg" if truth(scene).bounces else "rotation_rms_deg"
 
 
-def plan(
+def plan_cost(
     scene: Scene,
     tuning_scene: Scene,
     engines: Sequence[str],
     suite: str = "quick",
     hard_scene: Scene | None = None,
-) -> Plan:
+) -> CostPlan:
     """Return what to run for a scene.
 
     Parameters
@@ -127,7 +220,7 @@ def plan(
         raise InvalidSettingError("--tune", tuning_scene.name, "another scene than the one scored")
     stepping = [name for name in engines if variants(name) and _steps(name)]
     finest = timesteps(scene, suite)[-1]
-    return Plan(
+    return CostPlan(
         scene=scene,
         tuning_scene=tuning_scene,
         suite=suite,
@@ -140,7 +233,9 @@ def plan(
         tuning=tuple(
             family(tuning_scene, n, v, "tuning") for n in stepping for v in priced(n, suite)
         ),
-        ways=tuple(path(scene, n, finest) for n in stepping if getattr(engine(n), "gaps", ())),
+        ways=tuple(
+            ablation_path(scene, n, finest) for n in stepping if getattr(engine(n), "gaps", ())
+        ),
         hardness=() if hard_scene is None else tuple(_hardness(hard_scene, stepping, suite)),
     )
 
@@ -196,7 +291,7 @@ def _adaptive(scene: Scene, name: str, suite: str) -> Family:
     return Family(variant=COMMON[2], cases=tuple(kept))
 
 
-def gap_cases(way: Path) -> dict[tuple[str, str], Case]:
+def gap_cases(way: AblationPath) -> dict[tuple[str, str], Case]:
     """Return the cases that say what a plateau is made of, by ("alone" or "left open", gap).
 
     All at the timestep of the path; ("", "") is the engine as it ships at that timestep.
@@ -210,15 +305,15 @@ def gap_cases(way: Path) -> dict[tuple[str, str], Case]:
     return found
 
 
-def timed(plan: Plan) -> tuple[Case, ...]:
+def timing_cases(plan: CostPlan) -> tuple[Case, ...]:
     """Return the cases to time alone: scored, and those of hardness."""
     families = [*plan.scored, *(f for hard in plan.hardness for f in hard.families)]
     return tuple(dict.fromkeys(case for family in families for case in family.cases))
 
 
-def run(plan: Plan) -> tuple[Case, ...]:
+def error_cases(plan: CostPlan) -> tuple[Case, ...]:
     """Return the cases to run for their errors: all of them."""
-    cases = [*timed(plan), *(case for family in plan.tuning for case in family.cases)]
+    cases = [*timing_cases(plan), *(case for family in plan.tuning for case in family.cases)]
     cases += [case for way in plan.ways for case in gap_cases(way).values()]
     return tuple(dict.fromkeys(cases))
 

@@ -5,12 +5,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from harness.artefact import Figure, Panel, Series
-from harness.metrics.pareto import pareto_front
+from harness.core.report_model import Figure, Panel, Series
+from harness.metrics.convergence import pareto_front
 from harness.studies.cost.hard_tables import exponents, hard_rows
-from harness.studies.cost.ladders import Family
-from harness.studies.cost.points import Point
-from harness.studies.cost.quantities import COST_HIGH, COST_LOW, QUANTITIES, Quantity
+from harness.studies.cost.plateaus import COST_HIGH, COST_LOW, QUANTITIES, CostQuantity
+from harness.studies.cost.points import Family, Point
 from harness.studies.cost.results import Cost
 
 _SHOWN = (
@@ -43,7 +42,7 @@ def work_precision(cost: Cost) -> Figure:
     )
 
 
-def _panel(cost: Cost, quantity: Quantity) -> Panel:
+def _panel(cost: Cost, quantity: CostQuantity) -> Panel:
     series = []
     for group, ladders in _groups(cost).items():
         x: list[float] = []

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.studies.cost.hardness import Exponent, exponent
+from harness.core.report_model import Table
+from harness.studies.cost.design import Exponent, exponent
 from harness.studies.cost.points import Point
 from harness.studies.cost.prices import cost_of, offers
 from harness.studies.cost.results import Cost

@@ -3,19 +3,19 @@
 A ladder of one change to `matched` owes its plateau to that change if the matched ladder lies below
 it at the same timestep. That of the engine as it ships is taken apart by its gaps, all at the
 finest timestep: the one to blame is the gap that by itself, all others closed, leaves the most.
+
+The errors that the study names: what they are, in which unit, and the axes that show them.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from harness.core.simulation import Outcome
 from harness.engines.registry import engine
-from harness.metrics.order import AsymptoticOrder, asymptotic_order
-from harness.metrics.plateau import Plateau, plateau
-from harness.simulation import Outcome
-from harness.studies.attribution import Path
+from harness.metrics.convergence import AsymptoticOrder, Plateau, asymptotic_order, plateau
+from harness.studies.attribution.ablation import AblationPath
 from harness.studies.cost.design import gap_cases
-from harness.studies.cost.ladders import Family
-from harness.studies.cost.points import Point, Record
+from harness.studies.cost.points import Family, Point, Record
 from harness.studies.cost.results import Cost
 
 _MOST = 0.5
@@ -93,7 +93,7 @@ def _cause(cost: Cost, family: Family, quantity: str, found: Plateau) -> str:
     return f"Shared with matched: {imposed or 'nothing that the engine declares'}."
 
 
-def _from_gaps(way: Path, cost: Cost, quantity: str, level: float) -> str:
+def _from_gaps(way: AblationPath, cost: Cost, quantity: str, level: float) -> str:
     """Return which gap makes the plateau of an engine as it ships."""
     open_: dict[str, float] = {}
     for (kind, gap), case in gap_cases(way).items():
@@ -117,3 +117,99 @@ def _size(record: Record | None, quantity: str) -> float | None:
         return None
     value = record["errors"].get(quantity)
     return None if value is None else abs(value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CostQuantity:
+    """One error.
+
+    Parameters
+    ----------
+    key : str
+        As in the records, with the unit as the suffix.
+    title, label : str
+        Of the panel and of its axis.
+    meaning : str
+    low, high : float
+        Ends of the axis, the same for all scenes.
+    """
+
+    key: str
+    title: str
+    label: str
+    meaning: str
+    low: float
+    high: float
+
+
+TURN = CostQuantity(
+    key="turn_deg",
+    title="Angle of turn",
+    label="error of the turn [deg]",
+    meaning="First angle of turn, engine minus truth; empty where the record cannot count turns.",
+    low=1e-8,
+    high=1e3,
+)
+
+QUANTITIES = (
+    TURN,
+    CostQuantity(
+        key="phi_rms_rad",
+        title="Nutation",
+        label="phi, rms [rad]",
+        meaning="Root mean square error of phi over the run.",
+        low=1e-12,
+        high=1.0,
+    ),
+    CostQuantity(
+        key="phi_max_rad",
+        title="Nutation, at worst",
+        label="phi, largest [rad]",
+        meaning="Largest error of phi over the run.",
+        low=1e-12,
+        high=1.0,
+    ),
+    CostQuantity(
+        key="bounce_time_s",
+        title="Time of the bounce",
+        label="time of the bounce [s]",
+        meaning="Time of the first minimum of phi, engine minus truth.",
+        low=1e-12,
+        high=1.0,
+    ),
+    CostQuantity(
+        key="contact_locus_rms_m",
+        title="Contact locus",
+        label="contact locus, rms [m]",
+        meaning="Distance of the contact points at the same instant, rms; not of the reference.",
+        low=1e-9,
+        high=1e-1,
+    ),
+    CostQuantity(
+        key="peak_friction_ratio",
+        title="Peak friction ratio",
+        label="peak |F|/N [1]",
+        meaning="Largest |F|/N of the first bounce, engine minus truth.",
+        low=1e-10,
+        high=1e2,
+    ),
+    CostQuantity(
+        key="energy_drift",
+        title="Energy",
+        label="energy drift over m g R [1]",
+        meaning="Largest departure of the energy from its first value, over m g R.",
+        low=1e-12,
+        high=1e2,
+    ),
+    CostQuantity(
+        key="rotation_rms_deg",
+        title="Orientation",
+        label="rotation, rms [deg]",
+        meaning="Angle between the true and the engine's orientation, root mean square.",
+        low=1e-8,
+        high=1e3,
+    ),
+)
+
+COST_LOW, COST_HIGH = 1e-3, 1e3
+"""Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""

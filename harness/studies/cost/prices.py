@@ -41,7 +41,7 @@ class Offer:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Price:
+class PriceEntry:
     """What one buyer pays.
 
     Parameters
@@ -88,7 +88,7 @@ def _ratio(coarse: Point, fine: Point) -> float:
     return coarse.timestep / fine.timestep
 
 
-def price(sold: Sequence[Offer], target: float) -> Price:
+def price(sold: Sequence[Offer], target: float) -> PriceEntry:
     """Return the cheapest offers within a target, and those tied with the cheapest."""
     known = [offer for offer in sold if math.isfinite(offer.error)]
     best = min(known, key=lambda offer: (offer.error, offer.point.cost), default=None)
@@ -97,10 +97,10 @@ def price(sold: Sequence[Offer], target: float) -> Price:
         key=lambda offer: offer.point.cost,
     )
     if not reaching:
-        return Price(target=target, winners=(), best=best)
+        return PriceEntry(target=target, winners=(), best=best)
     cheapest = reaching[0]
     winners = tuple(offer for offer in reaching if tied(cheapest, offer))
-    return Price(target=target, winners=winners, best=best)
+    return PriceEntry(target=target, winners=winners, best=best)
 
 
 def tied(cheaper: Offer, dearer: Offer) -> bool:

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.case import Case
-from harness.studies.cost.design import Hardness, Plan, target_of
-from harness.studies.cost.ladders import Family
-from harness.studies.cost.points import Point, Record, point
-from harness.studies.cost.prices import Offer, Price, offers, price
+from harness.core.case import Case
+from harness.studies.cost.design import CostPlan, Hardness, target_of
+from harness.studies.cost.points import Family, Point, Record, point
+from harness.studies.cost.prices import Offer, PriceEntry, offers, price
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,7 +28,7 @@ class Cost:
         By engine.
     """
 
-    plan: Plan
+    plan: CostPlan
     ladders: tuple[tuple[Family, tuple[Point, ...]], ...]
     tuned: Mapping[tuple[str, str], str]
     hardness: tuple[tuple[Hardness, tuple[tuple[Family, tuple[Point, ...]], ...]], ...]
@@ -57,7 +56,7 @@ class Cost:
             return not family.steps or family.name == self.tuned.get((family.engine, choice))
         return True
 
-    def price(self, engine: str, choice: str, target: float) -> Price:
+    def price(self, engine: str, choice: str, target: float) -> PriceEntry:
         """Return what an engine costs at a target."""
         return price(self.sold(engine, choice), target)
 
@@ -79,7 +78,7 @@ _TIE = 1.25
 
 
 def cost(
-    plan: Plan,
+    plan: CostPlan,
     errors: Mapping[Case, Record],
     times: Mapping[Case, Record],
     overheads: Mapping[str, Record],

@@ -6,12 +6,11 @@ from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.metrics.pareto import pareto_front
-from harness.studies.cost.plateaus import Fall
+from harness.core.report_model import Table
+from harness.metrics.convergence import pareto_front
+from harness.studies.cost.plateaus import QUANTITIES, Fall
 from harness.studies.cost.points import Point
 from harness.studies.cost.prices import TARGETS, Offer, tied
-from harness.studies.cost.quantities import QUANTITIES
 from harness.studies.cost.results import CHOICES, Cost
 
 _PRICES: Mapping[str, str] = {

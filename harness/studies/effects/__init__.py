@@ -1,7 +1,17 @@
 """The effects study: which effects a scene needs, what each costs, what an engine adds unasked."""
 
 from harness.studies.effects.friction import Ladder, friction, ladder
-from harness.studies.effects.plan import Plan, design, plan
-from harness.studies.effects.reading import Study, read, study
+from harness.studies.effects.plan import EffectsPlan, effects_cases, plan_effects
+from harness.studies.effects.report import EffectsResults, effects_report, effects_results
 
-__all__ = ["Ladder", "Plan", "Study", "design", "friction", "ladder", "plan", "read", "study"]
+__all__ = [
+    "EffectsPlan",
+    "EffectsResults",
+    "Ladder",
+    "effects_cases",
+    "effects_report",
+    "effects_results",
+    "friction",
+    "ladder",
+    "plan_effects",
+]

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from harness.artefact import Figure, Panel, Series, Table
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.errors import UnsupportedEffectError
+from harness.core.report_model import Figure, Panel, Series, Table
+from harness.core.trajectory import Floats
 from harness.engines.registry import check_effects
-from harness.errors import UnsupportedEffectError
-from harness.runner import Evaluation
-from harness.trajectory import Floats
+from harness.evaluation.evaluation import Evaluation
 from models.contact_effects import Slip
 from models.errors import ModelError
 from models.scene import Scene

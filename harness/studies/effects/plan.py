@@ -1,4 +1,11 @@
-"""Which scenes are run: the one declared, with each effect taken away, and with each one added."""
+"""Which scenes are run: the one declared, with each effect taken away, and with each one added.
+
+How strong an effect is that a scene does not declare: that of a drinks can on a kitchen table.
+
+An effect is missing in a scene if, at the strength that it has where the can is, it changes the
+outcome. How strong it is there nobody knows but the author of the scene: these are orders of
+magnitude, printed beside every verdict, and each can be replaced on the command line.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,13 +13,78 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError, UnsupportedEffectError
 from harness.engines.registry import check_effects, engine
-from harness.errors import UnsupportedEffectError
-from harness.studies.effects.surroundings import assumed
+from models.body_effects import Damping, PointMass, Shake, Tilt
+from models.can import Can
+from models.contact_effects import (
+    Compliance,
+    Drilling,
+    Restitution,
+    RollingResistance,
+    RoundedRim,
+    Slip,
+)
 from models.effects import IDEAL, KINDS, Effects
 from models.errors import ModelError
 from models.scene import Scene
+
+_ALUMINIUM_ON_WOOD = 0.4
+_STIFFNESS = 1e7  # N/m: under its weight of 0.4 N a can sinks in by 40 nm
+_BLUNT = 0.02  # the radius of the rolled bead of a can's base, some 0.7 mm, over R
+_PATCH = 3e-5  # m: half of a contact patch of 0.2 mm times a friction of 0.3
+_DRAG = 0.01  # 1/s: at 1 m/s air takes 1e-4 m/s^2 per m/s off a can of 40 g, tenfold for safety
+_OFF_LEVEL = 1e-3  # rad: a millimetre on a metre
+_TRAFFIC_HZ, _TRAFFIC_M = 30.0, 1e-6  # a floor's vibration where people walk
+_SEAM = 1e-3  # mass of a lacquered seam on the wall of the can, over the can's own
+
+
+def surroundings(can: Can) -> dict[str, Any]:
+    """Return an effect of each kind, as strong as for a can of this size on a table."""
+    return {
+        "slip": Slip(mu=_ALUMINIUM_ON_WOOD),
+        "compliance": Compliance(stiffness=_STIFFNESS, damping=0.0),
+        "restitution": Restitution(coefficient=0.5),
+        "drilling": Drilling(length=_PATCH),
+        "rolling_resistance": RollingResistance(length=_PATCH),
+        "damping": Damping(linear=_DRAG, angular=_DRAG),
+        "rim": RoundedRim(radius=_BLUNT * min(can.radius, can.half_height)),
+        "tilt": Tilt(angle=_OFF_LEVEL),
+        "shake": Shake(frequency=_TRAFFIC_HZ, vertical=_TRAFFIC_M, horizontal=_TRAFFIC_M),
+        "point_mass": PointMass(mass=_SEAM * can.mass, x=can.radius),
+    }
+
+
+def assumed(can: Can, words: tuple[tuple[str, float], ...]) -> dict[str, Any]:
+    """Return the surroundings with some constants replaced.
+
+    Parameters
+    ----------
+    can : Can
+    words : tuple of (str, float)
+        Such as ("slip.mu", 0.3).
+
+    Raises
+    ------
+    InvalidSettingError
+        If there is no such effect or constant, or it cannot have that value.
+    """
+    found = surroundings(can)
+    for key, value in words:
+        name, _, constant = key.partition(".")
+        if name not in KINDS:
+            raise InvalidSettingError("--assume", key, f"effects are {', '.join(KINDS)}")
+        constants = found[name].__dataclass_fields__
+        if constant not in constants:
+            allowed = ", ".join(f"{name}.{known}" for known in constants)
+            raise InvalidSettingError("--assume", key, allowed)
+        try:
+            found[name] = replace(found[name], **{constant: value})
+        except ModelError as error:
+            raise InvalidSettingError("--assume", f"{key}={value}", str(error)) from None
+    return found
+
 
 MOST_FACTORS = 3
 """Declared effects of which every subset is run; of more, one at a time from both ends."""
@@ -22,7 +94,7 @@ Subset = frozenset[str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class EffectsPlan:
     """What the study varies.
 
     Parameters
@@ -55,14 +127,14 @@ class Plan:
         return len(self.declared) <= MOST_FACTORS
 
 
-def plan(
+def plan_effects(
     scene: Scene,
     engines: Sequence[str],
     *,
     timestep: float | None = None,
     words: tuple[tuple[str, float], ...] = (),
     tolerance: float = 0.1,
-) -> Plan:
+) -> EffectsPlan:
     """Return the plan for a scene.
 
     Raises
@@ -72,7 +144,7 @@ def plan(
     """
     strengths = assumed(scene.can, words)
     strengths |= {name: getattr(scene.effects, name) for name in scene.effects.declared()}
-    return Plan(
+    return EffectsPlan(
         scene=scene,
         engines=tuple(engines),
         timestep=timestep,
@@ -81,7 +153,7 @@ def plan(
     )
 
 
-def subsets(made: Plan) -> Iterator[Subset]:
+def subsets(made: EffectsPlan) -> Iterator[Subset]:
     """Yield the sets of effects that are run: first the scene's own."""
     own = made.declared
     yield own
@@ -98,7 +170,7 @@ def subsets(made: Plan) -> Iterator[Subset]:
             yield own | {name}
 
 
-def varied(made: Plan, subset: Subset) -> Scene | None:
+def varied(made: EffectsPlan, subset: Subset) -> Scene | None:
     """Return the scene with just these effects; None if they contradict each other."""
     try:
         effects = Effects(**{name: made.strengths[name] for name in subset})
@@ -107,7 +179,7 @@ def varied(made: Plan, subset: Subset) -> Scene | None:
         return None
 
 
-def case(made: Plan, mover: str, subset: Subset) -> Case | None:
+def case(made: EffectsPlan, mover: str, subset: Subset) -> Case | None:
     """Return the case in which an engine moves the can under these effects; None if none does.
 
     An effect that an engine adds to every scene alike is no choice of the scene's: it is neither
@@ -129,7 +201,7 @@ def _imposed(mover: str) -> Subset:
     return frozenset(engine(mover).capabilities.imposes)
 
 
-def design(made: Plan) -> tuple[Case, ...]:
+def effects_cases(made: EffectsPlan) -> tuple[Case, ...]:
     """Return the cases, each once."""
     found = (case(made, mover, subset) for mover in made.engines for subset in subsets(made))
     return tuple(dict.fromkeys(one for one in found if one is not None))

@@ -5,12 +5,11 @@ from typing import Any
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.case import Case
-from harness.runner import Evaluation
-from harness.studies.effects.plan import Plan, case, subsets
-from harness.studies.effects.price import Price
-from harness.studies.effects.quantities import QUANTITIES
+from harness.core.case import Case
+from harness.core.report_model import Table
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.effects.changes import QUANTITIES, EffectCost
+from harness.studies.effects.plan import EffectsPlan, case, subsets
 from harness.studies.effects.verdict import Effect
 
 _EFFECTS: Mapping[str, str] = {
@@ -38,10 +37,10 @@ _EFFECTS: Mapping[str, str] = {
 
 
 def effect_table(
-    made: Plan,
+    made: EffectsPlan,
     found: Mapping[Case, Evaluation],
     effects: tuple[Effect, ...],
-    prices: Mapping[tuple[str, str], Price],
+    prices: Mapping[tuple[str, str], EffectCost],
 ) -> Table:
     """Return what each effect does in each engine."""
     rows = []
@@ -83,7 +82,7 @@ _FACTORS: Mapping[str, str] = {
 }
 
 
-def factor_table(made: Plan, effects: tuple[Effect, ...]) -> Table | None:
+def factor_table(made: EffectsPlan, effects: tuple[Effect, ...]) -> Table | None:
     """Return how the declared effects act together; None if the scene declares none."""
     rows = []
     for one in effects:
@@ -120,7 +119,7 @@ _RUNS: Mapping[str, str] = {
 }
 
 
-def run_table(made: Plan, found: Mapping[Case, Evaluation]) -> Table:
+def run_table(made: EffectsPlan, found: Mapping[Case, Evaluation]) -> Table:
     """Return every run of the study."""
     rows = []
     for mover in made.engines:
@@ -144,7 +143,7 @@ def run_table(made: Plan, found: Mapping[Case, Evaluation]) -> Table:
     return _table(made, "runs", "Every run of the study", rows, _RUNS)
 
 
-def strength(made: Plan, name: str) -> str:
+def strength(made: EffectsPlan, name: str) -> str:
     """Return the constants of an effect as `--assume` and a scene file know them."""
     law = made.strengths[name]
     constants = ((key, getattr(law, key)) for key in law.__dataclass_fields__)
@@ -152,7 +151,7 @@ def strength(made: Plan, name: str) -> str:
 
 
 def _table(
-    made: Plan, name: str, title: str, rows: list[dict[str, Any]], columns: Mapping[str, str]
+    made: EffectsPlan, name: str, title: str, rows: list[dict[str, Any]], columns: Mapping[str, str]
 ) -> Table:
     """Return a table whose name says the scene."""
     return Table(

@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.simulation import Outcome
 from harness.engines.registry import engine
-from harness.runner import Evaluation
-from harness.simulation import Outcome
-from harness.studies.effects.plan import Plan, Subset, case
-from harness.studies.effects.quantities import QUANTITIES
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.effects.changes import QUANTITIES
+from harness.studies.effects.plan import EffectsPlan, Subset, case
 
 
-class Verdict(Enum):
+class EffectStatus(Enum):
     """The value is what tables say."""
 
     NEEDED = "needed"
@@ -45,7 +45,7 @@ class Effect:
     mover: str
     name: str
     declared: bool
-    verdict: Verdict
+    verdict: EffectStatus
     why: str
     changes: Mapping[str, float | None]
     alone: Mapping[str, float | None]
@@ -55,7 +55,7 @@ class Effect:
 Evaluations = Mapping[Case, Evaluation]
 
 
-def effect(made: Plan, found: Evaluations, mover: str, name: str) -> Effect:
+def effect(made: EffectsPlan, found: Evaluations, mover: str, name: str) -> Effect:
     """Return what an effect does in an engine."""
     own = made.declared
     declared = name in own
@@ -79,14 +79,16 @@ def effect(made: Plan, found: Evaluations, mover: str, name: str) -> Effect:
     )
 
 
-def evaluation(made: Plan, found: Evaluations, mover: str, subset: Subset) -> Evaluation | None:
+def evaluation(
+    made: EffectsPlan, found: Evaluations, mover: str, subset: Subset
+) -> Evaluation | None:
     """Return the run of an engine under a set of effects, if there is one."""
     chosen = case(made, mover, subset)
     return None if chosen is None else found[chosen]
 
 
 def change(
-    made: Plan, found: Evaluations, mover: str, with_it: Subset, without: Subset
+    made: EffectsPlan, found: Evaluations, mover: str, with_it: Subset, without: Subset
 ) -> dict[str, float | None]:
     """Return by how much each quantity differs between two sets of effects."""
     one, other = (evaluation(made, found, mover, subset) for subset in (with_it, without))
@@ -96,7 +98,7 @@ def change(
     return {key: None if a is None or b is None else a - b for key, a, b in pairs}
 
 
-def _mean(made: Plan, found: Evaluations, mover: str, name: str) -> dict[str, float | None]:
+def _mean(made: EffectsPlan, found: Evaluations, mover: str, name: str) -> dict[str, float | None]:
     """Return the main effect of a factor: its change, averaged over all sets of the others."""
     others = sorted(made.declared - {name})
     rests = [
@@ -112,34 +114,45 @@ def _mean(made: Plan, found: Evaluations, mover: str, name: str) -> dict[str, fl
 
 
 def _judged(
-    made: Plan, found: Evaluations, mover: str, name: str, changes: Mapping[str, float | None]
-) -> tuple[Verdict, str]:
+    made: EffectsPlan,
+    found: Evaluations,
+    mover: str,
+    name: str,
+    changes: Mapping[str, float | None],
+) -> tuple[EffectStatus, str]:
     """Return the verdict and the number behind it."""
     own, able = made.declared, engine(mover).capabilities
     if name not in own and name in able.imposes:
-        return Verdict.IMPOSED, f"It cannot be removed: {able.imposes[name]}."
+        return EffectStatus.IMPOSED, f"It cannot be removed: {able.imposes[name]}."
     if name not in able.honours:
-        return Verdict.UNSUPPORTED, f"{mover} cannot represent it."
+        return EffectStatus.UNSUPPORTED, f"{mover} cannot represent it."
     if evaluation(made, found, mover, own) is None:
-        return Verdict.UNSUPPORTED, f"{mover} cannot represent what the scene declares."
+        return EffectStatus.UNSUPPORTED, f"{mover} cannot represent what the scene declares."
     if not changes:
-        return Verdict.CONTRADICTED, "It cannot be there together with what the scene declares."
+        return (
+            EffectStatus.CONTRADICTED,
+            "It cannot be there together with what the scene declares.",
+        )
     return _weighed(made, found, mover, name, changes)
 
 
 def _weighed(
-    made: Plan, found: Evaluations, mover: str, name: str, changes: Mapping[str, float | None]
-) -> tuple[Verdict, str]:
+    made: EffectsPlan,
+    found: Evaluations,
+    mover: str,
+    name: str,
+    changes: Mapping[str, float | None],
+) -> tuple[EffectStatus, str]:
     """Return the verdict on an effect that is run both ways: by how it ends, then by how much."""
     own = made.declared
-    matters = Verdict.NEEDED if name in own else Verdict.MISSING
+    matters = EffectStatus.NEEDED if name in own else EffectStatus.MISSING
     ends = [
         e.simulation.outcome
         for subset in (own | {name}, own - {name})
         if (e := evaluation(made, found, mover, subset)) is not None
     ]
     if Outcome.MISMATCH in ends:
-        return Verdict.UNSUPPORTED, f"What {mover} compiles of it is not what is declared."
+        return EffectStatus.UNSUPPORTED, f"What {mover} compiles of it is not what is declared."
     if ends[0] is not ends[-1]:
         return matters, f"With it the run is {_short(ends[0])}, without it {_short(ends[-1])}."
     over, worst = 0.0, "It changes nothing that is known."
@@ -154,10 +167,10 @@ def _weighed(
                 f"It changes the {quantity.words} by {value:.3g} ({quantity.key}); "
                 f"what counts is {least:.2g}."
             )
-    return (matters if over > 1.0 else Verdict.HARMLESS), worst
+    return (matters if over > 1.0 else EffectStatus.HARMLESS), worst
 
 
-def threshold(made: Plan, found: Evaluations, mover: str, key: str) -> float:
+def threshold(made: EffectsPlan, found: Evaluations, mover: str, key: str) -> float:
     """Return the change of a quantity that counts: no less than the engine's own error."""
     quantity = next(quantity for quantity in QUANTITIES if quantity.key == key)
     least = quantity.counts * made.tolerance

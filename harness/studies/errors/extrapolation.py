@@ -35,7 +35,7 @@ _CLEAR = 100.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limit:
+class ExtrapolatedLimit:
     """Where a ladder goes.
 
     Parameters
@@ -69,7 +69,7 @@ class _Triple:
 
 def limit(
     timesteps: Sequence[float], values: Sequence[float | None], noise: float = 0.0
-) -> Limit | None:
+) -> ExtrapolatedLimit | None:
     """Return the limit for a timestep of zero.
 
     Parameters
@@ -108,7 +108,7 @@ def limit(
     if finest is None or (before is None and len(triples) > 1):
         end = known[-_TRIPLE:]
         width = max(end) - min(end) if len(end) > 1 else math.inf
-        return Limit(
+        return ExtrapolatedLimit(
             value=known[-1],
             uncertainty=width + floor,
             order=order,
@@ -116,7 +116,7 @@ def limit(
             rungs=len(known),
         )
     moved = finest.limit - (known[-1] if before is None else before.limit)
-    return Limit(
+    return ExtrapolatedLimit(
         value=finest.limit,
         uncertainty=abs(moved) + finest.amplification * floor,
         order=order,

@@ -5,22 +5,21 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from harness.artefact import Figure, Panel, Series
-from harness.case import Case
-from harness.runner import Evaluation
-from harness.studies.errors.ensemble import SIZES
-from harness.studies.errors.plan import Plan
-from harness.studies.errors.quantities import Number, Quantity
-from harness.studies.errors.split import Split
-from harness.studies.errors.spread import Spread
-from harness.trajectory import Floats
+from harness.core.case import Case
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.errors.plan import ErrorsPlan
+from harness.studies.errors.quantities import ErrorQuantity, Number
+from harness.studies.errors.split import Split, Spread
+from harness.studies.shared.perturbation import SIZES
 
 
 def ladder_figure(
-    plan: Plan,
+    plan: ErrorsPlan,
     evaluations: Mapping[Case, Evaluation],
     splits: Mapping[tuple[str, str], Split],
-    known: Sequence[Quantity],
+    known: Sequence[ErrorQuantity],
 ) -> Figure:
     """Return the errors against the timestep: from the truth, and from the engine's own limit."""
     x = np.array(plan.timesteps)
@@ -59,7 +58,7 @@ def ladder_figure(
 
 
 def effort_figure(
-    plan: Plan, evaluations: Mapping[Case, Evaluation], known: Sequence[Quantity]
+    plan: ErrorsPlan, evaluations: Mapping[Case, Evaluation], known: Sequence[ErrorQuantity]
 ) -> Figure | None:
     """Return the solver error against the effort, or None if the engine declares none."""
     lesser = plan.efforts[:-1]
@@ -101,7 +100,7 @@ def effort_figure(
 
 
 def ensemble_figure(
-    plan: Plan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[Quantity]
+    plan: ErrorsPlan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[ErrorQuantity]
 ) -> Figure:
     """Return how far slightly perturbed releases spread."""
     x = np.array(SIZES)
@@ -139,7 +138,7 @@ def ensemble_figure(
 
 
 def _panel(
-    quantity: Quantity,
+    quantity: ErrorQuantity,
     x_label: str,
     series: tuple[Series, ...],
     *,

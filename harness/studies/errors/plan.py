@@ -11,13 +11,13 @@ its softness with it as it shrinks; held, it keeps it, and converges neatly to a
 import math
 from dataclasses import dataclass
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
 from harness.engines.base import Effort, Engine
-from harness.engines.carried import check_exact
-from harness.engines.reference import truth
+from harness.engines.reference.support import check_exact
+from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of
-from harness.errors import InvalidSettingError
-from harness.studies.errors.ensemble import MEMBERS, SIZES, perturbed
+from harness.studies.shared.perturbation import MEMBERS, SIZES, perturbed
 from models.scene import Scene
 
 Options = tuple[tuple[str, Value], ...]
@@ -41,7 +41,7 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class ErrorsPlan:
     """What is run.
 
     Parameters
@@ -94,14 +94,14 @@ class Plan:
         )
 
 
-def plan(
+def plan_errors(
     scene: Scene,
     engine_name: str,
     profile: str = "matched",
     *,
     timestep: float | None = None,
     options: Options = (),
-) -> Plan:
+) -> ErrorsPlan:
     """Return what to run for a scene in an engine.
 
     Parameters
@@ -131,7 +131,7 @@ def plan(
         raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
     if timestep is None:
         coarsest = min(coarsest, _resolving(scene))
-    return Plan(
+    return ErrorsPlan(
         scene=scene,
         engine=engine_name,
         profile=profile,
@@ -174,7 +174,7 @@ def _spelled(value: Value) -> str:
     return ", ".join(f"{part:g}" for part in value) if isinstance(value, tuple) else str(value)
 
 
-def design(chosen: Plan) -> tuple[Case, ...]:
+def errors_cases(chosen: ErrorsPlan) -> tuple[Case, ...]:
     """Return the cases, each once, the ladder's first."""
     cases = [chosen.on_ladder(way, step) for way in chosen.ways for step in chosen.timesteps]
     cases += [

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.bounce import Bounce
+from harness.core.bounce import Bounce
+from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
-from harness.runner import Evaluation
 from models.scene import Scene
 
 Number = float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class ErrorQuantity:
     """A number of a run and the same of the exact motion; None where there is none."""
 
     key: str
@@ -26,7 +26,7 @@ class Quantity:
     true: Callable[[Evaluation], Number]
 
 
-def quantities(scene: Scene) -> tuple[Quantity, ...]:
+def quantities(scene: Scene) -> tuple[ErrorQuantity, ...]:
     """Return the quantities of a scene: of the first bounce if that is its horizon."""
     if scene.horizon.seconds is None:
         return _OF_THE_BOUNCE
@@ -35,14 +35,14 @@ def quantities(scene: Scene) -> tuple[Quantity, ...]:
 
 def _of_bounce(
     key: str, words: str, unit: str, meaning: str, read: Callable[[Bounce], Number]
-) -> Quantity:
+) -> ErrorQuantity:
     def found(e: Evaluation) -> Number:
         return _finite(read(e.bounces[0])) if e.bounces else None
 
     def true(e: Evaluation) -> Number:
         return _finite(read(e.true_bounces[0])) if e.true_bounces else None
 
-    return Quantity(key=key, words=words, unit=unit, meaning=meaning, found=found, true=true)
+    return ErrorQuantity(key=key, words=words, unit=unit, meaning=meaning, found=found, true=true)
 
 
 _OF_THE_BOUNCE = (
@@ -77,7 +77,7 @@ _OF_THE_BOUNCE = (
 )
 
 
-def _at_end(name: str, end: float) -> Quantity:
+def _at_end(name: str, end: float) -> ErrorQuantity:
     """Return an angle at the horizon, deg, carried there from the last sample at its rate."""
 
     def read(motion: Motion | None) -> Number:
@@ -87,7 +87,7 @@ def _at_end(name: str, end: float) -> Quantity:
         late = end - motion.time[-1]
         return _finite(float(np.degrees(angle[-1] + rate[-1] * late)))
 
-    return Quantity(
+    return ErrorQuantity(
         key=f"{name}_end_deg",
         words=f"{name} at the end",
         unit="degrees",

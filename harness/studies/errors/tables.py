@@ -5,14 +5,13 @@ from typing import Any
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.case import Case
-from harness.runner import Evaluation
-from harness.studies.errors.ensemble import SIZES
-from harness.studies.errors.plan import Plan
-from harness.studies.errors.quantities import Number, Quantity
-from harness.studies.errors.split import Split
-from harness.studies.errors.spread import Spread
+from harness.core.case import Case
+from harness.core.report_model import Table
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.errors.plan import ErrorsPlan
+from harness.studies.errors.quantities import ErrorQuantity, Number
+from harness.studies.errors.split import Split, Spread
+from harness.studies.shared.perturbation import SIZES
 
 _HEAD: Mapping[str, str] = {
     "scene": "Name of the scene.",
@@ -44,7 +43,7 @@ _SPLIT: Mapping[str, str] = {
 
 
 def split_table(
-    plan: Plan, splits: Mapping[tuple[str, str], Split], known: Sequence[Quantity]
+    plan: ErrorsPlan, splits: Mapping[tuple[str, str], Split], known: Sequence[ErrorQuantity]
 ) -> Table:
     """Return the three errors, a row a way and quantity."""
     rows = []
@@ -91,10 +90,10 @@ _LADDER: Mapping[str, str] = {
 
 
 def ladder_table(
-    plan: Plan,
+    plan: ErrorsPlan,
     evaluations: Mapping[Case, Evaluation],
     splits: Mapping[tuple[str, str], Split],
-    known: Sequence[Quantity],
+    known: Sequence[ErrorQuantity],
 ) -> Table:
     """Return every rung of every ladder."""
     rows = []
@@ -136,7 +135,7 @@ _EFFORTS: Mapping[str, str] = {
 
 
 def effort_table(
-    plan: Plan, evaluations: Mapping[Case, Evaluation], known: Sequence[Quantity]
+    plan: ErrorsPlan, evaluations: Mapping[Case, Evaluation], known: Sequence[ErrorQuantity]
 ) -> Table:
     """Return the solver at every effort, at one timestep."""
     rows = []
@@ -174,7 +173,7 @@ _ENSEMBLE: Mapping[str, str] = {
 
 
 def ensemble_table(
-    plan: Plan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[Quantity]
+    plan: ErrorsPlan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[ErrorQuantity]
 ) -> Table:
     """Return how far perturbed releases spread."""
     rows = [
@@ -194,7 +193,7 @@ def ensemble_table(
     return _table(plan, "spreads", "What is not decidable", rows, _ENSEMBLE)
 
 
-def _head(plan: Plan) -> dict[str, Any]:
+def _head(plan: ErrorsPlan) -> dict[str, Any]:
     return {"scene": plan.scene.name, "engine": plan.engine, "profile": plan.profile}
 
 
@@ -213,7 +212,7 @@ def _less(first: Number, second: Number) -> Number:
 
 
 def _table(
-    plan: Plan, name: str, title: str, rows: list[dict[str, Any]], columns: Mapping[str, str]
+    plan: ErrorsPlan, name: str, title: str, rows: list[dict[str, Any]], columns: Mapping[str, str]
 ) -> Table:
     """Return a table whose name says scene, engine and profile."""
     return Table(

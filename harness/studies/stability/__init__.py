@@ -1,29 +1,28 @@
 """The stability study: where an engine stops being usable, and how it fails."""
 
-from harness.studies.stability.drawn import random_scenes
-from harness.studies.stability.judge import judge
-from harness.studies.stability.keeping import findings, verdicts
+from harness.studies.stability.classify import classify
+from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus
+from harness.studies.stability.keeping import classified_cache, reference_check_cache
 from harness.studies.stability.limits import by_scene, limits, next_round
-from harness.studies.stability.plan import SUITES, Suite, design, scenes
-from harness.studies.stability.reading import read
-from harness.studies.stability.survey import Finding, examine
-from harness.studies.stability.verdict import Judged, Verdict
+from harness.studies.stability.report import stability_report
+from harness.studies.stability.suite import SUITES, Suite, random_scenes, scenes, stability_cases
+from harness.studies.stability.survey import ReferenceCheck, examine
 
 __all__ = [
     "SUITES",
-    "Finding",
-    "Judged",
+    "ClassifiedRun",
+    "ReferenceCheck",
+    "StabilityStatus",
     "Suite",
-    "Verdict",
     "by_scene",
-    "design",
+    "classified_cache",
+    "classify",
     "examine",
-    "findings",
-    "judge",
     "limits",
     "next_round",
     "random_scenes",
-    "read",
+    "reference_check_cache",
     "scenes",
-    "verdicts",
+    "stability_cases",
+    "stability_report",
 ]

@@ -4,21 +4,21 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from harness.artefact import Figure, Panel, Series
-from harness.studies.stability.limits import Limit
-from harness.studies.stability.verdict import Judged, Verdict
+from harness.core.report_model import Figure, Panel, Series
+from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus
+from harness.studies.stability.limits import TimestepLimit
 
 _KINDS = {
-    Verdict.ACCURATE: "verdict-2",
-    Verdict.STABLE: "verdict-2",
-    Verdict.INACCURATE: "verdict-4",
-    Verdict.UNRESOLVED: "verdict-1",
-    Verdict.DISSIPATES: "verdict-3",
-    Verdict.FLAT: "verdict-3",
-    Verdict.GAINS: "verdict-5",
-    Verdict.TUNNELS: "verdict-5",
-    Verdict.DIVERGES: "verdict-6",
-    Verdict.REFUSED: "verdict-6",
+    StabilityStatus.ACCURATE: "verdict-2",
+    StabilityStatus.STABLE: "verdict-2",
+    StabilityStatus.INACCURATE: "verdict-4",
+    StabilityStatus.UNRESOLVED: "verdict-1",
+    StabilityStatus.DISSIPATES: "verdict-3",
+    StabilityStatus.FLAT: "verdict-3",
+    StabilityStatus.GAINS: "verdict-5",
+    StabilityStatus.TUNNELS: "verdict-5",
+    StabilityStatus.DIVERGES: "verdict-6",
+    StabilityStatus.REFUSED: "verdict-6",
 }
 """Verdicts of one colour; two of a colour differ in their marks."""
 
@@ -28,7 +28,7 @@ _WIDE = 18
 _PROFILES = ("matched", "default")
 
 
-def map_figures(judged: Sequence[Judged], names: Sequence[str]) -> tuple[Figure, ...]:
+def map_figures(judged: Sequence[ClassifiedRun], names: Sequence[str]) -> tuple[Figure, ...]:
     """Return the stability map of each engine in each profile with a fixed timestep.
 
     Parameters
@@ -54,7 +54,7 @@ def map_figures(judged: Sequence[Judged], names: Sequence[str]) -> tuple[Figure,
     return tuple(figures)
 
 
-def _map(engine: str, profile: str, own: Sequence[Judged], names: Sequence[str]) -> Figure:
+def _map(engine: str, profile: str, own: Sequence[ClassifiedRun], names: Sequence[str]) -> Figure:
     """Return one map."""
     steps = [one.simulation.timestep or np.nan for one in own]
     ends = (min(steps) / 2.0, max(steps) * 2.0)
@@ -71,7 +71,7 @@ def _map(engine: str, profile: str, own: Sequence[Judged], names: Sequence[str])
         for part in _parts(names)
     ]
     sound = sum(one.sound for one in own)
-    accurate = sum(one.verdict is Verdict.ACCURATE for one in own)
+    accurate = sum(one.verdict is StabilityStatus.ACCURATE for one in own)
     return Figure(
         name=f"map-{engine}-{profile}",
         title=f"Stability map of {engine}, profile {profile}",
@@ -85,7 +85,7 @@ def _map(engine: str, profile: str, own: Sequence[Judged], names: Sequence[str])
     )
 
 
-def _series(own: Sequence[Judged], names: Sequence[str]) -> Iterator[Series]:
+def _series(own: Sequence[ClassifiedRun], names: Sequence[str]) -> Iterator[Series]:
     """Yield the points of each verdict."""
     places = {name: place for place, name in enumerate(names)}
     for verdict, kind in _KINDS.items():
@@ -114,7 +114,7 @@ def _parts(names: Sequence[str]) -> list[Sequence[str]]:
     return [names[start : start + size] for start in range(0, len(names), size)]
 
 
-def limit_figure(limits: Sequence[Limit], names: Sequence[str]) -> Figure:
+def limit_figure(limits: Sequence[TimestepLimit], names: Sequence[str]) -> Figure:
     """Return the largest timesteps that are accurate and that are sound, a point a release."""
     ends = (min(limit.finest for limit in limits), 2.0 * max(limit.coarsest for limit in limits))
     panels = [
@@ -146,7 +146,9 @@ def limit_figure(limits: Sequence[Limit], names: Sequence[str]) -> Figure:
     )
 
 
-def _limits_of(limits: Sequence[Limit], standard: str, names: Sequence[str]) -> Iterator[Series]:
+def _limits_of(
+    limits: Sequence[TimestepLimit], standard: str, names: Sequence[str]
+) -> Iterator[Series]:
     """Yield the points of each engine."""
     for engine in dict.fromkeys(limit.engine for limit in limits):
         pairs = [

@@ -1,18 +1,84 @@
 """For each hard case and engine: up to which timestep runs are accurate, and up to which sound.
 
 Rounds of cases follow from what has been judged so far; whoever runs them hands the verdicts back.
+
+The largest usable timestep, by bisection in log dt, as rounds: a study designs and never runs.
+
+A search is what is known of a release so far: which timesteps were usable. What to try next follows
+from that alone. The boundary is ragged (whether a step happens to fall into the bounce decides), so
+that a timestep may be usable by luck far above others that are not, and by round-off not be usable
+far below; the boundary sought is the upper end of the longest unbroken run of usable timesteps.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from harness.case import Case
-from harness.studies.stability.ensemble import member
-from harness.studies.stability.plan import Suite, ladder, scenes
-from harness.studies.stability.search import bracket, next_timestep
-from harness.studies.stability.verdict import Judged
+from harness.core.case import Case
+from harness.studies.shared.perturbation import member
+from harness.studies.stability.failure_criteria import ClassifiedRun
+from harness.studies.stability.suite import Suite, ladder, scenes
 from models.scene import Scene
+
+_SAME = 1e-9  # relative: timesteps nearer than that are one
+
+
+def bracket(known: Mapping[float, bool]) -> tuple[float | None, float | None]:
+    """Return the largest usable timestep and the smallest above it that is not, s.
+
+    Parameters
+    ----------
+    known : mapping of float to bool
+        Timesteps that were tried, s, and whether each was usable.
+
+    Returns
+    -------
+    usable : float or None
+        None if none was usable.
+    unusable : float or None
+        None if none above the usable one was tried in vain; if none was usable, the smallest.
+    """
+    runs: list[list[float]] = []
+    unbroken = False
+    for step in sorted(known):
+        if known[step] and unbroken:
+            runs[-1].append(step)
+        elif known[step]:
+            runs.append([step])
+        unbroken = known[step]
+    if not runs:
+        return None, min(known, default=None)
+    best = max(runs, key=lambda run: (run[-1] / run[0], -run[0]))
+    return best[-1], min((step for step in known if step > best[-1]), default=None)
+
+
+def next_timestep(
+    known: Mapping[float, bool], rungs: Sequence[float], ratio: float, start: float
+) -> float | None:
+    """Return the timestep to try next, s; None if the boundary is known, or is not on the ladder.
+
+    Parameters
+    ----------
+    known : mapping of float to bool
+    rungs : sequence of float
+        Ladder along which a bracket is looked for, s.
+    ratio : float
+        Unusable over usable timestep from which on the boundary counts as known.
+    start : float
+        Where to begin, s.
+    """
+    if not known:
+        return start
+    usable, unusable = bracket(known)
+    if usable is None:
+        lower = min(known)
+        return max((rung for rung in rungs if rung < lower * (1.0 - _SAME)), default=None)
+    if unusable is None:
+        return min((rung for rung in rungs if rung > usable * (1.0 + _SAME)), default=None)
+    if unusable <= ratio * usable:
+        return None
+    return math.sqrt(usable * unusable)
+
 
 STANDARDS = ("accurate", "sound")
 """What usable may mean: it follows the exact motion; or nothing fails, whatever the error."""
@@ -21,7 +87,7 @@ PROFILE = "matched"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limit:
+class TimestepLimit:
     """The largest usable timestep of a case in an engine.
 
     Parameters
@@ -59,13 +125,13 @@ class Limit:
         return known[-1] / known[0] if known and len(known) == len(self.usable) else None
 
 
-Known = Mapping[tuple[Scene, str], Sequence[Judged]]
+Known = Mapping[tuple[Scene, str], Sequence[ClassifiedRun]]
 """Verdicts of profile matched by scene and engine."""
 
 
-def by_scene(judged: Sequence[Judged]) -> Known:
+def by_scene(judged: Sequence[ClassifiedRun]) -> Known:
     """Return verdicts as a search looks for them."""
-    found: dict[tuple[Scene, str], list[Judged]] = {}
+    found: dict[tuple[Scene, str], list[ClassifiedRun]] = {}
     for one in judged:
         case = one.simulation.case
         if case.profile == PROFILE:
@@ -101,10 +167,10 @@ def next_round(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case
     return tuple(dict.fromkeys(wanted))
 
 
-def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Limit, ...]:
+def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[TimestepLimit, ...]:
     """Return the largest usable timesteps, from what the searches found."""
     return tuple(
-        Limit(
+        TimestepLimit(
             scene=scene.name,
             engine=engine,
             standard=standard,

@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.case import Case
-from harness.engines.horizon import natural_time
-from harness.engines.reference import Truth, apart, beside, refusal, solved, truth
-from harness.metrics.conservation import energy
+from harness.core.case import Case
+from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.truth import Truth, apart, beside, solve_case, truth
+from harness.engines.stepping.horizon import natural_time
+from harness.metrics.energy import energy
 from harness.metrics.error import rotation_between
-from harness.studies.stability.signs import spendable
+from harness.studies.stability.failure_criteria import spendable
 from models.effects import IDEAL
 from models.scene import Scene
 
@@ -37,7 +38,7 @@ _SAMPLES = 33
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class ReferenceCheck:
     """What was found of one scene.
 
     Parameters
@@ -71,17 +72,17 @@ class Finding:
     failure: str = ""
 
 
-def examine(scene: Scene) -> Finding:
+def examine(scene: Scene) -> ReferenceCheck:
     """Return how the reference fares on a scene, solved in two ways."""
     reason = refusal(scene)
     if reason:
-        return Finding(scene=scene.name, refusal=reason)
+        return ReferenceCheck(scene=scene.name, refusal=reason)
     slips = _slips(scene)
     posed = scene if slips else replace(scene, effects=IDEAL)
     try:
         one, other = _two_ways(posed, slips=slips)
     except Exception as error:  # noqa: BLE001 - a crash is a finding, and the others go on
-        return Finding(scene=scene.name, failure=f"{type(error).__name__}: {error}")
+        return ReferenceCheck(scene=scene.name, failure=f"{type(error).__name__}: {error}")
     return compared(posed, one, other)
 
 
@@ -103,7 +104,7 @@ def _two_ways(scene: Scene, *, slips: bool) -> tuple[Truth, Truth]:
 
 
 def _solved(scene: Scene, model: str) -> Truth:
-    return solved(Case(scene=scene, engine="reference", options=(("model", model),)))
+    return solve_case(Case(scene=scene, engine="reference", options=(("model", model),)))
 
 
 def _slips(scene: Scene) -> bool:
@@ -121,15 +122,15 @@ def _holds(scene: Scene, mu: float) -> bool:
     """
     if scene.effects.declared() != ("slip",):
         return False
-    bounces = solved(Case(scene=replace(scene, effects=IDEAL), engine="reference")).bounces
+    bounces = solve_case(Case(scene=replace(scene, effects=IDEAL), engine="reference")).bounces
     return bool(bounces) and all(bounce.peak_friction_ratio < mu for bounce in bounces)
 
 
-def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
+def compared(scene: Scene, one: Truth, other: Truth) -> ReferenceCheck:
     """Return the differences of two solutions of one scene."""
     off = _apart(one, other)
     drift = max(_energy_error(scene, truth) for truth in (one, other))
-    finding = Finding(
+    finding = ReferenceCheck(
         scene=scene.name,
         outcome=other.solution.outcome.name.lower().replace("_", " "),
         disagreement=off,
@@ -147,7 +148,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
     reason = f"One ulp of the release or of the can {does}: a double cannot hold it."
-    return Finding(scene=scene.name, refusal=reason, conditioning=ulp)
+    return ReferenceCheck(scene=scene.name, refusal=reason, conditioning=ulp)
 
 
 def _apart(one: Truth, other: Truth) -> float:

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.studies.stability.limits import Limit
-from harness.studies.stability.survey import ALLOWED, Finding
-from harness.studies.stability.verdict import Judged
+from harness.core.report_model import Table
+from harness.studies.stability.failure_criteria import ClassifiedRun
+from harness.studies.stability.limits import TimestepLimit
+from harness.studies.stability.survey import ALLOWED, ReferenceCheck
 from models.catalogue import load
 
 _RUNS: Mapping[str, str] = {
@@ -26,7 +26,7 @@ _RUNS: Mapping[str, str] = {
 }
 
 
-def run_table(judged: Sequence[Judged]) -> Table:
+def run_table(judged: Sequence[ClassifiedRun]) -> Table:
     """Return every run and its verdict."""
     rows = []
     for one in judged:
@@ -69,7 +69,7 @@ _LIMITS: Mapping[str, str] = {
 }
 
 
-def limit_table(limits: Sequence[Limit]) -> Table:
+def limit_table(limits: Sequence[TimestepLimit]) -> Table:
     """Return the largest usable timesteps, a row a case and engine."""
     rows: dict[tuple[str, str], dict[str, object]] = {}
     for limit in limits:
@@ -101,7 +101,7 @@ _CASES: Mapping[str, str] = {
 }
 
 
-def case_table(findings: Sequence[Finding]) -> Table:
+def case_table(findings: Sequence[ReferenceCheck]) -> Table:
     """Return the hard cases, why they are hard, and how the reference fares."""
     rows = [
         {
@@ -134,9 +134,9 @@ _SURVEY: Mapping[str, str] = {
 }
 
 
-def survey_table(findings: Sequence[Finding]) -> Table:
+def survey_table(findings: Sequence[ReferenceCheck]) -> Table:
     """Return how the reference fared on random scenes, by how they end."""
-    groups: dict[str, list[Finding]] = {}
+    groups: dict[str, list[ReferenceCheck]] = {}
     for finding in findings:
         groups.setdefault("refused" if finding.refusal else finding.outcome or "crash", []).append(
             finding

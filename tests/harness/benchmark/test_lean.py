@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from harness.benchmark.lean import GAIN, PIECE, TOLERANCE, between, in_mujoco, in_reference
-from harness.case import Case
-from harness.engines.reference.posing import problem
+from harness.core.case import Case
+from harness.core.trajectory import Trajectory
+from harness.engines.reference.to_reference_problem import problem
 from harness.engines.registry import engine
-from harness.trajectory import Trajectory
 from models import Horizon, Scene, load
 from reference import solve
 

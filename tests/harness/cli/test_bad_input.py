@@ -233,7 +233,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(
         }[place]
     )
     before = sorted(tmp_path.rglob("*"))
-    monkeypatch.setattr("harness.cli.commands.evaluate", lambda _: pytest.fail("it ran"))
+    monkeypatch.setattr("harness.evaluation.evaluate.evaluate", lambda _: pytest.fail("it ran"))
     is_one_clear_message(
         told("run", "gentle-rock", "--engine", "mujoco", "--out", str(out)), str(out)
     )
@@ -244,7 +244,7 @@ def test_a_report_that_cannot_be_written_is_refused_before_anything_runs(
     told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
-    monkeypatch.setattr("harness.face.validate", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr("harness.api.validate", lambda *_, **__: pytest.fail("it ran"))
     before = sorted(tmp_path.rglob("*"))
     for out in (tmp_path / "file", tmp_path / "file" / "report"):
         is_one_clear_message(told("validate", "--out", str(out)), str(out))

@@ -13,9 +13,12 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from harness.case import Case
+from harness.core.case import Case
 from harness.engines.registry import names as engine_names
-from models import load, mjcf, modelling_choices, names, read_scene, urdf
+from models import load, names, read_scene
+from models.mjcf import mjcf
+from models.modelling_choices import modelling_choices
+from models.urdf import urdf
 
 Command = Callable[..., Any]
 
@@ -252,7 +255,7 @@ def test_the_command_of_a_case_runs_that_case(
             ran.append(asked)
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("harness.cli.commands.evaluate", stop)
+        monkeypatch.setattr("harness.evaluation.evaluate.evaluate", stop)
         told(*case.command().split()[1:])
         assert ran == [case]
         assert ran[0].digest("1") == case.digest("1")

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.studies.cost import design, ladders
+from harness.studies.cost import design, points
 
 Command = Callable[..., Any]
 
@@ -33,10 +33,10 @@ def test_wrong_use_is_refused_before_anything_runs(
 def test_a_price_list_with_what_to_paste(
     told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(ladders.RUNGS, "quick", (1.0, 0.3))
-    monkeypatch.setitem(ladders.RUNGS, "tuning", (1.0, 0.3))
-    monkeypatch.setitem(ladders.SHARES, "quick", (4.0, 2.0))
-    monkeypatch.setitem(ladders.SHARES, "tuning", (4.0, 2.0))
+    monkeypatch.setitem(points.RUNGS, "quick", (1.0, 0.3))
+    monkeypatch.setitem(points.RUNGS, "tuning", (1.0, 0.3))
+    monkeypatch.setitem(points.SHARES, "quick", (4.0, 2.0))
+    monkeypatch.setitem(points.SHARES, "tuning", (4.0, 2.0))
     monkeypatch.setitem(design.DECADES, "quick", (-5,))
     known = design.variants
     monkeypatch.setattr(design, "variants", lambda name: known(name)[:3])

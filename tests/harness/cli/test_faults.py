@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from harness.faults import TRIALS, Demands, Trial
+from harness.faults.trial import Trial
+from harness.faults.trials import TRIALS, Demands
 
 Command = Callable[..., Any]
 
@@ -26,7 +27,7 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return trial
 
-    monkeypatch.setattr("harness.cli.faults.TRIALS", {name: of(name) for name in TRIALS})
+    monkeypatch.setattr("harness.faults.trials.TRIALS", {name: of(name) for name in TRIALS})
     return names
 
 

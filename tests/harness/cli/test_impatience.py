@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.faults.processes import left_behind
-from harness.store.folder import JOURNAL
+from harness.execution.cache import JOURNAL
+from harness.faults.programs import left_behind
 
 ROOT = Path(__file__).parents[3]
 WORDS = ("attribute", "gentle-rock", "--engine", "pybullet", "--jobs", "2")

@@ -6,11 +6,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness import runner
-from harness.artefact import Prose, Table
 from harness.cli.main import code_of
-from harness.provenance import provenance
-from harness.report import write_report
+from harness.core.provenance import provenance
+from harness.core.report_model import Prose, Table
+from harness.evaluation import evaluate
+from harness.report.write import write_report
 
 
 def written(out: Path, name: str) -> Path:
@@ -31,7 +31,7 @@ def test_reports_are_joined_without_a_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     first, second = (written(tmp_path, name) for name in ("first", "second"))
-    monkeypatch.setattr(runner, "run", lambda *_: pytest.fail("something was run"))
+    monkeypatch.setattr(evaluate, "run", lambda *_: pytest.fail("something was run"))
     out = tmp_path / "all"
     assert code_of(["report", str(first), str(second), "--out", str(out)]) == 0
     assert "2 studies in one report" in capsys.readouterr().out
@@ -57,7 +57,7 @@ def test_a_folder_without_a_report_is_named(
 def test_validate_refuses_a_missing_report_before_it_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("harness.face.validate", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr("harness.api.validate", lambda *_, **__: pytest.fail("it ran"))
     words = ["validate", "--with", str(tmp_path / "none"), "--out", str(tmp_path / "out")]
     assert code_of(words) == 2
     assert "cannot read" in capsys.readouterr().err

@@ -20,18 +20,20 @@ SCRIPT = """
 import json, math, sys
 from importlib.metadata import entry_points
 from harness import simulate
-from harness.case import Case
+from harness.core.case import Case
 from harness.engines.conformance import conform
 from harness.engines.probes import measure
-from harness.engines.registry import GROUP, engine, names
+from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.engines.registry import engine, names
 from harness.executors import local
-from harness.runner import run
+from harness.evaluation.evaluate import run
 from harness.studies.comparison import read
 from models import load
 
 if __name__ == "__main__":
     scene = load("gentle-rock")
-    found = {"entry": [e.value for e in entry_points(group=GROUP) if e.name == "strict"]}
+    entries = entry_points(group=ENGINE_ENTRY_POINTS)
+    found = {"entry": [e.value for e in entries if e.name == "strict"]}
     found["names"] = names()
     found["file"] = sys.modules[type(engine("strict")).__module__].__file__
     found["checks"] = {v.name: [v.result.value, v.detail] for v in conform(engine("strict"))}

@@ -2,7 +2,8 @@
 
 import pytest
 
-from harness.engines.conformance import CHECKS, Result, Verdict, conform
+from harness.engines.conformance.fixture import ClauseResult, ClauseStatus
+from harness.engines.conformance.suite import CHECKS, conform
 from tests.harness.conformance.toys import (
     BackwardsInTime,
     Cheerful,
@@ -30,7 +31,7 @@ from tests.harness.conformance.toys import (
 )
 
 
-def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
+def told(verdicts: tuple[ClauseResult, ...], result: ClauseStatus) -> dict[str, str]:
     """Return the details of the checks that ended so, by name."""
     return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
 
@@ -66,12 +67,12 @@ BROKEN = {
 
 
 def test_a_sound_toy_keeps_every_clause() -> None:
-    assert told(conform(Sound()), Result.FAILED) == {}
+    assert told(conform(Sound()), ClauseStatus.FAILED) == {}
 
 
 @pytest.mark.parametrize("toy", BROKEN, ids=lambda toy: toy.__name__)
 def test_a_broken_adapter_is_told_its_clause(toy: type[Toy]) -> None:
-    failed = told(conform(toy()), Result.FAILED)
+    failed = told(conform(toy()), ClauseStatus.FAILED)
     for name, detail in BROKEN[toy].items():
         assert name in failed
         with pytest.raises(AssertionError, match=detail):
@@ -94,6 +95,6 @@ def test_every_clause_can_be_broken() -> None:
 
 def test_what_needs_a_run_is_not_asked_without_one() -> None:
     verdicts = conform(WrongShape())
-    skipped = told(verdicts, Result.NOT_APPLICABLE)
+    skipped = told(verdicts, ClauseStatus.NOT_APPLICABLE)
     assert "needs a run that passes the check 'trajectory'" in skipped["newton"]
-    assert told(verdicts, Result.FAILED).keys() == {"trajectory", "divergence"}
+    assert told(verdicts, ClauseStatus.FAILED).keys() == {"trajectory", "divergence"}

@@ -10,15 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.cli.listings import engines_answer
+from harness.cli.engines import engines_answer
+from harness.core.case import Case
+from harness.core.errors import BrokenEngineError, InvalidSettingError, RefusedModelError
+from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.engines import registry
 from harness.engines.base import Capabilities
-from harness.errors import BrokenEngineError, InvalidSettingError, RefusedModelError
-from harness.executors import Serial
-from harness.runner import evaluate, run
-from harness.simulation import Outcome, ParityRow, Simulation
-from harness.store import About, Store
+from harness.evaluation.evaluate import evaluate, run_cases
+from harness.execution.cache import CacheFolder
+from harness.execution.cache_entry import Metadata
+from harness.execution.isolated_pool import SerialExecutor
 from models import Scene
 
 Spoil = Callable[[Simulation], object]
@@ -153,12 +155,17 @@ def spoilt(monkeypatch: pytest.MonkeyPatch, brief: Scene) -> Callable[[Spoil], C
     def register(spoil: Spoil) -> Case:
         real = registry.engine
         monkeypatch.setattr(
-            "harness.runner.engine", lambda name: Spoilt(spoil) if name == "spoilt" else real(name)
+            "harness.engines.registry.engine",
+            lambda name: Spoilt(spoil) if name == "spoilt" else real(name),
         )
-        monkeypatch.setattr("harness.runner.check_effects", lambda *_: None)
+        monkeypatch.setattr("harness.engines.registry.check_effects", lambda *_: None)
         # it is not registered, and so nothing is known of where it comes from
-        monkeypatch.setattr("harness.kept.key_of", lambda case: case.label().replace(" ", "-"))
-        monkeypatch.setattr("harness.kept.about", lambda case: About(label=case.label()))
+        monkeypatch.setattr(
+            "harness.evaluation.case_cache.case_key", lambda case: case.label().replace(" ", "-")
+        )
+        monkeypatch.setattr(
+            "harness.evaluation.case_cache.case_metadata", lambda case: Metadata(label=case.label())
+        )
         return Case(scene=brief, engine="spoilt")
 
     return register
@@ -179,13 +186,13 @@ def test_an_answer_that_is_not_spoilt_is_no_fault(spoilt: Callable[[Spoil], Case
     assert evaluate(spoilt(lambda good: good)).simulation.outcome is Outcome.FINISHED
 
 
-@pytest.mark.parametrize("executor", [None, Serial()])
+@pytest.mark.parametrize("executor", [None, SerialExecutor()])
 def test_the_other_cases_go_on(
     spoilt: Callable[[Spoil], Case], brief: Scene, executor: Executor | None
 ) -> None:
     broken = spoilt(raising)
     good = Case(scene=brief, engine="reference")
-    outcomes = [e.simulation.outcome for e in run([good, broken, good], executor)]
+    outcomes = [e.simulation.outcome for e in run_cases([good, broken, good], executor)]
     assert outcomes == [Outcome.FINISHED, Outcome.BROKEN, Outcome.FINISHED]
 
 
@@ -220,12 +227,12 @@ def test_whatever_it_does_is_its_outcome_and_kept(
     note: str,
 ) -> None:
     broken, good = spoilt(spoil), Case(scene=brief, engine="reference")
-    store = Store(folder=tmp_path)
-    done = run([broken, good], store=store)
+    store = CacheFolder(folder=tmp_path)
+    done = run_cases([broken, good], store=store)
     assert [e.simulation.outcome for e in done] == [Outcome.BROKEN, Outcome.FINISHED]
     assert done[0].simulation.note.startswith(note)
     assert done[0].simulation.note
-    kept = run([broken, good], Dying(), store=store)
+    kept = run_cases([broken, good], Dying(), store=store)
     assert [e.simulation.note for e in kept] == [e.simulation.note for e in done]
 
 
@@ -235,7 +242,7 @@ def test_wrong_use_that_our_own_engine_finds_names_the_case_and_what_is_kept(
     good = Case(scene=brief, engine="reference")
     wrong = Case(scene=brief, engine="mujoco", options=(("condim", 2),))
     with pytest.raises(RefusedModelError) as caught:
-        run([good, wrong], store=Store(folder=tmp_path))
+        run_cases([good, wrong], store=CacheFolder(folder=tmp_path))
     case, kept = caught.value.__notes__
     assert case == f"It is of the case '{wrong.label()}'."
     assert kept.startswith("1 of 2 are done and kept in ")
@@ -261,7 +268,7 @@ class Dying(Executor):
 
 def test_a_process_that_dies_leaves_a_named_outcome_and_what_was_done(brief: Scene) -> None:
     case = Case(scene=brief, engine="reference")
-    done = run([case, case, case], Dying())
+    done = run_cases([case, case, case], Dying())
     outcomes = [e.simulation.outcome for e in done]
     assert outcomes == [Outcome.FINISHED, Outcome.STOPPED, Outcome.STOPPED]
     assert "terminated abruptly" in done[1].simulation.note
@@ -270,13 +277,16 @@ def test_a_process_that_dies_leaves_a_named_outcome_and_what_was_done(brief: Sce
 
 @pytest.mark.parametrize(
     ("entry", "reason"),
-    [("harness.errors:NoSuchEngine", "AttributeError"), ("harness.case:Case", "TypeError")],
+    [
+        ("harness.core.errors:NoSuchEngine", "AttributeError"),
+        ("harness.core.case:Case", "TypeError"),
+    ],
 )
 def test_an_engine_that_cannot_be_made_is_named(
     monkeypatch: pytest.MonkeyPatch, entry: str, reason: str
 ) -> None:
     real = registry._entries()  # noqa: SLF001 - there is no other way to plant an entry point
-    planted = EntryPoint(name="planted", value=entry, group=registry.GROUP)
+    planted = EntryPoint(name="planted", value=entry, group=ENGINE_ENTRY_POINTS)
     monkeypatch.setattr(registry, "_entries", lambda: real | {"planted": planted})
     with pytest.raises(BrokenEngineError, match=f"'planted'.*{entry}.*{reason}"):
         registry.engine("planted")

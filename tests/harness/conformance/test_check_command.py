@@ -7,11 +7,11 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from harness.cli import check as command
-from harness.cli.check import check
+from harness.cli import engines as command
+from harness.cli.engines import check
+from harness.core.errors import InvalidSettingError, UnknownEngineError
 from harness.engines.base import Capabilities
-from harness.engines.conformance import CHECKS
-from harness.errors import InvalidSettingError, UnknownEngineError
+from harness.engines.conformance.suite import CHECKS
 
 app = typer.Typer()
 app.command()(check)

@@ -4,7 +4,8 @@ from functools import cache
 
 import pytest
 
-from harness.engines.conformance import CHECKS, Result, Verdict, conform
+from harness.engines.conformance.fixture import ClauseResult, ClauseStatus
+from harness.engines.conformance.suite import CHECKS, conform
 from harness.engines.registry import engine
 
 NOT_APPLICABLE: dict[str, set[str]] = {
@@ -15,12 +16,12 @@ NOT_APPLICABLE: dict[str, set[str]] = {
 
 
 @cache
-def verdicts_on(name: str) -> tuple[Verdict, ...]:
+def verdicts_on(name: str) -> tuple[ClauseResult, ...]:
     """Return what the suite says of an engine, asked once."""
     return conform(engine(name))
 
 
-def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
+def told(verdicts: tuple[ClauseResult, ...], result: ClauseStatus) -> dict[str, str]:
     """Return the details of the checks that ended so, by name."""
     return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
 
@@ -29,9 +30,9 @@ def told(verdicts: tuple[Verdict, ...], result: Result) -> dict[str, str]:
 def test_the_engines_keep_the_contract(name: str) -> None:
     verdicts = verdicts_on(name)
     assert [verdict.name for verdict in verdicts] == [check.name for check in CHECKS]
-    assert told(verdicts, Result.FAILED) == {}
+    assert told(verdicts, ClauseStatus.FAILED) == {}
     alone = set() if hasattr(engine(name), "simulate_many") else {"repeats in a batch"}
-    assert told(verdicts, Result.NOT_APPLICABLE).keys() == NOT_APPLICABLE[name] | alone
+    assert told(verdicts, ClauseStatus.NOT_APPLICABLE).keys() == NOT_APPLICABLE[name] | alone
 
 
 def test_the_adapters_of_physics_engines_are_exact_where_they_can_be() -> None:

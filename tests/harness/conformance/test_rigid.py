@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from harness.engines.conformance.rigid import rolling_acceleration
-from harness.engines.reference import truth
+from harness.engines.conformance.start import rolling_acceleration
+from harness.engines.reference.truth import truth
 from models import Pose, Twist, load
 
 EPS = np.finfo(np.float64).eps

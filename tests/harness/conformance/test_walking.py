@@ -5,14 +5,13 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.base import Contact
-from harness.engines.chunk import Chunk
+from harness.core.case import Case
+from harness.core.trajectory import Trajectory, join
+from harness.engines.base import Chunk, Contact
 from harness.engines.registry import engine
-from harness.engines.schedule import Adaptive, Fixed
-from harness.engines.settling import settle
-from harness.engines.walking import walk
-from harness.trajectory import Trajectory, join
+from harness.engines.stepping.generic_stepping import walk
+from harness.engines.stepping.schedule import Adaptive, Fixed
+from harness.engines.stepping.settling import settle
 from models import Horizon, Pose, Scene, Twist, release_state
 
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities, Setting
 from harness.engines.registry import engine
-from harness.simulation import Outcome, Simulation
 
 
 class Toy:
@@ -132,7 +132,7 @@ class Sparse(Toy):
     """Records one sample in two hundred."""
 
     def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        from harness.trajectory import take  # noqa: PLC0415 - this toy alone
+        from harness.core.trajectory import take  # noqa: PLC0415 - this toy alone
 
         if whole.trajectory is None or len(whole.trajectory) < 200:
             return whole

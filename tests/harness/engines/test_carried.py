@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from harness.engines import carried
-from harness.engines.carried import check_exact
-from harness.engines.reference import Divergence
-from harness.errors import InvalidSettingError
-from harness.studies.cost.design import plan
+from harness.core.errors import InvalidSettingError
+from harness.engines.reference import support
+from harness.engines.reference.assumption_checks import Divergence
+from harness.engines.reference.support import check_exact
+from harness.studies.cost.design import plan_cost
 from models import Compliance, Effects, Horizon, Restitution, Scene, Slip, Tilt, load
 
 
@@ -35,7 +35,7 @@ def test_a_chaotic_one_is_refused(
 ) -> None:
     # the search for chaos itself is tested where it is made; of twenty bounces it takes seconds
     found = Divergence(growth=1e9, lyapunov_time=0.4, parted=5.0, chaotic=chaotic)
-    monkeypatch.setattr(carried, "parting", lambda _: found)
+    monkeypatch.setattr(support, "parting", lambda _: found)
     tilted = replace(brief, effects=Effects(tilt=Tilt(angle=0.1)))
     if not chaotic:
         check_exact(tilted)
@@ -47,6 +47,9 @@ def test_a_chaotic_one_is_refused(
 def test_the_price_of_a_scene_that_slips_asks_no_model_that_knows_no_slip(brief: Scene) -> None:
     slipping = replace(load("slipping-rock"), horizon=Horizon(seconds=0.02))
     ideal = replace(brief, release=replace(brief.release, phi=0.3))
-    made = plan(slipping, ideal, ["reference", "pybullet"])
+    made = plan_cost(slipping, ideal, ["reference", "pybullet"])
     assert made.engines == ("pybullet",)
-    assert plan(ideal, slipping, ["reference", "pybullet"]).engines == ("reference", "pybullet")
+    assert plan_cost(ideal, slipping, ["reference", "pybullet"]).engines == (
+        "reference",
+        "pybullet",
+    )

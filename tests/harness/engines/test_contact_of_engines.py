@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.reference import truth
-from harness.runner import Evaluation
-from harness.simulation import Outcome
-from harness.trajectory import Trajectory
+from harness.core.case import Case
+from harness.core.simulation import Outcome
+from harness.core.trajectory import Trajectory
+from harness.engines.reference.truth import truth
+from harness.evaluation.evaluation import Evaluation
 from models import Horizon, Scene, contact_point, load
 
 ENGINES = ("mujoco", "pybullet")

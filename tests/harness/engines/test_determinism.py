@@ -8,10 +8,10 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
-from harness.runner import run
-from harness.trajectory import Trajectory
+from harness.evaluation.evaluate import run_cases
 from models import Can, Effects, Scene, Slip
 
 ENGINES = ("mujoco", "pybullet")
@@ -67,8 +67,8 @@ def test_a_process_pool_gives_the_same_bits_in_the_same_order(gentle: Scene) -> 
     told: list[str] = []
 
     with ProcessPoolExecutor(max_workers=2, mp_context=context) as pool:
-        pooled = run(cases, pool, lambda e: told.append(e.simulation.case.label()))
-    serial = run(cases)
+        pooled = run_cases(cases, pool, lambda e: told.append(e.simulation.case.label()))
+    serial = run_cases(cases)
     assert sorted(told) == sorted(case.label() for case in cases)
     for case, here, there in zip(cases, serial, pooled, strict=True):
         assert here.simulation.case == there.simulation.case == case
@@ -86,9 +86,9 @@ def test_the_result_does_not_depend_on_how_the_run_is_cut(
     case = Case(scene=gentle, engine=name, timestep=1e-3)
     runs = []
     for most in (16, 37, 4096):
-        monkeypatch.setattr("harness.engines.stepping._FEWEST", min(most, 16))
-        monkeypatch.setattr("harness.engines.stepping.MOST", most)
-        monkeypatch.setattr("harness.engines.foresight.SHORTEST", 1e3)
+        monkeypatch.setattr("harness.engines.stepping.physics_engine._FEWEST", min(most, 16))
+        monkeypatch.setattr("harness.engines.stepping.physics_engine.MOST", most)
+        monkeypatch.setattr("harness.engines.stepping.physics_engine.SHORTEST", 1e3)
         runs.append(engine(name).simulate(case))
     assert same_bits(runs[0].trajectory, runs[1].trajectory)
     assert same_bits(runs[0].trajectory, runs[2].trajectory)

@@ -7,15 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.errors import UnsupportedEffectError
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import Trajectory
 from harness.engines.base import World
 from harness.engines.conformance.effects import DECLARED
-from harness.engines.reference import truth
+from harness.engines.reference.truth import truth
 from harness.engines.registry import check_effects, engine
-from harness.errors import UnsupportedEffectError
-from harness.metrics.conservation import energy_drift
-from harness.simulation import Outcome, Simulation
-from harness.trajectory import Trajectory
+from harness.metrics.energy import energy_drift
 from models import (
     Compliance,
     Damping,

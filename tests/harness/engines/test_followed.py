@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from harness.case import Case
-from harness.engines.reference import followed, parting, solved, truth
-from harness.engines.reference.followed import Followed
+from harness.core.case import Case
+from harness.engines.reference import truth
+from harness.engines.reference.assumption_checks import divergence_of
+from harness.engines.reference.truth import Followed, solve_case
+from harness.engines.reference.truth import truth as truth_truth
 from models import load
 from models.scene import Horizon
 from reference import PAPER_CAN, Effects, Problem
@@ -15,10 +17,10 @@ from reference import PAPER_CAN, Effects, Problem
 def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
     scene = replace(load("slipping-rock"), horizon=Horizon(seconds=0.011))
     case = Case(scene=scene, engine="reference")
-    answer = solved(case)
-    assert truth(scene).solution is answer.solution
-    assert solved(case, again=False).solution is answer.solution
-    timed = solved(case)
+    answer = solve_case(case)
+    assert truth_truth(scene).solution is answer.solution
+    assert solve_case(case, again=False).solution is answer.solution
+    timed = solve_case(case)
     assert timed.solution is not answer.solution
     assert timed.solution.t_end == answer.solution.t_end
     assert timed.ends == pytest.approx(0.011, rel=1e-12)
@@ -30,13 +32,13 @@ def test_a_tolerance_of_its_own_is_no_truth() -> None:
     def reduced(**options: float) -> float:
         told = (("model", "reduced"), *options.items())
         case = Case(scene=scene, engine="reference", options=told)
-        return float(solved(case, again=False).bounces[0].angle_of_turn)
+        return float(solve_case(case, again=False).bounces[0].angle_of_turn)
 
     assert reduced(rtol=1e-2) != reduced() == reduced()
 
 
 def test_it_keeps_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(followed, "MOST", 2)
+    monkeypatch.setattr(truth, "MOST", 2)
     kept: Followed[str] = Followed()
     scene = load("slipping-rock")
     rolling = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, duration=0.1)
@@ -55,5 +57,5 @@ def test_it_keeps_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_of_a_motion_that_ends_where_it_begins_no_copies_are_followed() -> None:
     scene = replace(load("off-centre-mass"), horizon=Horizon(seconds=1e-150))
-    assert truth(scene).ends == 0.0
-    assert parting(scene) is None
+    assert truth_truth(scene).ends == 0.0
+    assert divergence_of(scene) is None

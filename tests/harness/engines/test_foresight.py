@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.chunk import Chunk
-from harness.engines.foresight import SHORTEST, Foresight
-from harness.engines.horizon import natural_time
+from harness.core.case import Case
+from harness.core.trajectory import Trajectory
+from harness.engines.base import Chunk
 from harness.engines.registry import engine
-from harness.trajectory import Trajectory
+from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.physics_engine import SHORTEST, Foresight
 from models import Horizon, load, quaternion
 
 GENTLE = load("gentle-rock")

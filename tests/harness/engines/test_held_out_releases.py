@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.runner import evaluate
+from harness.core.case import Case
+from harness.evaluation.evaluate import evaluate
 from models import Release, load
 
 BOUND = 0.02

@@ -7,17 +7,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.horizon import natural_time
-from harness.engines.looks import LOOKS, Looks
-from harness.engines.recorder import ANGLE_STEP, SAMPLES_IN_TIME
+from harness.core.case import Case
+from harness.core.simulation import Simulation
+from harness.core.trajectory import Trajectory, join
 from harness.engines.registry import engine
-from harness.engines.schedule import Fixed
-from harness.engines.settling import settle
-from harness.engines.walking import walk
-from harness.runner import Evaluation, evaluate
-from harness.simulation import Simulation
-from harness.trajectory import Trajectory, join
+from harness.engines.stepping.generic_stepping import walk
+from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.recording import ANGLE_STEP, LOOKS, SAMPLES_IN_TIME, Looks
+from harness.engines.stepping.schedule import Fixed
+from harness.engines.stepping.settling import settle
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.evaluation import Evaluation
 from models import Horizon, Scene, load, release_state
 from models.kinematics import angles, quaternion
 
@@ -141,8 +141,8 @@ def test_the_looks_do_not_depend_on_how_the_run_is_cut(
 ) -> None:
     case = Case(scene=brief, engine="pybullet", timestep=1e-5)
     whole = engine("pybullet").simulate(case)
-    monkeypatch.setattr("harness.engines.stepping._FEWEST", size)
-    monkeypatch.setattr("harness.engines.stepping.MOST", size)
+    monkeypatch.setattr("harness.engines.stepping.physics_engine._FEWEST", size)
+    monkeypatch.setattr("harness.engines.stepping.physics_engine.MOST", size)
     cut = engine("pybullet").simulate(case)
     assert whole.trajectory is not None
     assert cut.trajectory is not None

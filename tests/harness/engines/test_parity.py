@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.simulation import Outcome, ParityRow
 from harness.engines.registry import engine
-from harness.runner import Evaluation
-from harness.simulation import Outcome, ParityRow
+from harness.evaluation.evaluation import Evaluation
 from models import Can, Effects, Scene, Slip, load
 
 ENGINES = ("mujoco", "pybullet")

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.errors import RefusedModelError
+from harness.core.simulation import ParityRow
 from harness.engines.registry import engine
-from harness.errors import RefusedModelError
-from harness.simulation import ParityRow
 from models import (
     Compliance,
     Damping,
@@ -140,7 +140,7 @@ def test_an_effect_that_an_option_spoils_is_a_mismatch(
 def test_an_engine_with_another_scenes_gravity_or_mass_is_a_mismatch(
     gentle: Scene, name: str
 ) -> None:
-    from harness.engines.parity import parity  # noqa: PLC0415 - of this test alone
+    from harness.engines.parity.checks import parity  # noqa: PLC0415 - of this test alone
 
     scene = declaring(gentle, "tilt", "shake", "point_mass")
     case = Case(scene=scene, engine=name, timestep=1e-4)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.engines.base import Contact
-from harness.engines.parity import parity
+from harness.engines.parity.checks import parity
 from models import NO_SLIP_FRICTION, Pose, Scene, Twist, angles
 
 DT = 1e-3

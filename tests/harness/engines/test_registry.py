@@ -9,20 +9,20 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines import registry
-from harness.engines.base import Capabilities, Setting, resolve
-from harness.engines.reference import truth
-from harness.errors import (
+from harness.core.case import Case
+from harness.core.errors import (
     HarnessError,
     MissingPackageError,
     UnknownEngineError,
     UnknownSettingError,
     UnsupportedEffectError,
 )
-from harness.runner import evaluate, run
-from harness.simulation import Outcome, Simulation
-from harness.studies.comparison import read
+from harness.core.simulation import Outcome, Simulation
+from harness.engines import registry
+from harness.engines.base import Capabilities, Setting, resolve
+from harness.engines.reference.truth import truth
+from harness.evaluation.evaluate import evaluate, run_cases
+from harness.studies.comparison.report import comparison_report
 from models import Effects, RoundedRim, Scene, Slip
 
 
@@ -163,7 +163,7 @@ def test_a_third_party_engine_takes_part_in_the_comparison(
         for name in ("late-clock", "mujoco")
         for timestep in (1e-3, 3e-4, 1e-4)
     ]
-    found = {artefact.name: artefact for artefact in read(run(cases))}
+    found = {artefact.name: artefact for artefact in comparison_report(run_cases(cases))}
     assert "late-clock" in found["summary"].text
     orders = found["orders"].frame
     own = orders[(orders.engine == "late-clock") & (orders.quantity == "phi_rms_rad")]

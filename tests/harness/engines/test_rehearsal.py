@@ -6,16 +6,18 @@ from pathlib import Path
 
 import pytest
 
-from harness.case import Case
-from harness.engines import registry, rehearsal
-from harness.errors import (
+from harness.core.case import Case
+from harness.core.errors import (
     BrokenEngineError,
-    FallenEngineError,
+    EngineContractError,
+    EngineCrashError,
     HarnessError,
-    SpeechlessEngineError,
 )
-from harness.isolation import Isolated, Limits
-from harness.runner import check
+from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.engines import registry
+from harness.evaluation.evaluate import check_case
+from harness.execution.isolated_pool import IsolatedProcessPool
+from harness.execution.limits import Limits
 from models import Scene
 
 CRASHES = "import ctypes\nctypes.string_at(0)\n"
@@ -40,7 +42,7 @@ class Engine:
 """
 CHOOSY = """
 import ctypes, os
-from harness.errors import InvalidSettingError
+from harness.core.errors import InvalidSettingError
 def told(case):
     if case.timestep == 1e-3:
         ctypes.string_at(0)
@@ -67,7 +69,7 @@ def planted(
     module = f"planted_{abs(hash(request.param))}"
     (tmp_path / f"{module}.py").write_text(request.param, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    entry = EntryPoint(name=module, value=f"{module}:Engine", group=registry.GROUP)
+    entry = EntryPoint(name=module, value=f"{module}:Engine", group=ENGINE_ENTRY_POINTS)
     monkeypatch.setattr(registry, "_entries", lambda: {module: entry})
     return entry
 
@@ -78,7 +80,7 @@ def planted(
     indirect=["planted"],
 )
 def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: str) -> None:
-    with pytest.raises(FallenEngineError, match=f"'{planted.name}' falls.*{reason}.*--engine"):
+    with pytest.raises(EngineCrashError, match=f"'{planted.name}' falls.*{reason}.*--engine"):
         registry.engine(planted.name)
 
 
@@ -86,14 +88,14 @@ def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: 
 def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
     planted: EntryPoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rehearsal, "_PATIENCE", Limits(seconds=2.0))
-    with pytest.raises(FallenEngineError, match="longer than the 2 s allowed"):
+    monkeypatch.setattr(registry, "_PATIENCE", Limits(seconds=2.0))
+    with pytest.raises(EngineCrashError, match="longer than the 2 s allowed"):
         registry.engine(planted.name)
 
 
 @pytest.mark.parametrize("planted", [SOUND], indirect=True)
 def test_a_sound_engine_is_made_as_before(planted: EntryPoint) -> None:
-    assert rehearsal.fall(planted) == ""
+    assert registry.fall(planted) == ""
     assert registry.engine(planted.name).version == "1"
 
 
@@ -112,34 +114,34 @@ class Engine:
 def test_an_error_in_python_is_told_as_itself(planted: EntryPoint) -> None:
     with pytest.raises(BrokenEngineError, match="ValueError: no licence") as caught:
         registry.engine(planted.name)
-    assert not isinstance(caught.value, FallenEngineError)
+    assert not isinstance(caught.value, EngineCrashError)
 
 
 def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
-    unheard = EntryPoint(name="x", value="no_such_module:Engine", group=registry.GROUP)
-    with Isolated(1) as alone:
-        assert alone.submit(rehearsal.fall, unheard).result() == ""
-        assert alone.submit(rehearsal.is_worker).result()
-    assert not rehearsal.is_worker()
+    unheard = EntryPoint(name="x", value="no_such_module:Engine", group=ENGINE_ENTRY_POINTS)
+    with IsolatedProcessPool(1) as alone:
+        assert alone.submit(registry.fall, unheard).result() == ""
+        assert alone.submit(registry.is_worker).result()
+    assert not registry.is_worker()
 
 
 @pytest.mark.parametrize("planted", [CHOOSY], indirect=True)
 @pytest.mark.parametrize(
     ("timestep", "error", "reason"),
     [
-        (1e-3, SpeechlessEngineError, "SIGSEGV, segmentation fault"),
-        (2e-3, SpeechlessEngineError, "`timestep` raised ZeroDivisionError: "),
+        (1e-3, EngineContractError, "SIGSEGV, segmentation fault"),
+        (2e-3, EngineContractError, "`timestep` raised ZeroDivisionError: "),
         (3e-3, HarnessError, "allowed: another"),
-        (4e-3, SpeechlessEngineError, "it returned str, not a positive number"),
+        (4e-3, EngineContractError, "it returned str, not a positive number"),
     ],
 )
 def test_an_engine_that_falls_over_one_case_is_named_with_it(
     planted: EntryPoint, brief: Scene, timestep: float, error: type[HarnessError], reason: str
 ) -> None:
-    assert rehearsal.fall(planted) == ""
+    assert registry.fall(planted) == ""
     case = Case(scene=brief, engine=planted.name, timestep=timestep)
     with pytest.raises(error, match=reason) as caught:
-        check(case)
+        check_case(case)
     assert error is HarnessError or case.label() in str(caught.value)
 
 
@@ -148,14 +150,14 @@ def test_one_process_is_asked_for_all_cases_and_once_for_each(
     planted: EntryPoint, brief: Scene
 ) -> None:
     cases = [Case(scene=brief, engine=planted.name, timestep=n * 1e-2) for n in (1, 2, 3)]
-    asked = rehearsal.asked.cache_info()
+    asked = registry.asked.cache_info()
     told = {registry.timestep_of(case) for case in cases for _ in range(4)}
     assert len(told) == 1
     assert told != {float(os.getpid())}
-    assert rehearsal.asked.cache_info().misses - asked.misses == len(cases)
+    assert registry.asked.cache_info().misses - asked.misses == len(cases)
 
 
 def test_engines_of_ours_are_asked_here(brief: Scene) -> None:
-    asked = rehearsal.asked.cache_info()
+    asked = registry.asked.cache_info()
     assert registry.timestep_of(Case(scene=brief, engine="mujoco", timestep=1e-3)) == 1e-3
-    assert rehearsal.asked.cache_info() == asked
+    assert registry.asked.cache_info() == asked

@@ -7,16 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.case import Case, Value
-from harness.engines.registry import engine
-from harness.errors import (
+from harness.core.case import Case, Value
+from harness.core.errors import (
     InvalidSettingError,
     RefusedModelError,
     UnknownSettingError,
     UnsupportedEffectError,
 )
-from harness.runner import Evaluation, evaluate
-from harness.simulation import Outcome
+from harness.core.simulation import Outcome
+from harness.engines.registry import engine
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.evaluation import Evaluation
 from models import Can, Effects, Horizon, RoundedRim, Scene, load
 
 ENGINES = ("mujoco", "pybullet")

@@ -4,16 +4,17 @@ from dataclasses import replace
 
 import pytest
 
-import reference.exact_path
-from harness.case import Case
+import reference.integrable.exact_motion
 from harness.cli.model_answer import model_answer, sentences
-from harness.engines.reference import findings, may_be_chaotic, parting, solved, truth
-from harness.errors import TrajectoryError
-from harness.runner import by_itself
-from harness.simulation import Outcome
+from harness.core.case import Case
+from harness.core.errors import TrajectoryError
+from harness.core.simulation import Outcome
+from harness.engines.reference.assumption_checks import divergence_of, findings, may_be_chaotic
+from harness.engines.reference.truth import solve_case, truth
+from harness.evaluation.evaluate import evaluate_without_truth
 from models import Damping, Effects, Horizon, PointMass, RollingResistance, Scene, Tilt, load
-from reference.turning_points import TurningPoints
-from reference.well import Well
+from reference.integrable.effective_potential import EffectivePotential
+from reference.integrable.turning_points import TurningPoints
 
 GENTLE = load("gentle-rock")
 
@@ -25,9 +26,9 @@ def with_effects(**effects: object) -> Scene:
 def said(scene: Scene, model: str = "auto") -> list[str]:
     """Return what a person reads of the model beside the numbers."""
     case = Case(scene=scene, engine="reference", options=(("model", model),))
-    e = by_itself(case)
+    e = evaluate_without_truth(case)
     known = e.simulation.trajectory is not None or e.simulation.outcome is Outcome.FINISHED
-    return list(sentences(model_answer(e, solved(case) if known else None, model)))
+    return list(sentences(model_answer(e, solve_case(case) if known else None, model)))
 
 
 @pytest.mark.parametrize(
@@ -44,7 +45,7 @@ def test_what_is_axisymmetric_on_a_level_plane_is_not_chaotic(
     scene: Scene, *, chaotic: bool
 ) -> None:
     assert may_be_chaotic(scene) is chaotic
-    assert (parting(scene) is not None) is chaotic
+    assert (divergence_of(scene) is not None) is chaotic
 
 
 def test_a_can_that_rolling_resistance_holds_is_a_motion_like_any_other() -> None:
@@ -55,7 +56,7 @@ def test_a_can_that_rolling_resistance_holds_is_a_motion_like_any_other() -> Non
         release=release,
         horizon=Horizon(seconds=0.5),
     )
-    e = by_itself(Case(scene=scene, engine="reference"))
+    e = evaluate_without_truth(Case(scene=scene, engine="reference"))
     assert e.simulation.outcome is Outcome.FINISHED
     assert e.simulation.trajectory is not None
     assert findings(scene) == ()
@@ -101,7 +102,7 @@ def test_a_model_without_a_locus_is_named_though_the_motion_ends_early() -> None
 
 
 def test_what_is_no_motion_is_no_answer() -> None:
-    e = by_itself(Case(scene=GENTLE, engine="reference"))
+    e = evaluate_without_truth(Case(scene=GENTLE, engine="reference"))
     broken = replace(e.simulation, outcome=Outcome.BROKEN, trajectory=None, note="no number")
     with pytest.raises(TrajectoryError, match="no number"):
         model_answer(replace(e, simulation=broken), None, "auto")
@@ -115,14 +116,14 @@ def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
     assert "round-off allows" in confirmed[0]
     assert any("ends in the same way" in line for line in said(load("steady-rolling")))
     assert not any("Confirmed" in line for line in said(GENTLE, "rolling"))
-    own = reference.exact_path.turning_points
+    own = reference.integrable.exact_motion.turning_points
 
-    def wrong(well: Well, **options: bool) -> TurningPoints:
+    def wrong(well: EffectivePotential, **options: bool) -> TurningPoints:
         points = own(well, **options)
         low = 0.9 * points.low
         return replace(points, low=low, swing=points.high - low)
 
-    monkeypatch.setattr(reference.exact_path, "turning_points", wrong)
+    monkeypatch.setattr(reference.integrable.exact_motion, "turning_points", wrong)
     scene = replace(GENTLE, name="wrongly-solved")
     lines = said(scene)
     assert not any("Confirmed" in line for line in lines)
@@ -132,8 +133,8 @@ def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
     assert "the integration's" in finding.sentence
     case = Case(scene=scene, engine="reference")
     motion = truth(scene)
-    assert motion.bounces == solved(case).bounces
-    seen = model_answer(by_itself(case), motion, "auto")["agreement"]
+    assert motion.bounces == solve_case(case).bounces
+    seen = model_answer(evaluate_without_truth(case), motion, "auto")["agreement"]
     assert seen["holds"] is False
     assert seen["resolved"] is True
     assert seen["discrepancy"] > 1e-2

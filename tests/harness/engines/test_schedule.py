@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.schedule import ETA, Adaptive, Fixed, power_of_two
-from harness.runner import evaluate
+from harness.core.case import Case
+from harness.engines.stepping.schedule import ETA, Adaptive, Fixed, power_of_two
+from harness.evaluation.evaluate import evaluate
 from models import Horizon, Release, load
 from models.kinematics import angular_velocity, quaternion
 

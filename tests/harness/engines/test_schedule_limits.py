@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.chunk import Chunk
+from harness.core.case import Case
+from harness.engines.base import Chunk
 from harness.engines.registry import engine
-from harness.engines.schedule import (
+from harness.engines.stepping.schedule import (
     ETA_SETTING,
     Adaptive,
     Fixed,
@@ -24,7 +24,7 @@ from harness.engines.schedule import (
     Stage,
     power_of_two,
 )
-from harness.engines.settling import settle
+from harness.engines.stepping.settling import settle
 from models import Pose, Scene, Twist, contact_point, load, release_state
 
 CAN = load("paper-release").can

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.simulation import Simulation
 from harness.engines.registry import engine
-from harness.simulation import Simulation
 from models import Scene
 
 DANTZIG = "CONSTRAINT_SOLVER_LCP_DANTZIG"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.engines.base import Contact
-from harness.engines.settling import settle
+from harness.engines.stepping.settling import settle
 from models import Pose, Scene, Twist, contact_point, release_state
 
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.bounce import PROMINENCE
-from harness.engines.horizon import FLAT_ALLOWANCE, Watch, longest_time, natural_time
-from harness.simulation import Outcome
-from harness.trajectory import Trajectory, take
+from harness.core.bounce import PROMINENCE
+from harness.core.simulation import Outcome
+from harness.core.trajectory import Trajectory, take
+from harness.engines.stepping.horizon import FLAT_ALLOWANCE, Watch, longest_time, natural_time
 from models import Horizon, Scene, quaternion
 
 Made = Callable[..., Trajectory]

@@ -4,17 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import ClusterError, InvalidSettingError, MissingPackageError
-from harness.executors import check_address, cluster
-from harness.executors.clusters import Cluster
-from harness.faults.lost_worker import lost_worker
-from harness.isolation import NO_LIMITS
+from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
+from harness.execution.dask_cluster import DaskExecutor, check_cluster_address, dask_executor
+from harness.execution.limits import NO_LIMITS
+from harness.faults.workers import lost_worker
 
 
 def test_without_a_scheduler_it_says_how_to_start_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harness.executors.clusters._PATIENCE", 0.5)
+    monkeypatch.setattr("harness.execution.dask_cluster._PATIENCE", 0.5)
     with pytest.raises(ClusterError, match=r"no Dask scheduler answers .* dask scheduler"):
-        cluster("tcp://127.0.0.1:1", NO_LIMITS)
+        dask_executor("tcp://127.0.0.1:1", NO_LIMITS)
 
 
 @pytest.mark.parametrize(
@@ -26,7 +25,7 @@ def test_what_is_no_address_is_refused_before_anything_is_tried(
 ) -> None:
     monkeypatch.setattr("importlib.import_module", lambda name: pytest.fail(f"{name} is wanted"))
     with pytest.raises(InvalidSettingError, match=r"--on.*such as tcp://host:8786"):
-        cluster(address, NO_LIMITS)
+        dask_executor(address, NO_LIMITS)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +33,7 @@ def test_what_is_no_address_is_refused_before_anything_is_tried(
     ["host:8786", "tcp://127.0.0.1:1", "tls://node-1.site.org:65535", "tcp://[fe80::1%eth0]:8786"],
 )
 def test_an_address_of_any_kind_is_taken(address: str) -> None:
-    check_address(address)
+    check_cluster_address(address)
 
 
 class Gone:
@@ -50,7 +49,7 @@ class Gone:
 
 
 def test_a_scheduler_that_no_longer_answers_is_said_to_be_gone() -> None:
-    executor = Cluster(Gone(), NO_LIMITS)
+    executor = DaskExecutor(Gone(), NO_LIMITS)
     with pytest.raises(ClusterError, match="is gone; start again to go on"):
         executor.submit(int)
     with pytest.raises(ClusterError, match="is gone; start again to go on"):
@@ -63,7 +62,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr("importlib.import_module", missing)
     with pytest.raises(MissingPackageError, match=r"pip install rockingcan\[cluster\]"):
-        cluster("tcp://127.0.0.1:1", NO_LIMITS)
+        dask_executor("tcp://127.0.0.1:1", NO_LIMITS)
 
 
 @pytest.mark.slow

@@ -11,24 +11,28 @@ from typing import Any
 
 import pytest
 
-from harness.engines.registry import GROUP
-from harness.errors import ClusterError
-from harness.executors import cluster, likeness
-from harness.executors.clusters import _check
-from harness.executors.likeness import alike, differences
-from harness.isolation import NO_LIMITS
-from harness.store.code import fingerprint
+from harness.core.errors import ClusterError
+from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.execution import dask_cluster
+from harness.execution.dask_cluster import (
+    _check,
+    check_same_environment,
+    dask_executor,
+    environment_differences,
+)
+from harness.execution.limits import NO_LIMITS
+from harness.execution.source_fingerprint import fingerprint
 
 ROOT = Path(__file__).parents[3]
-HERE = likeness.likeness()
+HERE = dask_cluster.environment_description()
 
 
 @pytest.fixture
 def anew() -> Iterator[None]:
     """Ask again what this process computes with, before a test and after."""
-    likeness._likeness.cache_clear()  # noqa: SLF001
+    dask_cluster._likeness.cache_clear()  # noqa: SLF001
     yield
-    likeness._likeness.cache_clear()  # noqa: SLF001
+    dask_cluster._likeness.cache_clear()  # noqa: SLF001
 
 
 class Client:
@@ -65,7 +69,7 @@ def test_a_worker_that_differs_is_named_with_what_differs(key: str, words: str) 
 
 def test_another_numpy_is_said_to_be_that_and_not_other_sources() -> None:
     other = HERE | {"numpy": "1.0", "sources of rockingcan": "follows from it"}
-    assert differences(other, HERE) == [f"numpy 1.0 (here {HERE['numpy']})"]
+    assert environment_differences(other, HERE) == [f"numpy 1.0 (here {HERE['numpy']})"]
 
 
 def test_a_worker_without_rockingcan_is_named() -> None:
@@ -79,24 +83,26 @@ def test_an_engine_of_somebody_else_that_both_have_must_be_the_same(
 ) -> None:
     source = tmp_path / "somebodys.py"
     monkeypatch.syspath_prepend(str(tmp_path))
-    entry = EntryPoint("theirs", "somebodys:Engine", GROUP)
-    monkeypatch.setattr(likeness, "entry_points", lambda **_: [entry])
+    entry = EntryPoint("theirs", "somebodys:Engine", ENGINE_ENTRY_POINTS)
+    monkeypatch.setattr(dask_cluster, "entry_points", lambda **_: [entry])
     said = []
     for content in ("A = 1\n", "A = 2\n"):
         source.write_text(content, encoding="utf-8")
         fingerprint.cache_clear()
-        likeness._likeness.cache_clear()  # noqa: SLF001
-        said.append(likeness.likeness())
-    (found,) = [words for words in differences(*said) if "theirs" in words]
+        dask_cluster._likeness.cache_clear()  # noqa: SLF001
+        said.append(dask_cluster.environment_description())
+    (found,) = [words for words in environment_differences(*said) if "theirs" in words]
     assert found.startswith("engine theirs unknown ")
     without = {key: value for key, value in said[0].items() if key != "engine theirs"}
-    assert differences(said[0], without) == []  # what only the worker has is nobody's result
+    assert (
+        environment_differences(said[0], without) == []
+    )  # what only the worker has is nobody's result
 
 
 def test_a_task_is_not_done_by_a_worker_that_came_later_and_differs() -> None:
-    assert alike(HERE, max, 1, 2) == 2
+    assert check_same_environment(HERE, max, 1, 2) == 2
     with pytest.raises(ClusterError, match=r"a worker on '.*' would not .* scipy .*\(here 0\.0\)"):
-        alike(HERE | {"scipy": "0.0"}, max, 1, 2)
+        check_same_environment(HERE | {"scipy": "0.0"}, max, 1, 2)
 
 
 @pytest.mark.slow
@@ -121,7 +127,7 @@ def test_a_worker_with_an_edited_checkout_of_the_same_version_is_refused(tmp_pat
             with dask.Client(address, set_as_default=False) as client:
                 client.wait_for_workers(1, timeout=60)
             with pytest.raises(ClusterError, match=r"tcp://.* has sources of rockingcan \w{16} "):
-                cluster(address, NO_LIMITS)
+                dask_executor(address, NO_LIMITS)
         finally:
             worker.terminate()
             worker.wait(30)

@@ -3,11 +3,11 @@
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from harness.case import Case
-from harness.executors import Serial, local
-from harness.faults.ledger import differing, ledger, whole
-from harness.runner import run
-from harness.store import Store
+from harness.core.case import Case
+from harness.evaluation.evaluate import run_cases
+from harness.execution.cache import CacheFolder
+from harness.execution.isolated_pool import SerialExecutor, local_executor
+from harness.faults.journal_check import differing, ledger, whole
 from models import Scene
 
 
@@ -18,11 +18,11 @@ def test_here_in_threads_and_in_processes(brief: Scene, tmp_path: Path) -> None:
         for timestep in (1e-3, 5e-4)
     ]
     # an engine's module is not made for threads of one process at once: one at a time there
-    executors = (Serial(), ThreadPoolExecutor(1), local(2))
-    stores = [Store(folder=tmp_path / str(number)) for number in range(len(executors))]
+    executors = (SerialExecutor(), ThreadPoolExecutor(1), local_executor(2))
+    stores = [CacheFolder(folder=tmp_path / str(number)) for number in range(len(executors))]
     for executor, store in zip(executors, stores, strict=True):
         with executor:
-            run(cases, executor, store=store)
+            run_cases(cases, executor, store=store)
     first, *others = stores
     assert whole(first) == len(cases)
     assert [differing(first, other) for other in others] == [0, 0]

@@ -7,13 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.faults.deadly import deadly
-from harness.faults.disk import disk
-from harness.faults.kills import SUITE, kills
-from harness.faults.ledger import differing_tables
-from harness.faults.signals import signals
+from harness.faults.interruptions import SUITE, disk, kills, signals
+from harness.faults.journal_check import differing_tables
 from harness.faults.sweeps import Sizes, _Part, sweeps
 from harness.faults.trial import Trial
+from harness.faults.workers import deadly
 
 pytestmark = pytest.mark.slow  # programs that are started dozens of times
 

@@ -5,9 +5,8 @@ from types import MappingProxyType
 
 import pytest
 
-from harness.case import Case
-from harness.gate.identity import Identity
-from harness.gate.scores import Number, Score, Scores
+from harness.core.case import Case
+from harness.gate.scores import CaseIdentity, Number, Score, Scores
 from models import load
 
 MakeScore = Callable[..., Score]
@@ -32,7 +31,7 @@ def score() -> MakeScore:
         truth_pulls: bool = False,
     ) -> Score:
         return Score(
-            identity=Identity(scene=scene, engine=engine, profile=profile, timestep=timestep),
+            identity=CaseIdentity(scene=scene, engine=engine, profile=profile, timestep=timestep),
             scene_digest=scene,
             outcome=outcome,
             truth_pulls=truth_pulls,

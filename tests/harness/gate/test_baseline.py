@@ -8,9 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.errors import OutputError
-from harness.gate import BaselineError, Score, Scores, check_place, read_baseline, write_baseline
-from harness.gate.baseline import FILE, _rounded_up
+from harness.core.errors import OutputError
+from harness.gate.baseline import (
+    FILE,
+    BaselineError,
+    _rounded_up,
+    check_place,
+    read_baseline,
+    write_baseline,
+)
+from harness.gate.scores import Score, Scores
 
 Make = Callable[..., Score]
 MakeAll = Callable[..., Scores]

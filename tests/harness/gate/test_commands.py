@@ -10,9 +10,11 @@ from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from harness import face
+from harness import api
 from harness.cli.main import code_of
-from harness.gate import FILE, ensemble, read_scores
+from harness.gate import spread
+from harness.gate.baseline import FILE
+from harness.gate.stored_scores import read_scores
 
 
 @dataclass(frozen=True)
@@ -45,11 +47,11 @@ def told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) ->
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the quick suite three runs, with few members each."""
     ladders = {"quick": {"gentle-rock": (1e-3,)}, "full": {"gentle-rock": (1e-3, 3e-4)}}
-    monkeypatch.setattr(face, "SUITES", ladders)
+    monkeypatch.setattr(api, "SUITES", ladders)
     # by its full name: the package has a function of the same
-    module = sys.modules["harness.studies.comparison.design"]
+    module = sys.modules["harness.studies.comparison.suite"]
     monkeypatch.setattr(module, "SUITES", ladders)
-    monkeypatch.setattr(ensemble, "MOST", 4)
+    monkeypatch.setattr(spread, "MOST", 4)
 
 
 QUICK = ("validate", "--engine", "mujoco", "--no-store", "--jobs", 2)

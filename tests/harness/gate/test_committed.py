@@ -4,15 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from harness import face
-from harness.gate import FILE, owed, read_baseline
-from harness.gate.ensemble import FEWEST
-from harness.gate.identity import identity
-from harness.gate.quantities import QUANTITIES, Kind
+from harness import api
+from harness.gate.baseline import FILE, read_baseline
+from harness.gate.scores import QUANTITIES, QuantityKind, identity
+from harness.gate.spread import FEWEST
+from harness.gate.stored_scores import required_cases
 
 BASELINE = Path(__file__).parents[3] / "reports" / "baseline"
 
-TIMES = {quantity.column for quantity in QUANTITIES if quantity.kind is Kind.TIME}
+TIMES = {quantity.column for quantity in QUANTITIES if quantity.kind is QuantityKind.TIME}
 
 pytestmark = pytest.mark.skipif(
     not (BASELINE / FILE).is_file(), reason="none yet: rockingcan validate --suite full --accept"
@@ -28,8 +28,8 @@ def test_it_covers_both_suites_as_their_scenes_are_now() -> None:
     accepted = read_baseline(BASELINE)
     assert accepted.suite == "full"
     for suite in ("quick", "full"):
-        cases = face.suite(suite)
-        found = owed(accepted, suite, cases, every_engine=True)
+        cases = api.suite(suite)
+        found = required_cases(accepted, suite, cases, every_engine=True)
         assert set(found) == {identity(case) for case in cases}
 
 

@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Change, differences, judge
-from harness.gate.quantities import BY_COLUMN, QUANTITIES
-from harness.gate.scores import Score, Scores
+from harness.gate.scores import BY_COLUMN, QUANTITIES, Score, Scores
 
 Make = Callable[..., Score]
 MakeAll = Callable[..., Scores]

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from harness.case import Case
-from harness.gate.ensemble import FEWEST, MOST, SIZES, member, members, spread
+from harness.core.case import Case
 from harness.gate.scores import Score
+from harness.gate.spread import FEWEST, MOST, SIZES, member, members, spread
 from models import load
 
 Make = Callable[..., Score]

@@ -10,13 +10,13 @@ from types import MappingProxyType
 
 import pytest
 
-from harness.case import Case
-from harness.gate import GATE, BaselineError, owed, sentences
-from harness.gate.baseline import read_baseline, write_baseline
+from harness.core.case import Case
+from harness.gate.baseline import BaselineError, read_baseline, write_baseline
 from harness.gate.comparison import Change, differences, judge
-from harness.gate.ensemble import member, members
-from harness.gate.identity import identity
-from harness.gate.scores import Score, Scores
+from harness.gate.report import GATE, sentences
+from harness.gate.scores import Score, Scores, identity
+from harness.gate.spread import member, members
+from harness.gate.stored_scores import required_cases
 from models import load
 
 Make = Callable[..., Score]
@@ -136,9 +136,9 @@ def test_a_suite_may_have_grown_by_a_quarter() -> None:
     cases = [replace(case, timestep=1e-3 / number) for number in range(1, 27)]
     # five new ones beside twenty: grown, so that what is asked next is whether scenes changed
     with pytest.raises(BaselineError, match="other scenes"):
-        owed(known(cases[:20]), "quick", cases[:25], every_engine=True)
+        required_cases(known(cases[:20]), "quick", cases[:25], every_engine=True)
     with pytest.raises(BaselineError, match="holds the full suite, which has 20 of the 26 cases"):
-        owed(known(cases[:20]), "quick", cases, every_engine=True)
+        required_cases(known(cases[:20]), "quick", cases, every_engine=True)
 
 
 @pytest.mark.parametrize(("count", "words"), [(12, "s-12 in"), (13, "and 1 more, in the table")])

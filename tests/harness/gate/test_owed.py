@@ -5,11 +5,12 @@ from types import MappingProxyType
 
 import pytest
 
-from harness import face
-from harness.case import Case
-from harness.gate import BaselineError, Score, Scores, owed
-from harness.gate.identity import identity, scene_digest
-from harness.studies.comparison import SUITES
+from harness import api
+from harness.core.case import Case
+from harness.gate.baseline import BaselineError
+from harness.gate.scores import Score, Scores, identity, scene_digest
+from harness.gate.stored_scores import required_cases
+from harness.studies.comparison.suite import SUITES
 from models import load
 
 
@@ -34,32 +35,32 @@ def accepted(suite: str, cases: tuple[Case, ...]) -> Scores:
 
 
 def test_the_quick_suite_is_part_of_the_full_one() -> None:
-    quick, full = face.suite("quick"), face.suite("full")
+    quick, full = api.suite("quick"), api.suite("full")
     assert set(quick) < set(full)
     assert set(SUITES) == {"quick", "full"}
-    found = owed(accepted("full", full), "quick", quick, every_engine=True)
+    found = required_cases(accepted("full", full), "quick", quick, every_engine=True)
     assert found == tuple(identity(case) for case in quick)
 
 
 def test_the_same_suite_owes_all_of_it() -> None:
-    quick = face.suite("quick")
+    quick = api.suite("quick")
     known = accepted("quick", quick)
-    assert owed(known, "quick", quick[:-1], every_engine=True) == tuple(known.scores)
-    own = face.suite("quick", ["mujoco"])
-    found = owed(known, "quick", own, every_engine=False)
+    assert required_cases(known, "quick", quick[:-1], every_engine=True) == tuple(known.scores)
+    own = api.suite("quick", ["mujoco"])
+    found = required_cases(known, "quick", own, every_engine=False)
     assert found == tuple(identity(case) for case in own)
 
 
 def test_a_smaller_suite_does_not_stand_for_a_larger_one() -> None:
-    known = accepted("quick", face.suite("quick"))
+    known = accepted("quick", api.suite("quick"))
     with pytest.raises(BaselineError, match=r"holds the quick suite.*run --suite quick"):
-        owed(known, "full", face.suite("full"), every_engine=True)
+        required_cases(known, "full", api.suite("full"), every_engine=True)
 
 
 def test_results_of_another_engine_are_not_those_of_this_one() -> None:
-    known = accepted("quick", face.suite("quick", ["pybullet"]))
+    known = accepted("quick", api.suite("quick", ["pybullet"]))
     with pytest.raises(BaselineError, match="no accepted results of mujoco, only of pybullet"):
-        owed(known, "quick", face.suite("quick", ["mujoco"]), every_engine=False)
+        required_cases(known, "quick", api.suite("quick", ["mujoco"]), every_engine=False)
 
 
 def test_results_of_a_scene_that_has_changed_are_refused() -> None:
@@ -67,7 +68,7 @@ def test_results_of_a_scene_that_has_changed_are_refused() -> None:
     steeper = replace(scene, release=replace(scene.release, phi=0.41))
     known = accepted("quick", (Case(scene=steeper, engine="mujoco", timestep=1e-4),))
     with pytest.raises(BaselineError, match="gentle-rock changed"):
-        owed(known, "quick", face.suite("quick", ["mujoco"]), every_engine=False)
+        required_cases(known, "quick", api.suite("quick", ["mujoco"]), every_engine=False)
 
 
 def test_neither_name_nor_citation_makes_another_motion() -> None:
@@ -77,8 +78,8 @@ def test_neither_name_nor_citation_makes_another_motion() -> None:
 
 
 def test_a_case_is_the_same_whatever_was_set_on_top() -> None:
-    plain = face.suite("quick", ["mujoco"])
-    on_top = face.suite("quick", ["mujoco"], {"mujoco": {"impratio": 1.0}})
+    plain = api.suite("quick", ["mujoco"])
+    on_top = api.suite("quick", ["mujoco"], {"mujoco": {"impratio": 1.0}})
     assert all(case.options == (("impratio", 1.0),) for case in on_top)
     # the gate names cases as they were designed, so that the two meet
     assert [identity(case) for case in plain] != [identity(case) for case in on_top]

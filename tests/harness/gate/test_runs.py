@@ -6,21 +6,13 @@ from types import MappingProxyType
 
 import pytest
 
-from harness.case import Case, Value
-from harness.executors import Serial
-from harness.gate import (
-    GATE,
-    Difference,
-    Score,
-    Scores,
-    differences,
-    measured,
-    regressions,
-    scored,
-    sentences,
-)
-from harness.gate.ensemble import MOST, SIZES, member
-from harness.runner import run
+from harness.core.case import Case, Value
+from harness.evaluation.evaluate import run_cases
+from harness.execution.isolated_pool import SerialExecutor
+from harness.gate.comparison import Difference, differences
+from harness.gate.report import GATE, regressions, sentences
+from harness.gate.scores import Score, Scores, scored
+from harness.gate.spread import MOST, SIZES, measured, member
 
 Held = Callable[[Sequence[Case]], tuple[Difference, ...]]
 Accept = Callable[..., Scores]
@@ -37,7 +29,7 @@ def gathered(own: Sequence[Score]) -> Scores:
 @pytest.fixture(scope="module")
 def accepted(coarse: tuple[Case, ...]) -> Scores:
     """Return the coarse cases with their spread."""
-    return gathered(measured(coarse, scored(coarse, run(coarse)), Serial()))
+    return gathered(measured(coarse, scored(coarse, run_cases(coarse)), SerialExecutor()))
 
 
 @pytest.fixture
@@ -47,7 +39,7 @@ def held(accepted: Scores, coarse: tuple[Case, ...]) -> Held:
     def hold(cases: Sequence[Case]) -> tuple[Difference, ...]:
         found = [
             replace(one, scene_digest=accepted.scores[one.identity].scene_digest)
-            for one in scored(coarse, run(cases))
+            for one in scored(coarse, run_cases(cases))
         ]
         return differences(accepted, gathered(found))
 

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 
-from harness.artefact import Figure, Prose, Table
-from harness.gate import GATE, SIDES, Score, Scores, differences, read, regressions, sentences
+from harness.core.report_model import Figure, Prose, Table
+from harness.gate.comparison import differences
+from harness.gate.report import GATE, SIDES, gate_report, regressions, sentences
+from harness.gate.scores import Score, Scores
 
 Make = Callable[..., Score]
 MakeAll = Callable[..., Scores]
@@ -56,7 +58,7 @@ def test_the_artefacts_hold_every_difference(score: Make, scores: MakeAll) -> No
     accepted = scores(score({PHI: 1.0, SLIP: 0.0}, spread={PHI: 0.1, SLIP: None}))
     run = scores(score({PHI: 3.0, SLIP: 0.0}))
     found = differences(accepted, run)
-    artefacts = read(found, accepted, run, GATE)
+    artefacts = gate_report(found, accepted, run, GATE)
     table = next(one for one in artefacts if isinstance(one, Table))
     assert len(table.frame) == len(found) == 3
     assert set(table.columns) == set(table.frame.columns)

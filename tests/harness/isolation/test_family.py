@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.isolation import Isolated, Limits, Loss, LostTaskError
+from harness.execution.isolated_pool import IsolatedProcessPool
+from harness.execution.limits import Limits
+from harness.execution.worker import Loss, LostTaskError
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -54,7 +56,7 @@ def ended(process: int) -> bool:
 
 @pytest.mark.parametrize("apart", [False, True])
 def test_what_a_hanging_task_started_ends_with_it(told: Path, *, apart: bool) -> None:
-    with Isolated(1, _SHORT) as executor, pytest.raises(LostTaskError) as caught:
+    with IsolatedProcessPool(1, _SHORT) as executor, pytest.raises(LostTaskError) as caught:
         executor.submit(tasks.start_and_hang, str(told), apart=apart).result()
     assert caught.value.loss is Loss.HUNG
     assert ended(number(told))
@@ -62,20 +64,23 @@ def test_what_a_hanging_task_started_ends_with_it(told: Path, *, apart: bool) ->
 
 def test_a_task_that_leaves_its_group_and_hangs_is_ended() -> None:
     began = time.monotonic()
-    with Isolated(1, Limits(seconds=1.0)) as executor, pytest.raises(LostTaskError) as caught:
+    with (
+        IsolatedProcessPool(1, Limits(seconds=1.0)) as executor,
+        pytest.raises(LostTaskError) as caught,
+    ):
         executor.submit(tasks.leave_the_group_and_hang).result(timeout=60.0)
     assert caught.value.loss is Loss.HUNG
     assert time.monotonic() - began < 60.0
 
 
 def test_what_a_crashing_task_started_ends_with_it(told: Path) -> None:
-    with Isolated(1) as executor, pytest.raises(LostTaskError, match="SIGSEGV"):
+    with IsolatedProcessPool(1) as executor, pytest.raises(LostTaskError, match="SIGSEGV"):
         executor.submit(tasks.start_and_crash, str(told)).result()
     assert ended(number(told))
 
 
 def test_what_a_task_left_stays_as_long_as_its_worker(told: Path) -> None:
-    with Isolated(1) as executor:
+    with IsolatedProcessPool(1) as executor:
         assert executor.submit(tasks.start_and_return, str(told)).result() == 1
         assert executor.submit(tasks.square, 3).result() == 9
         assert runs(number(told))
@@ -83,28 +88,31 @@ def test_what_a_task_left_stays_as_long_as_its_worker(told: Path) -> None:
 
 
 def test_what_a_task_started_is_weighed_with_it(told: Path) -> None:
-    with Isolated(1, _SMALL) as executor, pytest.raises(LostTaskError) as caught:
+    with IsolatedProcessPool(1, _SMALL) as executor, pytest.raises(LostTaskError) as caught:
         executor.submit(tasks.start_one_that_devours, str(told)).result()
     assert caught.value.loss is Loss.OUT_OF_MEMORY
     assert ended(number(told))
 
 
 def test_what_two_processes_share_is_weighed_once(told: Path) -> None:
-    with Isolated(1, _SMALL) as executor:
+    with IsolatedProcessPool(1, _SMALL) as executor:
         executor.submit(tasks.share, str(told)).result()
         assert runs(number(told))
     assert ended(number(told))
 
 
 def test_a_task_that_closes_the_connection_is_told_so() -> None:
-    with Isolated(1, Limits(seconds=30.0)) as executor, pytest.raises(LostTaskError) as caught:
+    with (
+        IsolatedProcessPool(1, Limits(seconds=30.0)) as executor,
+        pytest.raises(LostTaskError) as caught,
+    ):
         executor.submit(tasks.close_everything).result()
     assert caught.value.loss is Loss.CRASHED
     assert str(caught.value) == "killed: the engine closed its process's connection to the run"
 
 
 def test_a_run_that_is_stopped_is_told_so() -> None:
-    executor = Isolated(1)
+    executor = IsolatedProcessPool(1)
     future = executor.submit(tasks.nap, 600.0)
     while not future.running():
         time.sleep(0.01)

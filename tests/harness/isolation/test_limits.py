@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.isolation import limits
-from harness.isolation.limits import sensible
-from harness.isolation.memory import available
+from harness.execution import limits
+from harness.execution.limits import available, default_limits
 
 _GIB = 2**30
 _WHOLE = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
@@ -29,7 +28,7 @@ def test_a_sound_case_always_has_what_it_needs(
     monkeypatch: pytest.MonkeyPatch, gibibytes: float, workers: int, share: float
 ) -> None:
     monkeypatch.setattr(limits, "available", lambda: gibibytes * _GIB)
-    assert sensible(workers).memory == pytest.approx(share * _GIB, rel=1e-12)
+    assert default_limits(workers).memory == pytest.approx(share * _GIB, rel=1e-12)
 
 
 def told(root: Path, group: str, files: dict[str, str]) -> Path:

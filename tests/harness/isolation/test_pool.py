@@ -12,10 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from harness.errors import HarnessError, InvalidSettingError
-from harness.executors import Serial, local
-from harness.faults.processes import left_behind, living
-from harness.isolation import Isolated, Limits, Loss, LostTaskError, inside
+from harness.core.errors import HarnessError, InvalidSettingError
+from harness.execution.isolated_pool import (
+    IsolatedProcessPool,
+    SerialExecutor,
+    local_executor,
+    run_isolated,
+)
+from harness.execution.limits import Limits
+from harness.execution.worker import Loss, LostTaskError
+from harness.faults.programs import left_behind, living
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -37,9 +43,9 @@ _FATES: dict[Callable[[], Any], tuple[Loss, str]] = {
 
 
 @pytest.fixture(scope="module")
-def pool() -> Iterator[Isolated]:
+def pool() -> Iterator[IsolatedProcessPool]:
     """Return an executor of two processes."""
-    with Isolated(2, _LIMITS) as executor:
+    with IsolatedProcessPool(2, _LIMITS) as executor:
         yield executor
 
 
@@ -49,7 +55,7 @@ def loss_of(future: "Future[Any]") -> LostTaskError:
     return caught.value
 
 
-def test_each_falls_by_itself_and_is_named(pool: Isolated) -> None:
+def test_each_falls_by_itself_and_is_named(pool: IsolatedProcessPool) -> None:
     doomed = {task: pool.submit(task) for task in _FATES}
     others = [pool.submit(tasks.square, number) for number in range(6)]
     assert [future.result() for future in others] == [n * n for n in range(6)]
@@ -58,13 +64,13 @@ def test_each_falls_by_itself_and_is_named(pool: Isolated) -> None:
         assert (error.loss, str(error)[: len(words)]) == (loss, words)
 
 
-def test_processes_are_used_again(pool: Isolated) -> None:
+def test_processes_are_used_again(pool: IsolatedProcessPool) -> None:
     first = {pool.submit(tasks.process).result() for _ in range(6)}
     assert 1 <= len(first) <= 2
     assert os.getpid() not in first
 
 
-def test_errors_come_back_as_what_they_are(pool: Isolated) -> None:
+def test_errors_come_back_as_what_they_are(pool: IsolatedProcessPool) -> None:
     with pytest.raises(ZeroDivisionError, match="on purpose") as caught:
         pool.submit(tasks.fail).result()
     assert "in fail" in caught.value.__notes__[0]
@@ -86,7 +92,7 @@ def test_after_an_error_it_stops_at_once() -> None:
     given: list[Future[Any]] = []
 
     def interrupted() -> None:
-        with Isolated(1, _LIMITS) as executor:
+        with IsolatedProcessPool(1, _LIMITS) as executor:
             given.append(executor.submit(tasks.nap, 600.0))
             given.append(executor.submit(tasks.square, 2))
             while not given[0].running():
@@ -102,7 +108,7 @@ def test_after_an_error_it_stops_at_once() -> None:
 
 
 def test_what_is_shut_down_takes_no_more_and_ends_what_it_has() -> None:
-    executor = Isolated(1, _LIMITS)
+    executor = IsolatedProcessPool(1, _LIMITS)
     future = executor.submit(tasks.square, 4)
     executor.shutdown()
     assert future.result() == 16
@@ -142,14 +148,14 @@ def test_a_process_ends_with_its_owner() -> None:
 
 
 def test_inside_is_a_process_beside_this_one_that_stays() -> None:
-    first = inside(_LIMITS, ("colorsys",), tasks.process)
+    first = run_isolated(_LIMITS, ("colorsys",), tasks.process)
     assert first != os.getpid()
-    assert inside(_LIMITS, ("colorsys",), tasks.process) == first
-    assert inside(_LIMITS, ("colorsys",), tasks.has_imported, "colorsys")
-    assert not inside(_LIMITS, (), tasks.has_imported, "colorsys")
+    assert run_isolated(_LIMITS, ("colorsys",), tasks.process) == first
+    assert run_isolated(_LIMITS, ("colorsys",), tasks.has_imported, "colorsys")
+    assert not run_isolated(_LIMITS, (), tasks.has_imported, "colorsys")
     with pytest.raises(LostTaskError, match="SIGSEGV"):
-        inside(_LIMITS, ("colorsys",), tasks.segfault)
-    assert inside(_LIMITS, ("colorsys",), tasks.process) != first
+        run_isolated(_LIMITS, ("colorsys",), tasks.segfault)
+    assert run_isolated(_LIMITS, ("colorsys",), tasks.process) != first
 
 
 def test_what_cannot_be_started_is_told_and_the_next_is_done(
@@ -158,7 +164,7 @@ def test_what_cannot_be_started_is_told_and_the_next_is_done(
     def refuse(*_: object, **__: object) -> None:
         raise BlockingIOError("no process left")
 
-    with Isolated(1, _LIMITS) as executor:
+    with IsolatedProcessPool(1, _LIMITS) as executor:
         with monkeypatch.context() as patched:
             patched.setattr(subprocess, "Popen", refuse)
             with pytest.raises(LostTaskError, match=r"never begun.*no process left"):
@@ -166,7 +172,7 @@ def test_what_cannot_be_started_is_told_and_the_next_is_done(
         assert executor.submit(tasks.square, 3).result(timeout=30.0) == 9
 
 
-def test_signals_that_end_a_run_are_its_owners_and_not_a_tasks(pool: Isolated) -> None:
+def test_signals_that_end_a_run_are_its_owners_and_not_a_tasks(pool: IsolatedProcessPool) -> None:
     assert pool.submit(tasks.outlive_signals).result() == "went on"
     assert pool.submit(tasks.end_helpers).result() == [-signal.SIGTERM] * 2
     assert pool.submit(tasks.end_a_fork).result() == -signal.SIGTERM
@@ -201,6 +207,6 @@ def test_limits_that_nothing_could_run_in_are_refused() -> None:
 
 
 def test_one_job_is_a_process_of_its_own_where_that_is_asked_for() -> None:
-    assert isinstance(local(1), Serial)
-    with local(1, spawned=True) as executor:
-        assert isinstance(executor, Isolated)
+    assert isinstance(local_executor(1), SerialExecutor)
+    with local_executor(1, spawned=True) as executor:
+        assert isinstance(executor, IsolatedProcessPool)

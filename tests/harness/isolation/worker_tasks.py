@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from harness.errors import UnknownEngineError
+from harness.core.errors import UnknownEngineError
 
 
 def square(number: int) -> int:

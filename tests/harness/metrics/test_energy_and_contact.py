@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metrics.conservation import energy, energy_drift
+from harness.core.trajectory import Trajectory
 from harness.metrics.contact import contact_quality
+from harness.metrics.energy import energy, energy_drift
 from harness.metrics.motion import motion
-from harness.trajectory import Trajectory
 from models import Scene, quaternion
 
 EPS = np.finfo(np.float64).eps

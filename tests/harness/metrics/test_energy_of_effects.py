@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metrics.conservation import conserves_energy, energy, energy_drift
-from harness.trajectory import Trajectory
+from harness.core.trajectory import Trajectory
+from harness.metrics.energy import conserves_energy, energy, energy_drift
 from models import (
     Compliance,
     Damping,

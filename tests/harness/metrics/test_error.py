@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.bounce import Bounce
+from harness.core.bounce import Bounce
+from harness.core.trajectory import Trajectory
 from harness.metrics.error import Errors, errors, hausdorff
 from harness.metrics.motion import Motion, motion, shares
-from harness.trajectory import Trajectory
 from models import Scene, load, quaternion
 
 EPS = np.finfo(np.float64).eps

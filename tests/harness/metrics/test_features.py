@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metrics.features import bounces
+from harness.core.trajectory import Trajectory
+from harness.metrics.bounces import bounces
 from harness.metrics.motion import Motion, motion
-from harness.trajectory import Trajectory
 from models import Can, Scene, angular_velocity, load, quaternion
 
 SCENE = load("paper-release")

@@ -10,14 +10,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from harness.core.trajectory import Trajectory
+from harness.metrics.bounces import bounces
 from harness.metrics.contact import contact_quality
+from harness.metrics.convergence import asymptotic_order, observed_order, pareto_front, plateau
 from harness.metrics.error import hausdorff
-from harness.metrics.features import bounces
 from harness.metrics.motion import motion
-from harness.metrics.order import asymptotic_order, observed_order
-from harness.metrics.pareto import pareto_front
-from harness.metrics.plateau import plateau
-from harness.trajectory import Trajectory
 from models import Scene, angular_velocity, quaternion
 
 Made = Callable[..., Trajectory]

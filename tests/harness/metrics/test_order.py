@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.metrics.order import observed_order
+from harness.metrics.convergence import observed_order
 
 STEPS = (1e-3, 3e-4, 1e-4, 3e-5)
 

@@ -6,9 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.metrics.order import asymptotic_order
-from harness.metrics.pareto import pareto_front
-from harness.metrics.plateau import plateau
+from harness.metrics.convergence import asymptotic_order, pareto_front, plateau
 
 STEPS = tuple(10.0 ** -(rung / 2.0) for rung in range(9))
 

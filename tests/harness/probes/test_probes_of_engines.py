@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case, Value
-from harness.engines.probes import PROBES, Finding, measure
+from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
+from harness.engines.probes.fixture import ProbeFinding
 from harness.engines.probes.gyroscopic import DURATION, SPIN
+from harness.engines.probes.survey import PROBES, measure
 from harness.engines.registry import engine
-from harness.errors import InvalidSettingError
-from harness.executors import local
+from harness.execution.isolated_pool import local_executor
 from models import Scene, load
 
 Values = dict[str, float]
@@ -37,7 +38,7 @@ def probe() -> Callable[..., Values]:
             (one,) = [probe for probe in PROBES if probe.effect == effect]
             found = one.measure(engine(name), case)
             known[effect, case] = {
-                each.quantity: each.value for each in found if isinstance(each, Finding)
+                each.quantity: each.value for each in found if isinstance(each, ProbeFinding)
             }
         return known[effect, case]
 
@@ -213,7 +214,7 @@ def test_a_round_rim_in_pybullet_touches_in_one_point(probe: Callable[..., Value
 def test_a_measurement_travels_and_repeats(scene: Scene, name: str) -> None:
     case = Case(scene=scene, engine=name, timestep=1e-3)
     here = measure(case)
-    with local(2) as executor:
+    with local_executor(2) as executor:
         there = executor.submit(measure, case).result()
     assert there.findings == here.findings
     assert there.engine_version == engine(name).version

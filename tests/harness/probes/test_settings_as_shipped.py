@@ -7,15 +7,16 @@ import mujoco
 import numpy as np
 import pytest
 
-from harness.case import PROFILES, Case
+from harness.core.case import PROFILES, Case
 from harness.engines.base import Setting, resolve
+from harness.engines.conformance.settings_table import ENGINES, FILE, settings_table
 from harness.engines.mujoco.settings import FLAGS, GEOM, OPTIONS
 from harness.engines.mujoco.settings import SETTINGS as MUJOCO
-from harness.engines.probes import Finding, measure
+from harness.engines.probes.fixture import ProbeFinding
+from harness.engines.probes.survey import measure
 from harness.engines.pybullet.settings import SETTINGS as PYBULLET
 from harness.engines.pybullet.settings import SHIPPED_VALUES
 from harness.engines.registry import engine
-from harness.engines.settings_table import ENGINES, FILE, settings_table
 from models import load, release_state
 
 BARE = """
@@ -104,7 +105,7 @@ def test_pybullet_engine_parameters(parameters: dict[str, float]) -> None:
 
 
 @pytest.fixture(scope="module")
-def findings() -> dict[str, Finding]:
+def findings() -> dict[str, ProbeFinding]:
     """Return what the probes find in PyBullet as it ships, by quantity."""
     case = Case(scene=load("gentle-rock"), engine="pybullet", profile="default")
     return {finding.quantity: finding for finding in measure(case).findings}
@@ -123,13 +124,13 @@ def findings() -> dict[str, Finding]:
     ],
 )
 def test_pybullet_ships_what_is_stated(
-    findings: dict[str, Finding], name: str, quantity: str
+    findings: dict[str, ProbeFinding], name: str, quantity: str
 ) -> None:
     # what is probed is a difference of numbers a million times as large as their round-off, at most
     assert findings[quantity].value == pytest.approx(shipped(name), rel=1e-6)
 
 
-def test_pybullet_ships_a_prism(findings: dict[str, Finding]) -> None:
+def test_pybullet_ships_a_prism(findings: dict[str, ProbeFinding]) -> None:
     assert findings["sides of the rim; 0 is round"].value == 32.0
     radius = load("gentle-rock").can.radius
     # the lowest point between two corners is among 8 azimuths a side
@@ -160,7 +161,7 @@ def test_handing_over_the_default_changes_nothing(name: str) -> None:
 
 def test_the_table_is_that_of_the_code() -> None:
     assert FILE.read_text(encoding="utf-8") == settings_table(), (
-        "run: python -m harness.engines.settings_table"
+        "run: python -m harness.engines.conformance.settings_table"
     )
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.artefact import Artefact, Figure, Panel, Prose, Series, Table
-from harness.provenance import Commit, Provenance
-from harness.report import write_report
+from harness.core.provenance import Commit, Provenance
+from harness.core.report_model import Artefact, Figure, Panel, Prose, Series, Table
+from harness.report.write import write_report
 
 HOSTILE = "</script><script>document.title='owned'</script><img src=x onerror=owned()>&\"'$_{%|`"
 

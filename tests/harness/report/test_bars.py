@@ -5,12 +5,11 @@ import base64
 import numpy as np
 import plotly.graph_objects as go
 
-from harness.artefact import Figure, Panel, Series
-from harness.report.interactive import description
-from harness.report.legend import entries
-from harness.report.palette import palette
-from harness.report.printed import printed
-from harness.report.thinning import PAPER, thinned
+from harness.core.report_model import Figure, Panel, Series
+from harness.report.matplotlib_renderer import render
+from harness.report.plotly_renderer import description
+from harness.report.simplify_curves import PAPER, simplify
+from harness.report.style import entries, palette
 
 BARS = Series(
     label="bars",
@@ -46,13 +45,13 @@ def test_bars_reach_from_base_to_value_on_the_page() -> None:
 def test_bars_have_a_legend_entry_of_their_own_and_are_not_thinned() -> None:
     (entry,) = entries(FIGURE)
     assert (entry.bars, entry.line, entry.points) == (True, False, False)
-    assert thinned(FIGURE, PAPER).panels[0].series[0].base is BARS.base
+    assert simplify(FIGURE, PAPER).panels[0].series[0].base is BARS.base
 
 
 def test_bars_are_drawn_on_paper_with_names_below() -> None:
-    once = printed(FIGURE, palette(["mujoco"]))
+    once = render(FIGURE, palette(["mujoco"]))
     empty = Panel(title="Bars", x_label="x", y_label="y", x_names=("one", "two", "<i>"), series=())
-    without = printed(Figure(name="b", title="B", seen="", panels=(empty,)), palette([]))
+    without = render(Figure(name="b", title="B", seen="", panels=(empty,)), palette([]))
     assert once.png != without.png
     for name in ("one", "two", "&lt;i&gt;"):
         assert f">{name}<" in once.svg

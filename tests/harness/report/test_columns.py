@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.errors import ReportError
+from harness.core.errors import ReportError
 from harness.report.columns import declared, section, with_section
 
 ROOT = Path(harness.__file__).parent

@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.report.digits import NOTHING, readable
-from harness.report.naming import heading, slug, slugs
+from harness.report.number_format import NOTHING, heading, readable, slug, slugs
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import OutputError
-from harness.report import check_writable
-from harness.report.folder import FORMAT, MANIFEST, replacing
+from harness.core.errors import OutputError
+from harness.report.atomic_folder import FORMAT, MANIFEST, check_writable, replace_folder
 
 
 def names(folder: Path) -> list[str]:
@@ -16,7 +15,7 @@ def names(folder: Path) -> list[str]:
 
 
 def write(out: Path, word: str) -> None:
-    with replacing(out) as draft:
+    with replace_folder(out) as draft:
         (draft / "word").write_text(word)
         (draft / MANIFEST).write_text(json.dumps({"format": FORMAT}))
 
@@ -69,7 +68,7 @@ def test_a_folder_that_is_no_report_is_refused_and_untouched(
         (out / MANIFEST).write_text(manifest)
     with pytest.raises(OutputError, match=r"thesis.*holds no report.*--out"):
         check_writable(out)
-    with pytest.raises(OutputError), replacing(out):
+    with pytest.raises(OutputError), replace_folder(out):
         pytest.fail("the folder was given")
     assert (out / "chapter").read_text() == "years of work"
     assert names(tmp_path) == ["thesis"]
@@ -124,7 +123,7 @@ def test_an_interruption_leaves_things_as_they_were(
     write(out, "old")
 
     def interrupted() -> None:
-        with replacing(out) as draft:
+        with replace_folder(out) as draft:
             (draft / "word").write_text("half")
             raise stop
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness.artefact import Table
-from harness.provenance import Provenance
-from harness.report import write_report
+from harness.core.provenance import Provenance
+from harness.core.report_model import Table
+from harness.report.write import write_report
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 

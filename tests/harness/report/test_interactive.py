@@ -9,9 +9,9 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from harness.artefact import Artefact, Figure, Panel, Series
-from harness.report.interactive import description, plotly_packed
-from harness.report.palette import palette
+from harness.core.report_model import Artefact, Figure, Panel, Series
+from harness.report.plotly_renderer import description, plotly_packed
+from harness.report.style import palette
 
 
 def described(figure: Figure) -> list[dict[str, Any]]:

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from harness.artefact import Floats
-from harness.report.palette import REFERENCE, palette
+from harness.core.report_model import Floats
+from harness.report.style import REFERENCE, palette
 
 CARDS = {"light": "#ffffff", "dark": "#1a1e24"}  # what curves lie on: --card of the style sheet
 

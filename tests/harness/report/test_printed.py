@@ -8,15 +8,15 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from harness.artefact import Artefact, Figure, Panel, Series
-from harness.report.palette import palette
-from harness.report.printed import PIXELS, Printed, printed
+from harness.core.report_model import Artefact, Figure, Panel, Series
+from harness.report.matplotlib_renderer import PIXELS, RenderedFigure, render
+from harness.report.style import palette
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def draw(figure: Figure) -> Printed:
-    return printed(figure, palette(s.kind for panel in figure.panels for s in panel.series))
+def draw(figure: Figure) -> RenderedFigure:
+    return render(figure, palette(s.kind for panel in figure.panels for s in panel.series))
 
 
 def figures(artefacts: tuple[Artefact, ...]) -> list[Figure]:

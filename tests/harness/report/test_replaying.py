@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.artefact import Body, Floats, Replay
-from harness.report.replaying import frames
+from harness.core.report_model import Body, Floats, Replay
+from harness.report.page import frames
 
 
 @pytest.fixture

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from urllib.parse import unquote
 from xml.etree.ElementTree import Element, fromstring
 
-from harness.artefact import Artefact, Figure
-from harness.report.palette import palette
-from harness.report.printed import printed
-from harness.report.stills import address
+from harness.core.report_model import Artefact, Figure
+from harness.report.matplotlib_renderer import render
+from harness.report.page import address
+from harness.report.style import palette
 
 SVG = "{http://www.w3.org/2000/svg}"
 LINK = "{http://www.w3.org/1999/xlink}href"
@@ -16,7 +16,7 @@ LINK = "{http://www.w3.org/1999/xlink}href"
 
 def drawn(figure: Figure) -> str:
     kinds = [series.kind for panel in figure.panels for series in panel.series]
-    return printed(figure, palette(kinds)).svg
+    return render(figure, palette(kinds)).svg
 
 
 def told(root: Element) -> list[tuple[str, dict[str, object], str]]:

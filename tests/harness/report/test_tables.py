@@ -8,7 +8,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from harness.artefact import Table
+from harness.core.report_model import Table
 from harness.report.tables import csv_text, dictionary, markdown, parquet_bytes
 
 

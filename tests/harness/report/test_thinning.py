@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.artefact import Figure, Floats, Panel, Series
-from harness.report.thinning import PAPER, SCREEN, kept, thinned
+from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.report.simplify_curves import PAPER, SCREEN, kept_points, simplify
 
 EPS = np.finfo(np.float64).eps
 
@@ -41,7 +41,7 @@ def test_what_is_left_out_is_within_the_tolerance(
     points: list[tuple[float, float]], tolerance: float
 ) -> None:
     given_points = np.array(points)
-    stays = kept(given_points, tolerance)
+    stays = kept_points(given_points, tolerance)
     assert stays[0]
     assert stays[-1]
     # the brute force and the thinning round a few products of numbers of order 1 differently
@@ -54,7 +54,7 @@ def test_what_is_left_out_is_within_the_tolerance(
 def test_a_bounce_between_straight_lines_keeps_its_points() -> None:
     time = np.linspace(-1.0, 1.0, 200_001)
     phi = np.hypot(1e-4, time)
-    found = curve(thinned(one_curve(Series(label="", kind="", x=time, y=phi)), SCREEN))
+    found = curve(simplify(one_curve(Series(label="", kind="", x=time, y=phi)), SCREEN))
     assert len(found.x) < 200
     whole = np.column_stack(((time + 1.0) / 2.0, phi))[::37]
     line = np.column_stack(((found.x + 1.0) / 2.0, found.y))
@@ -65,7 +65,7 @@ def test_a_bounce_between_straight_lines_keeps_its_points() -> None:
 def test_noise_keeps_its_envelope() -> None:
     time = np.linspace(0.0, 1.0, 60_000)
     noise = np.random.default_rng(7).normal(size=time.size)
-    found = curve(thinned(one_curve(Series(label="", kind="", x=time, y=noise)), PAPER))
+    found = curve(simplify(one_curve(Series(label="", kind="", x=time, y=noise)), PAPER))
     assert len(found.x) <= 4 * PAPER.columns
     assert found.y.min() == noise.min()
     assert found.y.max() == noise.max()
@@ -75,7 +75,7 @@ def test_noise_keeps_its_envelope() -> None:
 def test_on_logarithmic_axes_a_power_law_is_a_straight_line() -> None:
     step = np.logspace(-8.0, -2.0, 500)
     found = curve(
-        thinned(one_curve(Series(label="", kind="", x=step, y=step**2), log=True), SCREEN)
+        simplify(one_curve(Series(label="", kind="", x=step, y=step**2), log=True), SCREEN)
     )
     assert list(found.x) == [step[0], step[-1]]
 
@@ -84,7 +84,7 @@ def test_gaps_stay_gaps() -> None:
     x = np.arange(100.0)
     y = x.copy()
     y[40:60] = np.nan
-    found = curve(thinned(one_curve(Series(label="", kind="", x=x, y=y)), SCREEN))
+    found = curve(simplify(one_curve(Series(label="", kind="", x=x, y=y)), SCREEN))
     assert list(found.x) == [0.0, 39.0, 40.0, 60.0, 99.0]
     assert np.isnan(found.y).sum() == 1
 
@@ -93,17 +93,17 @@ def test_gaps_stay_gaps() -> None:
 def test_points_with_marks_all_stay(mark: str) -> None:
     x = np.arange(50.0)
     series = replace(Series(label="", kind="", x=x, y=x), mark=mark)
-    assert len(curve(thinned(one_curve(series), SCREEN)).x) == 50
+    assert len(curve(simplify(one_curve(series), SCREEN)).x) == 50
 
 
 def test_hover_texts_stay_with_their_points() -> None:
     x = np.arange(5.0)
     series = Series(label="", kind="", x=x, y=np.array([0.0, 1, 2, 1, 0]), hover=tuple("abcde"))
-    assert curve(thinned(one_curve(series), SCREEN)).hover == ("a", "c", "e")
+    assert curve(simplify(one_curve(series), SCREEN)).hover == ("a", "c", "e")
 
 
 @pytest.mark.parametrize("length", [0, 1, 2])
 def test_short_and_empty_curves_are_left_alone(length: int) -> None:
     x = np.arange(float(length))
     figure = one_curve(Series(label="", kind="", x=x, y=x), equal=True)
-    assert len(curve(thinned(figure, SCREEN)).x) == length
+    assert len(curve(simplify(figure, SCREEN)).x) == length

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from harness.artefact import Figure, Floats, Panel, Series
-from harness.case import Case
-from harness.report.thinning import PAPER, SCREEN, Detail, plottable, thinned
-from harness.runner import run
-from harness.studies.comparison import read
+from harness.core.case import Case
+from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.evaluation.evaluate import run_cases
+from harness.report.simplify_curves import PAPER, SCREEN, Detail, plottable, simplify
+from harness.studies.comparison.report import comparison_report
 from models.catalogue import load
 
 PIXELS = 1_000  # a panel as wide and as high as a screen shows it
@@ -26,7 +26,9 @@ def figures(request: pytest.FixtureRequest) -> list[Figure]:
         for engine in ("mujoco", "pybullet")
         for profile in ("default", "adaptive")
     ]
-    return [artefact for artefact in read(run(cases)) if isinstance(artefact, Figure)]
+    return [
+        artefact for artefact in comparison_report(run_cases(cases)) if isinstance(artefact, Figure)
+    ]
 
 
 def pixels(series: Series, panel: Panel, ends: Floats) -> Iterator[Floats]:
@@ -62,7 +64,7 @@ def drawn(points: Floats) -> Floats:
 def test_no_curve_is_off_by_a_pixel(figures: list[Figure], detail: Detail) -> None:
     left_out = 0
     for figure in figures:
-        for before, after in zip(figure.panels, thinned(figure, detail).panels, strict=True):
+        for before, after in zip(figure.panels, simplify(figure, detail).panels, strict=True):
             ends = reach(before)
             for whole, thin in zip(before.series, after.series, strict=True):
                 left_out += len(whole.x) - len(thin.x)

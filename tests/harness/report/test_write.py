@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.artefact import Artefact
-from harness.errors import OutputError
-from harness.provenance import Provenance
-from harness.report import write_report
+from harness.core.errors import OutputError
+from harness.core.provenance import Provenance
+from harness.core.report_model import Artefact
+from harness.report.write import write_report
 
 TOP = {
     "index.html",

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.store import About, Content, State, Store, StoreWarning, prune, survey
-from harness.store.entry import Record
-from harness.store.folder import ASIDE, DRAFTS
+from harness.execution.cache import ASIDE, DRAFTS, CacheFolder, CacheWarning
+from harness.execution.cache_entry import EntryContent, EntryRecord, Metadata
+from harness.execution.cache_inspection import EntryState, inspect_cache, prune_cache
 from tests.harness.store.test_store import KEY, content, put
 
 OTHER = KEY[:-2] + "cd"
@@ -17,9 +17,9 @@ OTHER = KEY[:-2] + "cd"
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
+def store(tmp_path: Path) -> CacheFolder:
     """Return an empty store."""
-    return Store(folder=tmp_path / "store")
+    return CacheFolder(folder=tmp_path / "store")
 
 
 def folder_in_place_of(path: Path) -> None:
@@ -28,10 +28,10 @@ def folder_in_place_of(path: Path) -> None:
     (path / "mine").write_text("kept", encoding="utf-8")
 
 
-def test_an_entry_that_goes_before_it_is_looked_at_is_none(store: Store) -> None:
+def test_an_entry_that_goes_before_it_is_looked_at_is_none(store: CacheFolder) -> None:
     put(store)
     gone = put(store, OTHER)
-    found = survey(store, thoroughly=True)
+    found = inspect_cache(store, thoroughly=True)
     assert next(found).key == KEY
     gone.unlink()
     assert list(found) == []
@@ -39,13 +39,13 @@ def test_an_entry_that_goes_before_it_is_looked_at_is_none(store: Store) -> None
 
 @pytest.mark.parametrize("moment", ["before its record is read", "before its arrays are"])
 def test_an_entry_that_goes_while_it_is_looked_at_is_none(
-    store: Store, monkeypatch: pytest.MonkeyPatch, moment: str
+    store: CacheFolder, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
     put(store)
     path = put(store, OTHER)
-    usual = Store.record
+    usual = CacheFolder.record
 
-    def record(self: Store, kind: str, key: str) -> Record:
+    def record(self: CacheFolder, kind: str, key: str) -> EntryRecord:
         if key == OTHER and moment == "before its record is read":
             path.unlink()
         found = usual(self, kind, key)
@@ -54,11 +54,13 @@ def test_an_entry_that_goes_while_it_is_looked_at_is_none(
                 file.unlink()
         return found
 
-    monkeypatch.setattr(Store, "record", record)
-    assert [found.key for found in survey(store, thoroughly=True)] == [KEY]
+    monkeypatch.setattr(CacheFolder, "record", record)
+    assert [found.key for found in inspect_cache(store, thoroughly=True)] == [KEY]
 
 
-def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(store: Store) -> None:
+def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(
+    store: CacheFolder,
+) -> None:
     put(store)
     done = threading.Event()
 
@@ -82,31 +84,31 @@ def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(store:
     thread.start()
     try:
         for _ in range(60):
-            assert [found.key for found in survey(store, thoroughly=True)] == [KEY]
-            assert prune(store, lambda _: True)[0] == 0
+            assert [found.key for found in inspect_cache(store, thoroughly=True)] == [KEY]
+            assert prune_cache(store, lambda _: True)[0] == 0
     finally:
         done.set()
         thread.join()
 
 
 @pytest.mark.parametrize("which", ["json", "parquet"])
-def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: Store, which: str) -> None:
+def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: CacheFolder, which: str) -> None:
     path = put(store)
     folder_in_place_of(next(path.parent.glob(f"*.{which}")))
-    (found,) = survey(store, thoroughly=True)
-    assert found.state is State.BROKEN
+    (found,) = inspect_cache(store, thoroughly=True)
+    assert found.state is EntryState.BROKEN
     assert "Is a directory" in found.reason
-    with pytest.warns(StoreWarning, match="Is a directory; it is set aside"):
+    with pytest.warns(CacheWarning, match="Is a directory; it is set aside"):
         assert store.get("things", KEY) is None
     assert [place.read_text() for place in (store.folder / ASIDE).rglob("mine")] == ["kept"]
 
 
 @pytest.mark.parametrize("which", ["json", "parquet"])
-def test_what_is_kept_over_a_folder_sets_it_aside(store: Store, which: str) -> None:
+def test_what_is_kept_over_a_folder_sets_it_aside(store: CacheFolder, which: str) -> None:
     path = put(store)
     folder_in_place_of(next(path.parent.glob(f"*.{which}")))
-    fresh = Store(folder=store.folder, fresh=True)  # which never looks at what is there
-    with pytest.warns(StoreWarning, match="a folder is where a file of it belongs"):
+    fresh = CacheFolder(folder=store.folder, fresh=True)  # which never looks at what is there
+    with pytest.warns(CacheWarning, match="a folder is where a file of it belongs"):
         put(fresh)
     found = store.get("things", KEY)
     assert found is not None
@@ -115,18 +117,20 @@ def test_what_is_kept_over_a_folder_sets_it_aside(store: Store, which: str) -> N
 
 
 @pytest.mark.parametrize("where", ["record", "arrays", "draft"])
-def test_pruning_removes_folders_in_place_of_files(store: Store, where: str) -> None:
+def test_pruning_removes_folders_in_place_of_files(store: CacheFolder, where: str) -> None:
     path = put(store)
     draft = store.folder / DRAFTS / f"999999999-0dead000-{KEY}.json"
     draft.write_text("half", encoding="utf-8")
     place = {"record": path, "arrays": next(path.parent.glob("*.parquet")), "draft": draft}[where]
     folder_in_place_of(place)
-    prune(store, lambda about: where == "draft" and about.label == "a case")
+    prune_cache(store, lambda about: where == "draft" and about.label == "a case")
     assert not place.exists()
 
 
-def test_reading_leaves_no_thread_that_could_outlive_the_program(store: Store) -> None:
-    store.put("things", KEY, About(label="a case"), Content(record={}, arrays=content().arrays))
+def test_reading_leaves_no_thread_that_could_outlive_the_program(store: CacheFolder) -> None:
+    store.put(
+        "things", KEY, Metadata(label="a case"), EntryContent(record={}, arrays=content().arrays)
+    )
     program = f"""
 import sys
 from pathlib import Path

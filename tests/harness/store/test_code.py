@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.case import Case
-from harness.keys import about, is_current, key_of
-from harness.store import code
-from harness.store.code import fingerprint
+from harness.core.case import Case
+from harness.evaluation.case_cache import case_key, case_metadata, is_current
+from harness.execution import source_fingerprint
+from harness.execution.source_fingerprint import fingerprint
 from models import Scene
 
 
@@ -39,26 +39,27 @@ def test_an_adapter_that_is_edited_is_another(engine_module: Path) -> None:
 
 
 def test_what_is_measured_with_is_part_of_it() -> None:
-    deciding = {(code._ROOT / place).exists() for place in code._DECIDING}  # noqa: SLF001
+    root, places = source_fingerprint._ROOT, source_fingerprint._DECIDING  # noqa: SLF001
+    deciding = {(root / place).exists() for place in places}
     assert deciding == {True}
     assert fingerprint("harness.engines.mujoco.engine") == fingerprint()
-    assert fingerprint("harness.timing.errors") != fingerprint()
+    assert fingerprint("harness.evaluation.case_record") != fingerprint()
 
 
 def test_a_key_tells_cases_engines_and_work_apart(brief: Scene) -> None:
     case = Case(scene=brief, engine="mujoco", timestep=1e-3)
     keys = {
-        key_of(case),
-        key_of(Case(scene=brief, engine="mujoco", timestep=2e-3)),
-        key_of(Case(scene=brief, engine="pybullet", timestep=1e-3)),
-        key_of(case, "harness.timing.errors"),
+        case_key(case),
+        case_key(Case(scene=brief, engine="mujoco", timestep=2e-3)),
+        case_key(Case(scene=brief, engine="pybullet", timestep=1e-3)),
+        case_key(case, "harness.evaluation.case_record"),
     }
     assert len(keys) == 4
-    assert key_of(case) == key_of(Case(scene=brief, engine="mujoco", timestep=1e-3))
+    assert case_key(case) == case_key(Case(scene=brief, engine="mujoco", timestep=1e-3))
 
 
 def test_what_another_program_made_is_out_of_date(brief: Scene) -> None:
-    told = about(Case(scene=brief, engine="mujoco"), "harness.timing.errors")
+    told = case_metadata(Case(scene=brief, engine="mujoco"), "harness.evaluation.case_record")
     assert is_current(told)
     assert not is_current(replace(told, code="another"))
     assert not is_current(replace(told, engine_version="0.1"))

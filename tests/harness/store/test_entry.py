@@ -2,8 +2,8 @@
 
 import pytest
 
-from harness.errors import StoreError
-from harness.store.entry import read_record
+from harness.core.errors import StoreError
+from harness.execution.cache_entry import read_record
 
 _DEEP = 200_000
 """Levels: more than the interpreter follows."""

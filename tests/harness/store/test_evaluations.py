@@ -7,16 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.campaign import Listener, complete
-from harness.case import Case
-from harness.engines.reference import Divergence, Finding
-from harness.executors import Serial
-from harness.isolation import Loss, LostTaskError
-from harness.kept import evaluations
-from harness.runner import Evaluation, evaluate, lost, run
-from harness.simulation import Outcome
-from harness.store import Store, StoreWarning
+from harness.core.case import Case
+from harness.core.simulation import Outcome
+from harness.engines.reference.assumption_checks import Divergence
+from harness.evaluation.case_cache import evaluation_cache
+from harness.evaluation.evaluate import evaluate, failed_evaluation, run_cases
+from harness.evaluation.evaluation import Evaluation
+from harness.execution.cache import CacheFolder, CacheWarning
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.tasks import ProgressListener, run_tasks
+from harness.execution.worker import Loss, LostTaskError
 from models import Compliance, Effects, Scene, Slip, Tilt
+from reference import Finding
 
 
 def same(one: object, other: object) -> bool:
@@ -47,11 +49,11 @@ def cases(brief: Scene) -> list[Case]:
 
 
 def test_kept_is_made_bit_for_bit(brief: Scene, tmp_path: Path) -> None:
-    store, told = Store(folder=tmp_path / "store"), list[tuple[int, int]]()
+    store, told = CacheFolder(folder=tmp_path / "store"), list[tuple[int, int]]()
     wanted = cases(brief)
-    made = run(wanted, store=store, on_kept=lambda *counts: told.append(counts))
+    made = run_cases(wanted, store=store, on_kept=lambda *counts: told.append(counts))
     done: list[Evaluation] = []
-    kept = run(wanted, None, done.append, store=store, on_kept=lambda *c: told.append(c))
+    kept = run_cases(wanted, None, done.append, store=store, on_kept=lambda *c: told.append(c))
     assert told == [(0, len(wanted)), (len(wanted), len(wanted))]
     assert len(done) == len(wanted)
     assert [e.simulation.case for e in kept] == wanted
@@ -83,13 +85,13 @@ def test_what_is_said_of_the_truth_is_kept_bit_for_bit(
     findings, chaos, parts_at = SAID[said]
     case = Case(scene=brief, engine="mujoco", timestep=1e-3)
     made = replace(evaluate(case), findings=findings, divergence=chaos, parts_at=parts_at)
-    shelf = evaluations(Store(folder=tmp_path / "store"))
-    complete([case], lambda _: made, Serial(), lost=lost, shelf=shelf)
+    shelf = evaluation_cache(CacheFolder(folder=tmp_path / "store"))
+    run_tasks([case], lambda _: made, SerialExecutor(), lost=failed_evaluation, shelf=shelf)
 
     def runs_again(case: Case) -> Evaluation:
         raise AssertionError(case.label())
 
-    (kept,) = complete([case], runs_again, Serial(), lost=lost, shelf=shelf)
+    (kept,) = run_tasks([case], runs_again, SerialExecutor(), lost=failed_evaluation, shelf=shelf)
     assert kept is not made
     assert same(kept, made)
 
@@ -97,22 +99,22 @@ def test_what_is_said_of_the_truth_is_kept_bit_for_bit(
 def test_a_real_finding_and_a_real_divergence_are_kept(brief: Scene, tmp_path: Path) -> None:
     tilted = replace(brief, effects=Effects(tilt=Tilt(angle=0.1)))
     soft = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4)))
-    store = Store(folder=tmp_path / "store")
+    store = CacheFolder(folder=tmp_path / "store")
     wanted = [Case(scene=scene, engine="pybullet", timestep=1e-3) for scene in (tilted, soft)]
-    made = run(wanted, store=store)
+    made = run_cases(wanted, store=store)
     assert made[0].divergence is not None
     assert "rigid" in made[1].findings[0].sentence
-    assert all(map(same, made, run(wanted, store=store)))
+    assert all(map(same, made, run_cases(wanted, store=store)))
 
 
 def test_a_broken_one_is_run_again_and_the_rest_is_not(brief: Scene, tmp_path: Path) -> None:
-    store, wanted = Store(folder=tmp_path / "store"), cases(brief)[:3]
-    made = run(wanted, store=store)
-    shelf = evaluations(store)
+    store, wanted = CacheFolder(folder=tmp_path / "store"), cases(brief)[:3]
+    made = run_cases(wanted, store=store)
+    shelf = evaluation_cache(store)
     path = store.path(shelf.kind, shelf.key(wanted[1]))
     path.write_bytes(path.read_bytes()[:-20])
-    with pytest.warns(StoreWarning, match="no whole record"):
-        again = run(wanted, store=store)
+    with pytest.warns(CacheWarning, match="no whole record"):
+        again = run_cases(wanted, store=store)
     assert same(made[0], again[0])
     assert same(made[2], again[2])
     assert made[1].simulation.wall_s != again[1].simulation.wall_s
@@ -124,22 +126,22 @@ def test_crashes_are_kept_and_what_was_stopped_is_tried_again(
     brief: Scene, tmp_path: Path, loss: Loss
 ) -> None:
     case = Case(scene=brief, engine="mujoco")
-    shelf = evaluations(Store(folder=tmp_path / "store"))
+    shelf = evaluation_cache(CacheFolder(folder=tmp_path / "store"))
 
     def dies(case: Case) -> Evaluation:
         raise LostTaskError(loss, f"killed: {case.engine}")
 
-    found = complete([case], dies, Serial(), lost=lost, shelf=shelf)[0]
+    found = run_tasks([case], dies, SerialExecutor(), lost=failed_evaluation, shelf=shelf)[0]
     assert found.simulation.outcome.name == loss.name
     assert found.simulation.note == "killed: mujoco"
     kept: list[int] = []
-    again = complete(
+    again = run_tasks(
         [case],
         evaluate,
-        Serial(),
-        lost=lost,
+        SerialExecutor(),
+        lost=failed_evaluation,
         shelf=shelf,
-        listener=Listener(kept=lambda count, _: kept.append(count)),
+        listener=ProgressListener(kept=lambda count, _: kept.append(count)),
     )[0]
     crashed = loss is Loss.CRASHED
     assert kept == [int(crashed)]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.store.plain import plain, restored
+from harness.execution.cache_entry import decode, encode
 
 leaves = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text()
 values = st.recursive(
@@ -33,23 +33,23 @@ def shape(value: object) -> object:
 
 @given(values)
 def test_what_is_written_is_read(value: object) -> None:
-    back = restored(json.loads(json.dumps(plain(value), allow_nan=False)))
+    back = decode(json.loads(json.dumps(encode(value), allow_nan=False)))
     assert back == value
     assert shape(back) == shape(value)
 
 
 def test_no_number_comes_back_as_no_number() -> None:
-    back = restored(json.loads(json.dumps(plain({"a": (math.nan, -math.inf)}), allow_nan=False)))
+    back = decode(json.loads(json.dumps(encode({"a": (math.nan, -math.inf)}), allow_nan=False)))
     assert math.isnan(back["a"][0])
     assert back["a"][1] == -math.inf
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
-    assert plain(np.float64(0.1)) == 0.1
-    assert type(plain(np.int64(3))) is int
-    assert plain(np.bool_(True)) is True  # noqa: FBT003 - a value
+    assert encode(np.float64(0.1)) == 0.1
+    assert type(encode(np.int64(3))) is int
+    assert encode(np.bool_(True)) is True  # noqa: FBT003 - a value
 
 
 def test_what_json_cannot_hold_is_refused() -> None:
     with pytest.raises(TypeError, match="keeps no set"):
-        plain({"a": {1, 2}})
+        encode({"a": {1, 2}})

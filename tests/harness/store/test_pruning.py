@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import StoreError
-from harness.store import Store, StoreWarning, prune, survey
-from harness.store.folder import ASIDE, DRAFTS, JOURNAL
+from harness.core.errors import StoreError
+from harness.execution.cache import ASIDE, DRAFTS, JOURNAL, CacheFolder, CacheWarning
+from harness.execution.cache_inspection import inspect_cache, prune_cache
 from tests.harness.store.test_store import KEY, content, cut, put
 
 YESTERDAY = 86_400.0
@@ -15,9 +15,9 @@ YESTERDAY = 86_400.0
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
+def store(tmp_path: Path) -> CacheFolder:
     """Return an empty store."""
-    return Store(folder=tmp_path / "store")
+    return CacheFolder(folder=tmp_path / "store")
 
 
 def aged(*paths: Path) -> None:
@@ -27,25 +27,25 @@ def aged(*paths: Path) -> None:
         os.utime(path, (then, then))
 
 
-def test_the_arrays_of_an_entry_that_was_replaced_go(store: Store) -> None:
+def test_the_arrays_of_an_entry_that_was_replaced_go(store: CacheFolder) -> None:
     record = put(store)
     (old,) = record.parent.glob("*.parquet")
     put(store, seed=1)
     (new,) = set(record.parent.glob("*.parquet")) - {old}
-    assert prune(store, lambda _: True)[0] == 0
+    assert prune_cache(store, lambda _: True)[0] == 0
     assert old.exists()  # a program may still read the record that names it
     size = old.stat().st_size
     aged(old, new, record)
-    assert prune(store, lambda _: True) == (0, size)
+    assert prune_cache(store, lambda _: True) == (0, size)
     assert sorted(record.parent.iterdir()) == sorted([record, new])
     found = store.get("things", KEY)
     assert found is not None
     assert found.arrays["points"].tobytes() == content(1).arrays["points"].tobytes()
 
 
-def test_what_is_not_a_stores_own_stays(store: Store) -> None:
+def test_what_is_not_a_stores_own_stays(store: CacheFolder) -> None:
     cut(put(store))
-    with pytest.warns(StoreWarning, match="set aside"):
+    with pytest.warns(CacheWarning, match="set aside"):
         assert store.get("things", KEY) is None
     mine = [
         store.folder / ASIDE / "thesis.txt",
@@ -59,20 +59,20 @@ def test_what_is_not_a_stores_own_stays(store: Store) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("a year of work", encoding="utf-8")
         aged(path)
-    assert prune(store, lambda _: False)[0] == 0
+    assert prune_cache(store, lambda _: False)[0] == 0
     assert [path for path in mine if not path.exists()] == []
     assert [path.name for path in (store.folder / ASIDE).iterdir()] == ["thesis.txt"]
-    assert list(survey(store)) == []
+    assert list(inspect_cache(store)) == []
 
 
 @pytest.mark.parametrize("journal", [None, "", "Dear diary,\n", '{"event": "kept"'])
-def test_a_journal_of_ours_makes_a_store(store: Store, journal: str | None) -> None:
+def test_a_journal_of_ours_makes_a_store(store: CacheFolder, journal: str | None) -> None:
     put(store).unlink()
     (store.folder / JOURNAL).unlink()
     if journal is not None:
         (store.folder / JOURNAL).write_text(journal, encoding="utf-8")
     if journal in {"", '{"event": "kept"'}:  # a full disk leaves as much of it
-        assert prune(store, lambda _: True)[0] == 0
+        assert prune_cache(store, lambda _: True)[0] == 0
         return
     with pytest.raises(StoreError, match="no store at"):
-        prune(store, lambda _: True)
+        prune_cache(store, lambda _: True)

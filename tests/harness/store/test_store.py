@@ -12,39 +12,40 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.errors import OutputError, StoreError
-from harness.store import About, Content, State, Store, StoreWarning, prune, survey
-from harness.store.folder import ASIDE, DRAFTS, JOURNAL
+from harness.core.errors import OutputError, StoreError
+from harness.execution.cache import ASIDE, DRAFTS, JOURNAL, CacheFolder, CacheWarning
+from harness.execution.cache_entry import EntryContent, Metadata
+from harness.execution.cache_inspection import EntryState, inspect_cache, prune_cache
 
-ABOUT = About(label="a case", code="today")
+ABOUT = Metadata(label="a case", code="today")
 KEY = "ab" * 16
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
+def store(tmp_path: Path) -> CacheFolder:
     """Return an empty store."""
-    return Store(folder=tmp_path / "store")
+    return CacheFolder(folder=tmp_path / "store")
 
 
-def content(seed: int = 0) -> Content:
+def content(seed: int = 0) -> EntryContent:
     """Return a record with arrays, odd numbers among them."""
     numbers = np.random.default_rng(seed).normal(size=(50, 3))
     # two NaNs of different bits, and both zeros: equal or not, each is to come back as it is
     odd = np.array([0x7FF8000000000001, 0xFFF8000000000000, 0x8000000000000000, 0], dtype=np.uint64)
     numbers[:4, 0] = odd.view(np.float64)
-    return Content(
+    return EntryContent(
         record={"x": 0.1, "pair": (1, 2.0), "none": None},
         arrays={"points": numbers, "time": np.linspace(0, 1, 50), "count": np.arange(50)},
     )
 
 
-def put(store: Store, key: str = KEY, seed: int = 0) -> Path:
+def put(store: CacheFolder, key: str = KEY, seed: int = 0) -> Path:
     """Keep an entry and return its record's file."""
     store.put("things", key, ABOUT, content(seed))
     return store.path("things", key)
 
 
-def test_what_is_kept_comes_back_bit_for_bit(store: Store) -> None:
+def test_what_is_kept_comes_back_bit_for_bit(store: CacheFolder) -> None:
     put(store)
     found = store.get("things", KEY)
     assert found is not None
@@ -56,15 +57,15 @@ def test_what_is_kept_comes_back_bit_for_bit(store: Store) -> None:
         assert found.arrays[name].tobytes() == array.tobytes()
 
 
-def test_what_is_not_there_is_none(store: Store) -> None:
+def test_what_is_not_there_is_none(store: CacheFolder) -> None:
     assert not store.has("things", KEY)
     assert store.get("things", KEY) is None
-    assert list(survey(store)) == []
+    assert list(inspect_cache(store)) == []
 
 
-def test_fresh_finds_nothing_and_replaces_what_is_there(store: Store) -> None:
+def test_fresh_finds_nothing_and_replaces_what_is_there(store: CacheFolder) -> None:
     put(store)
-    fresh = Store(folder=store.folder, fresh=True)
+    fresh = CacheFolder(folder=store.folder, fresh=True)
     assert not fresh.has("things", KEY)
     assert fresh.get("things", KEY) is None
     put(fresh, seed=1)
@@ -97,13 +98,15 @@ def renamed(path: Path) -> None:
 
 @pytest.mark.parametrize("hurt", [cut, flip, empty, Path.unlink])
 @pytest.mark.parametrize("which", ["record", "arrays"])
-def test_a_broken_entry_is_set_aside_with_a_warning(store: Store, hurt: object, which: str) -> None:
+def test_a_broken_entry_is_set_aside_with_a_warning(
+    store: CacheFolder, hurt: object, which: str
+) -> None:
     path = put(store)
     hurt(path if which == "record" else next(path.parent.glob("*.parquet")))  # type: ignore[operator]
     if which == "record" and hurt is Path.unlink:
         assert store.get("things", KEY) is None  # never kept, for all that is to be seen
         return
-    with pytest.warns(StoreWarning, match="it is set aside in .* and done again"):
+    with pytest.warns(CacheWarning, match="it is set aside in .* and done again"):
         assert store.get("things", KEY) is None
     assert not store.has("things", KEY)
     assert list((store.folder / ASIDE).iterdir())
@@ -111,7 +114,7 @@ def test_a_broken_entry_is_set_aside_with_a_warning(store: Store, hurt: object, 
     assert store.get("things", KEY) is not None
 
 
-def test_the_entry_of_another_case_is_refused(store: Store) -> None:
+def test_the_entry_of_another_case_is_refused(store: CacheFolder) -> None:
     renamed(put(store))
     with pytest.raises(StoreError, match="checksum"):
         store.read("things", KEY)
@@ -121,17 +124,17 @@ def test_the_entry_of_another_case_is_refused(store: Store) -> None:
         store.read("things", "ef" * 16)
 
 
-def test_a_survey_names_what_is_broken(store: Store) -> None:
+def test_a_survey_names_what_is_broken(store: CacheFolder) -> None:
     put(store)
     flip(next(put(store, "cd" * 16).parent.glob("*.parquet")))
-    states = {found.key: found.state for found in survey(store, thoroughly=True)}
-    assert states == {KEY: State.WHOLE, "cd" * 16: State.BROKEN}
-    assert {found.state for found in survey(store)} == {State.WHOLE}  # arrays unseen
+    states = {found.key: found.state for found in inspect_cache(store, thoroughly=True)}
+    assert states == {KEY: EntryState.WHOLE, "cd" * 16: EntryState.BROKEN}
+    assert {found.state for found in inspect_cache(store)} == {EntryState.WHOLE}  # arrays unseen
 
 
-def test_pruning_keeps_what_is_current_and_removes_the_rest(store: Store) -> None:
+def test_pruning_keeps_what_is_current_and_removes_the_rest(store: CacheFolder) -> None:
     put(store)
-    store.put("things", "cd" * 16, About(label="old", code="yesterday"), content())
+    store.put("things", "cd" * 16, Metadata(label="old", code="yesterday"), content())
     cut(put(store, "ef" * 16))
     (store.folder / DRAFTS / f"999999999-0dead000-{KEY}.json").write_text("half", encoding="utf-8")
     mine = store.folder / DRAFTS / f"{os.getpid()}-a11fe000-{KEY}.json"
@@ -139,17 +142,17 @@ def test_pruning_keeps_what_is_current_and_removes_the_rest(store: Store) -> Non
     lone = put(store).with_name(f"{KEY[:-2]}12-{12 * '0'}.parquet")
     lone.write_bytes(b"")
     os.utime(lone, (0.0, 0.0))
-    removed, freed = prune(store, lambda about: about.code == "today")
+    removed, freed = prune_cache(store, lambda about: about.code == "today")
     assert removed == 2
     assert freed > 0
-    assert [found.key for found in survey(store)] == [KEY]
+    assert [found.key for found in inspect_cache(store)] == [KEY]
     assert [path.name for path in (store.folder / DRAFTS).iterdir()] == [mine.name]
     assert not lone.exists()
-    assert prune(store, lambda _: False)[0] == 1
+    assert prune_cache(store, lambda _: False)[0] == 1
 
 
 def test_a_write_that_fails_leaves_what_was_there(
-    store: Store, monkeypatch: pytest.MonkeyPatch
+    store: CacheFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(store)
 
@@ -180,7 +183,7 @@ while True:
 
 
 @pytest.mark.slow
-def test_writers_and_readers_at_once_and_a_kill_in_between(store: Store) -> None:
+def test_writers_and_readers_at_once_and_a_kill_in_between(store: CacheFolder) -> None:
     program = _WRITER.format(
         tests=str(Path(__file__).parent),
         source=str(Path(__file__).parents[3]),
@@ -206,6 +209,6 @@ def test_writers_and_readers_at_once_and_a_kill_in_between(store: Store) -> None
         for writer in writers:
             writer.kill()
             writer.wait()
-    assert {found.state for found in survey(store, thoroughly=True)} == {State.WHOLE}
+    assert {found.state for found in inspect_cache(store, thoroughly=True)} == {EntryState.WHOLE}
     lines = (store.folder / JOURNAL).read_text(encoding="utf-8").splitlines()
     assert {json.loads(line)["event"] for line in lines} == {"kept"}

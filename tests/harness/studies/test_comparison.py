@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from harness.artefact import Artefact, Figure, Prose, Table
-from harness.runner import Evaluation
-from harness.studies.comparison import SUITES, design, read, results
+from harness.core.report_model import Artefact, Figure, Prose, Table
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison.results import results
+from harness.studies.comparison.suite import SUITES, suite_cases
 from models import load, names
 
 ENGINES = ("mujoco", "pybullet")
@@ -31,7 +33,7 @@ def runs(evaluated: Callable[..., Evaluation]) -> list[Evaluation]:
 @pytest.fixture(scope="module")
 def found(runs: list[Evaluation]) -> Found:
     """Return the artefacts by name."""
-    artefacts = read(runs)
+    artefacts = comparison_report(runs)
     named = {artefact.name: artefact for artefact in artefacts}
     assert len(named) == len(artefacts)
     return named
@@ -51,7 +53,7 @@ def test_a_suite_runs_every_scene_in_every_engine(suite: str) -> None:
     if suite == "quick":  # which leaves those with effects to the full one
         scenes = {name: one for name, one in scenes.items() if not one.effects.declared()}
     assert set(SUITES[suite]) == set(scenes)
-    cases = design(suite, ENGINES, scenes)
+    cases = suite_cases(suite, ENGINES, scenes)
     assert len(set(cases)) == len(cases)
     for profile in ("default", "adaptive"):
         own = [case for case in cases if case.profile == profile]
@@ -75,9 +77,9 @@ def test_a_ladder_goes_down(suite: str) -> None:
 
 def test_a_suite_of_one_engine_has_its_cases_only() -> None:
     scenes = {name: load(name) for name in names()}
-    both, one = design("quick", ENGINES, scenes), design("quick", ("mujoco",), scenes)
+    both, one = suite_cases("quick", ENGINES, scenes), suite_cases("quick", ("mujoco",), scenes)
     assert [case for case in both if case.engine == "mujoco"] == list(one)
-    assert design("quick", (), scenes) == ()
+    assert suite_cases("quick", (), scenes) == ()
 
 
 def test_every_column_is_declared_and_described(found: Found) -> None:
@@ -224,6 +226,6 @@ def test_orders_of_two_timesteps_are_the_slope_between_them(
 
 
 def test_nothing_but_failures_still_gives_tables_and_words(runs: list[Evaluation]) -> None:
-    artefacts = read([runs[-1]])
+    artefacts = comparison_report([runs[-1]])
     assert {a.name for a in artefacts if isinstance(a, Table)} >= {"results", "parity"}
     assert not [a for a in artefacts if isinstance(a, Figure)]

@@ -5,13 +5,15 @@ from dataclasses import replace
 
 import pytest
 
-from harness import face
-from harness.artefact import Artefact, Prose, Table
-from harness.case import Case
+from harness import api
+from harness.core.case import Case
+from harness.core.report_model import Artefact, Prose, Table
 from harness.engines.registry import missing_effects
-from harness.runner import Evaluation
-from harness.studies.comparison import Unsupported, design, parted, read
-from models import Horizon, RoundedRim, Scene, load, modelling_choices
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison.suite import Unsupported, split_unsupported, suite_cases
+from models import Horizon, RoundedRim, Scene, load
+from models.modelling_choices import modelling_choices
 
 ENGINES = ("mujoco", "pybullet")
 Found = Mapping[str, Artefact]
@@ -40,13 +42,13 @@ def chaos(evaluated: Callable[..., Evaluation]) -> list[Evaluation]:
 def found(chaos: list[Evaluation], evaluated: Callable[..., Evaluation]) -> Found:
     slipping = [evaluated("slipping-rock", name, 1e-3) for name in ENGINES]
     left_out = Unsupported(scene="slipping-rock", engine="toy", effects=("slip",))
-    return {a.name: a for a in read([*chaos, *slipping], [left_out])}
+    return {a.name: a for a in comparison_report([*chaos, *slipping], [left_out])}
 
 
 def test_an_engine_is_not_asked_for_what_it_cannot_represent(gentle: Scene) -> None:
     round_ = rounded(gentle)
     cases = [Case(scene=scene, engine=name) for scene in (gentle, round_) for name in ENGINES]
-    able, left_out = parted(cases)
+    able, left_out = split_unsupported(cases)
     assert missing_effects("mujoco", round_) == ("rim",)
     assert able == (cases[0], cases[1], cases[3])
     assert left_out == (Unsupported(scene=round_.name, engine="mujoco", effects=("rim",)),)
@@ -57,10 +59,10 @@ def test_the_suite_leaves_it_out_of_the_run_and_says_so(
     gentle: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = replace(rounded(gentle), horizon=Horizon(seconds=0.02))
-    monkeypatch.setattr(face, "SUITES", {"quick": {scene.name: (1e-3,)}})
-    monkeypatch.setattr(face, "load", lambda _: scene)
-    monkeypatch.setitem(design.__globals__, "SUITES", {"quick": {scene.name: (1e-3,)}})
-    evaluations, artefacts = face.validate("quick")
+    monkeypatch.setattr(api, "SUITES", {"quick": {scene.name: (1e-3,)}})
+    monkeypatch.setattr(api, "load", lambda _: scene)
+    monkeypatch.setitem(suite_cases.__globals__, "SUITES", {"quick": {scene.name: (1e-3,)}})
+    evaluations, artefacts = api.validate("quick")
     assert {e.simulation.case.engine for e in evaluations} == {"pybullet"}
     told = {a.name: a for a in artefacts}
     for table, column in (("fidelity", "verdict"), ("scorecard", "best_verdict")):
@@ -105,7 +107,7 @@ def test_a_broken_assumption_is_told_with_the_model_that_would_carry_it(
     evaluated: Callable[..., Evaluation],
 ) -> None:
     e = evaluated("wobble", "mujoco", 1e-3)
-    text = next(a for a in read([e]) if a.name == "wobble-assumptions")
+    text = next(a for a in comparison_report([e]) if a.name == "wobble-assumptions")
     assert isinstance(text, Prose)
     assert e.findings
     assert e.findings[0].sentence in text.text
@@ -126,7 +128,7 @@ def test_the_off_centre_can_has_no_more_to_spend_than_its_fall_gives(
     evaluated: Callable[..., Evaluation],
 ) -> None:
     e = evaluated("off-centre-mass", "mujoco", 1e-3)
-    table = next(a for a in read([e]) if a.name == "fidelity")
+    table = next(a for a in comparison_report([e]) if a.name == "fidelity")
     assert isinstance(table, Table)
     row = table.frame.set_index("quantity").loc["energy_drift"]
     # phi 0.2: the centre is sin(0.2) - h (1 - cos(0.2)) = 0.17 radii higher than of the flat can,

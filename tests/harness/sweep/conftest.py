@@ -6,19 +6,24 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness.executors import Serial
-from harness.sweep import Part, Plan, opened, plan, planning, read_axis, sweep
+from harness.execution.isolated_pool import SerialExecutor
+from harness.sweep import plan
+from harness.sweep.axes import read_axis
+from harness.sweep.folder import opened
+from harness.sweep.partition import Partition
+from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.run import run_sweep
 from models import load
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 
 @pytest.fixture
 def planned() -> Planned:
     """Return a function that plans a sweep of a scene over axes as they are typed."""
 
-    def make(scene: str, *over: str, **more: object) -> Plan:
-        return plan(load(scene), [read_axis(text) for text in over], **more)  # type: ignore[arg-type]
+    def make(scene: str, *over: str, **more: object) -> SweepPlan:
+        return plan_sweep(load(scene), [read_axis(text) for text in over], **more)  # type: ignore[arg-type]
 
     return make
 
@@ -26,20 +31,20 @@ def planned() -> Planned:
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cut sweeps small, so that a few rows are many partitions."""
-    monkeypatch.setattr(planning, "EXACT_ROWS", 50)
-    monkeypatch.setattr(planning, "ENGINE_ROWS", 3)
+    monkeypatch.setattr(plan, "EXACT_ROWS", 50)
+    monkeypatch.setattr(plan, "ENGINE_ROWS", 3)
 
 
 @pytest.fixture
-def chosen(planned: Planned) -> Plan:
+def chosen(planned: Planned) -> SweepPlan:
     """Return a sweep of 225 releases."""
     return planned("gentle-rock", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
 
 
-def carried_out(out: Path, chosen: Plan) -> pd.DataFrame:
+def carried_out(out: Path, chosen: SweepPlan) -> pd.DataFrame:
     """Carry a sweep out here, one partition after the other, and return its table."""
     with opened(out, chosen) as folder:
-        sweep(folder, Serial())
+        run_sweep(folder, SerialExecutor())
         return table(out)
 
 
@@ -53,6 +58,6 @@ def contents(out: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((out / "parts").iterdir())}
 
 
-def rows_of(parts: Iterable[Part]) -> int:
+def rows_of(parts: Iterable[Partition]) -> int:
     """Return how many rows parts have."""
     return sum(len(part.rows) for part in parts)

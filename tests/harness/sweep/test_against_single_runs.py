@@ -10,17 +10,17 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from harness.case import Case
-from harness.engines.reference import solved
-from harness.runner import evaluate
-from harness.sweep import Plan
+from harness.core.case import Case
+from harness.engines.reference.truth import solve_case
+from harness.evaluation.evaluate import evaluate
 from harness.sweep.parameters import scene_at
+from harness.sweep.plan import SweepPlan
 from models import Horizon, load
 from reference import PAPER_CAN, Problem
-from reference.reduced import reduced_of
+from reference.asymptotic.small_nutation import reduced_of
 from tests.harness.sweep.conftest import carried_out
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 ROUND_OFF = 1e-11
 """Of a quadrature of tens of terms beside another with other companions in its chunk."""
@@ -36,7 +36,7 @@ def test_exact_rows_are_those_of_the_reference(planned: Planned, tmp_path: Path)
     for row in range(chosen.rows):
         scene = scene_at(load("gentle-rock"), {n: float(v[row]) for n, v in values.items()})
         case = Case(scene=scene, engine="reference", options=(("model", "exact"),))
-        (bounce,) = solved(case).bounces
+        (bounce,) = solve_case(case).bounces
         assert frame.angle_of_turn_deg[row] == pytest.approx(
             math.degrees(bounce.angle_of_turn), rel=ROUND_OFF
         )
@@ -120,7 +120,7 @@ def test_what_only_a_whole_motion_has_is_solved_for(planned: Planned, tmp_path: 
     frame = carried_out(tmp_path / "out", chosen)
     for rate, ratio in zip(frame.release_psi_dot_rad_s, frame.peak_friction_ratio, strict=True):
         scene = scene_at(load("gentle-rock"), {"release.psi_dot": rate})
-        (bounce,) = solved(Case(scene=scene, engine="reference")).bounces
+        (bounce,) = solve_case(Case(scene=scene, engine="reference")).bounces
         assert ratio == bounce.peak_friction_ratio
 
 

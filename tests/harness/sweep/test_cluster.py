@@ -9,12 +9,15 @@ from typing import Any
 
 import pytest
 
-from harness.executors import cluster
-from harness.isolation.limits import sensible
-from harness.sweep import Part, Plan, opened, sweep
+from harness.execution.dask_cluster import dask_executor
+from harness.execution.limits import default_limits
+from harness.sweep.folder import opened
+from harness.sweep.partition import Partition
+from harness.sweep.plan import SweepPlan
+from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 
 @pytest.mark.slow
@@ -40,7 +43,7 @@ def test_a_worker_is_killed_and_the_sweep_is_the_same(planned: Planned, tmp_path
     ) as machines:
         processes = [nanny.pid for nanny in machines.workers.values()]
 
-        def kill_one(part: Part) -> None:
+        def kill_one(part: Partition) -> None:
             del part
             if not killed:  # at the first partition the others are on their way
                 killed.append(processes[0])
@@ -48,9 +51,9 @@ def test_a_worker_is_killed_and_the_sweep_is_the_same(planned: Planned, tmp_path
 
         with (
             opened(tmp_path / "there", chosen) as folder,
-            cluster(machines.scheduler_address, sensible(2)) as executor,
+            dask_executor(machines.scheduler_address, default_limits(2)) as executor,
         ):
-            sweep(folder, executor, kill_one)
+            run_sweep(folder, executor, kill_one)
     assert killed
     carried_out(tmp_path / "here", chosen)
     assert contents(tmp_path / "there") == contents(tmp_path / "here")

@@ -14,9 +14,9 @@ import pandas as pd
 import pytest
 
 from harness.cli.main import code_of
-from harness.errors import ClusterError
-from harness.executors import Serial
-from harness.isolation import Limits
+from harness.core.errors import ClusterError
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.limits import Limits
 
 SIGNS = (
     "sweep",
@@ -98,7 +98,7 @@ def test_wrong_use_is_one_message(tmp_path: Path, capsys: pytest.CaptureFixture[
 def test_an_unreachable_cluster_is_not_the_folders_fault(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.executors.clusters._PATIENCE", 0.5)
+    monkeypatch.setattr("harness.execution.dask_cluster._PATIENCE", 0.5)
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:3", "--out", str(tmp_path / "out"))
     assert code_of([*over, "--on", "tcp://127.0.0.1:1"]) == 2
     said = capsys.readouterr().err.strip()
@@ -111,11 +111,11 @@ def test_limits_are_those_of_a_scene(
 ) -> None:
     asked: list[Limits] = []
 
-    def local(_jobs: int, *, limits: Limits, **_: object) -> Serial:
+    def local(_jobs: int, *, limits: Limits, **_: object) -> SerialExecutor:
         asked.append(limits)
-        return Serial()
+        return SerialExecutor()
 
-    monkeypatch.setattr("harness.cli.sweep.local", local)
+    monkeypatch.setattr("harness.execution.isolated_pool.local_executor", local)
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:2", "--engine", "mujoco")
     limits = ("--time-limit", "7", "--memory-limit", "0.5")
     assert code_of([*over, *limits, "--timestep", "1e-3", "--out", str(tmp_path / "out")]) == 0
@@ -123,7 +123,7 @@ def test_limits_are_those_of_a_scene(
     assert "period_s" in capsys.readouterr().out
 
 
-class Leaving(Serial):
+class Leaving(SerialExecutor):
     """A cluster that does one task and is gone."""
 
     _left = False
@@ -141,8 +141,8 @@ class Leaving(Serial):
 def test_a_cluster_that_goes_away_leaves_what_is_written_and_says_how_much(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("harness.sweep.planning.EXACT_ROWS", 4)
-    monkeypatch.setattr("harness.cli.sweep.cluster", lambda *_: Leaving())
+    monkeypatch.setattr("harness.sweep.plan.EXACT_ROWS", 4)
+    monkeypatch.setattr("harness.execution.dask_cluster.dask_executor", lambda *_: Leaving())
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:9", "--out", str(tmp_path / "out"))
     assert code_of([*over, "--on", "tcp://127.0.0.1:1"]) == 2
     said = capsys.readouterr().err.strip()

@@ -10,12 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.errors import OutputError
-from harness.executors import Serial, local
-from harness.sweep import Part, Plan, PlanMismatchError, opened, sweep
+from harness.core.errors import OutputError
+from harness.execution.isolated_pool import SerialExecutor, local_executor
+from harness.sweep.folder import opened
+from harness.sweep.partition import Partition
+from harness.sweep.plan import SweepPlan
+from harness.sweep.plan_file import PlanMismatchError
+from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 
 pytestmark = pytest.mark.usefixtures("small")
@@ -25,26 +29,30 @@ class Stopped(Exception):  # noqa: N818 - stands for a signal
     """The sweep is stopped."""
 
 
-def test_a_second_start_does_what_is_missing_and_nothing_else(chosen: Plan, tmp_path: Path) -> None:
+def test_a_second_start_does_what_is_missing_and_nothing_else(
+    chosen: SweepPlan, tmp_path: Path
+) -> None:
     carried_out(tmp_path / "whole", chosen)
     made: list[int] = []
 
-    def stop(part: Part) -> None:
+    def stop(part: Partition) -> None:
         made.append(part.index)
         if len(made) == 2:
             raise Stopped
 
     out = tmp_path / "resumed"
     with opened(out, chosen) as folder, pytest.raises(Stopped):
-        sweep(folder, Serial(), stop)
+        run_sweep(folder, SerialExecutor(), stop)
     assert len(contents(out)) == 2
     with opened(out, chosen) as folder:
         assert folder.missing() == [2, 3, 4]
-        sweep(folder, Serial(), lambda part: made.append(part.index))
+        run_sweep(folder, SerialExecutor(), lambda part: made.append(part.index))
     assert made == [0, 1, 2, 3, 4]
     assert contents(out) == contents(tmp_path / "whole")
     with opened(out, chosen) as folder:
-        sweep(folder, Serial(), lambda part: pytest.fail(f"{part.index} was made again"))
+        run_sweep(
+            folder, SerialExecutor(), lambda part: pytest.fail(f"{part.index} was made again")
+        )
 
 
 def file_of(out: Path, index: int) -> Path:
@@ -55,7 +63,7 @@ def file_of(out: Path, index: int) -> Path:
 
 @pytest.mark.parametrize("damage", ["cut short", "emptied", "of another sweep", "a folder"])
 def test_a_damaged_partition_is_set_aside_and_made_again(
-    chosen: Plan, planned: Planned, tmp_path: Path, damage: str
+    chosen: SweepPlan, planned: Planned, tmp_path: Path, damage: str
 ) -> None:
     out = tmp_path / "out"
     carried_out(out, chosen)
@@ -76,11 +84,11 @@ def test_a_damaged_partition_is_set_aside_and_made_again(
     with opened(out, chosen) as folder:
         assert folder.missing() == [3]
         assert [path.name for path in folder.damaged] == [victim.name]
-        sweep(folder, Serial())
+        run_sweep(folder, SerialExecutor())
     assert contents(out) == before
 
 
-def test_no_bit_of_a_partition_can_change_unseen(chosen: Plan, tmp_path: Path) -> None:
+def test_no_bit_of_a_partition_can_change_unseen(chosen: SweepPlan, tmp_path: Path) -> None:
     out = tmp_path / "out"
     carried_out(out, chosen)
     victim = file_of(out, 0)
@@ -99,7 +107,7 @@ def test_no_bit_of_a_partition_can_change_unseen(chosen: Plan, tmp_path: Path) -
         assert sum(len(part.rows) for part in folder.read()) == 225
 
 
-def test_a_partition_that_is_there_twice_counts_once(chosen: Plan, tmp_path: Path) -> None:
+def test_a_partition_that_is_there_twice_counts_once(chosen: SweepPlan, tmp_path: Path) -> None:
     out = tmp_path / "out"
     whole = carried_out(out, chosen)
     before = contents(out)
@@ -116,7 +124,7 @@ def test_a_partition_that_is_there_twice_counts_once(chosen: Plan, tmp_path: Pat
 
 
 def test_another_sweep_is_refused_and_the_difference_named(
-    chosen: Plan, planned: Planned, tmp_path: Path
+    chosen: SweepPlan, planned: Planned, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
     carried_out(out, chosen)
@@ -131,7 +139,7 @@ def test_another_sweep_is_refused_and_the_difference_named(
 
 
 @pytest.mark.parametrize("thing", ["a file", "a folder of others", "a broken plan"])
-def test_what_is_no_sweep_is_left_alone(chosen: Plan, tmp_path: Path, thing: str) -> None:
+def test_what_is_no_sweep_is_left_alone(chosen: SweepPlan, tmp_path: Path, thing: str) -> None:
     out = tmp_path / "out"
     if thing == "a file":
         out.write_text("mine")
@@ -146,7 +154,7 @@ def test_what_is_no_sweep_is_left_alone(chosen: Plan, tmp_path: Path, thing: str
 
 
 def test_reading_leaves_no_thread_that_could_outlive_the_program(
-    chosen: Plan, tmp_path: Path
+    chosen: SweepPlan, tmp_path: Path
 ) -> None:
     carried_out(tmp_path / "out", chosen)
     program = f"""
@@ -177,7 +185,7 @@ print(threads() - before)
     assert done.stdout == "0\n"
 
 
-def test_a_draft_that_a_killed_sweep_left_goes(chosen: Plan, tmp_path: Path) -> None:
+def test_a_draft_that_a_killed_sweep_left_goes(chosen: SweepPlan, tmp_path: Path) -> None:
     out = tmp_path / "out"
     (out / "parts").mkdir(parents=True)
     draft = out / "parts" / ".part-000000-0.parquet.draft"
@@ -187,7 +195,7 @@ def test_a_draft_that_a_killed_sweep_left_goes(chosen: Plan, tmp_path: Path) -> 
 
 
 def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
-    chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chosen: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(_handle: int) -> None:
         raise OSError(28, "No space left on device")
@@ -196,13 +204,13 @@ def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
     with opened(out, chosen) as folder, monkeypatch.context() as patched:
         patched.setattr(os, "fsync", full)
         with pytest.raises(OutputError, match=r"No space left.*goes on"):
-            sweep(folder, Serial())
+            run_sweep(folder, SerialExecutor())
     assert list((out / "parts").iterdir()) == []
     carried_out(out, chosen)
 
 
 def test_threads_and_processes_make_the_same_bytes(
-    chosen: Plan, planned: Planned, tmp_path: Path
+    chosen: SweepPlan, planned: Planned, tmp_path: Path
 ) -> None:
     runs = planned(
         "gentle-rock",
@@ -215,15 +223,15 @@ def test_threads_and_processes_make_the_same_bytes(
     )
     carried_out(tmp_path / "serial", chosen)
     with opened(tmp_path / "threads", chosen) as folder, ThreadPoolExecutor(3) as executor:
-        sweep(folder, executor)
+        run_sweep(folder, executor)
     assert contents(tmp_path / "threads") == contents(tmp_path / "serial")
     carried_out(tmp_path / "runs-serial", runs)
-    with opened(tmp_path / "runs", runs) as folder, local(2) as executor:
-        sweep(folder, executor)
+    with opened(tmp_path / "runs", runs) as folder, local_executor(2) as executor:
+        run_sweep(folder, executor)
     assert contents(tmp_path / "runs") == contents(tmp_path / "runs-serial")
 
 
-def test_the_plan_beside_the_table_says_what_it_is(chosen: Plan, tmp_path: Path) -> None:
+def test_the_plan_beside_the_table_says_what_it_is(chosen: SweepPlan, tmp_path: Path) -> None:
     carried_out(tmp_path / "out", chosen)
     told = json.loads((tmp_path / "out" / "sweep.json").read_text())
     assert told["digest"] == chosen.digest()

@@ -9,15 +9,17 @@ from typing import Any
 
 import pytest
 
-from harness.case import Case
-from harness.executors import Serial
-from harness.interruption import SIGNALS, Interrupted, listen
-from harness.isolation import Loss, LostTaskError
-from harness.simulation import Simulation
-from harness.sweep import Plan, opened, sweep
+from harness.core.case import Case
+from harness.core.simulation import Simulation
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.signals import SIGNALS, Interrupted, handle_signals
+from harness.execution.worker import Loss, LostTaskError
+from harness.sweep.folder import opened
+from harness.sweep.plan import SweepPlan
+from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 
 pytestmark = pytest.mark.usefixtures("small")
@@ -56,7 +58,7 @@ def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(
     )
     whole = carried_out(tmp_path / "whole", chosen)
     with opened(tmp_path / "out", chosen) as folder:
-        sweep(folder, Deadly(4))
+        run_sweep(folder, Deadly(4))
     frame = table(tmp_path / "out")
     assert "SIGSEGV" in str(frame.outcome[4])
     assert frame.angle_of_turn_deg.isna().tolist() == [row == 4 for row in range(8)]
@@ -86,13 +88,13 @@ def test_an_error_that_cannot_be_said_is_an_outcome_too(
     chosen = planned(
         "gentle-rock", "release.psi_dot=1:2:4", engine="mujoco", quantities=["period_s"]
     )
-    monkeypatch.setattr("harness.sweep.simulated.engine", lambda _: Mute())
+    monkeypatch.setattr("harness.engines.registry.engine", lambda _: Mute())
     frame = carried_out(tmp_path / "out", chosen)
     assert frame.outcome.astype(str).str.contains("`simulate` raised Unspeakable").all()
 
 
 def test_what_is_written_while_a_signal_comes_is_counted(
-    chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chosen: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     counted: list[int] = []
     real = os.fsync
@@ -103,12 +105,12 @@ def test_what_is_written_while_a_signal_comes_is_counted(
             os.kill(os.getpid(), signal.SIGTERM)
 
     before = {number: signal.getsignal(number) for number in SIGNALS}
-    listen()
+    handle_signals()
     try:
         with opened(tmp_path / "out", chosen) as folder:
             monkeypatch.setattr(os, "fsync", interrupting)
             with pytest.raises(Interrupted):
-                sweep(folder, Serial(), lambda part: counted.append(part.index))
+                run_sweep(folder, SerialExecutor(), lambda part: counted.append(part.index))
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

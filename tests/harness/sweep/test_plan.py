@@ -10,13 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.errors import HarnessError
-from harness.sweep import PARAMETERS, Axis, Plan, plan, read_axis
-from harness.sweep.parameters import scene_at
+from harness.core.errors import HarnessError
+from harness.sweep.axes import Axis, read_axis
+from harness.sweep.parameters import PARAMETERS, scene_at
+from harness.sweep.plan import SweepPlan, plan_sweep
 from models import load
 
 TURN = ("angle_of_turn_deg",)
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 
 def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest(planned: Planned) -> None:
@@ -60,7 +61,7 @@ def test_a_long_axis_takes_no_memory(planned: Planned, spacing: str) -> None:
 @settings(max_examples=settings.default.max_examples // 4)
 @given(cut=st.integers(1, 999))
 def test_a_row_of_a_sample_depends_on_its_number_alone(sample: str, cut: int) -> None:
-    chosen = plan(
+    chosen = plan_sweep(
         load("gentle-rock"),
         [read_axis("release.psi_dot=-1:1"), read_axis("can.h=log:0.1:10")],
         sample=sample,
@@ -216,7 +217,7 @@ def test_a_refusal_says_once_what_is_allowed(
 
 def test_nothing_to_vary_is_refused() -> None:
     with pytest.raises(HarnessError, match="at least one"):
-        plan(load("gentle-rock"), [])
+        plan_sweep(load("gentle-rock"), [])
 
 
 def test_a_digest_tells_plans_apart(planned: Planned) -> None:

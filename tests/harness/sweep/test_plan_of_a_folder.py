@@ -10,18 +10,19 @@ from typing import Any
 
 import pytest
 
-from harness.errors import OutputError
-from harness.sweep import Plan, PlanMismatchError, opened
-from harness.sweep.planning import digest_of
+from harness.core.errors import OutputError
+from harness.sweep.folder import opened
+from harness.sweep.plan import SweepPlan, digest_of
+from harness.sweep.plan_file import PlanMismatchError
 from tests.harness.sweep.conftest import carried_out, contents
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 
 pytestmark = pytest.mark.usefixtures("small")
 
 
-def test_two_sweeps_do_not_share_a_folder(chosen: Plan, tmp_path: Path) -> None:
+def test_two_sweeps_do_not_share_a_folder(chosen: SweepPlan, tmp_path: Path) -> None:
     with (
         opened(tmp_path / "out", chosen),
         pytest.raises(OutputError, match="already at work"),
@@ -32,7 +33,7 @@ def test_two_sweeps_do_not_share_a_folder(chosen: Plan, tmp_path: Path) -> None:
 
 
 def test_of_two_sweeps_begun_at_once_in_an_empty_folder_one_is_refused(
-    chosen: Plan, planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chosen: SweepPlan, planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
     other = planned("gentle-rock", "release.psi_dot=1:3:2")
@@ -52,7 +53,7 @@ def test_of_two_sweeps_begun_at_once_in_an_empty_folder_one_is_refused(
 
 @pytest.mark.parametrize("damage", ["emptied", "cut short", "a number changed"])
 def test_a_plan_that_cannot_be_read_says_what_to_do_and_that_helps(
-    chosen: Plan, planned: Planned, tmp_path: Path, damage: str
+    chosen: SweepPlan, planned: Planned, tmp_path: Path, damage: str
 ) -> None:
     out = tmp_path / "out"
     carried_out(out, chosen)
@@ -76,7 +77,7 @@ def test_a_plan_that_cannot_be_read_says_what_to_do_and_that_helps(
 
 
 def test_a_plan_is_on_the_disk_before_it_has_its_name(
-    chosen: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chosen: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     flushed: list[str] = []
     real = os.fsync
@@ -93,7 +94,7 @@ def test_a_plan_is_on_the_disk_before_it_has_its_name(
 
 @pytest.mark.parametrize("part", ["sources", "numpy", "scipy"])
 def test_a_sweep_that_another_program_began_is_not_gone_on_with(
-    chosen: Plan, tmp_path: Path, part: str
+    chosen: SweepPlan, tmp_path: Path, part: str
 ) -> None:
     out = tmp_path / "out"
     carried_out(out, replace(chosen, program=tuple({**dict(chosen.program), part: "0"}.items())))
@@ -108,7 +109,7 @@ def test_a_sweep_that_another_program_began_is_not_gone_on_with(
 
 
 def test_a_plan_that_does_not_say_which_program_began_it_is_refused(
-    chosen: Plan, tmp_path: Path
+    chosen: SweepPlan, tmp_path: Path
 ) -> None:
     place = tmp_path / "out" / "sweep.json"
     place.parent.mkdir()
@@ -130,10 +131,10 @@ def test_the_program_of_a_plan_is_its_engines_and_that_of_sweeps(
         asked.append(names)
         return "0123456789abcdef"
 
-    monkeypatch.setattr("harness.sweep.planning.code_of", asking)
+    monkeypatch.setattr("harness.evaluation.case_cache.code_fingerprint", asking)
     made = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
     assert dict(made.program)["sources"] == "0123456789abcdef"
-    assert asked == [(engine, "harness.sweep.planning")]
+    assert asked == [(engine, "harness.sweep.plan")]
     monkeypatch.undo()
     again = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
     assert again.digest() != made.digest()

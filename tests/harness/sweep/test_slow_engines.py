@@ -7,13 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.executors import local
-from harness.isolation import Limits
-from harness.sweep import Part, Plan, opened, partition, sweep
-from harness.sweep.partition import compute, compute_for
+from harness.execution.isolated_pool import local_executor
+from harness.execution.limits import Limits
+from harness.sweep import partition
+from harness.sweep.folder import opened
+from harness.sweep.partition import Partition, compute, compute_for
+from harness.sweep.plan import SweepPlan
+from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import table
 
-Planned = Callable[..., Plan]
+Planned = Callable[..., SweepPlan]
 
 ENGINE = """
 import time
@@ -75,9 +78,9 @@ def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
     limits = Limits(seconds=5.0)  # of 5.4 that the partition takes
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
+        local_executor(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
     ):
-        sweep(folder, executor)
+        run_sweep(folder, executor)
     frame = table(tmp_path / "out")
     assert frame.period_s.notna().all()
     assert rates(log) == sorted(frame.release_psi_dot_rad_s)
@@ -94,9 +97,9 @@ def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
     limits = Limits(seconds=4.0)
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
+        local_executor(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
     ):
-        sweep(folder, executor)
+        run_sweep(folder, executor)
     frame = table(tmp_path / "out")
     assert frame.period_s.isna().tolist() == [row == 4 for row in range(9)]
     assert "ran longer than the 4 s allowed" in str(frame.outcome[4])
@@ -112,11 +115,11 @@ def test_a_task_takes_on_what_it_has_time_for(
     clock = 0.0
     blocks: list[range] = []
 
-    def computed(_plan: Plan, _index: int, rows: range) -> Part:
+    def computed(_plan: SweepPlan, _index: int, rows: range) -> Partition:
         nonlocal clock
         clock += 2.0 * len(rows)
         blocks.append(rows)
-        return Part(index=0, rows=rows, parameters={}, quantities={}, code=(), sentences=())  # type: ignore[arg-type]
+        return Partition(index=0, rows=rows, parameters={}, quantities={}, code=(), sentences=())  # type: ignore[arg-type]
 
     monkeypatch.setattr(partition, "compute", computed)
     monkeypatch.setattr(partition, "joined", lambda _, parts: parts)

@@ -10,18 +10,24 @@ from typing import Any
 
 import pytest
 
-from harness.campaign import Shelf
-from harness.case import Case
-from harness.executors import Serial
-from harness.isolation import Limits, Loss, LostTaskError
-from harness.store import Store
-from harness.timing.alone import FEWEST, LOCK, alone, one_thread, time_alone, untimed
-from harness.timing.campaign import Progress, Spent, complete
-from harness.timing.errors import LOST, lost_errors
-from harness.timing.iterations import iterations
-from harness.timing.overhead import case as aloft
-from harness.timing.overhead import overhead
-from harness.timing.record import Timed, records
+from harness.core.case import Case
+from harness.evaluation.case_record import LOST, iterations, lost_errors
+from harness.evaluation.step_overhead import case as aloft
+from harness.evaluation.step_overhead import overhead
+from harness.evaluation.timed_tasks import Spent, TaskProgress, Timed, records, run_timed_tasks
+from harness.evaluation.timing import (
+    FEWEST,
+    LOCK,
+    single_thread_executor,
+    time_alone,
+    timing_lock,
+    untimed,
+)
+from harness.execution.cache import CacheFolder
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.limits import Limits
+from harness.execution.tasks import ResultCache
+from harness.execution.worker import Loss, LostTaskError
 from models import Scene
 
 Evaluator = Callable[..., Any]
@@ -35,13 +41,13 @@ def size(case: Case) -> float:
     return 1.0 / (case.timestep or 1.0)
 
 
-Kept = Shelf[Case, Timed]
+Kept = ResultCache[Case, Timed]
 
 
 @pytest.fixture
 def shelf(tmp_path: Path) -> Kept:
     """Return where records are kept."""
-    return records(Store(folder=tmp_path / "store"), "toys", __name__)
+    return records(CacheFolder(folder=tmp_path / "store"), "toys", __name__)
 
 
 def failed(case: Case, error: LostTaskError) -> dict[str, Any]:
@@ -59,7 +65,7 @@ def test_an_interrupted_campaign_goes_on_where_it_was(gentle: Scene, shelf: Kept
         return {"timestep": case.timestep, "times": [1.0, 2.0], "pair": (1, None)}
 
     def complete_with(work: Callable[[Case], dict[str, Any]]) -> dict[Case, dict[str, Any]]:
-        return complete(wanted, work, shelf, Serial(), lost=failed, expected=size)
+        return run_timed_tasks(wanted, work, shelf, SerialExecutor(), lost=failed, expected=size)
 
     with pytest.raises(KeyboardInterrupt) as stopped:
         complete_with(work)
@@ -91,14 +97,14 @@ def test_what_is_left_goes_with_the_work_that_is_left(gentle: Scene) -> None:
 
 
 def test_progress_counts_what_was_kept_before(gentle: Scene, shelf: Kept) -> None:
-    told, kept = list[Progress](), list[tuple[int, int]]()
+    told, kept = list[TaskProgress](), list[tuple[int, int]]()
     wanted = cases(gentle, 3)
-    complete(wanted[:1], lambda _: {}, shelf, Serial(), lost=failed, expected=size)
-    complete(
+    run_timed_tasks(wanted[:1], lambda _: {}, shelf, SerialExecutor(), lost=failed, expected=size)
+    run_timed_tasks(
         wanted,
         lambda _: {},
         shelf,
-        Serial(),
+        SerialExecutor(),
         lost=failed,
         expected=size,
         on_done=told.append,
@@ -129,13 +135,13 @@ def test_timing_repeats_and_leaves_setup_out(gentle: Scene) -> None:
 
 
 def test_two_never_time_at_once() -> None:
-    with alone(), LOCK.open("a") as other, pytest.raises(BlockingIOError):
+    with timing_lock(), LOCK.open("a") as other, pytest.raises(BlockingIOError):
         fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def test_a_process_for_timing_has_one_thread() -> None:
     before = dict(os.environ)
-    with one_thread() as executor:
+    with single_thread_executor() as executor:
         assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
         assert executor.submit(os.getpid).result() != os.getpid()
     assert dict(os.environ) == before
@@ -143,7 +149,7 @@ def test_a_process_for_timing_has_one_thread() -> None:
 
 def test_a_repeat_that_hangs_is_stopped_and_the_next_is_timed() -> None:
     # for ten runs three seconds: of which a sound task, on a machine that stalls, needs few
-    with one_thread(Limits(seconds=0.3)) as executor:
+    with single_thread_executor(Limits(seconds=0.3)) as executor:
         hanging = executor.submit(time.sleep, 600.0)
         with pytest.raises(LostTaskError, match=r"longer than the 3 s allowed"):
             hanging.result()
@@ -151,8 +157,8 @@ def test_a_repeat_that_hangs_is_stopped_and_the_next_is_timed() -> None:
 
 
 def test_who_waits_for_another_to_time_is_not_stopped_for_it() -> None:
-    with one_thread(Limits(seconds=0.05)) as executor, ThreadPoolExecutor(1) as waiter:
-        with alone():
+    with single_thread_executor(Limits(seconds=0.05)) as executor, ThreadPoolExecutor(1) as waiter:
+        with timing_lock():
             waiting = waiter.submit(lambda: executor.submit(divmod, 7, 2).result())
             time.sleep(1.0)  # twice as long as a task may take
             assert not waiting.done()
@@ -160,7 +166,7 @@ def test_who_waits_for_another_to_time_is_not_stopped_for_it() -> None:
 
 
 def test_two_tasks_of_one_program_are_not_at_once_either() -> None:
-    with one_thread() as executor:
+    with single_thread_executor() as executor:
         first = executor.submit(time.sleep, 0.3)
         second = executor.submit(divmod, 7, 2)
         assert first.done()

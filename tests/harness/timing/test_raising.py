@@ -2,12 +2,11 @@
 
 import pytest
 
-from harness import runner
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.errors import EngineContractError
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities
-from harness.errors import SpeechlessEngineError
-from harness.simulation import Outcome, Simulation
-from harness.timing import alone, overhead
+from harness.evaluation import evaluate, step_overhead, timing
 from models import Scene
 
 
@@ -33,24 +32,24 @@ class Raising:
 @pytest.fixture
 def case(brief: Scene, monkeypatch: pytest.MonkeyPatch) -> Case:
     """Return a case of an engine that raises."""
-    for module in (alone, overhead, runner):
+    for module in (timing, step_overhead, evaluate):
         monkeypatch.setattr(module, "engine", lambda _: Raising())
     return Case(scene=brief, engine="raising", timestep=1e-3)
 
 
 def test_it_is_untimed(case: Case) -> None:
-    assert alone.time_alone(case) == alone.untimed(case)
-    assert overhead.overhead(case) == {"ways": {}}
+    assert timing.time_alone(case) == timing.untimed(case)
+    assert step_overhead.overhead(case) == {"ways": {}}
 
 
 def test_a_case_of_which_it_no_longer_says_the_timestep_is_broken(
     case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(case: Case) -> None:
-        raise SpeechlessEngineError(case.engine, case.label(), "the licence is gone")
+        raise EngineContractError(case.engine, case.label(), "the licence is gone")
 
-    monkeypatch.setattr(runner, "check", refuse)
-    monkeypatch.setattr(runner, "timestep_of", refuse)
-    found = runner.attempt(case).simulation
+    monkeypatch.setattr(evaluate, "check", refuse)
+    monkeypatch.setattr(evaluate, "timestep_of", refuse)
+    found = evaluate.evaluate_case(case).simulation
     assert found.outcome is Outcome.BROKEN
     assert "the licence is gone" in found.note

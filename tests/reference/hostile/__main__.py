@@ -7,7 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from harness.provenance import provenance
+from harness.core.provenance import provenance
 from tests.reference.hostile.campaign import (
     AGREED,
     LONGEST,

@@ -12,16 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from reference import Cycles, Outcome, Problem, Solution, exact_bounces, solve
-from reference.agreement import USEFUL
-from reference.conditioning import EPS, neighbours
+from reference.analysis.agreement import USEFUL
+from reference.analysis.conditioning import EPS, neighbours
 from tests.reference.hostile.made import CLOSEST, FAMILIES, Made, made
-from tests.reference.hostile.truth import (
-    Truth,
-    conditioning,
-    moved_by_an_ulp,
-    numbers_of,
-    truth_of,
-)
+from tests.reference.hostile.truth import Truth, conditioning, moved_by_an_ulp, numbers_of, truth_of
 
 # Relative, of the period and phi_min: what is promised of hard releases.
 AGREED = 1e-9

@@ -10,9 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from reference import Parameters, equilibria
-from reference.frobenius import can_of, first_integrals, precession_and_spin, series_of
-from reference.states import Floats
+from reference import Parameters
+from reference.equations import steady_motion
+from reference.integrable.frobenius import (
+    can_constants,
+    first_integrals,
+    precession_and_spin,
+    series_of,
+)
+from reference.problem.states import Floats
 
 FAMILIES = ("upper well", "separatrix", "steady")
 # Energies that doubles can hardly tell from a barrier's: a family of its own, one release in so
@@ -50,7 +56,7 @@ class Branch:
 
     def rates(self, phi: Floats) -> tuple[Floats, Floats]:
         """Precession rate and spin."""
-        can = can_of(self.parameters)
+        can = can_constants(self.parameters)
         return precession_and_spin(can, series_of(self.parameters), phi, self.K, self.B)
 
     def potential(self, phi: Floats) -> Floats:
@@ -82,9 +88,9 @@ def _try(family: str, rng: np.random.Generator) -> Made | None:
     phi = rng.uniform(0.03, 1.55, STEADY)
     psi_dot = rng.choice([-1, 1], STEADY) * 10.0 ** rng.uniform(-1.5, 0.7, STEADY)
     theta_dot = np.array(
-        [equilibria.steady_rotation(can, *at) for at in zip(phi, psi_dot, strict=True)]
+        [steady_motion.steady_rotation(can, *at) for at in zip(phi, psi_dot, strict=True)]
     )
-    K, B = first_integrals(can_of(can), series_of(can), phi, psi_dot, psi_dot + theta_dot)
+    K, B = first_integrals(can_constants(can), series_of(can), phi, psi_dot, psi_dot + theta_dot)
     V = Branch(parameters=can, K=K, B=B).potential(GRID[:, None])
     at = np.searchsorted(GRID, phi)
     inner = np.arange(GRID.size)[1:-1, None]

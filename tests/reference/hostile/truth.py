@@ -1,6 +1,7 @@
 """Sixty digits of one motion: its turning points, its period, and what an ulp of the input does.
 
-Precession and spin by the series of `reference.frobenius` in sixty digits, with no difference from
+Precession and spin by the series of `reference.integrable.frobenius` in sixty digits, with no
+difference from
 a reference anywhere: cancellation is met with digits. Roots by a scan of the effective potential
 and all its extrema; the period by Gauss's rule, graded towards all of them.
 """

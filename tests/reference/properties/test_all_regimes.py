@@ -14,8 +14,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from reference import PAPER_CAN, Outcome, Parameters, Problem, Solution, States, solve
-from reference.frobenius import can_of, first_integrals, series_of
-from reference.invariants import energy
+from reference.equations.energy import energy
+from reference.integrable.frobenius import can_constants, first_integrals, series_of
 
 ALLOWED = 1e-9
 """What the paper's own figures would not show; round-off of an integration is 1e-13."""
@@ -121,7 +121,7 @@ def test_energy_stays(problem: Problem) -> None:
 def test_first_integrals_stay(problem: Problem) -> None:
     p = problem.parameters
     states = sampled(rolled(problem))
-    found = first_integrals(can_of(p), series_of(p), states.phi, states.psi_dot, states.spin)
+    found = first_integrals(can_constants(p), series_of(p), states.phi, states.psi_dot, states.spin)
     # each is a sum of terms b and s, of which it is known to round-off
     scale = np.abs(np.sin(states.phi) ** 2 * states.psi_dot) + np.abs(states.spin)
     for integral in found:

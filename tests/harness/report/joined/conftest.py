@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.artefact import Artefact, Body, Prose, Replay, Table
-from harness.provenance import Provenance
-from harness.report import Chapter, write_chapters
+from harness.core.provenance import Provenance
+from harness.core.report_model import Artefact, Body, Prose, Replay, Table
+from harness.report.section import Section
+from harness.report.write import write_chapters
 
 HOSTILE = (
     "=1+1</script><script>document.title='owned'</script><img src=x onerror=owned()>&\"'\x0b]]>"
@@ -151,7 +152,7 @@ def stability(words: Words) -> Table:
 
 def chapters(
     artefacts: tuple[Artefact, ...], made: Provenance, cases: list[dict[str, Any]], words: Words
-) -> list[Chapter]:
+) -> list[Section]:
     """Return four studies, the comparison not the first."""
     scene = words("gentle-rock")
     moved = tuple(replace(a, scene=scene) if a.scene else a for a in artefacts)
@@ -175,7 +176,7 @@ def chapters(
         ("rockingcan, cost", (table(f"{scene}-prices", [price], scene),), []),
     ]
     return [
-        Chapter(
+        Section(
             title=words(title),
             artefacts=own,
             cases=tuple(listed),
@@ -192,13 +193,13 @@ CASES = [
 
 
 @pytest.fixture(scope="session")
-def studies(artefacts: tuple[Artefact, ...], made: Provenance) -> list[Chapter]:
+def studies(artefacts: tuple[Artefact, ...], made: Provenance) -> list[Section]:
     return chapters(artefacts, made, CASES, lambda text: text)
 
 
 @pytest.fixture(scope="session")
 def joined(
-    studies: list[Chapter], made: Provenance, tmp_path_factory: pytest.TempPathFactory
+    studies: list[Section], made: Provenance, tmp_path_factory: pytest.TempPathFactory
 ) -> Path:
     """Return the folder of a report of four studies."""
     out = tmp_path_factory.mktemp("joined") / "report"

@@ -3,8 +3,8 @@
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from harness.provenance import Provenance
-from harness.report import write_report
+from harness.core.provenance import Provenance
+from harness.report.write import write_report
 
 
 def suites(folder: Path) -> ET.Element:

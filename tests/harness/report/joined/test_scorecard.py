@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from harness.artefact import Table
-from harness.report import Chapter
+from harness.core.report_model import Table
 from harness.report.scorecard import derived
+from harness.report.section import Section
 
 
-def tables(chapters: list[Chapter]) -> dict[str, Table]:
+def tables(chapters: list[Section]) -> dict[str, Table]:
     return {table.name: table for table in derived(chapters)}
 
 
@@ -18,7 +18,7 @@ def rows(table: Table) -> "dict[tuple[str, str], pd.Series[object]]":
     return {(row["engine"], row["profile"]): row for _, row in table.frame.iterrows()}
 
 
-def test_a_row_is_filled_from_three_studies(studies: list[Chapter]) -> None:
+def test_a_row_is_filled_from_three_studies(studies: list[Section]) -> None:
     row = rows(tables(studies)["engines"])["mujoco", "matched"]
     assert row["turn_error_deg"] == 0.3
     assert row["locus_error_mm"] == 1.0
@@ -30,7 +30,7 @@ def test_a_row_is_filled_from_three_studies(studies: list[Chapter]) -> None:
     assert row["price_s_s_verdict"] == "cheapest"
 
 
-def test_what_was_not_measured_is_said_with_the_command(studies: list[Chapter]) -> None:
+def test_what_was_not_measured_is_said_with_the_command(studies: list[Section]) -> None:
     alone = [chapter for chapter in studies if chapter.compares]
     for row in rows(tables(alone)["engines"]).values():
         assert pd.isna(row["stability_percent"])
@@ -43,8 +43,8 @@ def test_what_was_not_measured_is_said_with_the_command(studies: list[Chapter]) 
     ]
 
 
-def test_a_failure_in_a_hard_case_is_named(studies: list[Chapter]) -> None:
-    def coarse(chapter: Chapter) -> Chapter:
+def test_a_failure_in_a_hard_case_is_named(studies: list[Section]) -> None:
+    def coarse(chapter: Section) -> Section:
         return replace(
             chapter,
             artefacts=tuple(
@@ -61,7 +61,7 @@ def test_a_failure_in_a_hard_case_is_named(studies: list[Chapter]) -> None:
     assert row["stability_percent_verdict"] == words
 
 
-def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Chapter]) -> None:
+def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Section]) -> None:
     causes = tables(studies)["causes"].frame
     turn, locus = (rows for _, rows in causes.groupby("quantity", sort=False))
     assert turn["cause"].tolist() == ["timestep", "compliance"]
@@ -73,18 +73,18 @@ def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Chapter])
     assert causes["command"].tolist()[0] == "rockingcan run --close timestep"
 
 
-def test_a_scene_has_its_own_scorecard(studies: list[Chapter]) -> None:
+def test_a_scene_has_its_own_scorecard(studies: list[Section]) -> None:
     own = tables(studies)["gentle-rock-engines"]
     assert own.scene == "gentle-rock"
     assert len(own.frame) == 2
     assert "price_s_s" not in own.frame
 
 
-def test_a_report_without_a_comparison_has_none(studies: list[Chapter]) -> None:
+def test_a_report_without_a_comparison_has_none(studies: list[Section]) -> None:
     assert derived([chapter for chapter in studies if not chapter.compares]) == ()
 
 
-def test_every_column_is_told(studies: list[Chapter]) -> None:
+def test_every_column_is_told(studies: list[Section]) -> None:
     for table in derived(studies):
         assert list(table.columns) == list(table.frame.columns)
         assert all(meaning.endswith(".") for meaning in table.columns.values())

@@ -7,10 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.artefact import Figure, Heat, Panel, Table
-from harness.errors import ReportError
-from harness.provenance import Provenance
-from harness.report import Chapter, read_report, write_chapters, write_report
+from harness.core.errors import ReportError
+from harness.core.provenance import Provenance
+from harness.core.report_model import Figure, Heatmap, Panel, Table
+from harness.report.section import Section
+from harness.report.stored import read_report
+from harness.report.write import write_chapters, write_report
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -32,7 +34,7 @@ def test_what_is_read_back_makes_the_same_report(
 
 
 def test_joining_what_was_written_apart_is_the_same_as_writing_it_together(
-    studies: list[Chapter], joined: Path, made: Provenance, tmp_path: Path
+    studies: list[Section], joined: Path, made: Provenance, tmp_path: Path
 ) -> None:
     for number, chapter in enumerate(studies):
         write_report(
@@ -61,7 +63,7 @@ def test_every_kind_of_cell_comes_back(made: Provenance, tmp_path: Path) -> None
             "mixed": pd.Series([1, "one", None, 1.5], dtype=object),
         }
     )
-    heat = Heat(label="h", x=np.arange(3.0), y=np.arange(4.0), z=np.arange(6.0).reshape(3, 2))
+    heat = Heatmap(label="h", x=np.arange(3.0), y=np.arange(4.0), z=np.arange(6.0).reshape(3, 2))
     panel = Panel(title="p", x_label="x", y_label="y", series=(), heat=heat, x_range=(0.0, 1.0))
     figure = Figure(name="f", title="f", seen="", panels=(panel,))
     write_report(
@@ -103,7 +105,7 @@ def test_a_later_version_is_refused(joined: Path, tmp_path: Path) -> None:
         read_report(tmp_path)
 
 
-def test_a_case_of_two_studies_is_listed_once(joined: Path, studies: list[Chapter]) -> None:
+def test_a_case_of_two_studies_is_listed_once(joined: Path, studies: list[Section]) -> None:
     manifest = json.loads((joined / "manifest.json").read_text(encoding="utf-8"))
     digests = [case["digest"] for case in manifest["cases"]]
     assert len(digests) == len(set(digests)) == 3

@@ -8,12 +8,13 @@ from collections.abc import Callable
 import pandas as pd
 import pytest
 
-from harness.artefact import Figure, Prose, Table
 from harness.cli.main import code_of
-from harness.runner import Evaluation, run
-from harness.simulation import Outcome
-from harness.studies.attribution import Attribution, attribution, design, path, read
-from harness.studies.attribution.accounts import total
+from harness.core.report_model import Figure, Prose, Table
+from harness.core.simulation import Outcome
+from harness.evaluation.evaluate import run_cases
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.attribution.ablation import ablation_path, attribution_cases, total
+from harness.studies.attribution.report import Attribution, attribution, attribution_report
 from models import Scene
 
 Evaluator = Callable[..., Evaluation]
@@ -22,12 +23,14 @@ _SCALES = {"turn_error_deg": 360.0, "contact_locus_rms_m": 0.1, "phi_rms_rad": 1
 
 @pytest.fixture(scope="module", params=["mujoco", "pybullet"])
 def found(request: pytest.FixtureRequest, gentle: Scene) -> Attribution:
-    way = path(gentle, request.param)
-    return attribution(way, run(design(way)))
+    way = ablation_path(gentle, request.param)
+    return attribution(way, run_cases(attribution_cases(way)))
 
 
 def runs(found: Attribution) -> pd.DataFrame:
-    (table,) = (a for a in read(found) if isinstance(a, Table) and a.name.endswith("-runs"))
+    (table,) = (
+        a for a in attribution_report(found) if isinstance(a, Table) and a.name.endswith("-runs")
+    )
     assert set(table.frame.columns) == set(table.columns)
     return table.frame
 
@@ -80,7 +83,7 @@ def test_every_row_has_a_command_that_reproduces_it(
 
 
 def test_words_are_two_sentences_without_a_number_that_is_none(found: Attribution) -> None:
-    (prose,) = (a for a in read(found) if isinstance(a, Prose))
+    (prose,) = (a for a in attribution_report(found) if isinstance(a, Prose))
     assert len(found.sentences) == 2
     assert all(sentence.endswith(".") for sentence in found.sentences)
     assert "nan" not in prose.text.lower().replace("nanometre", "")
@@ -88,7 +91,7 @@ def test_words_are_two_sentences_without_a_number_that_is_none(found: Attributio
 
 
 def test_the_waterfall_goes_down_from_shipped_to_matched(found: Attribution) -> None:
-    (figure,) = (a for a in read(found) if isinstance(a, Figure))
+    (figure,) = (a for a in attribution_report(found) if isinstance(a, Figure))
     turn = figure.panels[0]
     ends, falls, alone = turn.series
     account = found.accounts["turn_error_deg"]
@@ -113,8 +116,8 @@ def test_who_is_to_blame(found: Attribution) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
 def test_a_turn_that_cannot_be_counted_is_not_attributed(paper: Scene, engine: str) -> None:
-    way = path(paper, engine, 1e-6, first=("timestep",))
-    found = attribution(way, run(design(way)))
+    way = ablation_path(paper, engine, 1e-6, first=("timestep",))
+    found = attribution(way, run_cases(attribution_cases(way)))
     turn, locus = found.accounts["turn_error_deg"], found.accounts["contact_locus_rms_m"]
     assert turn.whole is None  # a step as shipped is longer than the bounce
     assert turn.in_order[0] is None

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from harness.cli.attribution import attribute
 from harness.cli.three_errors import errors
-from harness.errors import InvalidSettingError, UnknownEngineError, UnknownSettingError
+from harness.core.errors import InvalidSettingError, UnknownEngineError, UnknownSettingError
 
 app = typer.Typer()
 app.command()(attribute)

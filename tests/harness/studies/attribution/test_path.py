@@ -7,12 +7,17 @@ from typing import Any, cast
 
 import pytest
 
-from harness.case import Case
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
 from harness.engines.base import TIMESTEP, Engine, Setting, resolve
 from harness.engines.registry import engine
-from harness.errors import InvalidSettingError
-from harness.studies.attribution import design, path
-from harness.studies.attribution.path import all_gaps, case, stops
+from harness.studies.attribution.ablation import (
+    ablation_path,
+    all_gaps,
+    attribution_cases,
+    case,
+    stops,
+)
 from models import Compliance, Effects, Scene, Slip
 
 ENGINES = ("mujoco", "pybullet")
@@ -25,7 +30,7 @@ def in_force(chosen: Case) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_all_gaps_closed_is_matched_setting_by_setting(name: str, gentle: Scene) -> None:
-    way = path(gentle, name)
+    way = ablation_path(gentle, name)
     named = {setting for gap in way.gaps for setting in gap.settings} - {TIMESTEP}
     built = Case(
         scene=gentle,
@@ -54,7 +59,7 @@ def test_an_engine_declares_each_difference_once_and_knows_each_name(name: str) 
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_the_first_case_is_the_engine_as_it_ships(name: str, gentle: Scene) -> None:
-    way = path(gentle, name)
+    way = ablation_path(gentle, name)
     shipped = case(way, frozenset())
     assert shipped.profile == "default"
     assert shipped.options == ()
@@ -64,18 +69,18 @@ def test_the_first_case_is_the_engine_as_it_ships(name: str, gentle: Scene) -> N
 
 
 def test_each_place_closes_what_it_says(gentle: Scene) -> None:
-    way = path(gentle, "mujoco")
+    way = ablation_path(gentle, "mujoco")
     places = list(stops(way))
     assert len(places) == 1 + 3 * len(way.gaps)
     assert [len(stop.closed) for stop in places if stop.step == "in order"] == [1, 2, 3, 4]
     assert all(stop.closed == {stop.gap} for stop in places if stop.step == "alone")
     assert all(stop.gap not in stop.closed for stop in places if stop.step == "left open")
     # of 13 places, the first alone, the last left open and the end of the path are met twice
-    assert len(design(way)) == 11
+    assert len(attribution_cases(way)) == 11
 
 
 def test_a_tied_setting_follows_the_timestep_in_force(gentle: Scene) -> None:
-    way = path(gentle, "mujoco", 1e-5)
+    way = ablation_path(gentle, "mujoco", 1e-5)
     long = dict(case(way, frozenset({"compliance"})).options)
     short = dict(case(way, frozenset({"compliance", "timestep"})).options)
     assert long["solref"] == (2.0 * way.shipped_timestep, 1.0)
@@ -83,24 +88,26 @@ def test_a_tied_setting_follows_the_timestep_in_force(gentle: Scene) -> None:
 
 
 def test_gaps_can_be_put_first(gentle: Scene) -> None:
-    names = path(gentle, "mujoco", first=("timestep",)).names
+    names = ablation_path(gentle, "mujoco", first=("timestep",)).names
     assert names == ("timestep", "compliance", "friction regularisation", "solver")
     with pytest.raises(InvalidSettingError, match="compliance"):
-        path(gentle, "mujoco", first=("softness",))
+        ablation_path(gentle, "mujoco", first=("softness",))
 
 
 def test_what_has_no_truth_or_no_timestep_is_refused(gentle: Scene) -> None:
     with pytest.raises(InvalidSettingError, match="timestep"):
-        path(gentle, "reference")
+        ablation_path(gentle, "reference")
     with pytest.raises(InvalidSettingError, match="no effects"):
-        path(replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4))), "mujoco")
+        ablation_path(
+            replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4))), "mujoco"
+        )
 
 
 def test_a_scene_that_slips_has_a_way(gentle: Scene) -> None:
     slipping = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
-    way = path(slipping, "mujoco")
-    assert {one.scene for one in design(way)} == {slipping}
-    assert way.names == path(gentle, "mujoco").names
+    way = ablation_path(slipping, "mujoco")
+    assert {one.scene for one in attribution_cases(way)} == {slipping}
+    assert way.names == ablation_path(gentle, "mujoco").names
 
 
 def test_an_engine_that_declares_no_gaps_has_one_for_each_difference() -> None:

@@ -4,12 +4,16 @@ from dataclasses import replace
 
 import pytest
 
-from harness.artefact import Figure
-from harness.runner import run
-from harness.studies.attribution import Attribution, attribution, design, path, read
-from harness.studies.attribution.accounts import Account, account
+from harness.core.report_model import Figure
+from harness.evaluation.evaluate import run_cases
+from harness.studies.attribution.ablation import Account, ablation_path, account, attribution_cases
 from harness.studies.attribution.quantities import QUANTITIES
-from harness.studies.attribution.words import sentences
+from harness.studies.attribution.report import (
+    Attribution,
+    attribution,
+    attribution_report,
+    sentences,
+)
 from models import Horizon, Scene, load
 
 
@@ -17,13 +21,13 @@ from models import Horizon, Scene, load
 def straight() -> Attribution:
     """Return the attribution of a scene that ends with a time, brief enough for a test."""
     scene = replace(load("straight-rolling"), horizon=Horizon(seconds=0.05))
-    way = path(scene, "mujoco")
-    return attribution(way, run(design(way)))
+    way = ablation_path(scene, "mujoco")
+    return attribution(way, run_cases(attribution_cases(way)))
 
 
 def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
     """Return the words on discrepancies of 10 less a gap each, the turn unknown in some sets."""
-    way = path(scene, "mujoco")
+    way = ablation_path(scene, "mujoco")
 
     def turn(closed: frozenset[str]) -> float | None:
         return None if ("+".join(sorted(closed)) or "none") in unknown else 10.0 - len(closed)
@@ -60,6 +64,6 @@ def test_with_an_end_unknown_another_quantity_is_told(gentle: Scene) -> None:
 
 def test_a_scene_without_a_bounce_has_no_turn_to_miss(straight: Attribution) -> None:
     assert "turn" not in " ".join(straight.sentences)
-    (figure,) = (a for a in read(straight) if isinstance(a, Figure))
+    (figure,) = (a for a in attribution_report(straight) if isinstance(a, Figure))
     assert "Angle of turn" not in [panel.title for panel in figure.panels]
     assert "turn" not in figure.seen

@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from harness.studies.audit import flat_motion, paper_can
-from harness.studies.audit.checks import equilibria, numbers, reduced, steady_orbits
-from harness.studies.audit.checks.integrals import RIGHT_FORMS, time
-from harness.studies.audit.flat_series import c_p, h, in_inertias, k
-from harness.studies.audit.symbols import B0, B2
-from harness.studies.audit.symbols import a as sym_a
-from harness.studies.audit.symbols import c as sym_c
-from harness.studies.audit.symbols import h as sym_h
-from harness.studies.audit.symbols import phi as sym_phi
+from harness.paper.audit import flat_motion, paper_can
+from harness.paper.audit.checks import equilibria, numbers, reduced, steady_orbits
+from harness.paper.audit.checks.integrals import RIGHT_FORMS, time
+from harness.paper.audit.flat_series import c_p, h, in_inertias, k
+from harness.paper.audit.symbols import B0, B2
+from harness.paper.audit.symbols import a as sym_a
+from harness.paper.audit.symbols import c as sym_c
+from harness.paper.audit.symbols import h as sym_h
+from harness.paper.audit.symbols import phi as sym_phi
 from reference import PAPER_CAN, Problem
-from reference.equilibria import critical_rolling_rate, rest_rates
-from reference.expansions import paper_constants
-from reference.outer import integrals
-from reference.reduced import NAMES, reduced_equation
-from reference.states import initial_states
+from reference.asymptotic.expansions import paper_constants
+from reference.asymptotic.matched import integrals
+from reference.asymptotic.small_nutation import NAMES, reduced_equation
+from reference.equations.steady_motion import critical_rolling_rate, rest_rates
+from reference.problem.states import initial_states
 
 EPS = float(np.finfo(float).eps)
 CAN = {sym_a: PAPER_CAN.a, sym_c: PAPER_CAN.c, sym_h: PAPER_CAN.h}

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.studies.audit.causes import CAUSES
-from harness.studies.audit.labels import DEFINED_IN, NEAR, NUMBERS, UNLABELLED, place
-from harness.studies.audit.run import claims
-from harness.studies.audit.source import literals, numbered_rows, numbers_of_labels
+from harness.paper.audit.causes import CAUSES
+from harness.paper.audit.labels import DEFINED_IN, NEAR, NUMBERS, UNLABELLED, place
+from harness.paper.audit.run import claims
+from harness.paper.audit.source import literals, numbered_rows, numbers_of_labels
 
 PAPER = Path(__file__).parents[5] / "shared" / "paper" / "rocking-can.tex"
 BESIDE = pytest.mark.skipif(not PAPER.exists(), reason="the paper's source is not at hand")

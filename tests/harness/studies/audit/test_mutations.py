@@ -4,10 +4,10 @@ from functools import cache
 
 import pytest
 
-from harness.studies.audit.evidence import OutOfReach
-from harness.studies.audit.finding import STANDS, WRONG, Verdict
-from harness.studies.audit.registry import Claim, Evidence
-from harness.studies.audit.run import claims
+from harness.paper.audit.evidence import OutOfReach
+from harness.paper.audit.finding import STANDS, WRONG, ClaimStatus
+from harness.paper.audit.registry import Claim, Evidence
+from harness.paper.audit.run import claims
 
 EVERY = pytest.mark.parametrize("claim", claims(), ids=[c.label for c in claims()])
 
@@ -23,7 +23,7 @@ def right(claim: Claim) -> Evidence:
 def test_the_right_claim_stands(claim: Claim) -> None:
     """A claim that is wrong as printed comes with the form that the same check accepts."""
     exempt = isinstance(right(claim), OutOfReach)
-    assert right(claim).ruling().verdict in ({Verdict.NOT_CHECKABLE} if exempt else STANDS)
+    assert right(claim).ruling().verdict in ({ClaimStatus.NOT_CHECKABLE} if exempt else STANDS)
 
 
 @pytest.mark.slow

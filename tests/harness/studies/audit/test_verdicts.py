@@ -6,12 +6,12 @@ import mpmath as mp
 import pytest
 import sympy as sp
 
-from harness.studies.audit import symbols
-from harness.studies.audit.evidence import Both, Fact, Identity, Number, OutOfReach, Rate
-from harness.studies.audit.finding import WRONG, Verdict
-from harness.studies.audit.mutations import MOST, mutated
-from harness.studies.audit.registry import Evidence
-from harness.studies.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
+from harness.paper.audit import symbols
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Number, OutOfReach, Rate
+from harness.paper.audit.finding import WRONG, ClaimStatus
+from harness.paper.audit.mutations import MOST, mutated
+from harness.paper.audit.registry import Evidence
+from harness.paper.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
 
 
 def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
@@ -20,7 +20,11 @@ def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
 
 
 def four(
-    printed: int, *, corrected: int | None = None, correct: str = "", wrong: Verdict = Verdict.FALSE
+    printed: int,
+    *,
+    corrected: int | None = None,
+    correct: str = "",
+    wrong: ClaimStatus = ClaimStatus.FALSE,
 ) -> Fact:
     """Return evidence about whether a number is four."""
     return Fact(
@@ -34,44 +38,48 @@ def four(
     )
 
 
-def verdict(evidence: Evidence) -> Verdict:
+def verdict(evidence: Evidence) -> ClaimStatus:
     return evidence.ruling().verdict
 
 
 def test_an_identity_holds() -> None:
     printed = sp.sin(2 * phi) / (1 + sp.cos(2 * phi))
-    assert verdict(Identity(printed=printed, derived=S / Co, source="tan")) is Verdict.HOLDS
+    assert (
+        verdict(IdentityEvidence(printed=printed, derived=S / Co, source="tan"))
+        is ClaimStatus.HOLDS
+    )
 
 
 def test_a_mended_sign_is_a_misprint() -> None:
-    ruling = Identity(
+    ruling = IdentityEvidence(
         printed=sp.cos(2 * phi) + 2 * S**2 + 1,
         corrected=sp.cos(2 * phi) + 2 * S**2,
         derived=sp.Integer(1),
         source="double angles",
         correct="without the 1",
-        wrong=Verdict.MISPRINT,
+        wrong=ClaimStatus.MISPRINT,
     ).ruling()
-    assert ruling.verdict is Verdict.MISPRINT
+    assert ruling.verdict is ClaimStatus.MISPRINT
     assert ruling.correct == "without the 1"
 
 
 def test_what_no_form_mends_is_inconsistent() -> None:
-    wrong = Identity(printed=S, corrected=2 * S, derived=Co, source="nothing")
-    assert verdict(wrong) is Verdict.INCONSISTENT
+    wrong = IdentityEvidence(printed=S, corrected=2 * S, derived=Co, source="nothing")
+    assert verdict(wrong) is ClaimStatus.INCONSISTENT
 
 
 def test_evidence_that_contradicts_itself_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A numerical zero that is not a symbolic one must never become a verdict."""
-    monkeypatch.setattr("harness.studies.audit.evidence.vanishes", lambda _: False)
+    monkeypatch.setattr("harness.paper.audit.symbols.vanishes", lambda _: False)
     with pytest.raises(ArithmeticError, match="disagree"):
-        Identity(printed=S, derived=S, source="a lie").ruling()
+        IdentityEvidence(printed=S, derived=S, source="a lie").ruling()
 
 
 @pytest.mark.parametrize(
-    ("power", "expected"), [(2, Verdict.TO_ORDER), (3, Verdict.TO_ORDER), (1, Verdict.INCONSISTENT)]
+    ("power", "expected"),
+    [(2, ClaimStatus.TO_ORDER), (3, ClaimStatus.TO_ORDER), (1, ClaimStatus.INCONSISTENT)],
 )
-def test_a_remainder_is_judged_by_its_rate(power: int, expected: Verdict) -> None:
+def test_a_remainder_is_judged_by_its_rate(power: int, expected: ClaimStatus) -> None:
     rate = Rate(printed=power, remainder=falling, stated=2, at=(1e-5, 1e-8), source="a toy")
     assert verdict(rate) is expected
 
@@ -84,7 +92,7 @@ def test_a_logarithm_does_not_spoil_a_rate() -> None:
         at=(1e-9, 1e-12),
         source="a toy",
     )
-    assert verdict(rate) is Verdict.TO_ORDER
+    assert verdict(rate) is ClaimStatus.TO_ORDER
 
 
 def test_a_form_that_its_remainder_refuses_is_false() -> None:
@@ -98,8 +106,8 @@ def test_a_form_that_its_remainder_refuses_is_false() -> None:
         source="a toy",
         correct="the square",
     )
-    assert verdict(rate) is Verdict.FALSE
-    assert verdict(rate.as_corrected()) is Verdict.TO_ORDER
+    assert verdict(rate) is ClaimStatus.FALSE
+    assert verdict(rate.as_corrected()) is ClaimStatus.TO_ORDER
     assert {verdict(other) for other in rate.as_corrected().mutations()} <= WRONG
 
 
@@ -107,55 +115,55 @@ def test_a_remainder_may_be_put_right_by_another_power() -> None:
     rate = Rate(
         printed=1, remainder=falling, corrected_to=1, stated=2, at=(1e-5, 1e-8), source="a toy"
     )
-    assert verdict(rate) is Verdict.FALSE
+    assert verdict(rate) is ClaimStatus.FALSE
     assert rate.as_corrected().stated == 1
 
 
 @pytest.mark.parametrize(
     ("printed", "value", "expected"),
     [
-        ("209", 208.77, Verdict.HOLDS),
-        ("209", 208.49, Verdict.INCONSISTENT),
-        ("1.43e-10", 1.434e-10, Verdict.HOLDS),
-        ("1.43e-10", 1.436e-10, Verdict.INCONSISTENT),
-        ("0.40", 0.404, Verdict.HOLDS),
-        ("0.40", 0.41, Verdict.INCONSISTENT),
+        ("209", 208.77, ClaimStatus.HOLDS),
+        ("209", 208.49, ClaimStatus.INCONSISTENT),
+        ("1.43e-10", 1.434e-10, ClaimStatus.HOLDS),
+        ("1.43e-10", 1.436e-10, ClaimStatus.INCONSISTENT),
+        ("0.40", 0.404, ClaimStatus.HOLDS),
+        ("0.40", 0.41, ClaimStatus.INCONSISTENT),
     ],
 )
 def test_a_number_holds_if_the_value_rounds_to_it(
-    printed: str, value: float, expected: Verdict
+    printed: str, value: float, expected: ClaimStatus
 ) -> None:
     assert verdict(Number(printed=printed, value=value, source="a toy")) is expected
 
 
 def test_rounded_inputs_widen_a_number() -> None:
-    assert verdict(Number(printed="2.897", value=2.8960, source="a")) is Verdict.INCONSISTENT
+    assert verdict(Number(printed="2.897", value=2.8960, source="a")) is ClaimStatus.INCONSISTENT
     wide = Number(printed="2.897", value=2.8960, low=2.8950, high=2.8970, source="a")
-    assert verdict(wide) is Verdict.HOLDS
+    assert verdict(wide) is ClaimStatus.HOLDS
 
 
 def test_the_gravest_part_decides() -> None:
     good, bad = four(4), four(5, correct="this")
-    misprint = four(3, correct="that", corrected=4, wrong=Verdict.MISPRINT)
+    misprint = four(3, correct="that", corrected=4, wrong=ClaimStatus.MISPRINT)
     false = four(3, correct="that", corrected=4)
-    assert verdict(Both(parts=(good, good))) is Verdict.HOLDS
-    assert verdict(Both(parts=(good, bad))) is Verdict.INCONSISTENT
-    assert verdict(Both(parts=(good, misprint))) is Verdict.MISPRINT
-    assert verdict(Both(parts=(misprint, false))) is Verdict.FALSE
+    assert verdict(Both(parts=(good, good))) is ClaimStatus.HOLDS
+    assert verdict(Both(parts=(good, bad))) is ClaimStatus.INCONSISTENT
+    assert verdict(Both(parts=(good, misprint))) is ClaimStatus.MISPRINT
+    assert verdict(Both(parts=(misprint, false))) is ClaimStatus.FALSE
     assert Both(parts=(bad, misprint)).ruling().correct == "this; that"
-    assert verdict(Both(parts=(misprint, false)).as_corrected()) is Verdict.HOLDS
+    assert verdict(Both(parts=(misprint, false)).as_corrected()) is ClaimStatus.HOLDS
 
 
 def test_a_statement_is_mutated_part_by_part() -> None:
     mutations = list(Both(parts=(four(4), four(4))).mutations())
-    assert [verdict(x) for x in mutations] == [Verdict.INCONSISTENT] * 4
+    assert [verdict(x) for x in mutations] == [ClaimStatus.INCONSISTENT] * 4
 
 
 @pytest.mark.parametrize("printed", ["209", "1.43e-10", "0.40", "4.3e-2"])
 def test_a_number_is_mutated_in_its_last_digit(printed: str) -> None:
     number = Number(printed=printed, value=mp.mpf(printed), source="a toy")
     assert number.as_corrected().printed == printed
-    assert [verdict(x) for x in number.mutations()] == [Verdict.INCONSISTENT] * 2
+    assert [verdict(x) for x in number.mutations()] == [ClaimStatus.INCONSISTENT] * 2
 
 
 def test_mutations_of_a_form_are_other_forms() -> None:
@@ -172,7 +180,7 @@ def test_a_mutation_that_says_the_same_is_none() -> None:
 
 def test_what_is_out_of_reach_says_why() -> None:
     ruling = OutOfReach(reason="an experiment").ruling()
-    assert (ruling.verdict, ruling.how) == (Verdict.NOT_CHECKABLE, "an experiment")
+    assert (ruling.verdict, ruling.how) == (ClaimStatus.NOT_CHECKABLE, "an experiment")
 
 
 def test_zero_is_told_from_small() -> None:

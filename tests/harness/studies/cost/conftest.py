@@ -7,20 +7,20 @@ from typing import Any
 
 import pytest
 
-from harness.case import Case, Value
+from harness.core.case import Case, Value
+from harness.core.simulation import Outcome, Simulation
 from harness.engines import registry
 from harness.engines.base import Capabilities, Setting, resolve
-from harness.engines.reference import sampled, truth
-from harness.engines.variants import Variant
-from harness.executors import Serial
-from harness.simulation import Outcome, Simulation
-from harness.store import Store
-from harness.studies.cost import Cost, cost, expected, plan, run, timed
-from harness.timing import alone
-from harness.timing.alone import time_alone, untimed
-from harness.timing.campaign import complete
-from harness.timing.errors import lost_errors, measured
-from harness.timing.record import records
+from harness.engines.reference.truth import sample_truth, truth
+from harness.engines.stepping.variants import Variant
+from harness.evaluation import timing
+from harness.evaluation.case_record import lost_errors, measured
+from harness.evaluation.timed_tasks import records, run_timed_tasks
+from harness.evaluation.timing import time_alone, untimed
+from harness.execution.cache import CacheFolder
+from harness.execution.isolated_pool import SerialExecutor
+from harness.studies.cost.design import error_cases, expected, plan_cost, timing_cases
+from harness.studies.cost.results import Cost, cost
 from models import Scene, load
 
 COARSE = 1e-3
@@ -70,7 +70,7 @@ class Toy:
         chosen = resolve(case, self.settings, timestep)
         off = departure(timestep, float(chosen["order"]), float(chosen["level"]))  # type: ignore[arg-type]
         release = replace(case.scene.release, psi_dot=case.scene.release.psi_dot * (1.0 + off))
-        motion = sampled(truth(replace(case.scene, release=release)))
+        motion = sample_truth(truth(replace(case.scene, release=release)))
         steps = round(float(motion.time[-1]) / timestep)
         seconds = steps * float(chosen["price"])  # type: ignore[arg-type]
         return Simulation(
@@ -103,7 +103,7 @@ def toy() -> Iterator[str]:
     # the toy claims its cost, and never varies: three repeats say it all
     registry.engine.cache_clear()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(alone, "_PATIENCE", 0.0)
+        patch.setattr(timing, "_PATIENCE", 0.0)
         patch.setattr(registry, "_entries", lambda: known() | {"toy": _Entry()})
         yield "toy"
     registry.engine.cache_clear()
@@ -119,7 +119,7 @@ def study(toy: str) -> Studied:
     other = replace(scene, name="other", release=replace(scene.release, psi_dot=1.5))
 
     def run_it(folder: Path) -> tuple[Cost, list[Any]]:
-        made = plan(scene, other, [toy], "quick")
+        made = plan_cost(scene, other, [toy], "quick")
         worked: list[Any] = []
 
         def noted(case: Case) -> dict[str, Any]:
@@ -130,20 +130,20 @@ def study(toy: str) -> Studied:
             worked.append(case)
             return time_alone(case)
 
-        store = Store(folder=folder)
-        errors = complete(
-            run(made),
+        store = CacheFolder(folder=folder)
+        errors = run_timed_tasks(
+            error_cases(made),
             noted,
             records(store, "errors", measured.__module__),
-            Serial(),
+            SerialExecutor(),
             lost=lost_errors,
             expected=expected,
         )
-        times = complete(
-            timed(made),
+        times = run_timed_tasks(
+            timing_cases(made),
             noted_time,
             records(store, "times", time_alone.__module__),
-            Serial(),
+            SerialExecutor(),
             lost=untimed,
             expected=expected,
         )

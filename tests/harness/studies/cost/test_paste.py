@@ -8,11 +8,12 @@ import mujoco
 import pybullet
 import pytest
 
-from harness.case import Case
+from harness.core.case import Case
 from harness.engines.mujoco.settings import matched_solref
-from harness.engines.variants import paste, variants
-from models import Damping, Effects, Slip, load, urdf
+from harness.engines.stepping.variants import export_settings, variants
+from models import Damping, Effects, Slip, load
 from models.mjcf_contact import spring
+from models.urdf import urdf
 
 SCENE = load("gentle-rock")
 
@@ -30,7 +31,7 @@ def test_mujoco_compiles_what_is_pasted() -> None:
         timestep=3e-4,
         options=(("integrator", "RK4"), ("impratio", 10.0)),
     )
-    model = compiled(paste(case))
+    model = compiled(export_settings(case))
     assert model.opt.timestep == 3e-4
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
     assert model.opt.impratio == 10.0
@@ -47,7 +48,7 @@ def test_every_variant_of_mujoco_compiles(variant: object) -> None:
         timestep=1e-3,
         options=variant.settings,  # type: ignore[attr-defined]
     )
-    assert compiled(paste(case)).opt.timestep <= 1e-3
+    assert compiled(export_settings(case)).opt.timestep <= 1e-3
 
 
 @pytest.mark.parametrize("variant", variants("pybullet"), ids=lambda variant: variant.name)
@@ -66,7 +67,7 @@ def test_pybullet_runs_what_is_pasted(
     client = pybullet.connect(pybullet.DIRECT)
     try:
         names: dict[str, object] = {}
-        exec(compile(paste(case), "pasted", "exec"), names)  # noqa: S102 - what a user would do
+        exec(compile(export_settings(case), "pasted", "exec"), names)  # noqa: S102 - what a user would do
         told = pybullet.getPhysicsEngineParameters()
         if variant.profile != "adaptive":  # type: ignore[attr-defined]
             assert told["fixedTimeStep"] == 1e-3
@@ -82,12 +83,12 @@ def test_pybullet_runs_what_is_pasted(
 
 def test_what_an_effect_asks_for_is_pasted_too() -> None:
     slippery = replace(SCENE, effects=Effects(slip=Slip(mu=0.3)))
-    text = paste(Case(scene=slippery, engine="mujoco", timestep=1e-4))
+    text = export_settings(Case(scene=slippery, engine="mujoco", timestep=1e-4))
     solref = spring(slippery, 1e-4)
     assert solref is not None
     assert f'solref="{solref[0]!r} {solref[1]!r}"' in text
     assert text.count("<pair ") == 1
     damped = replace(SCENE, effects=Effects(damping=Damping(linear=0.5)))
-    text = paste(Case(scene=damped, engine="pybullet", timestep=1e-4))
+    text = export_settings(Case(scene=damped, engine="pybullet", timestep=1e-4))
     assert f"linearDamping={-math.expm1(-0.5)!r}" in text
     assert "useMaximalCoordinates=True" in text

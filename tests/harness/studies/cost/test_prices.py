@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from harness.case import Case
-from harness.simulation import Outcome
+from harness.core.case import Case
+from harness.core.simulation import Outcome
 from harness.studies.cost.points import Point
 from harness.studies.cost.prices import NOISE, cost_of, offers, price
 from models import load

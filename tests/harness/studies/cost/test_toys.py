@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-from harness.artefact import Figure, Prose, Table
-from harness.engines.reference import truth
-from harness.studies.cost import FIXED, HERE, Cost, read
+from harness.core.report_model import Figure, Prose, Table
+from harness.engines.reference.truth import truth
 from harness.studies.cost.plateaus import Fall, falls
+from harness.studies.cost.report import cost_report
+from harness.studies.cost.results import FIXED, HERE, Cost
 from harness.studies.cost.tables import points, price_rows
 from models import load
 
@@ -131,7 +132,7 @@ def test_a_repeated_study_has_the_same_winners(found: Cost, study: Studied, tmp_
 
 
 def test_artefacts_are_whole_and_no_price_stands_without_the_contract(found: Cost) -> None:
-    artefacts = read(found)
+    artefacts = cost_report(found)
     names = [artefact.name for artefact in artefacts]
     assert len(set(names)) == len(names)
     assert names.index("gentle-rock-contract") < names.index("gentle-rock-prices")

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from harness.artefact import Prose, Table
-from harness.errors import InvalidSettingError
-from harness.runner import run
-from harness.studies.effects import Plan, Study, design, plan, read, study
-from harness.studies.effects.plan import subsets
-from harness.studies.effects.verdict import Effect, Verdict
+from harness.core.errors import InvalidSettingError
+from harness.core.report_model import Prose, Table
+from harness.evaluation.evaluate import run_cases
+from harness.studies.effects.plan import EffectsPlan, effects_cases, plan_effects, subsets
+from harness.studies.effects.report import EffectsResults, effects_report, effects_results
+from harness.studies.effects.verdict import Effect, EffectStatus
 from models.body_effects import Damping, Tilt
 from models.catalogue import load
 from models.contact_effects import Drilling, RoundedRim, Slip
@@ -24,17 +24,17 @@ def with_effects(**declared: object) -> Scene:
     return replace(GENTLE, effects=Effects(**declared))  # type: ignore[arg-type]
 
 
-def studied(made: Plan) -> Study:
-    return study(made, run(design(made)), {})
+def studied(made: EffectsPlan) -> EffectsResults:
+    return effects_results(made, run_cases(effects_cases(made)), {})
 
 
-def of(found: Study, mover: str, name: str) -> Effect:
+def of(found: EffectsResults, mover: str, name: str) -> Effect:
     return next(one for one in found.effects if (one.mover, one.name) == (mover, name))
 
 
 def test_every_subset_of_few_effects_is_run_and_each_other_effect_once() -> None:
     scene = with_effects(slip=Slip(mu=0.3), tilt=Tilt(angle=0.01))
-    found = list(subsets(plan(scene, ("mujoco",))))
+    found = list(subsets(plan_effects(scene, ("mujoco",))))
     assert found[0] == {"slip", "tilt"}
     assert set(found[1:4]) == {frozenset(), frozenset({"slip"}), frozenset({"tilt"})}
     added = [subset - {"slip", "tilt"} for subset in found[4:]]
@@ -48,7 +48,7 @@ def test_many_effects_are_varied_one_at_a_time_from_both_ends() -> None:
         drilling=Drilling(length=1e-4),
         damping=Damping(linear=0.1),
     )
-    made = plan(scene, ("mujoco",))
+    made = plan_effects(scene, ("mujoco",))
     own = made.declared
     found = list(subsets(made))
     assert not made.factorial
@@ -67,41 +67,44 @@ def test_many_effects_are_varied_one_at_a_time_from_both_ends() -> None:
 )
 def test_an_assumption_that_makes_no_sense_is_refused(word: tuple[str, float], said: str) -> None:
     with pytest.raises(InvalidSettingError, match=said):
-        plan(GENTLE, ("mujoco",), words=(word,))
+        plan_effects(GENTLE, ("mujoco",), words=(word,))
 
 
 def test_a_slippery_plane_is_missing_where_the_rim_would_slip_and_else_harmless() -> None:
-    slippery = plan(GENTLE, ("reference",), words=(("slip.mu", 0.1),))
-    assert of(studied(slippery), "reference", "slip").verdict is Verdict.MISSING
-    rough = plan(GENTLE, ("reference",), words=(("slip.mu", 5.0),))
+    slippery = plan_effects(GENTLE, ("reference",), words=(("slip.mu", 0.1),))
+    assert of(studied(slippery), "reference", "slip").verdict is EffectStatus.MISSING
+    rough = plan_effects(GENTLE, ("reference",), words=(("slip.mu", 5.0),))
     found = of(studied(rough), "reference", "slip")
-    assert found.verdict is Verdict.HARMLESS
+    assert found.verdict is EffectStatus.HARMLESS
     # the rim sticks all the way, so that the two models solve one motion to their tolerances
     assert abs(found.changes["turn_deg"] or 0.0) < 1e-6
 
 
 def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it() -> None:
-    for mu, verdict in ((0.1, Verdict.NEEDED), (5.0, Verdict.HARMLESS)):
-        made = plan(with_effects(slip=Slip(mu=mu)), ("reference",))
+    for mu, verdict in ((0.1, EffectStatus.NEEDED), (5.0, EffectStatus.HARMLESS)):
+        made = plan_effects(with_effects(slip=Slip(mu=mu)), ("reference",))
         assert of(studied(made), "reference", "slip").verdict is verdict
 
 
 def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
-    found = studied(plan(GENTLE, ("reference", "mujoco"), timestep=COARSE))
-    assert of(found, "reference", "compliance").verdict is not Verdict.IMPOSED
-    imposed = [one for one in found.effects if one.verdict is Verdict.IMPOSED]
+    found = studied(plan_effects(GENTLE, ("reference", "mujoco"), timestep=COARSE))
+    assert of(found, "reference", "compliance").verdict is not EffectStatus.IMPOSED
+    imposed = [one for one in found.effects if one.verdict is EffectStatus.IMPOSED]
     assert all(one.why.startswith("It cannot be removed: ") and not one.changes for one in imposed)
 
 
 def test_an_effect_that_contradicts_the_scene_is_said_to() -> None:
-    made = plan(with_effects(slip=Slip(mu=0.0)), ("mujoco", "pybullet"), timestep=COARSE)
+    made = plan_effects(with_effects(slip=Slip(mu=0.0)), ("mujoco", "pybullet"), timestep=COARSE)
     drilling = [one for one in studied(made).effects if one.name == "drilling"]
-    assert {one.verdict for one in drilling} <= {Verdict.CONTRADICTED, Verdict.UNSUPPORTED}
+    assert {one.verdict for one in drilling} <= {
+        EffectStatus.CONTRADICTED,
+        EffectStatus.UNSUPPORTED,
+    }
 
 
 def test_the_changes_of_two_factors_add_up() -> None:
     scene = with_effects(slip=Slip(mu=0.2), tilt=Tilt(angle=0.02))
-    found = studied(plan(scene, ("mujoco",), timestep=COARSE))
+    found = studied(plan_effects(scene, ("mujoco",), timestep=COARSE))
     slip, tilt = of(found, "mujoco", "slip"), of(found, "mujoco", "tilt")
     for key in ("turn_deg", "bounce_time_s", "x_end_m"):
         first, last = slip.alone[key], tilt.changes[key]
@@ -116,8 +119,8 @@ def test_the_changes_of_two_factors_add_up() -> None:
 
 
 def test_the_artefacts_name_every_effect_and_every_column() -> None:
-    made = plan(with_effects(slip=Slip(mu=0.2)), ("mujoco",), timestep=COARSE)
-    artefacts = read(studied(made))
+    made = plan_effects(with_effects(slip=Slip(mu=0.2)), ("mujoco",), timestep=COARSE)
+    artefacts = effects_report(studied(made))
     tables = {one.name: one for one in artefacts if isinstance(one, Table)}
     assert set(tables) == {f"gentle-rock-{name}" for name in ("effects", "factors", "runs")}
     for table in tables.values():
@@ -128,7 +131,7 @@ def test_the_artefacts_name_every_effect_and_every_column() -> None:
 
 
 def test_an_engine_that_cannot_carry_the_scene_says_so_of_every_effect() -> None:
-    made = plan(with_effects(rim=RoundedRim(radius=0.01)), ("mujoco",), timestep=COARSE)
-    assert all("rim" not in case.scene.effects.declared() for case in design(made))
+    made = plan_effects(with_effects(rim=RoundedRim(radius=0.01)), ("mujoco",), timestep=COARSE)
+    assert all("rim" not in case.scene.effects.declared() for case in effects_cases(made))
     found = {one.verdict for one in studied(made).effects}
-    assert found <= {Verdict.UNSUPPORTED, Verdict.IMPOSED}
+    assert found <= {EffectStatus.UNSUPPORTED, EffectStatus.IMPOSED}

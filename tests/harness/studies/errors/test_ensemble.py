@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.studies.errors.ensemble import MEMBERS, SIZES, departure, perturbed
-from harness.studies.errors.spread import spread
+from harness.studies.errors.split import spread
+from harness.studies.shared.perturbation import MEMBERS, SIZES, departure, perturbed
 from models import Scene
 
 

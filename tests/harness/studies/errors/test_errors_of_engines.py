@@ -4,9 +4,10 @@ import math
 
 import pytest
 
-from harness.artefact import Figure, Prose, Table
-from harness.runner import run
-from harness.studies.errors import ThreeErrors, design, plan, read, three_errors
+from harness.core.report_model import Figure, Prose, Table
+from harness.evaluation.evaluate import run_cases
+from harness.studies.errors.plan import errors_cases, plan_errors
+from harness.studies.errors.report import ThreeErrors, errors_report, three_errors
 from models import Horizon, Scene, load
 
 # the coarsest step: long enough for a ladder of seconds, short enough for it to have begun to fall
@@ -14,8 +15,8 @@ COARSEST = 4e-4
 
 
 def found_of(scene: Scene, engine: str, timestep: float | None = COARSEST) -> ThreeErrors:
-    chosen = plan(scene, engine, timestep=timestep)
-    return three_errors(chosen, run(design(chosen)))
+    chosen = plan_errors(scene, engine, timestep=timestep)
+    return three_errors(chosen, run_cases(errors_cases(chosen)))
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +73,9 @@ def test_engine_and_truth_follow_a_perturbed_release_alike(mujoco: ThreeErrors) 
 
 
 def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
-    (table,) = (a for a in read(pybullet) if isinstance(a, Table) and a.name.endswith("-efforts"))
+    (table,) = (
+        a for a in errors_report(pybullet) if isinstance(a, Table) and a.name.endswith("-efforts")
+    )
     turn = table.frame[table.frame["quantity"] == "turn_deg"].set_index("effort")["off_converged"]
     sweeps = turn[["1 sweep", "2 sweeps", "5 sweeps", "10 sweeps"]].abs().tolist()
     assert sweeps == sorted(sweeps, reverse=True)
@@ -83,7 +86,7 @@ def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)
-    artefacts = read(found)
+    artefacts = errors_report(found)
     names = [artefact.name for artefact in artefacts]
     assert len(set(names)) == len(names)
     for artefact in artefacts:
@@ -98,7 +101,7 @@ def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
 
 def test_a_scene_without_a_bounce_is_judged_by_its_end() -> None:
     scene = load("straight-rolling")
-    chosen = plan(
+    chosen = plan_errors(
         Scene(
             name=scene.name,
             gravity=scene.gravity,
@@ -109,7 +112,7 @@ def test_a_scene_without_a_bounce_is_judged_by_its_end() -> None:
         "mujoco",
         timestep=1e-3,
     )
-    found = three_errors(chosen, run(design(chosen)))
+    found = three_errors(chosen, run_cases(errors_cases(chosen)))
     assert {quantity for _, quantity in found.splits} == {"psi_end_deg", "phi_end_deg"}
     assert "no motion" not in " ".join(found.sentences)
 

@@ -5,48 +5,54 @@ from itertools import pairwise
 
 import pytest
 
-from harness.errors import InvalidSettingError
-from harness.studies.errors import design, plan
+from harness.core.errors import InvalidSettingError
+from harness.studies.errors.plan import errors_cases, plan_errors
 from models import Compliance, Effects, Scene, Slip, load
 
 
 def test_a_setting_tied_to_the_timestep_makes_two_ways(gentle: Scene) -> None:
-    chosen = plan(gentle, "mujoco")
+    chosen = plan_errors(gentle, "mujoco")
     assert [way.options for way in chosen.ways] == [(), (("solref", (0.02, 1.0)),)]
-    assert len(plan(gentle, "pybullet").ways) == 1
-    assert len(plan(gentle, "mujoco", "default").ways) == 1
-    held = plan(gentle, "mujoco", options=(("solref", (0.005, 1.0)),))
+    assert len(plan_errors(gentle, "pybullet").ways) == 1
+    assert len(plan_errors(gentle, "mujoco", "default").ways) == 1
+    held = plan_errors(gentle, "mujoco", options=(("solref", (0.005, 1.0)),))
     assert [way.name for way in held.ways] == ["matched with solref 0.005, 1"]
 
 
 def test_the_ladder_halves_and_resolves_the_bounce(gentle: Scene) -> None:
-    steps = plan(gentle, "mujoco").timesteps
+    steps = plan_errors(gentle, "mujoco").timesteps
     assert [coarse / fine for coarse, fine in pairwise(steps)] == [2.0] * 4
     assert steps[0] == 1e-4
-    assert plan(load("paper-release"), "mujoco").timesteps[0] == pytest.approx(1.7e-6, rel=1e-9)
-    assert plan(gentle, "mujoco", timestep=4e-4).timesteps[0] == 4e-4
+    assert plan_errors(load("paper-release"), "mujoco").timesteps[0] == pytest.approx(
+        1.7e-6, rel=1e-9
+    )
+    assert plan_errors(gentle, "mujoco", timestep=4e-4).timesteps[0] == 4e-4
 
 
 def test_ladders_are_run_with_the_solver_converged(gentle: Scene) -> None:
-    chosen = plan(gentle, "pybullet", options=(("contactERP", 0.2),))
+    chosen = plan_errors(gentle, "pybullet", options=(("contactERP", 0.2),))
     way = chosen.ways[0]
     options = dict(chosen.on_ladder(way, chosen.timesteps[0]).options)
     assert options == {"contactERP": 0.2} | dict(chosen.efforts[-1].settings)
     assert dict(chosen.tried(way, None).options) == {"contactERP": 0.2}
     assert chosen.tried(way, chosen.efforts[-1]) == chosen.on_ladder(way, chosen.probe)
-    cases = design(chosen)
+    cases = errors_cases(chosen)
     assert len(set(cases)) == len(cases)
 
 
 def test_what_has_no_limit_is_refused(gentle: Scene) -> None:
     with pytest.raises(InvalidSettingError, match="fixed timestep"):
-        plan(gentle, "mujoco", "adaptive")
+        plan_errors(gentle, "mujoco", "adaptive")
     with pytest.raises(InvalidSettingError, match="takes a timestep"):
-        plan(gentle, "reference")
+        plan_errors(gentle, "reference")
     with pytest.raises(InvalidSettingError, match="no effects"):
-        plan(replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4))), "mujoco")
+        plan_errors(
+            replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4))), "mujoco"
+        )
 
 
 def test_a_scene_that_slips_has_a_ladder(gentle: Scene) -> None:
     slipping = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
-    assert {one.scene.effects for one in design(plan(slipping, "mujoco"))} == {slipping.effects}
+    assert {one.scene.effects for one in errors_cases(plan_errors(slipping, "mujoco"))} == {
+        slipping.effects
+    }

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from harness.cli.paper import gallery
-from harness.errors import OutputError
-from harness.studies.gallery import FIGURES
+from harness.core.errors import OutputError
+from harness.paper.gallery.figures import FIGURES
 
 
 def test_the_gallery_is_written(tmp_path: Path) -> None:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from harness.artefact import Figure, Panel
-from harness.report.palette import palette
-from harness.report.printed import printed
-from harness.studies.gallery import FIGURES, gallery
+from harness.core.report_model import Figure, Panel
+from harness.paper.gallery.figures import FIGURES, gallery
+from harness.report.matplotlib_renderer import render
+from harness.report.style import palette
 
 PAPERS = {
     "can_fall",
@@ -49,7 +49,7 @@ def test_every_curve_has_something_to_show(drawn: dict[str, Figure]) -> None:
 
 def test_every_figure_can_be_printed(drawn: dict[str, Figure]) -> None:
     for figure in drawn.values():
-        files = printed(figure, palette(s.kind for p in figure.panels for s in p.series))
+        files = render(figure, palette(s.kind for p in figure.panels for s in p.series))
         assert files.png.startswith(b"\x89PNG")
         assert files.svg.rstrip().endswith("</svg>")
 

@@ -9,7 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from harness.cli.commands import app
-from harness.studies.stability import SUITES, Verdict
+from harness.studies.stability.failure_criteria import StabilityStatus
+from harness.studies.stability.suite import SUITES
 
 RUNNER = CliRunner()
 TINY = replace(
@@ -40,7 +41,7 @@ def test_the_report_has_the_map_a_page_for_each_engine_and_the_counts(report: Pa
     assert "The verdict on pybullet" in page
     assert "Of 3 random scenes" in page
     verdicts = pd.read_csv(report / "tables" / "verdicts.csv")
-    assert set(verdicts["verdict"]) <= {verdict.value for verdict in Verdict}
+    assert set(verdicts["verdict"]) <= {verdict.value for verdict in StabilityStatus}
     manifest = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
     assert len(manifest["cases"]) == len(verdicts)
     limits = pd.read_csv(report / "tables" / "largest-timesteps.csv").set_index(["scene", "engine"])

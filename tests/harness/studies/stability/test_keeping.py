@@ -6,19 +6,23 @@ from pathlib import Path
 
 import pytest
 
-from harness.case import Case
-from harness.errors import StoreError
-from harness.runner import evaluate
-from harness.store import Content, Store
-from harness.studies.stability import examine, findings, judge, random_scenes, verdicts
+from harness.core.case import Case
+from harness.core.errors import StoreError
+from harness.evaluation.evaluate import evaluate
+from harness.execution.cache import CacheFolder
+from harness.execution.cache_entry import EntryContent
+from harness.studies.stability.classify import classify
+from harness.studies.stability.keeping import classified_cache, reference_check_cache
+from harness.studies.stability.suite import random_scenes
+from harness.studies.stability.survey import examine
 from models import Scene
 
 
 def test_a_verdict_comes_back(gentle: Scene, tmp_path: Path) -> None:
     case = Case(scene=gentle, engine="mujoco", timestep=1e-3)
-    made = judge(evaluate(case))
+    made = classify(evaluate(case))
     odd = replace(made, sign=replace(made.sign, number=math.inf))
-    shelf = verdicts(Store(folder=tmp_path / "store"))
+    shelf = classified_cache(CacheFolder(folder=tmp_path / "store"))
     shelf.put(case, odd)
     kept = shelf.get(case)
     assert kept is not None
@@ -31,11 +35,11 @@ def test_a_verdict_comes_back(gentle: Scene, tmp_path: Path) -> None:
 def test_findings_come_back_and_are_those_of_their_scenes(tmp_path: Path) -> None:
     part = tuple(random_scenes(3))
     made = [examine(scene) for scene in part]
-    shelf = findings(Store(folder=tmp_path / "store"))
+    shelf = reference_check_cache(CacheFolder(folder=tmp_path / "store"))
     shelf.put(part, made)
     assert shelf.get(part) == made
     assert shelf.get(part[:2]) is None
     heavier = replace(part[2], gravity=2.0 * part[2].gravity)
     assert shelf.get((*part[:2], heavier)) is None
     with pytest.raises(StoreError, match="its scenes are others"):
-        shelf.unpack(part, Content(record={"findings": []}))
+        shelf.unpack(part, EntryContent(record={"findings": []}))

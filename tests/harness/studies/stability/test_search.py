@@ -8,13 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.case import Case
-from harness.simulation import Outcome, Simulation
-from harness.studies.stability import Judged, Suite, Verdict, by_scene, design, limits, next_round
-from harness.studies.stability.ensemble import SIZE, member
-from harness.studies.stability.plan import SUITES, ladder, scenes
-from harness.studies.stability.search import bracket, next_timestep
-from harness.studies.stability.verdict import Sign
+from harness.core.case import Case
+from harness.core.simulation import Outcome, Simulation
+from harness.studies.shared.perturbation import SIZE, member
+from harness.studies.stability.failure_criteria import ClassifiedRun, Sign, StabilityStatus
+from harness.studies.stability.limits import bracket, by_scene, limits, next_round, next_timestep
+from harness.studies.stability.suite import SUITES, Suite, ladder, scenes, stability_cases
 from models import hard_names, load
 
 RUNGS = (2e-2, 5e-3, 1e-3, 2e-4, 5e-5, 1e-5)
@@ -92,7 +91,7 @@ SUITE = Suite(
 )
 
 
-def judged(case: Case) -> Judged:
+def judged(case: Case) -> ClassifiedRun:
     """Return the verdict on an oscillator that stands for a run."""
     step, (advance, _) = case.timestep or 1e-3, TOYS[case.engine]
     x, v, most = 1.0, 0.0, 1.0
@@ -110,15 +109,15 @@ def judged(case: Case) -> Judged:
         timestep=step,
     )
     # at 5 % below its limit a symplectic step swings three times as far as it should
-    verdict = Verdict.DIVERGES if most > 100.0 else Verdict.ACCURATE
-    return Judged(
+    verdict = StabilityStatus.DIVERGES if most > 100.0 else StabilityStatus.ACCURATE
+    return ClassifiedRun(
         simulation=simulation, verdict=verdict, sign=Sign(time=0.0, number=most, words="")
     )
 
 
 def test_the_limits_of_toy_engines_are_found_within_five_percent() -> None:
     engines = list(TOYS)
-    found = {case: judged(case) for case in design(SUITE, engines)}
+    found = {case: judged(case) for case in stability_cases(SUITE, engines)}
     rounds = 0
     while cases := next_round(SUITE, engines, by_scene(list(found.values()))):
         assert found.keys().isdisjoint(cases), "nothing is run twice"
@@ -139,7 +138,7 @@ def test_the_limits_of_toy_engines_are_found_within_five_percent() -> None:
 def test_the_full_suite_has_every_hard_case_and_every_profile() -> None:
     suite = SUITES["full"]
     assert suite.scenes == hard_names()
-    cases = design(suite, ("mujoco", "pybullet"))
+    cases = stability_cases(suite, ("mujoco", "pybullet"))
     assert len(cases) == len(set(cases))
     assert {(c.scene.name, c.engine, c.profile) for c in cases} == {
         (name, engine, profile)

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.case import Case
-from harness.engines.reference import truth
-from harness.runner import Evaluation, measure
-from harness.simulation import Outcome, Simulation
-from harness.studies.stability.exact import free_rotation
-from harness.studies.stability.judge import judge
-from harness.studies.stability.verdict import Verdict
-from harness.trajectory import Trajectory, take
+from harness.core.case import Case
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import Trajectory, take
+from harness.engines.reference.truth import truth
+from harness.evaluation.evaluate import measure_simulation
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.stability.classify import classify
+from harness.studies.stability.failure_criteria import StabilityStatus, free_rotation
 from models import Horizon, Scene, angular_velocity, load, quaternion, to_body
 
 Change = Callable[[dict[str, np.ndarray], np.ndarray], None]
@@ -32,7 +32,7 @@ def exact_trajectory(scene: Scene) -> Trajectory:
 def evaluated(
     scene: Scene, trajectory: Trajectory | None, outcome: Outcome = Outcome.FINISHED
 ) -> Evaluation:
-    return measure(
+    return measure_simulation(
         Simulation(
             case=Case(scene=scene, engine="mujoco", timestep=1e-4),
             outcome=outcome,
@@ -50,16 +50,16 @@ def changed(trajectory: Trajectory, change: Change) -> Trajectory:
     return Trajectory(**fields)
 
 
-def verdict(change: Change, scene: Scene | None = None) -> tuple[Verdict, float, float]:
+def verdict(change: Change, scene: Scene | None = None) -> tuple[StabilityStatus, float, float]:
     scene = scene_of() if scene is None else scene
-    found = judge(evaluated(scene, changed(exact_trajectory(scene), change)))
+    found = classify(evaluated(scene, changed(exact_trajectory(scene), change)))
     assert found.simulation.trajectory is None
     return found.verdict, found.sign.time, found.sign.number
 
 
 def test_the_exact_motion_is_accurate() -> None:
     found, _, number = verdict(lambda _f, _t: None)
-    assert found is Verdict.ACCURATE
+    assert found is StabilityStatus.ACCURATE
     assert number < 1e-9  # round-off of quaternions, there and back
 
 
@@ -68,14 +68,16 @@ def test_a_can_that_sinks_tunnels_from_the_moment_that_it_is_too_deep() -> None:
         fields["position"][:, 2] -= 0.02 * time  # a tenth of 37 mm after 0.185 s
 
     found, when, number = verdict(sink)
-    assert found is Verdict.TUNNELS
+    assert found is StabilityStatus.TUNNELS
     assert when == pytest.approx(0.185, abs=2e-3)  # the next sample
     assert number == pytest.approx(0.02 * 0.3 / 0.037, rel=1e-6)
 
 
-@pytest.mark.parametrize(("sign", "name"), [(1.0, Verdict.GAINS), (-1.0, Verdict.DISSIPATES)])
+@pytest.mark.parametrize(
+    ("sign", "name"), [(1.0, StabilityStatus.GAINS), (-1.0, StabilityStatus.DISSIPATES)]
+)
 def test_energy_that_comes_or_goes_is_weighed_by_what_there_is_to_spend(
-    sign: float, name: Verdict
+    sign: float, name: StabilityStatus
 ) -> None:
     scene = scene_of()
     can = scene.can
@@ -101,7 +103,7 @@ def test_a_can_that_lies_down_for_good_sticks_flat() -> None:
         fields["position"][flat, 2] = scene.can.half_height
 
     found, when, number = verdict(lie, scene)
-    assert found is Verdict.FLAT
+    assert found is StabilityStatus.FLAT
     assert when == pytest.approx(0.16, abs=2e-3)
     assert number == pytest.approx(1e-3)
 
@@ -111,8 +113,8 @@ def test_steps_too_long_to_count_the_turns_are_unresolved() -> None:
     whole = exact_trajectory(scene)
     # six samples a millisecond apart are left of the bounce, which lasts a microsecond
     sparse = np.unique(np.searchsorted(whole.time, np.arange(0.0, whole.time[-1], 1e-3)))
-    found = judge(evaluated(scene, take(whole, sparse)))
-    assert found.verdict is Verdict.UNRESOLVED
+    found = classify(evaluated(scene, take(whole, sparse)))
+    assert found.verdict is StabilityStatus.UNRESOLVED
     assert found.sign.time == pytest.approx(0.031, abs=1e-3)
 
 
@@ -121,28 +123,28 @@ def test_another_motion_is_inaccurate_and_says_by_how_much() -> None:
         fields["time"] *= 1.02
 
     found, _, number = verdict(slow)
-    assert found is Verdict.INACCURATE
+    assert found is StabilityStatus.INACCURATE
     assert 0.01 < number < 0.1
 
 
 def test_broken_numbers_diverge_even_where_nothing_was_recorded() -> None:
     scene = scene_of()
     for trajectory in (None, exact_trajectory(scene)):
-        found = judge(evaluated(scene, trajectory, Outcome.DIVERGED))
-        assert found.verdict is Verdict.DIVERGES
+        found = classify(evaluated(scene, trajectory, Outcome.DIVERGED))
+        assert found.verdict is StabilityStatus.DIVERGES
     assert not found.sound
 
 
 @pytest.mark.parametrize("outcome", [Outcome.MISMATCH, Outcome.BROKEN])
 def test_what_did_not_run_is_refused(outcome: Outcome) -> None:
-    assert judge(evaluated(scene_of(), None, outcome)).verdict is Verdict.REFUSED
+    assert classify(evaluated(scene_of(), None, outcome)).verdict is StabilityStatus.REFUSED
 
 
 def test_without_an_exact_motion_a_run_in_which_nothing_fails_is_stable() -> None:
     scene = load("drop-1-cm")
     own = exact_trajectory(replace(scene, release=replace(scene.release, height=0.0)))
-    found = judge(evaluated(scene, own))
-    assert found.verdict is Verdict.STABLE
+    found = classify(evaluated(scene, own))
+    assert found.verdict is StabilityStatus.STABLE
     assert (found.good, found.accurate) == (True, False)
 
 

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from harness.case import Case
-from harness.engines.reference import refusal, solved, truth
-from harness.studies.stability import examine, random_scenes
-from harness.studies.stability.survey import ALLOWED, compared
+from harness.core.case import Case
+from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.truth import solve_case, truth
+from harness.studies.stability.suite import random_scenes
+from harness.studies.stability.survey import ALLOWED, compared, examine
 from models import Can, Effects, Scene, Slip, hard_names, load
 
 
@@ -67,9 +68,9 @@ def test_what_one_ulp_decides_is_refused_and_not_called_a_failure() -> None:
 def test_a_disagreement_that_no_ulp_explains_is_a_failure() -> None:
     """An integrator that is off by 1e-7 is found out: the bound is tight."""
     scene = load("gentle-rock")
-    formula = solved(Case(scene=scene, engine="reference", options=(("model", "exact"),)))
+    formula = solve_case(Case(scene=scene, engine="reference", options=(("model", "exact"),)))
     off = replace(scene, release=replace(scene.release, phi=scene.release.phi * (1 + 1e-7)))
-    found = compared(scene, formula, solved(Case(scene=off, engine="reference")))
+    found = compared(scene, formula, solve_case(Case(scene=off, engine="reference")))
     assert "differ" in found.failure
     assert found.conditioning < ALLOWED
 
@@ -100,7 +101,7 @@ def test_mass_length_and_gravity_leave_the_dimensionless_motion_alone(
     other = replace(scene, can=can, gravity=10**gravity, release=release)
 
     def bounce(scene: Scene, unit: float) -> tuple[float, ...]:
-        (found,) = solved(Case(scene=scene, engine="reference")).bounces
+        (found,) = solve_case(Case(scene=scene, engine="reference")).bounces
         return (
             found.time / unit,
             found.phi_min,
@@ -161,7 +162,7 @@ def test_scaling_leaves_random_cans_in_every_regime_alone(
     def dimensionless(scene: Scene) -> tuple[str, np.ndarray]:
         unit, motion = (
             math.sqrt(scene.can.radius / scene.gravity),
-            solved(Case(scene=scene, engine="reference")),
+            solve_case(Case(scene=scene, engine="reference")),
         )
         figures = [motion.ends / unit]
         for found in motion.bounces:

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from harness.case import Case
-from harness.simulation import Outcome, Simulation
-from harness.studies.stability.verdict import Judged, Sign, Verdict
-from harness.studies.stability.words import engine_page, seen
+from harness.core.case import Case
+from harness.core.simulation import Outcome, Simulation
+from harness.studies.stability.failure_criteria import ClassifiedRun, Sign, StabilityStatus
+from harness.studies.stability.report import engine_page, seen
 from models import load
 
 
@@ -30,8 +30,13 @@ def test_a_unit_stays_with_its_number(words: str, number: float, said: str) -> N
 
 
 def judged(
-    scene: str, verdict: Verdict, timestep: float, profile: str = "default", *, own: bool = False
-) -> Judged:
+    scene: str,
+    verdict: StabilityStatus,
+    timestep: float,
+    profile: str = "default",
+    *,
+    own: bool = False,
+) -> ClassifiedRun:
     """Return a run with a verdict; `own` is at the timestep that the engine ships with."""
     case = Case(
         scene=load(scene),
@@ -48,21 +53,21 @@ def judged(
         timestep=timestep,
     )
     sign = Sign(time=0.12, number=0.001, words="largest phi since, rad")
-    return Judged(simulation=simulation, verdict=verdict, sign=sign)
+    return ClassifiedRun(simulation=simulation, verdict=verdict, sign=sign)
 
 
 def test_what_cures_a_case_is_told_with_its_largest_timestep() -> None:
     names = ("fast-spin", "planar-fall", "tall-can", "tiny-can", "hundred-g")
     runs = [
-        *(judged(name, Verdict.FLAT, 2e-3, own=True) for name in names),
-        judged("fast-spin", Verdict.ACCURATE, 1e-3),
-        judged("fast-spin", Verdict.ACCURATE, 2e-4),
-        judged("planar-fall", Verdict.ACCURATE, 2e-4),
-        judged("tall-can", Verdict.ACCURATE, 5e-3),
-        judged("tiny-can", Verdict.ACCURATE, 2e-5, "matched"),
+        *(judged(name, StabilityStatus.FLAT, 2e-3, own=True) for name in names),
+        judged("fast-spin", StabilityStatus.ACCURATE, 1e-3),
+        judged("fast-spin", StabilityStatus.ACCURATE, 2e-4),
+        judged("planar-fall", StabilityStatus.ACCURATE, 2e-4),
+        judged("tall-can", StabilityStatus.ACCURATE, 5e-3),
+        judged("tiny-can", StabilityStatus.ACCURATE, 2e-5, "matched"),
     ]
     text = engine_page("mujoco", runs, (), names).text
-    flat = f"({Verdict.FLAT.value})"
+    flat = f"({StabilityStatus.FLAT.value})"
     assert f"Cured by a shorter timestep alone, at 1e-03 s: fast-spin {flat}." in text
     assert f"Cured by a shorter timestep alone, at 2e-04 s: planar-fall {flat}." in text
     assert f"Cured by a longer timestep alone, at 5e-03 s: tall-can {flat}." in text

@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from harness.case import Case
-from harness.provenance import Provenance
-from harness.report import write_report
-from harness.runner import run
-from harness.studies.comparison import read
+from harness.core.case import Case
+from harness.core.provenance import Provenance
+from harness.evaluation.evaluate import run_cases
+from harness.report.write import write_report
+from harness.studies.comparison.report import comparison_report
 from models.catalogue import load
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
@@ -83,7 +83,7 @@ def real(made: Provenance, tmp_path_factory: pytest.TempPathFactory) -> Path:
         for engine in ("mujoco", "pybullet")
         for profile, step in (("default", None), ("adaptive", None), ("matched", 1e-3))
     ]
-    evaluations = run(cases)
+    evaluations = run_cases(cases)
     told = [
         {
             "digest": e.simulation.case.digest(e.simulation.engine_version),
@@ -92,7 +92,9 @@ def real(made: Provenance, tmp_path_factory: pytest.TempPathFactory) -> Path:
         }
         for e in evaluations
     ]
-    write_report(read(evaluations), out, title="Two engines", cases=told, provenance=made)
+    write_report(
+        comparison_report(evaluations), out, title="Two engines", cases=told, provenance=made
+    )
     return out
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from harness.artefact import Figure, Panel, Series, Table
-from harness.provenance import Provenance
-from harness.report import write_report
+from harness.core.provenance import Provenance
+from harness.core.report_model import Figure, Panel, Series, Table
+from harness.report.write import write_report
 
 Open = Callable[..., Any]
 

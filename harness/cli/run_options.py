@@ -1,0 +1,273 @@
+"""The options of commands that run cases: where they run, within what limits, where results stay.
+
+Declared once; `runs` gives them to a command, which receives them as one `Running`.
+
+Reading what people type: `--set KEY=VALUE`.
+
+Reading `--set ENGINE.KEY=VALUE`: settings on top of a whole suite.
+"""
+
+import functools
+import inspect
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from harness.core.case import Value
+from harness.core.errors import InvalidSettingError
+from harness.engines.registry import engine
+from harness.execution.cache import CacheFolder
+from harness.execution.dask_cluster import dask_executor
+from harness.execution.isolated_pool import local_executor
+from harness.execution.limits import Limits, default_limits
+
+STORE = Path("reports/.store")
+"""Where results are kept if nothing else is said, below where the command is run."""
+
+VARIABLE = "ROCKINGCAN_STORE"
+"""Environment variable that names another folder."""
+
+_GIB = 2.0**30
+
+_PANEL = "Running and resuming"
+
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(
+        metavar="SECONDS",
+        help="Stop a case that takes longer; half an hour if left out.",
+        rich_help_panel=_PANEL,
+    ),
+]
+"""An option for `limits_of`."""
+
+MemoryLimit = Annotated[
+    float | None,
+    typer.Option(
+        metavar="GIB",
+        help="Stop a case that uses more memory; 4, or a share of the machine's, if left out.",
+        rich_help_panel=_PANEL,
+    ),
+]
+"""An option for `limits_of`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunOptions:
+    """How a command runs its cases.
+
+    Parameters
+    ----------
+    jobs : int
+        Processes on this machine.
+    on : str or None
+        Address of a Dask scheduler to run on instead.
+    limits : Limits
+        Of each case.
+    store : Store or None
+        Where results are kept and found.
+    """
+
+    jobs: int
+    on: str | None
+    limits: Limits
+    store: CacheFolder | None
+
+    @contextmanager
+    def executor(self) -> Iterator[Executor]:
+        """Give what cases run on: never this process, which an engine could take along."""
+        with (
+            local_executor(self.jobs, spawned=True, limits=self.limits)
+            if self.on is None
+            else dask_executor(self.on, self.limits)
+        ) as executor:
+            yield executor
+
+    def kept(self, count: int, total: int) -> None:
+        """Say how much does not have to be done."""
+        if self.store is not None and count:
+            typer.echo(f"{count} of {total} already in the store '{self.store.folder}'", err=True)
+
+
+def store_folder(chosen: Path | None) -> Path:
+    """Return the folder of the store: the one chosen, of the environment, or the usual one."""
+    return chosen or Path(os.environ.get(VARIABLE) or STORE)
+
+
+def limits_of(jobs: int, time_limit: float | None, memory_limit: float | None) -> Limits:
+    """Return the limits of a case among so many at once, as options have them: in s and GiB."""
+    usual = default_limits(jobs)
+    return Limits(
+        seconds=usual.seconds if time_limit is None else time_limit,
+        memory=usual.memory if memory_limit is None else memory_limit * _GIB,
+    )
+
+
+def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of running; it receives them as its parameter `running`."""
+    options = inspect.signature(_running).parameters
+    own = inspect.signature(command).parameters
+
+    @functools.wraps(command)
+    def run(**words: object) -> None:
+        chosen = _running(**{name: words.pop(name) for name in options})  # type: ignore[arg-type]
+        command(**words, running=chosen)
+
+    parameters = [*(p for name, p in own.items() if name != "running"), *options.values()]
+    # typer reads the one or the other
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    run.__annotations__ = {p.name: p.annotation for p in parameters}
+    return run
+
+
+def _running(  # noqa: PLR0917 - a parameter an option
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes; one a core if left out.", rich_help_panel=_PANEL),
+    ] = None,
+    on: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Run on a Dask cluster: its scheduler, such as tcp://host:8786.",
+            rich_help_panel=_PANEL,
+        ),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            help=f"Folder where results are kept and found; {STORE} if left out.",
+            rich_help_panel=_PANEL,
+        ),
+    ] = None,
+    no_store: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool,
+        typer.Option("--no-store", help="Neither keep nor find results.", rich_help_panel=_PANEL),
+    ] = False,
+    fresh: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool,
+        typer.Option(
+            "--fresh", help="Run everything, and replace what is kept.", rich_help_panel=_PANEL
+        ),
+    ] = False,
+    time_limit: TimeLimit = None,
+    memory_limit: MemoryLimit = None,
+) -> RunOptions:
+    """Read the options."""
+    if jobs is not None and on is not None:
+        raise InvalidSettingError("--jobs", jobs, "nothing beside --on: a cluster has its own")
+    if no_store and (store is not None or fresh):
+        raise InvalidSettingError("--no-store", no_store, "nothing beside --store or --fresh")
+    count = jobs or len(os.sched_getaffinity(0))
+    return RunOptions(
+        jobs=count,
+        on=on,
+        limits=limits_of(count, time_limit, memory_limit),
+        store=None if no_store else CacheFolder(folder=store_folder(store), fresh=fresh),
+    )
+
+
+_WORDS: dict[str, Value] = {"true": True, "false": False, "none": None}
+
+
+def parse_settings(pairs: list[str]) -> tuple[tuple[str, Value], ...]:
+    """Return the settings that `--set` was given, by name.
+
+    Raises
+    ------
+    InvalidSettingError
+        If one is not of the form KEY=VALUE, is given twice, or is not a number where it seems one.
+    """
+    found: dict[str, Value] = {}
+    for pair in pairs:
+        name, equals, text = pair.partition("=")
+        if not equals or not name:
+            raise InvalidSettingError("--set", pair, "KEY=VALUE, such as impratio=10")
+        if name in found:
+            raise InvalidSettingError("--set", pair, f"each name once, but '{name}' comes twice")
+        found[name] = value(name, text)
+    return tuple(found.items())
+
+
+def value(name: str, text: str) -> Value:
+    """Return a value as a number, numbers, a truth value, nothing, or a word."""
+    if text.lower() in _WORDS:
+        return _WORDS[text.lower()]
+    if "," in text:
+        numbers = tuple(_number(part) for part in text.split(","))
+        if any(number is None for number in numbers):
+            raise InvalidSettingError(name, text, "numbers with commas between them")
+        return tuple(float(number) for number in numbers if number is not None)
+    number = _number(text)
+    return text if number is None else number
+
+
+def _number(text: str) -> int | float | None:
+    """Return a finite number, an integer where it is written as one; None if it is none."""
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+Settings = dict[str, dict[str, Value]]
+
+
+def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> Settings:
+    """Return settings by engine and name.
+
+    Parameters
+    ----------
+    pairs : sequence of str
+        `ENGINE.KEY=VALUE`, or `KEY=VALUE` for every chosen engine that has such a setting.
+    engines : sequence of str
+        That are run.
+
+    Raises
+    ------
+    InvalidSettingError
+        If a pair names an engine that does not run, a setting that none has, or one twice.
+    """
+    found: Settings = {}
+    for words, value in parse_settings(list(pairs)):
+        chosen, dot, name = words.rpartition(".")
+        if dot and chosen not in engines:
+            allowed = f"a setting of an engine that runs: {', '.join(engines)}"
+            raise InvalidSettingError("--set", words, allowed)
+        having = [chosen] if dot else [one for one in engines if name in _names(one)]
+        if not having:
+            known = "; ".join(f"{one}: {', '.join(sorted(_names(one)))}" for one in engines)
+            raise InvalidSettingError("--set", words, f"ENGINE.KEY=VALUE with one of {known}")
+        for one in having:
+            if name in found.setdefault(one, {}):
+                raise InvalidSettingError("--set", words, f"each once, but {one} has it twice")
+            found[one][name] = value
+    return found
+
+
+def settings_to_dict(chosen: Mapping[str, Mapping[str, Value]]) -> dict[str, str]:
+    """Return settings as a manifest tells them, by `engine.name`."""
+    return {
+        f"{one}.{name}": ",".join(f"{part:g}" for part in value)
+        if isinstance(value, tuple)
+        else str(value)
+        for one, own in chosen.items()
+        for name, value in own.items()
+    }
+
+
+def _names(name: str) -> set[str]:
+    """Return the names of an engine's settings."""
+    return {setting.name for setting in engine(name).settings}

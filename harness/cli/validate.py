@@ -1,0 +1,233 @@
+"""The main job: run the suite, write the report, show the summary.
+
+What the full suite asks beyond the comparison: who is to blame, and which error it is.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from harness import api
+from harness.cli import terminal
+from harness.cli.attribution import case_record, evaluations
+from harness.cli.gate import (
+    BASELINE,
+    COLUMNS,
+    GateRequest,
+    accept_baseline,
+    compare_to_baseline,
+    open_gate,
+    show_changes,
+)
+from harness.cli.paper import joined_sections
+from harness.cli.run_options import RunOptions, engine_settings, settings_to_dict, with_run_options
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact, Prose, Table
+from harness.core.simulation import Outcome
+from harness.evaluation.evaluate import check_case
+from harness.evaluation.evaluation import Evaluation
+from harness.execution.cache import CacheFolder
+from harness.gate.stored_scores import gate_keys
+from harness.report.atomic_folder import check_writable
+from harness.report.section import Section
+from harness.report.write import write_chapters
+from harness.studies import attribution, errors
+from harness.studies.comparison.suite import SUITES
+from models.catalogue import load
+
+_ATTRIBUTED = ("gentle-rock", "paper-release")
+_SPLIT = ("gentle-rock",)
+"""Scenes that both studies can carry: under gravity, ideal, with a bounce."""
+
+
+def further(engines: Sequence[str] | None, running: RunOptions) -> list[Section]:
+    """Return the attribution and the three errors of every engine, as chapters of a report."""
+    names = api.stepping_engines(engines)
+    ways = [attribution.ablation_path(load(scene), name) for scene in _ATTRIBUTED for name in names]
+    plans = [errors.plan_errors(load(scene), name) for scene in _SPLIT for name in names]
+    designs = [attribution.attribution_cases(way) for way in ways]
+    ladders = [errors.errors_cases(plan) for plan in plans]
+    cases = tuple(dict.fromkeys(case for design in (*designs, *ladders) for case in design))
+    found = dict(zip(cases, evaluations(cases, running), strict=True))
+    return [
+        _chapter(
+            "Attribution",
+            [
+                attribution.attribution_report(
+                    attribution.attribution(way, [found[c] for c in design])
+                )
+                for way, design in zip(ways, designs, strict=True)
+            ],
+            [found[case] for case in _each(designs)],
+        ),
+        _chapter(
+            "Three errors",
+            [
+                errors.errors_report(errors.three_errors(plan, [found[c] for c in ladder]))
+                for plan, ladder in zip(plans, ladders, strict=True)
+            ],
+            [found[case] for case in _each(ladders)],
+        ),
+    ]
+
+
+def _each(designs: Iterable[Iterable[Case]]) -> list[Case]:
+    return list(dict.fromkeys(case for design in designs for case in design))
+
+
+def _chapter(
+    title: str, parts: Sequence[Sequence[Artefact]], found: Sequence[Evaluation]
+) -> Section:
+    """Return a chapter with the words of all its parts first."""
+    artefacts = [artefact for part in parts for artefact in part]
+    return Section(
+        title=title,
+        artefacts=tuple(sorted(artefacts, key=lambda a: not isinstance(a, Prose))),
+        cases=tuple(case_record(evaluation) for evaluation in found),
+        provenance=provenance(),
+    )
+
+
+_SHOWN = (
+    "scene",
+    "engine",
+    "shipped_turn_error_deg",
+    "shipped_phi_rms_rad",
+    "shipped_verdict",
+    "best_turn_error_deg",
+    "best_phi_rms_rad",
+    "best_run",
+    "best_verdict",
+)
+
+
+_WHOLE = "full"
+"""The suite that goes on to ask who is to blame."""
+
+
+@with_run_options
+def validate(  # noqa: PLR0917 - a parameter an option
+    suite: Annotated[
+        str, typer.Option(help="quick: a minute or so; full: long ladders, causes, three errors.")
+    ] = "quick",
+    engine: Annotated[
+        list[str] | None, typer.Option(help="An engine to compare; repeat it. All if left out.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")] = Path(
+        "reports/latest"
+    ),
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="ENGINE.KEY=VALUE",
+            help="A setting on top of every case of an engine, to see what it does; repeat it.",
+        ),
+    ] = None,
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Hold the results against accepted ones; leave with code 1 if one got worse.",
+        ),
+    ] = None,
+    accept: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool,
+        typer.Option(
+            "--accept",
+            help=f"Measure how far each result may move and accept it, into {BASELINE} or "
+            "--baseline, in place of what was accepted there.",
+        ),
+    ] = False,
+    with_: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--with",
+            metavar="DIR",
+            help="A report of another study to join, such as reports/stability; repeat it.",
+        ),
+    ] = None,
+    *,
+    running: RunOptions,
+) -> None:
+    """Run the validation suite in every engine and write the report: the main job."""
+    if suite not in SUITES:
+        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    chosen = engine_settings(set_ or [], api.stepping_engines(engine))
+    designed, cases = api.suite(suite, engine), api.suite(suite, engine, chosen)
+    for case in cases:
+        check_case(case)
+    check_writable(out)
+    others = joined_sections(with_ or [])
+    gate = open_gate(
+        suite, designed, settings_to_dict(chosen), baseline, accept=accept, every_engine=not engine
+    )
+    with terminal.progress_bar() as bar, running.executor() as executor:
+        task = bar.add_task("starting the engines", total=len(cases))
+
+        def show(evaluation: Evaluation) -> None:
+            bar.update(task, advance=1, description=evaluation.simulation.case.label())
+
+        evaluations, artefacts = api.validate(
+            suite,
+            engine,
+            settings=chosen,
+            executor=executor,
+            store=_store(running.store, gate),
+            on_done=show,
+            on_kept=running.kept,
+        )
+    run = compare_to_baseline(gate, evaluations)
+    comparison = Section(
+        title=f"rockingcan, {suite} suite",
+        artefacts=(*run.artefacts, *artefacts),
+        cases=tuple(
+            case_record(evaluation) | gate_keys(case, suite, gate.settings)
+            for evaluation, case in zip(evaluations, designed, strict=True)
+        ),
+        provenance=provenance(),
+    )
+    if suite == _WHOLE:
+        others = further(engine, replace(running, store=_store(running.store, gate))) + others
+    page = write_chapters(
+        [comparison, *others], out, title=comparison.title, provenance=comparison.provenance
+    )
+    console = terminal.stdout_console()
+    for artefact in artefacts:
+        if isinstance(artefact, Table) and artefact.name == "scorecard":
+            console.print(terminal.table_artefact(artefact, _SHOWN))
+        if isinstance(artefact, Prose) and artefact.name == "summary":
+            console.print(escape(artefact.text))
+    show_changes(run.artefacts, console, COLUMNS)
+    if accept:
+        with running.executor() as executor:
+            console.print(f"\nAccepted: {accept_baseline(gate, run, executor)}")
+    console.print(f"\nThe report: {page}")
+    _stop_at_mismatch(evaluations)
+    if run.failed and not accept:
+        raise typer.Exit(1)
+
+
+def _store(store: CacheFolder | None, gate: GateRequest) -> CacheFolder | None:
+    """Return the store, which a gate does not look into.
+
+    An engine that was built anew often has the version of its last release, and so its results
+    the key of those that are kept.
+    """
+    gated = gate.accepted is not None or gate.place is not None
+    return replace(store, fresh=True) if store is not None and gated else store
+
+
+def _stop_at_mismatch(evaluations: Sequence[Evaluation]) -> None:
+    """Leave with code 1 if an engine compiled another can than the scene's, after the tables."""
+    wrong = [e for e in evaluations if e.simulation.outcome is Outcome.MISMATCH]
+    for evaluation in wrong:
+        terminal.stdout_console().print(terminal.parity(evaluation.simulation.parity))
+    if wrong:
+        raise typer.Exit(1)

@@ -1,0 +1,1 @@
+"""Cases, trajectories, simulations and report objects: what every other package speaks of."""

@@ -1,0 +1,90 @@
+"""A case: one scene in one engine with one choice of settings. What the runner runs."""
+
+import hashlib
+import json
+import math
+from dataclasses import dataclass
+
+from harness.core.errors import InvalidSettingError
+from models.scene import Scene
+
+Value = float | int | str | bool | tuple[float, ...] | None
+"""What an engine's setting can be; None leaves the engine as it ships."""
+
+PROFILES = ("default", "matched", "adaptive")
+"""`default`: the engine as it ships. `matched`: only what the scene declares, at a fixed timestep.
+`adaptive`: matched, with timesteps that follow the motion; a timestep given is then the largest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """Scene + engine name + settings; hashable, picklable, with a stable digest.
+
+    Parameters
+    ----------
+    scene : Scene
+    engine : str
+        Name under which the engine is registered.
+    profile : str
+        One of `PROFILES`: where the settings start from.
+    timestep : float, optional
+        s; left out, the profile's own.
+    options : tuple of (str, Value)
+        Settings that replace the profile's, under the engine's own names, sorted by name.
+
+    Raises
+    ------
+    InvalidSettingError
+        If the timestep is not positive and finite, or the profile is unknown.
+    """
+
+    scene: Scene
+    engine: str
+    profile: str = "matched"
+    timestep: float | None = None
+    options: tuple[tuple[str, Value], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse what no engine can run; put the options in one order."""
+        if self.profile not in PROFILES:
+            raise InvalidSettingError("profile", self.profile, ", ".join(PROFILES))
+        if self.timestep is not None and not (math.isfinite(self.timestep) and self.timestep > 0.0):
+            raise InvalidSettingError("timestep", self.timestep, "a positive number of seconds")
+        if self.timestep is not None:
+            object.__setattr__(self, "timestep", float(self.timestep))
+        object.__setattr__(self, "options", tuple(sorted(dict(self.options).items())))
+
+    def digest(self, engine_version: str) -> str:
+        """Return 16 hexadecimal digits that name this case in this version of its engine."""
+        told = {
+            "type": type(self).__qualname__,
+            "scene": self.scene.to_dict(),
+            "engine": [self.engine, engine_version],
+            "profile": self.profile,
+            "timestep": self.timestep,
+            "options": [[name, repr(value)] for name, value in self.options],
+        }
+        text = json.dumps(told, sort_keys=True, default=repr)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def label(self) -> str:
+        """Return the case in a few words, for progress bars and tables."""
+        step = "" if self.timestep is None else f" dt={self.timestep:g}"
+        options = "".join(f" {name}={value}" for name, value in self.options)
+        return f"{self.scene.name} {self.engine} {self.profile}{step}{options}"
+
+    def command(self) -> str:
+        """Return the command line that runs this case again."""
+        words = ["rockingcan run", self.scene.name, f"--engine {self.engine}"]
+        words.append(f"--profile {self.profile}")
+        if self.timestep is not None:
+            words.append(f"--timestep {self.timestep!r}")
+        words += [f"--set {name}={_spell(value)}" for name, value in self.options]
+        return " ".join(words)
+
+
+def _spell(value: Value) -> str:
+    """Return a value as `--set` reads it."""
+    if isinstance(value, tuple):
+        return ",".join(repr(number) for number in value)
+    return "none" if value is None else str(value)

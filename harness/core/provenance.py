@@ -1,0 +1,166 @@
+"""Where a result comes from: versions, platform, processor, commit and time.
+
+Nothing here fails: what cannot be found out is said to be unknown, since a report without a commit
+is still a report.
+"""
+
+import os
+import platform
+import shutil
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+PACKAGES = (
+    "mujoco",
+    "pybullet",
+    "numpy",
+    "scipy",
+    "pandas",
+    "pyarrow",
+    "pydantic",
+    "jinja2",
+    "matplotlib",
+    "plotly",
+)
+"""Packages whose version can change a number or the look of a report."""
+
+UNKNOWN = "unknown"
+
+ENGINE_ENTRY_POINTS = "rockingcan.engines"
+"""Group of entry points under which packages register engines."""
+
+_GIT_PATIENCE_S = 10.0  # a checkout on a slow network disk answers in seconds; longer is a hang
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Commit:
+    """The commit of a checkout, and whether files that it tracks have been changed since."""
+
+    digest: str
+    changed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Provenance:
+    """What made a result.
+
+    Parameters
+    ----------
+    rockingcan, python : str
+        Versions.
+    packages : mapping of str to str
+        Versions of `PACKAGES`, as far as they are installed.
+    platform, processor : str
+    cores : int
+        Cores that this process may use.
+    commit : Commit or None
+        None if the package does not run from a checkout.
+    written : str
+        UTC, ISO 8601, to the second.
+    """
+
+    rockingcan: str
+    python: str
+    packages: Mapping[str, str]
+    platform: str
+    processor: str
+    cores: int
+    commit: Commit | None
+    written: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what a manifest says of it: strings, numbers and None only."""
+        return {
+            "rockingcan": self.rockingcan,
+            "python": self.python,
+            "packages": dict(self.packages),
+            "platform": self.platform,
+            "processor": self.processor,
+            "cores": self.cores,
+            "commit": None if self.commit is None else self.commit.digest,
+            "changed_since_commit": None if self.commit is None else self.commit.changed,
+            "written": self.written,
+        }
+
+
+def provenance() -> Provenance:
+    """Return the provenance of a result that is written now."""
+    found = {name: _version(name) for name in PACKAGES}
+    return Provenance(
+        rockingcan=_version("rockingcan"),
+        python=platform.python_version(),
+        packages=MappingProxyType({k: v for k, v in found.items() if v != UNKNOWN}),
+        platform=platform.platform(),
+        processor=_processor(),
+        cores=_cores(),
+        commit=commit_of(Path(__file__)),
+        written=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
+
+
+def commit_of(file: Path) -> Commit | None:
+    """Return the commit of the checkout that tracks a file, or None if there is none.
+
+    A file that merely lies below a checkout, such as a package installed in a virtual environment
+    there, is not tracked by it and has no commit.
+    """
+    if _git(file.parent, "ls-files", "--error-unmatch", "--", file.name) is None:
+        return None
+    digest = _git(file.parent, "rev-parse", "HEAD")
+    changes = _git(file.parent, "status", "--porcelain", "--untracked-files=no")
+    if digest is None or changes is None:
+        return None
+    return Commit(digest=digest, changed=bool(changes))
+
+
+def _git(folder: Path, *words: str) -> str | None:
+    """Return what git says in a folder, or None if it refuses or is not there."""
+    git = shutil.which("git")
+    if git is None:
+        return None
+    # a hook or an outer git sets GIT_DIR and its like, which would speak of another checkout
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("GIT_")}
+    try:
+        done = subprocess.run(  # noqa: S603 # the words are this module's own
+            [git, *words],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            check=False,
+            encoding="utf-8",
+            errors="replace",
+            timeout=_GIT_PATIENCE_S,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return done.stdout.strip() if done.returncode == 0 else None
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return UNKNOWN
+
+
+def _processor() -> str:
+    """Return the name of the processor; Linux tells it in a file only."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, "") or platform.processor() or platform.machine() or UNKNOWN
+
+
+def _cores() -> int:
+    """Return the cores that this process may use, which a container can make fewer."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

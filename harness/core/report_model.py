@@ -1,0 +1,222 @@
+"""What a study hands to the report: tables, figures, replays, prose. Nothing here knows of files.
+
+A figure is data and the wish how to look at it; which library draws it is the report's business.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Series:
+    """One curve, cloud of points or row of bars.
+
+    Parameters
+    ----------
+    label : str
+        What the legend says; series of the same label in one figure share a legend entry.
+    kind : str
+        Whose curve it is: an engine's name, which decides its colour; "reference" is the truth.
+    x, y : ndarray, shape (n,)
+        In the units that the panel's labels state; NaN breaks the line.
+    mark : str
+        "line", "points", "both", or "bars": upright at x, from `base` to y.
+    dashed : bool
+    hover : tuple of str
+        A text for each point, or nothing.
+    base : ndarray, shape (n,), optional
+        Where bars begin; at zero if left out.
+    """
+
+    label: str
+    kind: str
+    x: Floats
+    y: Floats
+    mark: Literal["line", "points", "both", "bars"] = "line"
+    dashed: bool = False
+    hover: tuple[str, ...] = ()
+    base: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Heatmap:
+    """A quantity over a rectangle of cells, told by colour.
+
+    Parameters
+    ----------
+    label : str
+        Of the quantity, with the unit in brackets.
+    x, y : ndarray, shape (columns + 1,), (rows + 1,)
+        Edges of the cells, increasing.
+    z : ndarray, shape (rows, columns)
+        NaN leaves a cell blank.
+    signed : bool
+        The sign matters: colours part at zero.
+    """
+
+    label: str
+    x: Floats
+    y: Floats
+    z: Floats
+    signed: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Panel:
+    """One pair of axes.
+
+    Parameters
+    ----------
+    title, x_label, y_label : str
+        With the unit in brackets.
+    series : tuple of Series
+    log_x, log_y : bool
+    equal : bool
+        Same scale on both axes: for a curve in the plane.
+    x_names : tuple of str
+        What stands at the places 0, 1, 2, ... of the horizontal axis instead of numbers.
+    x_range, y_range : tuple of 2 floats, optional
+        Ends of the axes, for figures whose axes are to be alike; from the data if left out.
+    heat : Heat, optional
+        Lies below the series.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    series: tuple[Series, ...]
+    log_x: bool = False
+    log_y: bool = False
+    equal: bool = False
+    x_names: tuple[str, ...] = ()
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+    heat: Heatmap | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Figure:
+    """Panels side by side that belong together, and what one sees in them.
+
+    Parameters
+    ----------
+    name : str
+        Lower-case words joined by dashes; unique within a report; the name of its file.
+    title : str
+    seen : str
+        Two plain sentences made from the numbers.
+    panels : tuple of Panel
+    columns : int
+        Panels in a row on a wide screen.
+    scene : str
+        Scene whose section it belongs to; empty for a figure over all scenes.
+    cases : tuple of str
+        Digests of the cases whose curves are drawn.
+    """
+
+    name: str
+    title: str
+    seen: str
+    panels: tuple[Panel, ...]
+    columns: int = 2
+    scene: str = ""
+    cases: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Table:
+    """A tidy table: a row a case (or a bounce, or a property), units in the column names.
+
+    Parameters
+    ----------
+    name, title : str
+    frame : DataFrame
+    columns : mapping of str to str
+        What each column means, in one sentence; every column has one.
+    shown : tuple of str
+        Columns that the page shows, in this order; the files have all.
+    scene : str
+        As for `Figure`.
+    verdicts, cases : mapping of str to str
+        For a column of numbers, the column with their verdicts in words, and the one with the
+        digests of the cases that made them.
+    """
+
+    name: str
+    title: str
+    frame: pd.DataFrame
+    columns: Mapping[str, str]
+    shown: tuple[str, ...] = field(default=())
+    scene: str = ""
+    verdicts: Mapping[str, str] = field(default_factory=dict)
+    cases: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prose:
+    """A few sentences, made from the numbers."""
+
+    name: str
+    title: str
+    text: str
+    scene: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Body:
+    """One can in a replay, an angle and a contact point for each frame.
+
+    Parameters
+    ----------
+    label, kind : str
+        As for `Series`.
+    phi, psi, theta : ndarray, shape (n,)
+        rad, without jumps.
+    contact : ndarray, shape (n, 2)
+        Lowest point of the rim, from above, m.
+    """
+
+    label: str
+    kind: str
+    phi: Floats
+    psi: Floats
+    theta: Floats
+    contact: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Replay:
+    """Cans that roll side by side, frame by frame.
+
+    Parameters
+    ----------
+    name, title, seen, scene : str
+        As for `Figure`.
+    radius, height : float
+        Of the can, m.
+    time : ndarray, shape (n,)
+        Of the frames, s; dense where much happens, so that playing them is slow there.
+    bodies : tuple of Body
+    tilt : float
+        By how much phi is drawn larger than it is, so that it can be seen.
+    """
+
+    name: str
+    title: str
+    seen: str
+    radius: float
+    height: float
+    time: Floats
+    bodies: tuple[Body, ...]
+    tilt: float = 1.0
+    scene: str = ""
+
+
+Artefact = Figure | Table | Prose | Replay

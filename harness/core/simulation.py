@@ -1,0 +1,99 @@
+"""What an engine answers to a case: how it ended, the motion, and what it cost."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from types import MappingProxyType
+from typing import Any
+
+from harness.core.case import Case, Value
+from harness.core.trajectory import Trajectory
+
+
+class Outcome(Enum):
+    """How a simulation ended; the value is the sentence that a person reads."""
+
+    FINISHED = "finished: the run reached its horizon"
+    TIMED_OUT = "timed out: the can did not complete its bounces in the time allowed for them"
+    FLAT = "flat: the can came to lie flat and did not rise again"
+    OVERTURNED = "overturned: the can tipped over onto its side"
+    TOO_SLOW = "too slow: the run took more steps than are allowed for it"
+    DIVERGED = "diverged: the engine's numbers grew without bound or were no numbers"
+    MISMATCH = "mismatch: the engine's model is not the scene's; see the parity table"
+    NO_SOLUTION = "no solution: the exact equations end before the horizon"
+    BROKEN = "broken: the engine's adapter did not keep its contract; see the note"
+    CRASHED = "crashed: the engine took its process with it; see the note"
+    HUNG = "hung: the engine was stopped at the time allowed for a case; see the note"
+    OUT_OF_MEMORY = "out of memory: the engine was stopped at the memory allowed; see the note"
+    STOPPED = "stopped: the process of the case was ended from outside; see the note"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParityRow:
+    """One property of the compiled model against what the scene declares."""
+
+    quantity: str
+    unit: str
+    declared: float
+    found: float
+    how: str
+    verdict: str  # "equal", "imposed" or "mismatch"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Simulation:
+    """A case and what came of it.
+
+    Parameters
+    ----------
+    case : Case
+    outcome : Outcome
+    note : str
+        What the outcome's sentence leaves open; may be empty.
+    trajectory : Trajectory or None
+        None if there is no motion to show.
+    engine_version : str
+    model : str
+        What was solved: the engine's name, or the name of the reference model.
+    timestep : float or None
+        s; None for a solver that chooses its own.
+    settings : mapping
+        Every setting in force, under the engine's own names.
+    parity : tuple of ParityRow
+    steps, constraint_rows : int
+        Work that does not depend on the machine.
+    setup_s, wall_s, cpu_s : float
+        Compiling and probing; stepping, by the clock and by the processor.
+    static_penetration : float
+        Depth at which the can was released so that the contact starts at rest, m.
+    """
+
+    case: Case
+    outcome: Outcome
+    note: str = ""
+    trajectory: Trajectory | None
+    engine_version: str
+    model: str
+    timestep: float | None = None
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    parity: tuple[ParityRow, ...] = ()
+    steps: int = 0
+    constraint_rows: int = 0
+    setup_s: float = 0.0
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    static_penetration: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Lock the settings."""
+        object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by the fields: a locked mapping cannot be pickled as it is."""
+        values = {name: getattr(self, name) for name in self.__slots__}
+        values["settings"] = dict(self.settings)
+        return _rebuild, (values,)
+
+
+def _rebuild(values: dict[str, Any]) -> Simulation:
+    return Simulation(**values)

@@ -1,0 +1,105 @@
+"""The one form in which every engine hands over a motion: read-only arrays on its own time grid."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.core.errors import TrajectoryError
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_WIDTHS = {
+    "time": None,
+    "position": 3,
+    "quaternion": 4,
+    "velocity": 3,
+    "angular_velocity": 3,
+    "contact_point": 3,
+    "contact_force": 3,
+    "penetration": None,
+    "contact_count": None,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """Pose, twist and contact of the can at the same instants.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        s, strictly increasing.
+    position, velocity : ndarray, shape (n, 3)
+        Of the centre of mass in the world, m and m/s.
+    quaternion : ndarray, shape (n, 4)
+        Rotation from body to world, scalar first.
+    angular_velocity : ndarray, shape (n, 3)
+        In world coordinates, rad/s.
+    contact_point : ndarray, shape (n, 3)
+        Centre of the engine's contact points weighted with their normal forces, m; NaN where no
+        contact bears a force.
+    contact_force : ndarray, shape (n, 3)
+        Sum of the plane's forces on the can, N; zero where there is none.
+    penetration : ndarray, shape (n,)
+        Depth of the deepest contact, m; negative or NaN where there is a gap.
+    contact_count : ndarray of int, shape (n,)
+        Number of the engine's contact points while a force is borne, else zero; without those that
+        bear none where the engine tells them apart.
+
+    Raises
+    ------
+    TrajectoryError
+        If a shape is wrong or time does not increase.
+    """
+
+    time: Floats
+    position: Floats
+    quaternion: Floats
+    velocity: Floats
+    angular_velocity: Floats
+    contact_point: Floats
+    contact_force: Floats
+    penetration: Floats
+    contact_count: Integers
+
+    def __post_init__(self) -> None:
+        """Check the shapes and lock the arrays."""
+        samples = len(self.time)
+        for name, width in _WIDTHS.items():
+            kind = np.int64 if name == "contact_count" else np.float64
+            array = np.array(getattr(self, name), dtype=kind)
+            expected = (samples,) if width is None else (samples, width)
+            if array.shape != expected:
+                raise TrajectoryError(
+                    f"`{name}` has shape {array.shape}, but {samples} samples need {expected}"
+                )
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        if samples == 0 or not np.all(np.diff(self.time) > 0.0):
+            raise TrajectoryError("`time` must hold at least one instant and increase strictly")
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.time)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by the fields, so that the arrays are locked again on the other side."""
+        return _rebuild, (tuple(getattr(self, field.name) for field in fields(self)),)
+
+
+def _rebuild(values: tuple[object, ...]) -> Trajectory:
+    return Trajectory(**dict(zip(_WIDTHS, values, strict=True)))  # type: ignore[arg-type]
+
+
+def join(parts: list[Trajectory]) -> Trajectory:
+    """Return the trajectories one after the other, as one."""
+    return Trajectory(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in _WIDTHS}
+    )
+
+
+def take(trajectory: Trajectory, keep: NDArray[np.bool_] | Integers) -> Trajectory:
+    """Return the samples that `keep` selects."""
+    return Trajectory(**{name: getattr(trajectory, name)[keep] for name in _WIDTHS})

@@ -1,0 +1,197 @@
+"""What every engine's answer must be before anything is measured of it.
+
+An adapter is somebody's program and may be wrong; then its answer is refused with the reason, and
+no other case suffers. What is refused here is a fault of the adapter. Numbers that grew without
+bound are not: a run that diverged says so and hands over what was sound before.
+"""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.simulation import Outcome, ParityRow, Simulation
+from harness.core.trajectory import Trajectory
+
+_STATE = ("time", "position", "quaternion", "velocity", "angular_velocity", "contact_force")
+
+_TOO_LARGE = 2**63
+"""For a whole number of 64 bits."""
+
+_UNIT_TOLERANCE = 1e-6
+"""Off which a quaternion may be from unit length: that of one normalised in single precision."""
+
+
+def contract_violation(answer: object, case: Case) -> str:
+    """Return in what an answer to a case is no simulation of it; empty if it is one.
+
+    Parameters
+    ----------
+    answer : object
+        What an adapter's `simulate` returned.
+    case : Case
+    """
+    if not isinstance(answer, Simulation):
+        return f"`simulate` returned {type(answer).__name__}, not a Simulation"
+    if answer.case != case:
+        return f"`simulate` answered another case, {_text_of(answer.case)}"
+    wrong = _fault_of_fields(answer)
+    if wrong:
+        return wrong
+    trajectory: object = answer.trajectory
+    if trajectory is None:
+        return ""
+    if not isinstance(trajectory, Trajectory):
+        return f"`trajectory` is {type(trajectory).__name__}, not a Trajectory"
+    return _fault_of_numbers(trajectory)
+
+
+def describe_exception(error: BaseException, verb: str = "simulate") -> str:
+    """Return in a sentence what an adapter raised, whatever becomes of telling it.
+
+    Parameters
+    ----------
+    error : BaseException
+        Somebody's: even its message may raise, or be no text that a file can hold.
+    verb : str
+        What the adapter was to do.
+    """
+    told = f"`{verb}` raised {type(error).__name__}"
+    said = _text_of(error)
+    return f"{told}: {said}" if said else told
+
+
+def _text_of(thing: object) -> str:
+    """Return what something says of itself, as a file can hold it; empty if it cannot say it."""
+    with suppress(Exception):
+        said = thing.label() if isinstance(thing, Case) else str(thing)
+        return said.encode("utf-8", "replace").decode()
+    return ""
+
+
+def _own(value: object) -> object:
+    """Return a scalar of an array's kind as Python's own, as a file holds it."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _is_text(value: object) -> bool:
+    """Whether this is text that a file can hold."""
+    return isinstance(value, str) and value == value.encode("utf-8", "replace").decode()
+
+
+def _is_number(value: object) -> bool:
+    own = _own(value)
+    return isinstance(own, float) or _is_whole(own)
+
+
+def _is_whole(value: object) -> bool:
+    """Whether this is a whole number that arrays hold, which texts and files then do as well."""
+    return isinstance(value, int) and not isinstance(value, bool) and abs(value) < _TOO_LARGE
+
+
+def _is_finite(value: object) -> bool:
+    own = _own(value)
+    return isinstance(own, int | float) and _is_number(own) and math.isfinite(own)
+
+
+def _is_count(value: object) -> bool:
+    own = _own(value)
+    return isinstance(own, int) and _is_whole(own) and own >= 0
+
+
+def is_timestep(value: object) -> bool:
+    """Whether this is what an adapter may give as a timestep, s."""
+    own = _own(value)
+    return own is None or (isinstance(own, int | float) and _is_finite(own) and own > 0.0)
+
+
+def _is_verdict(value: object) -> bool:
+    return isinstance(value, str) and value in {"equal", "imposed", "mismatch"}
+
+
+def _is_setting(value: object) -> bool:
+    """Whether this is what a setting can be."""
+    own = _own(value)
+    if isinstance(own, tuple):
+        return all(map(_is_number, own))
+    return own is None or isinstance(own, bool) or _is_number(own) or _is_text(own)
+
+
+_FIELDS: dict[str, tuple[Callable[[object], bool], str]] = {
+    "outcome": (lambda value: isinstance(value, Outcome), "an Outcome"),
+    "note": (_is_text, "text"),
+    "engine_version": (_is_text, "text"),
+    "model": (_is_text, "text"),
+    "timestep": (is_timestep, "a positive number of seconds, or None"),
+    "steps": (_is_count, "a whole number, zero or greater"),
+    "constraint_rows": (_is_count, "a whole number, zero or greater"),
+    "setup_s": (_is_finite, "a number of seconds"),
+    "wall_s": (_is_finite, "a number of seconds"),
+    "cpu_s": (_is_finite, "a number of seconds"),
+    "static_penetration": (_is_number, "a number of metres"),
+    "parity": (lambda value: isinstance(value, tuple), "a tuple"),
+}
+"""What each field must be that is neither the case, nor the settings, nor the motion."""
+
+_OF_ROWS = {
+    "quantity": (_is_text, "text"),
+    "unit": (_is_text, "text"),
+    "declared": (_is_number, "a number"),
+    "found": (_is_number, "a number"),
+    "how": (_is_text, "text"),
+    "verdict": (_is_verdict, "equal, imposed or mismatch"),
+}
+"""What each field of a row of the parity table must be."""
+
+
+def _fault_of_fields(answer: Simulation) -> str:
+    """Return which field of a simulation is not of its kind: it could not be told, nor kept."""
+    for name, (fits, kind) in _FIELDS.items():
+        value: object = getattr(answer, name)
+        if not fits(value):
+            return f"`{name}` is {_shown(value)}, not {kind}"
+    for name, value in answer.settings.items():
+        if not _is_text(name):
+            return f"`settings` has a name that is {_shown(name)}, not text"
+        if not _is_setting(value):
+            return f"`settings` has {_shown(value)} as '{name}', which is no setting's value"
+    rows: tuple[object, ...] = answer.parity
+    for row in rows:
+        if not isinstance(row, ParityRow):
+            return f"`parity` holds {_shown(row)}, not ParityRow"
+        for name, (fits, kind) in _OF_ROWS.items():
+            if not fits(getattr(row, name)):
+                return f"`{name}` of a row of `parity` is {_shown(getattr(row, name))}, not {kind}"
+    return ""
+
+
+def _shown(value: object) -> str:
+    """Return a number or a short text as it is, of anything else its kind."""
+    most = 40
+    short = _is_text(value) and isinstance(value, str) and len(value) <= most
+    return repr(value) if short or _is_number(value) else type(value).__name__
+
+
+def _fault_of_numbers(trajectory: Trajectory) -> str:
+    """Return what is wrong with the numbers of a trajectory whose shapes are right."""
+    for name in _STATE:
+        bad = ~np.isfinite(getattr(trajectory, name).reshape(len(trajectory), -1)).all(axis=1)
+        if bad.any():
+            first = int(np.argmax(bad))
+            return f"`{name}` is no number at sample {first} of {len(trajectory)}"
+    if trajectory.time[0] != 0.0:
+        return f"`time` starts at {float(trajectory.time[0])!r} s, not at the release, 0.0"
+    count = trajectory.contact_count
+    if (count < 0).any():
+        first = int(np.argmax(count < 0))
+        return f"`contact_count` is {int(count[first])} at sample {first} of {len(trajectory)}"
+    lost = (count > 0) & ~np.isfinite(trajectory.contact_point).all(axis=1)
+    if lost.any():
+        first = int(np.argmax(lost))
+        return f"`contact_point` is no number at sample {first}, where there is a contact"
+    off = float(np.abs(np.linalg.norm(trajectory.quaternion, axis=1) - 1.0).max())
+    if off > _UNIT_TOLERANCE:
+        return f"`quaternion` is off unit length by {off:.1e}"
+    return ""

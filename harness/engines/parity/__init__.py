@@ -1,0 +1,1 @@
+"""The compiled model against the scene's, before any trajectory."""

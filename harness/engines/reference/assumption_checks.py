@@ -1,0 +1,121 @@
+"""What is said of an exact motion beside its numbers: broken assumptions, and when copies part."""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+from harness.engines.reference.to_reference_problem import problem, refusal
+from harness.engines.reference.truth import Truth, sample_truth, truth
+from harness.engines.stepping.horizon import natural_time
+from models.scene import Scene
+from reference import Finding, Outcome, divergence, examine
+
+PARTED = 0.1
+"""Angle between orientations, rad, from which two motions have nothing to do with each other."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guard:
+    """What the assumptions of a model came to, over a whole motion.
+
+    Parameters
+    ----------
+    friction_ratio : float
+        Largest |F|/N: of a rim that never slips the friction that it needs; infinite where the
+        plane would have to pull.
+    normal_force : float
+        The least, N.
+    phi_min, phi_max : float
+        rad.
+    gap : float
+        Least height of the far rim above the plane, m.
+    findings : tuple of Finding
+    """
+
+    friction_ratio: float
+    normal_force: float
+    phi_min: float
+    phi_max: float
+    gap: float
+    findings: tuple[Finding, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Divergence:
+    """How releases part that differ by one part in 1e12.
+
+    Parameters
+    ----------
+    growth : float
+        Of the disturbance, over the whole motion.
+    lyapunov_time : float
+        s, in which it grows by e; infinite where it does not grow exponentially.
+    parted : float
+        When it has grown to 0.1 rad, s; foretold where that is beyond the motion, infinite if
+        never.
+    chaotic : bool
+        Whether it grows so much that an engine's own error, as small as 1e-5, becomes as large as
+        the motion: then what differs in the end is no error.
+    """
+
+    growth: float
+    lyapunov_time: float
+    parted: float
+    chaotic: bool
+
+    def decidable_until(self, error: float) -> float:
+        """Return when an error of this size at the release has grown to 0.1 rad, s."""
+        return self.lyapunov_time * max(math.log(PARTED / error), 0.0)
+
+
+@lru_cache(maxsize=64)
+def check_assumptions(motion: Truth) -> Guard:
+    """Look at an exact motion again: does it keep to what its model assumes."""
+    scene = motion.scene
+    found = examine(motion.solution, sample_truth(motion).time / natural_time(scene))
+    return Guard(
+        friction_ratio=found.friction_ratio,
+        normal_force=found.normal_force * scene.can.mass * scene.gravity,
+        phi_min=found.phi_min,
+        phi_max=found.phi_max,
+        gap=found.gap * scene.can.radius,
+        findings=found.findings,
+    )
+
+
+def findings(scene: Scene) -> tuple[Finding, ...]:
+    """Return what the exact motion of a scene breaks; that there is none is a finding, too."""
+    reason = refusal(scene)
+    return (Finding(sentence=reason),) if reason else check_assumptions(truth(scene)).findings
+
+
+def may_be_chaotic(scene: Scene) -> bool:
+    """Whether a scene declares what makes motions chaotic.
+
+    An axisymmetric can on a level plane at rest is integrable: its copies part, but no faster than
+    time itself. With a point mass on its axis it is such a can, of another height.
+    """
+    point = scene.effects.point_mass
+    off_axis = point is not None and (point.x != 0.0 or point.y != 0.0)
+    return off_axis or bool({"shake", "tilt"} & set(scene.effects.declared()))
+
+
+@lru_cache(maxsize=64)
+def divergence_of(scene: Scene) -> Divergence | None:
+    """Return how disturbed releases part, of a scene that may be chaotic; None of any other.
+
+    None, too, of one that calls for too much work to be followed at all, let alone five times, and
+    of one that ends where it begins.
+    """
+    if refusal(scene) or not may_be_chaotic(scene):
+        return None
+    own = truth(scene).solution
+    if own.outcome is Outcome.OUTWORKED or own.t_end == 0.0:
+        return None
+    T, found = natural_time(scene), divergence(problem(scene), own)
+    return Divergence(
+        growth=found.growth,
+        lyapunov_time=T / found.rate if found.rate > 0.0 else math.inf,
+        parted=found.parted * T,
+        chaotic=found.chaotic,
+    )

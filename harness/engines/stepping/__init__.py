@@ -1,0 +1,1 @@
+"""What engines that step a world share: schedule, settling, recording, horizon."""

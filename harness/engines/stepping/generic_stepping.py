@@ -1,0 +1,109 @@
+"""Stepping a world through its own readings: what an engine without batches needs and no more.
+
+Each step is read through `World`, which costs some tens of microseconds. An engine that steps many
+times in one call writes its own `chunks` and saves that.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+
+from harness.core.trajectory import Floats, Integers, Trajectory
+from harness.engines.base import Chunk, World
+from harness.engines.stepping.schedule import Schedule, Stage
+from models.errors import InvalidValueError
+
+_WIDTH = 21  # pose 7, twist 6, contact 8
+
+
+class SteeredWorld(World, Protocol):
+    """A world whose timestep can change between steps."""
+
+    def set_timestep(self, timestep: float) -> None:
+        """Step by another length from now on, s."""
+        ...
+
+
+def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
+    """Step a world by a schedule from where it is, yielding after `size` steps or more.
+
+    Parameters
+    ----------
+    world : World
+        With a method `set_timestep`.
+    schedule : Schedule
+    size : int
+    """
+    # the schedule is asked after a chunk was seen: what is seen may change what comes
+    sound = True
+    while sound and (stage := _next(world, schedule)) is not None:
+        times: list[float] = []
+        rows: list[Floats] = []
+        while stage is not None:
+            world.set_timestep(stage.timestep)
+            for time in stage.times.tolist():
+                row = _step(world)
+                times.append(time)
+                if row is None:
+                    sound = False
+                    break
+                rows.append(row)
+            stage = _next(world, schedule) if sound and len(rows) < size else None
+        yield _chunk(np.array(times), np.array(rows).reshape(len(rows), _WIDTH), sound=sound)
+
+
+def _next(world: World, schedule: Schedule) -> Stage | None:
+    """Return the stage that a state calls for; of what is no state, the next step will tell."""
+    try:
+        pose, twist = world.pose(), world.twist()
+    except InvalidValueError:
+        return schedule.next((math.nan,) * 4, (math.nan,) * 3)
+    return schedule.next(pose.quaternion.tolist(), twist.angular_velocity.tolist())
+
+
+def _step(world: World) -> Floats | None:
+    """Return the state before a step and the contact that it solved, or None if it is no state."""
+    try:
+        pose, twist = world.pose(), world.twist()
+    except InvalidValueError:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers that break are an outcome
+        world.step()
+    contact = world.contact()
+    return np.concatenate(
+        (
+            pose.position,
+            pose.quaternion,
+            twist.velocity,
+            twist.angular_velocity,
+            contact.point,
+            contact.force,
+            (contact.penetration, contact.count),
+        )
+    )
+
+
+def _chunk(times: Floats, rows: Floats, *, sound: bool) -> Chunk:
+    """Return consecutive steps: the time of each, and the rows of those that were sound."""
+
+    def read(keep: Integers) -> Trajectory:
+        kept = rows[keep]
+        return Trajectory(
+            time=times[keep],
+            position=kept[:, :3],
+            quaternion=kept[:, 3:7],
+            velocity=kept[:, 7:10],
+            angular_velocity=kept[:, 10:13],
+            contact_point=kept[:, 13:16],
+            contact_force=kept[:, 16:19],
+            penetration=kept[:, 19],
+            contact_count=kept[:, 20].astype(np.int64),
+        )
+
+    worked = np.zeros(len(times), dtype=np.int64)
+    worked[: len(rows)] = 3 * rows[:, 20].astype(np.int64)  # a normal and two of friction
+    return Chunk(
+        times=times, quaternions=rows[:, 3:7], constraint_rows=worked, sound=sound, read=read
+    )

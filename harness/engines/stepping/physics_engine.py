@@ -1,0 +1,259 @@
+"""What all stepping engines do alike: refuse, compare, settle, step, record.
+
+A physics engine says how to open a world and how to step it in chunks; the order of things, and
+what is written down of them, is here, once.
+
+How long to step before looking at the horizon again.
+
+A look costs as much as a hundred steps and steps past the end are in vain. Where the end will be is
+not known, but rocking is symmetric in time: a rise takes about as long as the fall before it, and a
+run ends soon after a can has risen, or at a time that is given. What is foreseen here decides how a
+run is cut into chunks, and nothing else.
+"""
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from harness.core.case import Case, Value
+from harness.core.simulation import Outcome, ParityRow, Simulation
+from harness.core.trajectory import Trajectory
+from harness.engines.base import Capabilities, Chunk, Effort, Gap, Setting, World, resolve
+from harness.engines.parity.checks import parity
+from harness.engines.stepping.horizon import countable, longest_time, natural_time
+from harness.engines.stepping.recording import SAMPLES_IN_TIME, Looks, record
+from harness.engines.stepping.schedule import (
+    LARGEST_SHARE,
+    SMALLEST_SHARE,
+    Adaptive,
+    Fixed,
+    Schedule,
+    power_of_two,
+)
+from harness.engines.stepping.settling import settle
+from models.errors import InvalidValueError
+from models.kinematics import half_angles
+from models.rim import released
+from models.scene import Scene
+from models.state import Pose, Twist
+
+SHORTEST = 0.05
+"""Natural times sqrt(R/g) between two looks where the end is near, or nothing is known yet."""
+
+_MARGIN = 1.02
+"""Share of the fall that the rise is given: past its end, so that it is seen to be over."""
+
+
+class Foresight:
+    """Follows the samples of a run and foresees its end.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._shortest = SHORTEST * natural_time(scene)
+        self._timed = scene.horizon.seconds is not None
+        self._rising = False
+        self._turned = self._now = self._fall = 0.0
+        self._extreme = -scene.release.phi
+
+    def see(self, kept: Trajectory) -> None:
+        """Take samples into account that follow those before; one turn of the tilt is enough."""
+        self._now = float(kept.time[-1])
+        phi = half_angles(kept.quaternion)[0]
+        height = phi if self._rising else -phi
+        at = int(np.argmax(height))
+        if height[at] >= self._extreme:
+            self._extreme, extreme = float(height[at]), float(kept.time[at])
+        else:
+            extreme = float(kept.time[0])
+        if at < len(phi) - 1:
+            self._fall, self._turned = extreme - self._turned, extreme
+            self._rising, self._extreme = not self._rising, -float(height[-1])
+
+    def ahead(self) -> float:
+        """Return the time to step before looking again, s."""
+        if self._timed:
+            return np.inf
+        since = self._now - self._turned
+        if self._rising:
+            left = _MARGIN * self._fall - since  # a rise takes as long as the fall
+        else:
+            # as long as the fall has taken; half of it where the run may end soon after a rise
+            left = since if self._turned == 0.0 else since / 2.0
+        return max(left, self._shortest)
+
+
+W = TypeVar("W", bound=World)
+
+_FEWEST = 16
+MOST = 16384
+"""Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
+
+_FIRST = 64
+"""Steps in the first chunk of fixed steps; each that follows may be four times as long. What starts
+wrong breaks within some tens of steps, and four short looks are little beside a run that does not.
+"""
+
+_ADAPTIVE_LOOK = 1024
+"""Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
+
+
+class PhysicsEngine(ABC, Generic[W]):
+    """An engine that advances a world by timesteps."""
+
+    name: str
+    settings: tuple[Setting, ...]
+    capabilities: Capabilities
+    default_timestep: float
+    matched_timestep: float
+    imposed_by_default: frozenset[str]
+    gaps: tuple[Gap, ...] = ()
+    efforts: tuple[Effort, ...] = ()
+
+    @property
+    @abstractmethod
+    def version(self) -> str:
+        """The version of the engine's package."""
+
+    @abstractmethod
+    def open(self, case: Case) -> W:
+        """Compile the scene of a case."""
+
+    @abstractmethod
+    def chunks(self, world: W, schedule: Schedule, size: int) -> Iterator[Chunk]:
+        """Step by a schedule from where the world is, yielding after `size` steps or more."""
+
+    def timestep(self, case: Case) -> float:
+        """Return the timestep of a case, s; the largest of an adaptive one.
+
+        Raises
+        ------
+        InvalidSettingError
+            If it is so short that nobody could count the steps.
+        """
+        if case.timestep is not None:
+            countable(case.timestep, case.scene)
+        if case.profile == "adaptive":
+            return power_of_two(case.timestep or LARGEST_SHARE * natural_time(case.scene))
+        if case.timestep is not None:
+            return case.timestep
+        return self.default_timestep if case.profile == "default" else self.matched_timestep
+
+    def resolve(self, case: Case) -> dict[str, Value]:
+        """Return every setting in force for a case."""
+        return resolve(case, self.settings, self.timestep(case))
+
+    def parity(self, case: Case) -> tuple[ParityRow, ...]:
+        """Return the compiled model of a case against its scene."""
+        imposed = self.imposed_by_default if case.profile == "default" else frozenset[str]()
+        return parity(self.open(case), case.scene, self.timestep(case), imposed)
+
+    def simulate(self, case: Case) -> Simulation:
+        """Run a case to its horizon; numerical failure is its outcome.
+
+        Raises
+        ------
+        UnknownSettingError, InvalidSettingError
+            If the case asks for what the engine does not have.
+        """
+        prepared, pose, twist = self._prepare(case)
+        if pose is None or twist is None:
+            return prepared
+        world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
+        world.place(pose, twist)
+        return self._run(world, prepared)
+
+    def _prepare(self, case: Case) -> tuple[Simulation, Pose | None, Twist | None]:
+        """Return a case checked and settled: what is known before the run, and its release.
+
+        Without a release the run is over before it began, and its outcome says why.
+        """
+        started = time.perf_counter()
+        empty = Simulation(
+            case=case,
+            outcome=Outcome.MISMATCH,
+            trajectory=None,
+            engine_version=self.version,
+            model=self.name,
+            timestep=self.timestep(case),
+            settings=self.resolve(case),
+        )
+        pose, twist = released(case.scene)
+        rows: tuple[ParityRow, ...] = ()
+        try:
+            rows = self.parity(case)
+            differing = ", ".join(row.quantity for row in rows if row.verdict == "mismatch")
+            if differing:
+                setup = time.perf_counter() - started
+                return replace(empty, note=differing, parity=rows, setup_s=setup), None, None
+            depth, pose = settle(self.open(case), case.scene, pose, twist)
+        except InvalidValueError as error:  # a pose or twist read back holds no numbers
+            note = f"within the probes before the run: {error}"
+            return replace(empty, outcome=Outcome.DIVERGED, note=note, parity=rows), None, None
+        setup = time.perf_counter() - started
+        done = replace(empty, parity=rows, setup_s=setup, static_penetration=depth)
+        return done, pose, twist
+
+    def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
+        """Run cases, with the same results as one by one; an engine may know a faster way."""
+        return [self.simulate(case) for case in cases]
+
+    def leanest(self, world: W, steps: int) -> None:
+        """Step so many times and do nothing else: no reading, no record."""
+        for _ in range(steps):
+            world.step()
+
+    def keeping(self, world: W, steps: int) -> None:
+        """Step so many times and keep each state and contact: the leanest loop with a record."""
+        kept = []
+        for _ in range(steps):
+            state = world.pose(), world.twist()
+            world.step()
+            kept.append((*state, world.contact()))
+
+    def _run(self, world: W, prepared: Simulation) -> Simulation:
+        """Step until the watch or the horizon ends it; return what was prepared, completed."""
+        schedule, size = self._schedule(prepared)
+        foresight = Foresight(prepared.case.scene)
+
+        def seen(kept: Trajectory) -> None:
+            foresight.see(kept)
+            if isinstance(schedule, Fixed):
+                schedule.size = _size(foresight, schedule.largest)
+
+        wall, cpu = time.perf_counter(), time.process_time()
+        done = record(prepared, self.chunks(world, schedule, size), seen)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        return replace(done, wall_s=wall, cpu_s=cpu)
+
+    def _schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
+        """Return the schedule of a case, and how many steps to take between two looks."""
+        case, timestep = prepared.case, self.timestep(prepared.case)
+        scene, limit = case.scene, longest_time(case.scene)
+        looks = Looks(natural_time(scene) / SAMPLES_IN_TIME)
+        if case.profile != "adaptive":
+            fixed = Fixed(timestep, limit, _size(Foresight(scene), timestep), _FIRST)
+            fixed.looks = looks
+            return fixed, 1  # a stage is a chunk
+        adaptive = Adaptive(
+            scene.can,
+            largest=timestep,
+            smallest=SMALLEST_SHARE * natural_time(scene),
+            limit=limit,
+            eta=float(prepared.settings["eta"]),  # type: ignore[arg-type]
+            unit=natural_time(scene),
+        )
+        adaptive.looks = looks
+        return adaptive, _ADAPTIVE_LOOK
+
+
+def _size(foresight: Foresight, timestep: float) -> int:
+    """Return the steps to take before looking at the horizon."""
+    return int(min(max(foresight.ahead() / timestep, _FEWEST), MOST))

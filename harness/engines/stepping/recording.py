@@ -1,0 +1,245 @@
+"""Recording by angle, not by time: dense where the can races round its rim, sparse elsewhere.
+
+A sample is kept whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by its
+own share, since the last one. The path is summed over every step of the engine, so the choice does
+not depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
+
+From chunks to a simulation: record, watch, count, and stop where the run is over.
+
+After how many steps to look again, where a look costs more than a step.
+
+The recorder keeps a sample whenever the path of the angles has grown by `ANGLE_STEP`, or time by
+its own share. From a state alone follows how fast that path grows, so an engine that pays for each
+reading need not read every step of a slow motion: `LOOKS` times between two samples are enough, and
+where the can races round its rim that is every step.
+
+What the rate may do in between. Near the flat state the path grows with 1/phi^2, so a pause also
+ends before phi has changed by `CHANGE`; a contact that is lost or made changes the rates
+themselves, by what a fall gives, sqrt(g/R), and a pause ends before that could have changed phi by
+as much.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import Floats, Integers, Trajectory, join, take
+from harness.engines.base import Chunk
+from harness.engines.stepping.horizon import Watch, natural_time
+from models.scene import Scene
+
+ANGLE_STEP = 0.02
+"""rad: a chord of the rim this long leaves the locus by R ANGLE_STEP^2/8, 5e-5 of the radius."""
+
+SAMPLES_IN_TIME = 200
+"""Samples in the natural time sqrt(R/g), at most a bounce long, where no angle moves."""
+
+
+class Recorder:
+    """Takes every step of a run in chunks and keeps what the angles call for."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._time_step = natural_time(scene) / SAMPLES_IN_TIME
+        self._parts: list[Trajectory] = []
+        self._path = 0.0
+        self._last: tuple[float, Floats] | None = None
+        self._chunk: Chunk | None = None
+
+    def add(self, chunk: Chunk) -> Trajectory | None:
+        """Record a chunk that follows the one before; return the part of it that was kept."""
+        count = len(chunk.quaternions)
+        if count == 0:
+            return None
+        keep = np.flatnonzero(self._keep(chunk.times[:count], chunk.quaternions))
+        self._last = (float(chunk.times[count - 1]), chunk.quaternions[-1])
+        self._chunk = chunk
+        if len(keep) == 0:
+            return None
+        kept = chunk.read(keep)
+        self._parts.append(kept)
+        return kept
+
+    def _keep(self, time: Floats, quaternion: Floats) -> NDArray[np.bool_]:
+        """Return which of the samples the path calls for, shape (n,)."""
+        first = self._last is None
+        if self._last is not None:
+            time = np.concatenate(([self._last[0]], time))
+            quaternion = np.vstack((self._last[1], quaternion))
+        growth = _path(quaternion) / ANGLE_STEP + np.diff(time) / self._time_step
+        # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
+        path = np.cumsum(np.concatenate((np.array([self._path]), growth)))
+        self._path = float(path[-1])
+        keep = np.diff(np.floor(path)) > 0.0
+        return np.concatenate((np.ones(1, dtype=np.bool_), keep)) if first else keep
+
+    def trajectory(self, until: float) -> Trajectory | None:
+        """Return what was kept up to a time in s, and the last step whether or not it was."""
+        parts = self._parts
+        if self._chunk is None or self._last is None:
+            return None
+        if parts[-1].time[-1] < self._last[0]:
+            parts = [*parts, self._chunk.read(np.array([len(self._chunk.quaternions) - 1]))]
+        whole = join(parts)
+        return take(whole, whole.time <= until)
+
+
+def _path(quaternion: Floats) -> Floats:
+    """Return how far (phi, psi + theta, psi - theta) move from sample to sample, shape (n-1,), rad.
+
+    In half angles the quaternion is two complex numbers, cos(phi/2) exp(i (psi + theta)/2) and
+    sin(phi/2) exp(i (psi - theta)/2), see `models.kinematics`. A turn of one of them is its cross
+    product over its dot product from sample to sample: the tangent, which is the angle where
+    samples are dense, and more than it where they are not. No arctangent of millions of steps is
+    needed.
+    """
+    w, x, y, z = np.ascontiguousarray(quaternion.T)
+    upright = w[:-1] * w[1:] + z[:-1] * z[1:]
+    tilted = x[:-1] * x[1:] + y[:-1] * y[1:]
+    turned = np.abs(w[:-1] * z[1:] - z[:-1] * w[1:])
+    raced = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:])
+    square = x * x + y * y
+    rocked = np.abs(np.diff(square))
+    size = np.sqrt(square[1:] * (1.0 - square[1:]))
+    path: Floats = _over(rocked, size) + 2.0 * (_over(turned, upright) + _over(raced, tilted))
+    return path
+
+
+def _over(part: Floats, whole: Floats) -> Floats:
+    """Return a ratio; pi behind a right angle, or where the can is flat: always worth keeping."""
+    if whole.size and whole.min() > 0.0:  # a masked division takes three times as long
+        return part / whole
+    return np.divide(part, whole, out=np.full_like(part, np.pi), where=whole > 0.0)
+
+
+_MOST_STEPS = 100_000_000
+"""Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
+
+
+def record(
+    prepared: Simulation,
+    chunks: Iterable[Chunk],
+    seen: Callable[[Trajectory], object] = lambda _: None,
+) -> Simulation:
+    """Take chunks until the watch or the horizon ends the run; return what was prepared, completed.
+
+    Parameters
+    ----------
+    prepared : Simulation
+        Everything but outcome, trajectory and counts.
+    chunks : iterable of Chunk
+        Of consecutive steps, up to the horizon in time.
+    seen : callable
+        Is shown the samples that are kept of each chunk, before the next one is stepped.
+    """
+    scene = prepared.case.scene
+    recorder, watch = Recorder(scene), Watch(scene)
+    outcome: Outcome | None = None
+    steps = rows = 0
+    for chunk in chunks:
+        kept = recorder.add(chunk)
+        outcome = None if kept is None else watch.over(kept)
+        if outcome is None and not chunk.sound:
+            outcome = Outcome.DIVERGED
+        taken = int(np.searchsorted(chunk.times, watch.ended_at, side="right"))
+        spans = _spans(chunk, taken, ended=watch.ended_at < np.inf)
+        steps += taken if spans is None else int(spans.sum())
+        worked = chunk.constraint_rows[:taken]
+        rows += int(worked.sum()) if spans is None else int(worked @ spans)
+        if outcome is None and steps >= _MOST_STEPS:
+            outcome = Outcome.TOO_SLOW
+        if outcome is not None:
+            break
+        if kept is not None:
+            seen(kept)
+    if outcome is None:
+        outcome = Outcome.FINISHED if scene.horizon.seconds else Outcome.TIMED_OUT
+    return replace(
+        prepared,
+        outcome=outcome,
+        trajectory=recorder.trajectory(watch.ended_at),
+        steps=steps,
+        constraint_rows=rows,
+    )
+
+
+def _spans(chunk: Chunk, taken: int, *, ended: bool) -> Integers | None:
+    """Return the steps that the first readings stand for; where a run ended, the last for one."""
+    if chunk.spans is None:
+        return None
+    spans = chunk.spans[:taken]
+    return np.append(spans[:-1], 1) if ended and taken else spans
+
+
+LOOKS = 2.0
+"""Looks from one sample to the next: samples lie at most half their spacing late."""
+
+CHANGE = 0.1
+"""Share of phi, or of sin(phi/2), that may change unseen: a fifth of the rate of the path."""
+
+_OFTEN, _CHANGING = LOOKS / ANGLE_STEP, 0.5 / CHANGE
+
+
+class Looks:
+    """Says of a run, look by look, how many steps to take until the next.
+
+    Parameters
+    ----------
+    interval : float
+        Time between two samples where no angle moves, s.
+    """
+
+    def __init__(self, interval: float) -> None:
+        self._often = LOOKS / interval
+        self._fall = 1.0 / (SAMPLES_IN_TIME * interval)
+        self._due = 0.0
+        self.left = 0
+
+    def spare(self, timestep: float) -> bool:
+        """Whether a step of this length, s, is ever to be taken without a look."""
+        return self._often * timestep <= 1.0 / LOOKS
+
+    def steps(self, timestep: float) -> float:
+        """Return the steps of this length, s, from one look to the next where no angle moves."""
+        return 1.0 / (self._often * timestep)
+
+    def pause(
+        self, quaternion: Sequence[float], angular_velocity: Sequence[float], timestep: float
+    ) -> int:
+        """Return the steps from a state to the next that is worth a look, at least one.
+
+        The share of a step that is left over counts towards the next pause, so that looks do not
+        fall into step with an engine that does something every other step.
+
+        Parameters
+        ----------
+        quaternion : sequence of 4 floats
+            From body to world, scalar last.
+        angular_velocity : sequence of 3 floats
+            In world coordinates, rad/s.
+        timestep : float
+            s.
+        """
+        x, y, z, w = quaternion
+        o_x, o_y, o_z = angular_velocity
+        tilted, upright = x * x + y * y, w * w + z * z
+        if tilted == 0.0 or upright == 0.0:
+            return 1
+        # half angles as the recorder's, cos(phi/2) exp(i (psi + theta)/2) = w + i z and
+        # sin(phi/2) exp(i (psi - theta)/2) = x + i y, and twice their derivatives
+        d_w, d_z = -o_x * x - o_y * y - o_z * z, o_z * w + o_x * y - o_y * x
+        d_x, d_y = o_x * w + o_y * z - o_z * y, o_y * w + o_z * x - o_x * z
+        rocked = abs(x * d_x + y * d_y) / math.sqrt(tilted * upright)
+        path = rocked + abs(w * d_z - z * d_w) / upright + abs(x * d_y - y * d_x) / tilted
+        rate = _OFTEN * path + self._often
+        change = _CHANGING * (rocked + self._fall) * math.sqrt(upright / tilted)
+        due = self._due + 1.0 / (max(rate, change) * timestep)
+        if not due >= 1.0:  # no number, where the state holds none
+            self._due = 0.0
+            return 1
+        steps = int(due)
+        self._due = due - steps
+        return steps

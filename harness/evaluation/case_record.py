@@ -1,0 +1,228 @@
+"""What an error run leaves: named errors and counts, as numbers that a file can hold.
+
+Error runs are not timed for the tables: they run beside each other, and read what timing leaves
+out. The reference is measured by its own numbers, not by samples of them.
+
+How hard the solver of an engine worked, counted outside of any timed run.
+
+Engines tell the iterations of a step, but not of a step that is taken in a batch. So the world is
+put where the run was at some instants, steps three times there, and the third step, whose solver
+starts from the forces of the second, is counted. An instant stands for the steps around it.
+"""
+
+import math
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.simulation import Simulation
+from harness.core.trajectory import Trajectory
+from harness.engines.base import World
+from harness.engines.reference.truth import Truth, solve_case, truth
+from harness.engines.registry import engine
+from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.schedule import SMALLEST_SHARE, Adaptive
+from harness.engines.stepping.variants import counted_step
+from harness.evaluation.evaluate import evaluate_case, failed_evaluation
+from harness.evaluation.evaluation import Evaluation
+from harness.evaluation.timed_tasks import Record
+from harness.execution.worker import LostTaskError
+from harness.metrics.motion import shares
+from models.state import Pose, Twist
+
+_INSTANTS = 100
+"""Over a run: the mean is known to a tenth of its spread."""
+
+_STEPS = 3
+"""The third step in a row starts from the forces of one that started from forces."""
+
+
+def iterations(simulation: Simulation) -> float | None:
+    """Return the mean iterations of the solver in a step, or None if the engine cannot tell."""
+    case, trajectory = simulation.case, simulation.trajectory
+    count = counted_step(case.engine)
+    chosen = engine(case.engine)
+    opens = getattr(chosen, "open", None)
+    if count is None or opens is None or trajectory is None or len(trajectory) < _STEPS:
+        return None
+    world = opens(case)
+    places = np.unique(np.linspace(0, len(trajectory) - 2, _INSTANTS).astype(np.int64))
+    steps = np.array([_timestep(simulation, trajectory, place) for place in places.tolist()])
+    gaps = np.diff(trajectory.time)[places]
+    found = np.empty(len(places))
+    for number, place in enumerate(places.tolist()):
+        if hasattr(world, "set_timestep"):
+            world.set_timestep(float(steps[number]))
+        found[number] = _counted(world, trajectory, place, count)
+    weight = gaps / steps
+    return float(np.sum(weight * found) / np.sum(weight))
+
+
+def _counted(world: World, trajectory: Trajectory, place: int, count: object) -> int:
+    """Return the iterations of the third step from an instant on."""
+    world.place(
+        Pose(position=trajectory.position[place], quaternion=trajectory.quaternion[place]),
+        Twist(
+            velocity=trajectory.velocity[place],
+            angular_velocity=trajectory.angular_velocity[place],
+        ),
+    )
+    found = 0
+    for _ in range(_STEPS):
+        found = count(world)  # type: ignore[operator]
+    return found
+
+
+def _timestep(simulation: Simulation, trajectory: Trajectory, place: int) -> float:
+    """Return the timestep in force at an instant, s."""
+    case, fixed = simulation.case, simulation.timestep
+    if fixed is None:
+        raise ValueError("a solver that chooses its own steps has no iterations to count")
+    if case.profile != "adaptive":
+        return fixed
+    natural = natural_time(case.scene)
+    stage = Adaptive(
+        case.scene.can,
+        largest=fixed,
+        smallest=SMALLEST_SHARE * natural,
+        limit=natural,
+        eta=float(simulation.settings["eta"]),  # type: ignore[arg-type]
+        unit=natural,
+    ).next(trajectory.quaternion[place].tolist(), trajectory.angular_velocity[place].tolist())
+    return fixed if stage is None else stage.timestep
+
+
+_AT_A_TIME = 2000
+"""Instants at which a reference model without a locus is held against the truth."""
+
+
+def measured(case: Case) -> Record:
+    """Run a case and return what is known of it.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    dict
+        `outcome`, `note`, `version`, `model`, `timestep_s`, `steps`, `constraint_rows`,
+        `solver_iterations`, `simulated_s`, `cpu_s` and `setup_s` of this one run, `errors` by name,
+        `command`. None is not known.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use, as `attempt` does.
+    """
+    evaluation = evaluate_case(case)
+    simulation = evaluation.simulation
+    found: dict[str, float | None] = _of_evaluation(evaluation)
+    simulated = None if evaluation.motion is None else float(evaluation.motion.time[-1])
+    cpu = simulation.cpu_s
+    if case.engine == "reference" and simulation.outcome.name == "FINISHED":
+        own, exact = solve_case(case), truth(case.scene)
+        found |= _of_solution(own, exact)
+        simulated = own.ends
+    return {
+        "outcome": simulation.outcome.name,
+        "note": simulation.note,
+        "version": simulation.engine_version,
+        "model": simulation.model,
+        "timestep_s": simulation.timestep,
+        "steps": simulation.steps,
+        "constraint_rows": simulation.constraint_rows,
+        "solver_iterations": _iterations(simulation),
+        "simulated_s": simulated,
+        "cpu_s": cpu,
+        "setup_s": simulation.setup_s,
+        "errors": {name: _finite(value) for name, value in found.items()},
+        "command": _command(simulation),
+    }
+
+
+def lost_errors(case: Case, error: LostTaskError) -> Record:
+    """Return what is known of a case whose process died or was stopped: why."""
+    simulation = failed_evaluation(case, error).simulation
+    return {
+        "outcome": simulation.outcome.name,
+        "note": simulation.note,
+        "version": simulation.engine_version,
+        "model": simulation.model,
+        "timestep_s": simulation.timestep,
+        "steps": 0,
+        "constraint_rows": 0,
+        "solver_iterations": None,
+        "simulated_s": None,
+        "cpu_s": 0.0,
+        "setup_s": 0.0,
+        "errors": {},
+        "command": case.command(),
+    }
+
+
+LOST = frozenset({"BROKEN", "CRASHED", "HUNG", "OUT_OF_MEMORY", "STOPPED"})
+"""Outcomes of cases that did not come back: not to be run again for their time."""
+
+
+def _command(simulation: Simulation) -> str:
+    """Return what runs a case again and shows its numbers, also where there is no motion to run."""
+    case = simulation.case
+    if case.engine == "reference" and simulation.trajectory is None:
+        words = [f"--{name} {value}" for name, value in case.options]
+        return " ".join(["rockingcan reference", case.scene.name, *words])
+    return case.command()
+
+
+def _of_evaluation(e: Evaluation) -> dict[str, float | None]:
+    """Return the errors of a recorded motion; the turn only where it can be counted."""
+    found: dict[str, float | None] = {"energy_drift": e.energy_drift}
+    if e.errors is None:
+        return found
+    errors = e.errors
+    found |= {
+        "phi_rms_rad": errors.phi_rms,
+        "phi_max_rad": errors.phi_max,
+        "rotation_rms_deg": math.degrees(errors.rotation_rms),
+        "contact_locus_rms_m": errors.contact_locus_rms,
+    }
+    if errors.angle_of_turn:
+        turn = math.degrees(errors.angle_of_turn[0])
+        found |= {
+            "turn_deg": turn if e.bounces[0].resolved else None,
+            "bounce_time_s": errors.time_of_bounce[0],
+            "peak_friction_ratio": errors.peak_friction_ratio[0],
+        }
+    return found
+
+
+def _of_solution(own: Truth, exact: Truth) -> dict[str, float | None]:
+    """Return the errors of a solution that knows its bounces and its angles at any instant."""
+    T, end = natural_time(own.scene), min(own.ends, exact.ends)
+    times = np.linspace(0.0, end, _AT_A_TIME)
+    off = own.solution.at(times / T).phi - exact.solution.at(times / T).phi
+    found: dict[str, float | None] = {
+        "phi_rms_rad": math.sqrt(float(np.sum(shares(times) * off**2))),
+        "phi_max_rad": float(np.abs(off).max()),
+    }
+    if own.bounces and exact.bounces:
+        mine, true = own.bounces[0], exact.bounces[0]
+        found |= {
+            "turn_deg": math.degrees(mine.angle_of_turn - true.angle_of_turn),
+            "bounce_time_s": mine.time - true.time,
+            "peak_friction_ratio": mine.peak_friction_ratio - true.peak_friction_ratio,
+        }
+    return found
+
+
+def _iterations(simulation: Simulation) -> float | None:
+    """Return the solver's iterations over the whole run, if they can be counted."""
+    trajectory = simulation.trajectory
+    if trajectory is None or not simulation.steps:
+        return None
+    each = iterations(simulation)
+    return None if each is None else each * simulation.steps
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

@@ -1,0 +1,290 @@
+"""Runs cases and holds each against the truth. Studies say which; this is the one place that does.
+
+A case is evaluated where it runs, so that what travels back is small: the recorded motion, the
+truth at the same instants, and the numbers.
+"""
+
+import pickle
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.errors import BrokenEngineError, HarnessError, TrajectoryError
+from harness.core.scene_limits import check_scene_limits
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import take
+from harness.engines.base import Engine, resolve
+from harness.engines.contract import contract_violation, describe_exception
+from harness.engines.reference.assumption_checks import PARTED, divergence_of, findings
+from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.truth import Truth, sample_truth, truth
+from harness.engines.registry import check_effects, engine, is_ours, timestep_of
+from harness.evaluation.case_cache import engine_version, evaluation_cache
+from harness.evaluation.evaluation import Evaluation
+from harness.execution.cache import CacheFolder
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.tasks import ProgressListener, run_tasks
+from harness.execution.worker import Loss, LostTaskError
+from harness.metrics.bounces import bounces
+from harness.metrics.contact import contact_quality
+from harness.metrics.energy import energy_drift
+from harness.metrics.error import errors, rotation_between
+from harness.metrics.motion import motion
+from models.scene import Scene
+
+_NONE = 1e-9
+"""Share of the weight: at lift-off the normal force is zero but for a round-off far below it."""
+
+__all__ = [
+    "Evaluation",
+    "check_case",
+    "evaluate",
+    "evaluate_case",
+    "evaluate_without_truth",
+    "failed_evaluation",
+    "measure_simulation",
+    "run_cases",
+]
+
+
+def check_case(case: Case) -> None:
+    """Refuse a case that would be wrong use, before anything runs.
+
+    Raises
+    ------
+    HarnessError
+        A scene out of reach, an unknown engine, a missing package, an effect that the engine cannot
+        represent, a timestep that it does not take, a setting that it does not have or a value of
+        another kind.
+    """
+    check_scene_limits(case.scene)
+    check_effects(case.engine, case.scene)
+    chosen = engine(case.engine)
+    resolve(case, chosen.settings, timestep_of(case, chosen) or 0.0)
+
+
+def evaluate(case: Case) -> Evaluation:
+    """Run a case and measure it.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use. A numerical failure is the simulation's outcome, and so is an adapter that
+        raises anything else or returns what is no simulation.
+    """
+    check_case(case)
+    return measure_simulation(_simulated(case))
+
+
+def evaluate_case(case: Case) -> Evaluation:
+    """Run a case among others and measure it: what its adapter raises is its outcome, whatever.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use that `check` finds, or that only an engine of this project finds when it
+        compiles the case; it says of which case.
+    """
+    try:
+        check_case(case)
+        chosen = engine(case.engine)
+    except BrokenEngineError as error:  # it could be made, and did answer, when the run was planned
+        return Evaluation(simulation=_broken(case, str(error), "unknown"))
+    if is_ours(chosen):
+        try:
+            return measure_simulation(_simulated(case))
+        except HarnessError as error:
+            error.add_note(f"It is of the case '{case.label()}'.")
+            raise
+    verb = "simulate"
+    try:
+        simulation = _simulated(case)
+        verb = "pickle"
+        simulation = pickle.loads(pickle.dumps(simulation))  # noqa: S301 - just made
+        verb = "measure"
+        return measure_simulation(simulation)
+    except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
+        return Evaluation(
+            simulation=_broken(case, describe_exception(error, verb), _version(chosen))
+        )
+
+
+def evaluate_without_truth(case: Case) -> Evaluation:
+    """Run a case and measure what can be said of it without holding it against the truth.
+
+    Raises
+    ------
+    HarnessError
+        As `evaluate` does.
+    """
+    check_case(case)
+    simulation = _simulated(case)
+    scene, trajectory = case.scene, simulation.trajectory
+    return Evaluation(
+        simulation=simulation,
+        energy_drift=None if trajectory is None else energy_drift(trajectory, scene),
+        findings=findings(scene) if trajectory is None and refusal(scene) else (),
+        divergence=None if trajectory is None else divergence_of(scene),
+    )
+
+
+def _simulated(case: Case) -> Simulation:
+    """Return an engine's answer to a case, or in what its adapter broke its contract."""
+    chosen = engine(case.engine)
+    try:
+        answer = chosen.simulate(case)
+        reason = contract_violation(answer, case)
+    except TrajectoryError as error:
+        reason = str(error)
+    except HarnessError:
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
+        reason = describe_exception(error)
+    return _broken(case, reason, _version(chosen)) if reason else answer
+
+
+def _broken(case: Case, reason: str, version: str) -> Simulation:
+    """Return that a case came to nothing, and why."""
+    step = None
+    with suppress(Exception):  # an adapter that broke its contract once may do it again
+        step = timestep_of(case)
+    return Simulation(
+        case=case,
+        outcome=Outcome.BROKEN,
+        note=reason,
+        trajectory=None,
+        engine_version=version,
+        model=case.engine,
+        timestep=step,
+    )
+
+
+def _version(chosen: Engine) -> str:
+    """Return the version of an engine, or "unknown" if its adapter cannot tell."""
+    with suppress(Exception):
+        version: object = chosen.version
+        return version if isinstance(version, str) else "unknown"
+    return "unknown"
+
+
+def measure_simulation(simulation: Simulation) -> Evaluation:
+    """Measure a simulation, against the truth where the reference can carry its scene."""
+    scene, trajectory = simulation.case.scene, simulation.trajectory
+    if trajectory is None:
+        return Evaluation(simulation=simulation, findings=findings(scene) if refusal(scene) else ())
+    found = motion(trajectory, scene)
+    found_bounces = bounces(found, scene.can)
+    drift = energy_drift(trajectory, scene) if scene.gravity > 0.0 else None
+    quality = contact_quality(found)
+    if refusal(scene):
+        return Evaluation(
+            simulation=simulation,
+            motion=found,
+            bounces=found_bounces,
+            energy_drift=drift,
+            contact=quality,
+            findings=findings(scene),
+        )
+    own = truth(scene)
+    exact = _until(scene, own, float(found.time[-1]))
+    common = found.time <= exact.ends
+    compared = motion(take(trajectory, common), scene)
+    true = motion(exact.at(compared.time), scene)
+    dense = sample_truth(exact)
+    before = dense.time < compared.time[-1]
+    # to the very end of what is compared: cut at a sample, the curve would be too short
+    locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))
+    chaos = divergence_of(scene)
+    apart = rotation_between(compared.trajectory.quaternion, true.trajectory.quaternion) > PARTED
+    pull = dense.contact_force[dense.time <= own.ends, 2] < -_NONE * scene.can.mass * scene.gravity
+    return Evaluation(
+        simulation=simulation,
+        motion=found,
+        bounces=found_bounces,
+        energy_drift=drift,
+        contact=quality,
+        truth=true,
+        true_bounces=own.bounces,
+        errors=None
+        if chaos is not None and chaos.chaotic
+        else errors(compared, true, found_bounces, own.bounces, locus),
+        truth_pulls=bool(pull.any()),
+        findings=findings(scene),
+        divergence=chaos,
+        parts_at=float(compared.time[apart][0]) if apart.any() else None,
+    )
+
+
+def _until(scene: Scene, own: Truth, end: float) -> Truth:
+    """Return the truth up to a time in s that an engine may have needed beyond the horizon.
+
+    The times asked for go up in steps, so that the cases of a scene share a solution.
+    """
+    seconds = own.ends
+    while 0.0 < seconds < end:
+        seconds *= 1.25
+    return own if seconds == own.ends else truth(scene, seconds)
+
+
+def run_cases(
+    cases: Sequence[Case],
+    executor: Executor | None = None,
+    on_done: Callable[[Evaluation], None] | None = None,
+    *,
+    store: CacheFolder | None = None,
+    on_kept: Callable[[int, int], None] | None = None,
+) -> tuple[Evaluation, ...]:
+    """Evaluate cases, each once, and return them in the order given.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    executor : Executor, optional
+        Where they run; here and one by one if left out.
+    on_done : callable, optional
+        Is told of each evaluation as it is ready.
+    store : Store, optional
+        Where evaluations are kept. What is there is not run again, and has the same bits as if it
+        were; times are those that were measured when it ran.
+    on_kept : callable, optional
+        Is told, before anything runs, how many cases are in the store and how many there are.
+
+    Raises
+    ------
+    HarnessError
+        Before anything runs, if a case is wrong use; else as `attempt` does.
+    """
+    for case in cases:
+        check_case(case)
+    listener: ProgressListener[Case, Evaluation] = ProgressListener(
+        kept=on_kept or (lambda *_: None),
+        done=(lambda _, evaluation: on_done(evaluation)) if on_done else (lambda *_: None),
+    )
+    return tuple(
+        run_tasks(
+            cases,
+            evaluate_case,
+            SerialExecutor() if executor is None else executor,
+            lost=failed_evaluation,
+            shelf=None if store is None else evaluation_cache(store),
+            listener=listener,
+        )
+    )
+
+
+_OUTCOMES = {
+    Loss.CRASHED: Outcome.CRASHED,
+    Loss.HUNG: Outcome.HUNG,
+    Loss.OUT_OF_MEMORY: Outcome.OUT_OF_MEMORY,
+    Loss.STOPPED: Outcome.STOPPED,
+}
+
+
+def failed_evaluation(case: Case, error: LostTaskError) -> Evaluation:
+    """Return what came of a case whose process died or was stopped."""
+    nothing = _broken(case, error.reason, engine_version(case.engine))
+    return Evaluation(simulation=replace(nothing, outcome=_OUTCOMES[error.loss]))

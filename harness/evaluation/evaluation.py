@@ -1,0 +1,56 @@
+"""A simulation with what was measured of it."""
+
+from dataclasses import dataclass
+
+from harness.core.bounce import Bounce
+from harness.core.simulation import Simulation
+from harness.engines.reference import Finding
+from harness.engines.reference.assumption_checks import Divergence
+from harness.metrics.contact import ContactQuality
+from harness.metrics.error import Errors
+from harness.metrics.motion import Motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Evaluation:
+    """A simulation with what was measured of it.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    motion : Motion or None
+        None if there is no trajectory.
+    bounces : tuple of Bounce
+    energy_drift : float or None
+        Over m g R.
+    contact : ContactQuality or None
+    truth : Motion or None
+        The exact motion at the instants of `motion` up to where it is defined.
+    true_bounces : tuple of Bounce
+    errors : Errors or None
+        None for a scene that the reference cannot carry, and for a chaotic one, where what differs
+        in the end is no error: `divergence` and `parts_at` say how long it can be compared.
+    truth_pulls : bool
+        True if the exact motion asks the plane to pull: no engine whose contact only pushes can
+        follow it, and the errors say how the can leaves it.
+    findings : tuple of Finding
+        What the exact motion breaks of what its model assumes, each with the model that would carry
+        it.
+    divergence : Divergence or None
+        How disturbed releases part; None of a scene that cannot be chaotic.
+    parts_at : float or None
+        When the orientation is first 0.1 rad from the truth's, s; None if it never is.
+    """
+
+    simulation: Simulation
+    motion: Motion | None = None
+    bounces: tuple[Bounce, ...] = ()
+    energy_drift: float | None = None
+    contact: ContactQuality | None = None
+    truth: Motion | None = None
+    true_bounces: tuple[Bounce, ...] = ()
+    errors: Errors | None = None
+    truth_pulls: bool = False
+    findings: tuple[Finding, ...] = ()
+    divergence: Divergence | None = None
+    parts_at: float | None = None

@@ -1,0 +1,293 @@
+"""Running on a cluster of Dask: its scheduler places the tasks, and repeats those of lost workers.
+
+A worker of the cluster does each task in a process beside it, within limits. So an engine that
+crashes or hangs is the outcome of its case here as on one machine, and when a worker of the cluster
+is lost, that is the machine's doing and the task is done elsewhere.
+
+What a machine computes with: machines that say the same of themselves make the same bits.
+
+A version does not change while somebody edits a checkout, so sources are compared as text. A
+processor of the same kind is taken to compute alike.
+"""
+
+import importlib
+import platform
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
+from types import TracebackType
+from typing import Any, ParamSpec, TypeVar
+
+from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
+from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.execution.isolated_pool import IMPORTS, run_isolated
+from harness.execution.limits import Limits
+from harness.execution.source_fingerprint import fingerprint
+from harness.execution.worker import Loss, LostTaskError
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_SOURCES = "sources of rockingcan"
+_PACKAGES = ("numpy", "scipy", "mujoco", "pybullet")
+_IN_SOURCES = frozenset({"numpy", "scipy"})
+"""What a fingerprint of sources holds besides them: while these differ, it says nothing more."""
+
+_OURS = "harness"
+_NONE = "none"
+
+REMEDY = "have the same there as here, and start the workers again"
+
+
+def environment_description() -> dict[str, str]:
+    """Return what this process computes with, by what it is."""
+    return dict(_likeness())
+
+
+@cache
+def _likeness() -> tuple[tuple[str, str], ...]:
+    return (
+        ("rockingcan", _version("rockingcan")),
+        (_SOURCES, fingerprint(_OURS)),
+        ("Python", f"{sys.version_info.major}.{sys.version_info.minor}"),
+        ("platform", f"{platform.system()} {platform.machine()}"),
+        *((name, _version(name)) for name in _PACKAGES),
+        *_engines(),
+    )
+
+
+def _engines() -> Iterator[tuple[str, str]]:
+    """Yield engines of others, without making them: their package's version and sources."""
+    for entry in sorted(entry_points(group=ENGINE_ENTRY_POINTS), key=lambda entry: entry.name):
+        package = entry.value.partition(":")[0].partition(".")[0]
+        if package != _OURS:
+            yield f"engine {entry.name}", f"{_origin(entry)} {fingerprint(package)}"
+
+
+def _origin(entry: EntryPoint) -> str:
+    return "unknown" if entry.dist is None else f"{entry.dist.name} {entry.dist.version}"
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return _NONE
+
+
+def environment_differences(there: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
+    """Return in words what differs; engines that only one of both has cannot give other results."""
+    both = [key for key in here if key in there and here[key] != there[key]]
+    if _IN_SOURCES & set(both):
+        both = [key for key in both if key != _SOURCES and not key.startswith("engine ")]
+    return [f"{key} {there[key]} (here {here[key]})" for key in both]
+
+
+def check_same_environment(
+    here: Mapping[str, str], fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+) -> T:
+    """Return what a function returns, if this process is like the one that asks for it.
+
+    Raises
+    ------
+    ClusterError
+        If it is not: it came after the others were asked, or was started before an edit.
+    """
+    if other := environment_differences(environment_description(), here):
+        raise ClusterError(
+            f"a worker on '{platform.node()}' would not compute as it is done here: it has "
+            f"{', '.join(other)}; {REMEDY}"
+        )
+    return fn(*args, **kwargs)
+
+
+_PATIENCE = 10.0
+"""s for a scheduler to answer."""
+
+_ADDRESS = re.compile(
+    r"((tcp|tls|ucx|ws|wss)://)?(\[[0-9a-fA-F:.]+(%\w+)?\]|[\w.-]+):(?P<port>[0-9]{1,5})/?",
+    re.ASCII,
+)
+_LAST_PORT = 2**16 - 1
+_FORM = "the address of a Dask scheduler, such as tcp://host:8786"
+
+_GONE = "the scheduler let go of a task, or is gone; start again to go on"
+
+_TASKS_A_THREAD = 2
+"""One that runs and one that has arrived: the network's delay does not show."""
+
+
+def dask_executor(
+    address: str, limits: Limits, imports: tuple[str, ...] = IMPORTS
+) -> "DaskExecutor":
+    """Return an executor of the Dask cluster whose scheduler is at an address.
+
+    Parameters
+    ----------
+    address : str
+        Such as "tcp://host:8786".
+    limits : Limits
+        Of each task.
+    imports : tuple of str
+        What a process imports at its start, before the time of a task runs.
+
+    Raises
+    ------
+    InvalidSettingError
+        If it is no address.
+    MissingPackageError
+        If `distributed` is not installed.
+    ClusterError
+        If no scheduler answers, it has no workers, or they would not compute as this process.
+    """
+    check_cluster_address(address)
+    try:
+        dask: Any = importlib.import_module("distributed")  # an extra: most runs need no cluster
+    except ImportError as error:
+        raise MissingPackageError("--on", "rockingcan[cluster]", str(error)) from error
+    try:
+        client = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ClusterError(
+            f"no Dask scheduler answers at '{address}' ({error}); start one with: dask scheduler, "
+            "and workers with: dask worker ADDRESS"
+        ) from error
+    try:
+        _check(client, address)
+    except BaseException:
+        client.close()
+        raise
+    return DaskExecutor(client, limits, imports)
+
+
+def check_cluster_address(address: str) -> None:
+    """Refuse what is no address; Dask's own client would find out late, and not let go.
+
+    Raises
+    ------
+    InvalidSettingError
+    """
+    found = _ADDRESS.fullmatch(address)
+    if found is None or not 0 < int(found["port"]) <= _LAST_PORT:
+        raise InvalidSettingError("--on", address, _FORM)
+
+
+def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package ships no types
+    """Refuse a cluster that cannot run cases as they would run here."""
+    found: dict[str, dict[str, str] | Exception]
+    try:
+        found = client.run(environment_description, on_error="return")
+    except Exception as error:
+        raise ClusterError(
+            f"workers of the cluster at '{address}' cannot say what they compute with "
+            f"({type(error).__name__}: {error}); {REMEDY}"
+        ) from error
+    if not found:
+        raise ClusterError(f"the cluster at '{address}' has no workers; start: dask worker ADDRESS")
+    here, others = environment_description(), []
+    for place, there in sorted(found.items()):
+        if isinstance(there, Exception):
+            others.append(f"{place} cannot say ({type(there).__name__}: {there})")
+        elif other := environment_differences(there, here):
+            others.append(f"{place} has {', '.join(other)}")
+    if others:
+        raise ClusterError(
+            f"workers of the cluster at '{address}' would not compute as it is done here: "
+            f"{'; '.join(others)}; {REMEDY}"
+        )
+
+
+@contextmanager
+def _reached() -> Iterator[None]:
+    """Say of a scheduler that no longer answers that it is gone."""
+    try:
+        yield
+    except OSError as error:  # timeouts and closed connections of Dask are among these
+        raise ClusterError(f"{_GONE} ({error})") from error
+
+
+class DaskExecutor(Executor):
+    """Runs tasks on the workers of a Dask cluster.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Is closed with the executor.
+    limits : Limits
+        Of each task.
+    imports : tuple of str
+        What a process imports at its start, before the time of a task runs.
+    """
+
+    def __init__(
+        self,
+        client: Any,  # noqa: ANN401 - it ships no types
+        limits: Limits,
+        imports: tuple[str, ...] = IMPORTS,
+    ) -> None:
+        self._client = client
+        self.limits = limits
+        self._imports = imports
+        self._here = environment_description()
+        self._futures: set[Any] = set()
+
+    @property
+    def window(self) -> int:
+        """How many tasks keep it busy."""
+        with _reached():
+            threads: dict[str, int] = self._client.nthreads()
+        return _TASKS_A_THREAD * max(1, sum(threads.values()))
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
+        """Have a task done; its exception, if any, is in the future."""
+        future: Future[T] = Future()
+        future.set_running_or_notify_cancel()
+        with _reached():  # not pure: two tasks alike are two tasks
+            theirs = self._client.submit(
+                run_isolated,
+                self.limits,
+                self._imports,
+                check_same_environment,
+                self._here,
+                fn,
+                *args,
+                pure=False,
+                **kwargs,
+            )
+        self._futures.add(theirs)
+        theirs.add_done_callback(lambda done: self._settle(future, done))
+        return future
+
+    def _settle(self, future: "Future[T]", done: Any) -> None:  # noqa: ANN401 - it ships no types
+        """Hand on what the cluster answered."""
+        dask: Any = importlib.import_module("distributed")
+        try:
+            future.set_result(done.result())
+        except dask.KilledWorker as error:
+            future.set_exception(LostTaskError(Loss.STOPPED, f"killed: with its worker, {error}"))
+        except CancelledError:
+            future.set_exception(ClusterError(_GONE))
+        except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+            future.set_exception(error)
+        finally:
+            self._futures.discard(done)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
+        """Let go of the cluster, which goes on."""
+        if cancel_futures or not wait:
+            self._client.cancel(list(self._futures))
+        self._client.close()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Let go of the cluster; after an error, with what it was to do."""
+        del error, trace
+        self.shutdown(cancel_futures=kind is not None)

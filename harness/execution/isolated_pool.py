@@ -1,0 +1,286 @@
+"""An executor whose tasks cannot hurt each other: a process each, limits, replacement.
+
+The pools of the standard library and of loky fail all that is pending when one process dies. That
+of pebble tells which task it was, but its workers share a pipe and its lock: one that is killed
+while it sends a result stalls the others. So here each worker has a pipe, and a thread, of its own.
+
+One task in a process of its own, from wherever this is called: a worker of a cluster, say.
+
+Processes that are beside this one for as long as it runs, and end with it.
+
+Running on this machine: here, one by one, or in processes within limits.
+"""
+
+import atexit
+import pickle
+import queue
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass
+from functools import cache
+from types import TracebackType
+from typing import Any, ParamSpec, TypeVar
+
+from harness.execution.limits import NO_LIMITS, Limits, default_limits
+from harness.execution.signals import SIGNALS
+from harness.execution.worker import Worker, of_stop, of_want
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Task:
+    future: "Future[Any]"
+    payload: bytes
+
+
+class IsolatedProcessPool(Executor):
+    """Runs tasks in so many processes, which are started when they are needed and used again.
+
+    Functions and their arguments are pickled, so a function is one of a module. A task whose
+    process dies or has to be stopped raises `LostTaskError`, and one whose process cannot be
+    started what the system said; the next has a new process.
+
+    Parameters
+    ----------
+    workers : int
+    limits : Limits
+        Of each task.
+    imports : tuple of str
+        Modules that a process imports at its start, before the clock of a task runs.
+    """
+
+    def __init__(
+        self, workers: int, limits: Limits = NO_LIMITS, imports: tuple[str, ...] = ()
+    ) -> None:
+        self.workers = workers
+        self.limits = limits
+        self._imports = imports
+        self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
+        self._running: set[Worker] = set()
+        self._threads: list[threading.Thread] = []
+        self._lock = threading.Lock()
+        self._closed = False
+        self._stopping = False
+
+    @property
+    def window(self) -> int:
+        """How many tasks keep it busy: one for each worker, and one that waits."""
+        return self.workers + 1
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
+        """Have a task done; its exception, if any, is in the future.
+
+        Raises
+        ------
+        RuntimeError
+            After `shutdown`.
+        """
+        future: Future[T] = Future()
+        payload = pickle.dumps((fn, args, kwargs), pickle.HIGHEST_PROTOCOL)
+        with self._lock:
+            if self._closed:
+                raise RuntimeError("the executor was shut down: it takes no more tasks")
+            if len(self._threads) < self.workers:
+                thread = threading.Thread(target=self._serve, daemon=True)
+                thread.start()  # raises where the system has none left: then nothing waits for it
+                self._threads.append(thread)
+            self._tasks.put(_Task(future=future, payload=payload))
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
+        """Take no more tasks; end the processes when they have done what they have."""
+        with self._lock:
+            self._closed = True
+            if cancel_futures:
+                self._cancel_waiting()
+            for _ in self._threads:
+                self._tasks.put(None)
+        if wait:
+            for thread in self._threads:
+                thread.join()
+
+    def stop(self) -> None:
+        """End at once: cancel what waits, and kill the processes of what runs."""
+        self.shutdown(wait=False, cancel_futures=True)
+        with self._lock:
+            self._stopping = True
+            for worker in self._running:
+                worker.stop()
+        for thread in self._threads:
+            thread.join()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Wait for what was submitted; after an error, do not."""
+        del error, trace
+        if kind is None:
+            self.shutdown()
+        else:
+            self.stop()
+
+    def _cancel_waiting(self) -> None:
+        """Cancel the tasks that no worker has."""
+        while True:
+            try:
+                task = self._tasks.get_nowait()
+            except queue.Empty:
+                return
+            if task is not None:
+                task.future.cancel()
+
+    def _serve(self) -> None:
+        """Give tasks to one worker, and a new one to the task after one that took it along."""
+        # a process inherits what is blocked here, until it has seen to its signals itself
+        signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+        worker: Worker | None = None
+        while (task := self._tasks.get()) is not None:
+            if not task.future.set_running_or_notify_cancel():
+                continue
+            try:
+                worker = worker or self._started()
+                answer = worker.do(task.payload)
+            except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+                task.future.set_exception(error)
+                self._ended(worker)
+                worker = None
+                continue
+            _settle(task.future, answer)
+        self._ended(worker)
+
+    def _started(self) -> Worker:
+        """Return a new worker, unless all is being stopped."""
+        with self._lock:
+            if self._stopping:
+                raise of_stop()
+            try:
+                worker = Worker(self.limits, self._imports)
+            except OSError as error:
+                raise of_want(error) from error
+            self._running.add(worker)
+        return worker
+
+    def _ended(self, worker: Worker | None) -> None:
+        """Clear up after a worker."""
+        if worker is not None:
+            with self._lock:
+                self._running.discard(worker)
+            worker.close()
+
+
+def _settle(future: "Future[Any]", answer: bytes) -> None:
+    """Hand on what a worker answered."""
+    try:
+        result, error = pickle.loads(answer)  # noqa: S301 - from a process of our own
+    except Exception as unreadable:  # noqa: BLE001 - handed on to whoever asks for the result
+        result, error = None, unreadable
+    if error is None:
+        future.set_result(result)
+    else:
+        future.set_exception(error)
+
+
+_there: list[IsolatedProcessPool] = []
+
+
+def background_worker(limits: Limits, imports: tuple[str, ...] = ()) -> IsolatedProcessPool:
+    """Return an executor of one process that is ended when this one ends, with what it started.
+
+    Parameters
+    ----------
+    limits : Limits
+        Of each task.
+    imports : tuple of str
+        Modules that the process imports at its start.
+    """
+    made = IsolatedProcessPool(1, limits, imports)
+    _there.append(made)
+    return made
+
+
+@atexit.register
+def end_background_worker() -> None:
+    """End what is beside this process; to be called by a program that does not end as usual."""
+    for executor in tuple(_there):
+        executor.stop()
+
+
+def run_isolated(
+    limits: Limits,
+    imports: tuple[str, ...],
+    fn: Callable[P, T],
+    /,
+    *args: P.args,
+    **kwargs: P.kwargs,
+) -> T:
+    """Return what a function returns that runs in a process beside this one, within limits.
+
+    The process is kept for the next call, and ended with this one; threads that call at once have
+    one each. What it imports at its start, no call's time counts.
+
+    Raises
+    ------
+    LostTaskError
+        If the process dies or has to be stopped.
+    """
+    here = _beside(threading.get_ident(), limits, tuple(imports))
+    return here.submit(fn, *args, **kwargs).result()
+
+
+@cache
+def _beside(thread: int, limits: Limits, imports: tuple[str, ...]) -> IsolatedProcessPool:
+    """Return the executor of a thread."""
+    del thread
+    return background_worker(limits, imports)
+
+
+IMPORTS = ("harness.evaluation.evaluate",)
+"""What a worker imports at its start; engines follow with the first case that asks for them."""
+
+
+class SerialExecutor(Executor):
+    """Runs each task where and when it is submitted."""
+
+    window = 1
+    """How many tasks keep it busy."""
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
+        """Run a task now; its exception, if any, is in the future."""
+        future: Future[T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+            future.set_exception(error)
+        return future
+
+
+def local_executor(
+    jobs: int,
+    *,
+    spawned: bool = False,
+    limits: Limits | None = None,
+    imports: tuple[str, ...] = IMPORTS,
+) -> Executor:
+    """Return an executor of so many processes on this machine.
+
+    Parameters
+    ----------
+    jobs : int
+    spawned : bool
+        A process of its own for a single job too; else that runs in this one, where nothing can
+        stop it and a crash ends the program.
+    limits : Limits, optional
+        Of each task in a process; half an hour, and together most of the memory, if left out.
+    imports : tuple of str
+        What a process imports at its start, before the time of a task runs.
+    """
+    if jobs == 1 and not spawned:
+        return SerialExecutor()
+    return IsolatedProcessPool(jobs, default_limits(jobs) if limits is None else limits, imports)

@@ -1,0 +1,232 @@
+"""A worker as its owner sees it: started once, given one task at a time, watched.
+
+What is said of a task whose process did not come back.
+"""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import BrokenExecutor
+from enum import Enum
+from multiprocessing import Pipe
+
+from harness.execution.limits import Limits
+from harness.execution.process_tree import end, used
+from harness.execution.worker_main import READY
+
+
+class Loss(Enum):
+    """Why a task has no result."""
+
+    CRASHED = "its process died"
+    HUNG = "it took longer than it may"
+    OUT_OF_MEMORY = "it used more memory than it may"
+    STOPPED = "its process was stopped from outside"
+
+
+class LostTaskError(BrokenExecutor):
+    """A task has no result, because its process died or had to be stopped.
+
+    Parameters
+    ----------
+    loss : Loss
+    reason : str
+        What happened, in a sentence.
+    """
+
+    def __init__(self, loss: Loss, reason: str) -> None:
+        super().__init__(loss, reason)
+        self.loss = loss
+        self.reason = reason
+
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.reason
+
+
+_WORDS = {
+    signal.SIGSEGV: "segmentation fault",
+    signal.SIGBUS: "bus error",
+    signal.SIGABRT: "abort",
+    signal.SIGILL: "illegal instruction",
+    signal.SIGFPE: "arithmetic fault",
+}
+
+
+def of_exit(code: int) -> LostTaskError:
+    """Return what the exit code of a worker says that died by itself, as `subprocess` has it."""
+    if code >= 0:
+        return LostTaskError(Loss.CRASHED, f"killed: the engine left its process with code {code}")
+    number = -code
+    name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
+    if number in _WORDS:
+        return LostTaskError(Loss.CRASHED, f"killed: {name}, {_WORDS[signal.Signals(number)]}")
+    if number == signal.SIGKILL:
+        return LostTaskError(
+            Loss.STOPPED,
+            "killed: SIGKILL from outside, as the system does when its memory runs out",
+        )
+    return LostTaskError(Loss.STOPPED, f"killed: {name} from outside")
+
+
+def of_silence() -> LostTaskError:
+    """Return that a worker was ended because it could not answer any more."""
+    return LostTaskError(
+        Loss.CRASHED, "killed: the engine closed its process's connection to the run"
+    )
+
+
+def of_stop() -> LostTaskError:
+    """Return that a worker was ended because the run was."""
+    return LostTaskError(Loss.STOPPED, "killed: the run was stopped")
+
+
+def of_want(error: OSError) -> LostTaskError:
+    """Return that the system has no process, memory or file left to begin with."""
+    return LostTaskError(Loss.STOPPED, f"never begun: no process can be started: {error}")
+
+
+def of_time(seconds: float) -> LostTaskError:
+    """Return that a task was stopped for its time."""
+    return LostTaskError(Loss.HUNG, f"killed: it ran longer than the {seconds:g} s allowed")
+
+
+def of_memory(most: float) -> LostTaskError:
+    """Return that a task was stopped for its memory."""
+    return LostTaskError(
+        Loss.OUT_OF_MEMORY, f"killed: it used more than the {most / 2**30:.3g} GiB allowed"
+    )
+
+
+_TICK = 0.05
+"""s between looks at a worker: at 3 GB/s it oversteps its memory by 0.15 GB meanwhile."""
+
+_PARTING = 1.0
+"""s for a process to end whose connection is closed."""
+
+_LOOK = os.WEXITED | os.WNOHANG | os.WNOWAIT
+
+_PATIENCE = 120.0  # s: a machine that is busy starts Python and imports the engines in some seconds
+
+
+class Worker:
+    """A process that does tasks one after the other.
+
+    Starting it takes a second or so, which no task's time counts. What a task starts is weighed
+    with it and ended with it, as far as `family` knows of it, when this program ends the process.
+    When this program is killed, the system ends the process, on Linux, and not what that started.
+
+    Parameters
+    ----------
+    limits : Limits
+        Of each task.
+    imports : tuple of str
+        Modules that it imports at its start.
+
+    Raises
+    ------
+    OSError
+        If the system has no process, memory or file left to start it with.
+    """
+
+    def __init__(self, limits: Limits, imports: tuple[str, ...] = ()) -> None:
+        self._limits = limits
+        self._mine, theirs = Pipe()
+        program = (
+            f"import sys; sys.path[:] = {sys.path!r}; "
+            "from harness.execution.worker_main import serve; "
+            f"serve({theirs.fileno()}, {os.getpid()}, {imports!r})"
+        )
+        # not `multiprocessing`: what a daemon of a cluster may not start, and no guard in scripts
+        try:
+            self._process = subprocess.Popen(  # noqa: S603 - our own program
+                [sys.executable, "-c", program],
+                stdin=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
+                process_group=0,
+            )
+        except OSError:
+            self._mine.close()
+            raise
+        finally:
+            theirs.close()
+        self._ready = False
+        self._stopped = False
+        self._ending = threading.Lock()
+
+    def do(self, task: bytes) -> bytes:
+        """Give a task, as bytes, and return the answer.
+
+        Raises
+        ------
+        LostTaskError
+            If the process dies over it, or is stopped for its limits; it is not to be used again.
+        """
+        if not self._ready:
+            if self._answer(Limits(seconds=_PATIENCE)) != READY:
+                raise self._silenced()
+            self._ready = True
+        try:
+            self._mine.send_bytes(task)
+        except OSError as error:
+            raise self._silenced() from error
+        return self._answer(self._limits)
+
+    def _answer(self, limits: Limits) -> bytes:
+        """Wait for what the process sends, as long as it keeps to its limits."""
+        started = time.monotonic()
+        try:
+            while not self._mine.poll(_TICK):
+                lost = self._breach(limits, time.monotonic() - started)
+                if lost is not None:
+                    raise lost
+            return self._mine.recv_bytes()
+        except (EOFError, OSError) as error:
+            raise self._silenced() from error
+
+    def _breach(self, limits: Limits, seconds: float) -> LostTaskError | None:
+        """Stop the process if it is over a limit; return which, or that it died."""
+        if self._has_ended() and not self._mine.poll():
+            return self._silenced()
+        if seconds > limits.seconds:
+            self.stop()
+            return of_time(limits.seconds)
+        if not math.isinf(limits.memory) and used(self._process.pid, limits.memory) > limits.memory:
+            self.stop()
+            return of_memory(limits.memory)
+        return None
+
+    def _silenced(self) -> LostTaskError:
+        """Return what became of a process that does not answer any more, and see that it ends."""
+        until = time.monotonic() + _PARTING
+        while not self._has_ended() and time.monotonic() < until:
+            time.sleep(_PARTING / 100.0)
+        closed = not self._has_ended()
+        code = self.stop()
+        if closed:
+            return of_silence()
+        return of_stop() if self._stopped else of_exit(code)
+
+    def _has_ended(self) -> bool:
+        """Whether the process has ended; it is not waited for, and so keeps its number."""
+        try:
+            return os.waitid(os.P_PID, self._process.pid, _LOOK) is not None
+        except ChildProcessError:  # it was waited for
+            return True
+
+    def stop(self) -> int:
+        """End the process at once, and what it started; return its exit code."""
+        with self._ending:
+            if self._process.returncode is None:
+                self._stopped = not self._has_ended()
+                end(self._process.pid)
+            return self._process.wait()
+
+    def close(self) -> None:
+        """End an idle process."""
+        self.stop()
+        self._mine.close()

@@ -1,0 +1,126 @@
+"""What runs in a worker: take a task, do it, send what came of it; end when the owner does.
+
+Started as a program of its own, not as a fork: engines hold threads and global state.
+"""
+
+import ctypes
+import importlib
+import os
+import pickle
+import signal
+import sys
+import traceback
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from pathlib import Path
+from types import FrameType
+
+from harness.core.errors import HarnessError
+from harness.execution.signals import SIGNALS
+
+READY = b"ready"
+
+_PR_SET_PDEATHSIG = 1  # of prctl(2)
+_SHED_FIRST = "500"  # of 1000: short of memory, the system takes a worker and not the run
+
+
+_serving = False
+
+
+def is_worker() -> bool:
+    """Whether this process is one that serves tasks."""
+    return _serving
+
+
+def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
+    """Serve tasks from a connection until it is closed.
+
+    Parameters
+    ----------
+    handle : int
+        File descriptor of the connection.
+    owner : int
+        Process that started this one.
+    imports : tuple of str
+        Modules to import before the first task, so that no task's time is theirs.
+    """
+    global _serving  # noqa: PLW0603 - what this process is, from its first moment to its last
+    _serving = True
+    _die_with(owner)
+    _disregard()
+    # in a group of its own it is in the background of a terminal, and may still complain there
+    signal.signal(signal.SIGTTOU, signal.SIG_IGN)
+    with suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")
+    for name in imports:
+        importlib.import_module(name)
+    connection = Connection(handle)
+    connection.send_bytes(READY)
+    while True:
+        try:
+            task = connection.recv_bytes()
+        except EOFError:
+            return
+        connection.send_bytes(_done(task))
+
+
+def _die_with(owner: int) -> None:
+    """Have the system end this process when the thread that started it ends, on Linux."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != owner:  # it ended before that
+        os._exit(1)
+
+
+def _disregard() -> None:
+    """Do nothing at the signals that end a run: its owner heeds them, and ends this process.
+
+    They arrive blocked, and would be blocked or ignored in what a task starts as well, which it
+    may want to end. A handler is left behind by a program that is started, and by a fork here.
+    """
+    for number in SIGNALS:
+        signal.signal(number, _unheeded)
+    os.register_at_fork(after_in_child=_heed)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+
+
+def _unheeded(signum: int, frame: FrameType | None) -> None:
+    """Go on."""
+    del signum, frame
+
+
+def _heed() -> None:
+    """End at these signals again, unless a task has had its own say."""
+    for number in SIGNALS:
+        if signal.getsignal(number) is _unheeded:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _done(task: bytes) -> bytes:
+    """Return the pickled pair of a result and an error, one of them None."""
+    try:
+        fn, args, kwargs = pickle.loads(task)  # noqa: S301 - from the owner of this process
+        return pickle.dumps((fn(*args, **kwargs), None), pickle.HIGHEST_PROTOCOL)
+    except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
+        sent = _portable(error)
+        if not isinstance(error, HarnessError):  # which says all that there is to say
+            sent.add_note(f"in a worker:\n{traceback.format_exc()}")
+        return pickle.dumps((None, sent), pickle.HIGHEST_PROTOCOL)
+
+
+def _portable(error: Exception) -> Exception:
+    """Return an error that another process can be sent, of the same kind where possible."""
+    with suppress(Exception):
+        copy = pickle.loads(pickle.dumps(error))  # noqa: S301 - just made
+        if isinstance(copy, type(error)) and str(copy) == str(error):
+            return error
+    said = ""
+    with suppress(Exception):  # an error of somebody's may not be able to say what it is
+        said = str(error)
+    # an ancestor that is made of its message alone: for ours the root, which callers look for
+    simple = next((kind for kind in type(error).__mro__ if "__init__" not in vars(kind)), None)
+    with suppress(Exception):
+        sent = simple(said) if simple is not None else None
+        if isinstance(sent, Exception):
+            return sent
+    return RuntimeError(f"{type(error).__name__}: {said}")

@@ -1,0 +1,129 @@
+"""How far a result is free to move when nothing of an engine has changed.
+
+On one machine a run repeats to the last bit. On another, or built by another compiler, each step
+may differ in its last bit, and a contact that opens and closes amplifies that. What that does is
+measured: each case is run again with releases, and headings, that differ by 1e-13 to 1e-9. A last
+bit is 1e-16, and a million steps that each differ by one come to between 1e-13 and 1e-10; so the
+sizes bracket what a machine can do, and the largest departure stands for all of them.
+
+Runs the members of every case and puts their spread beside its score.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from itertools import islice
+from types import MappingProxyType
+
+from harness.core.case import Case
+from harness.evaluation.evaluate import run_cases
+from harness.gate.scores import QUANTITIES, Number, QuantityKind, Score, scored
+from harness.studies.shared.perturbation import perturbed
+
+SIZES = (1e-9, 1e-13, 1e-11, 1e-12, 1e-10)
+"""Relative to phi, psi' and theta', and rad of heading; taken in turn."""
+
+FEWEST, MOST = 4, 12
+"""Members of a case. What amplifies most are coarse timesteps, whose runs cost least."""
+
+STEPS = 200_000
+"""Steps that the members of a case may take together, if that is not too few of them."""
+
+
+def members(steps: int) -> int:
+    """Return how many members a case has, by the steps that it takes; not by any clock."""
+    return max(FEWEST, min(MOST, STEPS // max(steps, 1)))
+
+
+def member(case: Case, number: int) -> Case:
+    """Return a case with another release, which no measurement could tell from its own."""
+    size = SIZES[number % len(SIZES)]
+    scene = perturbed(case.scene, size, number)
+    # a heading changes the bits of every number, also of a release at rest or in balance
+    turned = scene.release.psi + size
+    return replace(case, scene=replace(scene, release=replace(scene.release, psi=turned)))
+
+
+def spread(middle: Score, found: Sequence[Score]) -> Score:
+    """Return a score with the spread of its members about it."""
+    endings: dict[str, int] = {}
+    for one in (middle, *found):
+        endings[one.outcome] = endings.get(one.outcome, 0) + 1
+    return replace(
+        middle,
+        members=len(found),
+        spread=MappingProxyType(_spreads(middle, found)),
+        endings=MappingProxyType(endings),
+    )
+
+
+def _spreads(middle: Score, found: Sequence[Score]) -> Mapping[str, Number]:
+    """Return the largest departure of each quantity that is judged."""
+    alike = [one for one in found if one.outcome == middle.outcome]
+    spreads: dict[str, Number] = {}
+    for quantity in (one for one in QUANTITIES if one.kind is not QuantityKind.TIME):
+        values = [one.values.get(quantity.column) for one in alike]
+        own = middle.values.get(quantity.column)
+        if own is None and all(value is None for value in values):
+            continue
+        known = [value for value in values if value is not None]
+        if own is None or len(known) < len(values):
+            spreads[quantity.column] = None
+        else:
+            spreads[quantity.column] = max((abs(value - own) for value in known), default=0.0)
+    return spreads
+
+
+_AT_ONCE = 48
+"""Members whose motions are held in memory together, some megabytes each."""
+
+
+def count(designed: Sequence[Case], scores: Sequence[Score]) -> int:
+    """Return how many members the cases have together."""
+    return sum(1 for _ in _members(designed, scores))
+
+
+def measured(
+    designed: Sequence[Case],
+    scores: Sequence[Score],
+    executor: Executor,
+    told: Callable[[str], None] | None = None,
+) -> tuple[Score, ...]:
+    """Return the scores with the spread of their members.
+
+    Parameters
+    ----------
+    designed : sequence of Case
+    scores : sequence of Score
+        Of these cases, in their order.
+    executor : Executor
+    told : callable, optional
+        Is told of each member that is done, by its label.
+    """
+    found: dict[int, list[Score]] = {number: [] for number in range(len(scores))}
+    pending = _members(designed, scores)
+    while batch := list(islice(pending, _AT_ONCE)):
+        cases = [case for _, case in batch]
+        evaluations = run_cases(
+            cases,
+            executor,
+            None if told is None else lambda e: told(e.simulation.case.label()),
+        )
+        for (number, _), one in zip(batch, scored(cases, evaluations), strict=True):
+            found[number].append(one)
+    return tuple(spread(one, found[number]) for number, one in enumerate(scores))
+
+
+def _members(designed: Sequence[Case], scores: Sequence[Score]) -> Iterator[tuple[int, Case]]:
+    """Yield each case's members with its place; those of one release together.
+
+    They share the exact motion of that release, which costs more than most of the runs.
+    """
+    scenes: dict[str, list[int]] = {}
+    for place, case in enumerate(designed):
+        scenes.setdefault(case.scene.name, []).append(place)
+    for places in scenes.values():
+        for number in range(MOST):
+            for place in places:
+                if number < members(int(scores[place].values.get("steps", 0.0))):
+                    yield place, member(designed[place], number)

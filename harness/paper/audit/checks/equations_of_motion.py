@@ -1,0 +1,233 @@
+"""Section 2: the equations of motion, their scaling, and the planar pendulum."""
+
+from functools import cache, partial
+
+import sympy as sp
+
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence
+from harness.paper.audit.newton_euler import ARM, moment_balance, papers_accelerations
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import (
+    A,
+    C,
+    Co,
+    Expr,
+    H,
+    Phi,
+    Psi,
+    R,
+    S,
+    Theta,
+    a,
+    a_p,
+    c,
+    g,
+    h,
+    k,
+    m,
+    phi,
+    phi_dd,
+    psi_dd,
+    theta_dd,
+)
+
+BALANCE = "Newton and Euler"
+RAW_PSI = (
+    ((A + m * H**2) * S - m * H * R * Co) * psi_dd
+    - m * H * R * theta_dd
+    - (C - 2 * A - 2 * m * H**2) * Psi * Phi * Co
+    - C * Phi * Theta
+    + 2 * m * H * R * Psi * Phi * S
+) / (m * R**2)
+RAW_PHI = (
+    (m * R**2 + m * H**2 + A) * phi_dd
+    - ((A + m * H**2 - C - m * R**2) * S * Co - m * R * H * sp.cos(2 * phi)) * Psi**2
+    + ((C + m * R**2) * S + m * R * H * Co) * Theta * Psi
+) / (m * R**2)
+GRAVITY = Co - h * S
+"""m g (R cos phi - H sin phi) over m R^2, once times are in sqrt(R/g)."""
+RAW_THETA = (
+    ((C + m * R**2) * Co - m * R * H * S) * psi_dd
+    + (C + m * R**2) * theta_dd
+    - C * Psi * Phi * S
+    - 2 * m * R * Psi * Phi * (R * S + H * Co)
+) / (m * R**2)
+
+
+def _raw(*rows: int) -> IdentityEvidence:
+    """Compare rows of eq01:raw_eom with the moments about the contact."""
+    printed = sp.Matrix([RAW_PSI, RAW_PHI + GRAVITY, RAW_THETA])
+    # the moment about x, minus that about y (phi turns about -y), and the one about z
+    derived = sp.diag(1, -1, 1) * moment_balance()
+    return IdentityEvidence(
+        printed=sp.Matrix([printed[i] for i in rows]),
+        derived=sp.Matrix([derived[i] for i in rows]),
+        source=BALANCE,
+    )
+
+
+for _label, _rows, _name, _says in (
+    ("eq01:raw_eom", (0, 1, 2), "raw_equations", "the three equations of motion"),
+    ("eq01:psi_ugly", (0,), "raw_psi", "moment about the x axis of the body"),
+    ("eq01:phi_ugly", (1,), "raw_phi", "moment about the y axis of the body"),
+    ("eq01:theta_ugly", (2,), "raw_theta", "moment about the symmetry axis"),
+):
+    claim(_label, "2", _says, name=_name)(partial(_raw, *_rows))
+
+
+@claim("eq01:scalings", "2", "lengths in R, moments in m R^2, times in sqrt(R/g)")
+def scalings() -> Fact:
+    """With other scales the equations of motion would not be those of a can with R = m = g = 1."""
+
+    def scaled(scales: tuple[Expr, Expr, Expr]) -> bool:
+        length, moment, square_of_time = scales
+        own = m * R**2
+        letters = {h: h * length / R, a: a * moment / own, c: c * moment / own}
+        weight = m * g * (R * Co - H * S).subs(letters) / own * square_of_time
+        left = [x.subs(letters, simultaneous=True) - x for x in (RAW_PSI, RAW_PHI, RAW_THETA)]
+        return all(sp.cancel(x) == 0 for x in (*left, weight - GRAVITY))
+
+    return Fact(
+        printed=(R, m * R**2, R / g),
+        holds=scaled,
+        others=(
+            (2 * R, m * R**2, R / g),
+            (R, m * R, R / g),
+            (R, 2 * m * R**2, R / g),
+            (R, m * R**2, g / R),
+        ),
+        how="sympy: m, R and g cancel from eq01:raw_eom, which becomes that of R = m = g = 1",
+    )
+
+
+@cache
+def _solved() -> tuple[Expr, Expr]:
+    """Return the accelerations times the determinant of the balance of moments, and that."""
+    balance = moment_balance()
+    unknown = sp.Matrix(list(papers_accelerations()))
+    # the matrix is invertible wherever sin phi is not 0, so that the solution is the only one
+    matrix = balance.jacobian(unknown)
+    rest = balance.subs(dict.fromkeys(unknown, 0))
+    return -matrix.adjugate() * rest, sp.factor(sp.simplify(matrix.det()))
+
+
+def _balanced(*letters: Expr) -> IdentityEvidence:
+    """Compare printed accelerations with the solution of the balance of moments."""
+    accelerations = papers_accelerations()
+    solution, determinant = _solved()
+    rows = [list(accelerations).index(letter) for letter in letters]
+    return IdentityEvidence(
+        printed=sp.Matrix([accelerations[letter] for letter in letters]),
+        compared=lambda found: found * determinant,
+        derived=sp.Matrix([solution[row] for row in rows]),
+        source=f"{BALANCE}, solved by Cramer's rule",
+    )
+
+
+for _label, _letters, _name, _says in (
+    (
+        "eq01:non_dimensionalised_eom",
+        (psi_dd, theta_dd, phi_dd),
+        "scaled_equations",
+        "the equations of motion without dimensions",
+    ),
+    ("eq01:Psi", (psi_dd,), "scaled_psi", "Psi' sin phi = ..."),
+    ("eq01:Theta", (theta_dd,), "scaled_theta", "Theta' sin phi = ..."),
+    ("eq01:Phi", (phi_dd,), "scaled_phi", "Phi' (a_p + 1) = ..."),
+):
+    claim(_label, "2", _says, name=_name)(partial(_balanced, *_letters))
+
+
+def _defined(rate: Expr, acceleration: Expr) -> IdentityEvidence:
+    """Insert eq01:Psi, eq01:Theta and eq01:Phi, read with a definition of one of their letters.
+
+    Here `rate` stands for the time derivative of the angle.
+    """
+
+    def balance(letter: Expr) -> Expr:
+        found = {x: y.subs(rate, letter) for x, y in papers_accelerations().items()}
+        found[acceleration] /= letter.diff(rate)
+        return moment_balance().subs(found)
+
+    return IdentityEvidence(
+        printed=rate,
+        compared=balance,
+        derived=sp.zeros(3, 1),
+        others=(-rate, 2 * rate, rate / 2),
+        source=f"{BALANCE}, with eq01:Psi, eq01:Theta and eq01:Phi inserted",
+    )
+
+
+for _label, _rate, _acceleration in (
+    ("eq01:psi", Psi, psi_dd),
+    ("eq01:theta", Theta, theta_dd),
+    ("eq01:phi", Phi, phi_dd),
+):
+    claim(_label, "2", f"{_rate} = {str(_rate).lower()}'", name="rates")(
+        partial(_defined, _rate, _acceleration)
+    )
+
+
+@claim("text:a_p and c_p", "2", "a_p = a + h^2 and c_p = c + 1 are moments about the contact point")
+def moments_about_the_contact() -> IdentityEvidence:
+    """Move the inertia to the contact point."""
+    about = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
+    return IdentityEvidence(
+        printed=sp.Matrix([a + h**2, c + 1]),
+        derived=sp.Matrix([about[0, 0], about[2, 2]]),
+        source="the parallel-axis theorem",
+    )
+
+
+@claim("text:k", "2", "k = c/(a + c a_p)")
+def the_constant_k() -> IdentityEvidence:
+    """Invert the inertia about the contact, where psi'' and theta'' meet."""
+    about = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
+    block = about[0, 0] * about[2, 2] - about[0, 2] ** 2
+    return IdentityEvidence(
+        printed=k, derived=c / block, source="c over the determinant of the inertia about P"
+    )
+
+
+SLOPE = (h * S - Co) / (a_p + 1)
+
+
+@claim("eq01:nonlin_pendulum", "2", "phi'' = (h sin phi - cos phi)/(a_p + 1) for Psi = Theta = 0")
+def planar_pendulum() -> IdentityEvidence:
+    """Set the rates to zero in the moment about y."""
+    plane = (-moment_balance()[1]).subs({Psi: 0, Theta: 0, psi_dd: 0, theta_dd: 0})
+    return IdentityEvidence(printed=SLOPE, derived=sp.solve(plane, phi_dd)[0], source=BALANCE)
+
+
+@claim(
+    "text:pendulum solution",
+    "2",
+    "phi(t) = arctan(1/h) +- int^tau (C_1 - 2 cos s)^(-1/2) ds + C_2, "
+    "tau = sqrt((h^2+1)/(a_p+1)) t",
+)
+def pendulum_solution() -> Both:
+    """Differentiate: with u = phi - arctan(1/h) the equation is u'' = w^2 sin u."""
+    constant = sp.Symbol("C_1", positive=True)
+    s = sp.Symbol("s", positive=True)
+    square = constant - 2 * sp.cos(s)
+    shifted = SLOPE.subs(phi, s + sp.atan(1 / h))
+    return Both(
+        parts=(
+            IdentityEvidence(
+                printed=1 / square,  # (du/dtau)^2 as printed, s the argument
+                corrected=square,
+                compared=lambda speed: speed.diff(s) / 2,
+                derived=sp.sin(s),
+                others=(constant + 2 * sp.cos(s), constant - sp.cos(s), square**2),
+                source="u'' = sin u",
+                correct="tau + C_2 = +- int^(phi - phi*) (C_1 - 2 cos s)^(-1/2) ds",
+            ),
+            IdentityEvidence(
+                printed=(h**2 + 1) / (a_p + 1),  # the square of tau/t
+                corrected=sp.sqrt(h**2 + 1) / (a_p + 1),
+                derived=sp.simplify(sp.expand_trig(shifted) / sp.sin(s)),
+                source="phi'' about the balancing angle",
+                correct="tau = (h^2+1)^(1/4) t/sqrt(a_p+1)",
+            ),
+        )
+    )

@@ -1,0 +1,244 @@
+"""Section 3: what stands still, and what rolls balanced."""
+
+from functools import cache
+from itertools import pairwise
+
+import mpmath as mp
+import sympy as sp
+
+from harness.paper.audit import paper_can
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Number
+from harness.paper.audit.newton_euler import papers_accelerations
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import (
+    Expr,
+    Phi,
+    Psi,
+    Theta,
+    a,
+    a_p,
+    c,
+    c_p,
+    h,
+    k,
+    phi,
+    phi_dd,
+    psi_dd,
+    theta_dd,
+)
+
+EQUATIONS = "the equations of motion"
+REACH = sp.sqrt(1 + h**2)
+BALANCED = {sp.sin(phi): 1 / REACH, sp.cos(phi): h / REACH}
+STIFFNESS = k * c_p * (c_p + h**2)
+"""What Theta^2 is multiplied with in the eigenvalue; the paper prints c_p h k (h + c_p)."""
+
+
+def at_balance(expression: Expr) -> Expr:
+    """Insert phi = phi*, where tan phi* = 1/h."""
+    return sp.expand_trig(expression).subs(BALANCED)
+
+
+@claim("eq01:static_eqm", "3", "(0, 0, 0, phi*) is an equilibrium, the only static one")
+def standing_on_the_rim() -> Both:
+    """Insert the state, and count where a can at rest stays at rest."""
+    rates = papers_accelerations()
+    everything = sp.Matrix([Psi, Theta, Phi, *rates.values()])
+
+    def left(state: Expr) -> Expr:
+        at = dict(zip((Psi, Theta, Phi, phi), state, strict=True))
+        return sp.expand_trig(everything).subs(at)
+
+    fall = rates[phi_dd].subs({Psi: 0, Theta: 0, Phi: 0})
+    falls = [sp.lambdify(phi, fall.subs({a: 1, c: 1, h: x}), "mpmath") for x in (0.2, 1.473, 5)]
+    places = [mp.pi / 2 * n / 500 for n in range(501)]
+    signs = [[mp.sign(f(place)) for place in places] for f in falls]
+    zeros = {sum(x != y for x, y in pairwise(row)) for row in signs}
+    return Both(
+        parts=(
+            IdentityEvidence(
+                printed=sp.Matrix([0, 0, 0, sp.atan(1 / h)]),
+                compared=left,
+                derived=sp.zeros(6, 1),
+                source=EQUATIONS,
+            ),
+            Fact(
+                printed=1,
+                holds=lambda count: zeros == {count},
+                others=(0, 2),
+                how="at rest phi'' changes its sign once in (0, pi/2), for h = 0.2, 1.473 and 5",
+            ),
+        )
+    )
+
+
+@claim("eq:phistar", "3", "phi* = arctan(1/h)")
+def balancing_angle() -> IdentityEvidence:
+    """Put the centre above the contact: R cos phi = H sin phi."""
+    return IdentityEvidence(
+        printed=sp.atan(1 / h),
+        compared=lambda angle: sp.expand_trig(sp.cos(angle) - h * sp.sin(angle)),
+        derived=sp.Integer(0),
+        source="the centre above the contact",
+    )
+
+
+@claim("text:phi* in degrees", "3", "phi* is about 34 degrees")
+def balancing_angle_in_degrees() -> Number:
+    """arctan(1/1.473)."""
+    return Number(
+        printed="34", value=mp.degrees(mp.atan(1 / paper_can.h)), source="arctan(1/h) in degrees"
+    )
+
+
+def _sideways(form: Expr) -> Expr:
+    return Psi * form / REACH
+
+
+@claim(
+    "eq01:bal_eqm", "3", "Psi sin phi* ((a - c) cos phi* Psi - c Theta) = 0 for balanced rolling"
+)
+def balanced_rolling() -> IdentityEvidence:
+    """Insert phi* into the equation of Phi."""
+    lean = (a - c) * h / REACH * Psi
+    return IdentityEvidence(
+        printed=_sideways(lean - c * Theta),
+        corrected=_sideways(lean - (c + 1 + h**2) * Theta),
+        derived=at_balance(papers_accelerations()[phi_dd] * (a_p + 1)),
+        correct="Psi sin phi* ((a - c) cos phi* Psi - (c_p + h^2) Theta) = 0",
+        source=EQUATIONS,
+    )
+
+
+@claim("text:balanced Theta", "3", "Theta_e = (a - c) cos phi* Psi_e/c on S_bal")
+def balanced_rotation() -> IdentityEvidence:
+    """Solve the equation of Phi at phi* for Theta."""
+    drive = at_balance(papers_accelerations()[phi_dd])
+    return IdentityEvidence(
+        printed=(a - c) * h / REACH * Psi / c,
+        corrected=(a - c) * h / REACH * Psi / (c_p + h**2),
+        derived=sp.solve(sp.cancel(drive / Psi), Theta)[0],
+        correct="Theta_e = (a - c) cos phi* Psi_e/(c_p + h^2)",
+        source=EQUATIONS,
+    )
+
+
+@cache
+def _characteristic() -> tuple[Expr, Expr]:
+    """Characteristic polynomial of straight rolling, and its variable."""
+    x = sp.Symbol("lambda")
+    rates = papers_accelerations()
+    flow = sp.Matrix([rates[psi_dd], rates[theta_dd], rates[phi_dd], Phi])
+    jacobian = flow.jacobian([Psi, Theta, Phi, phi]).subs({Psi: 0, Phi: 0})
+    return at_balance(jacobian).applyfunc(sp.simplify).charpoly(x).as_expr(), x
+
+
+def _eigenvalue(stiffness: Expr) -> Expr:
+    return (REACH - Theta**2 * stiffness) / (a_p + 1)
+
+
+@claim(
+    "eq01:eigenvalues",
+    "3",
+    "lambda^2 = (sqrt(h^2+1) - Theta^2 c_p h k (h + c_p))/(a_p + 1), and two eigenvalues are zero",
+)
+def eigenvalues() -> IdentityEvidence:
+    """Linearise the equations of motion about straight rolling."""
+    polynomial, x = _characteristic()
+    return IdentityEvidence(
+        printed=x**2 * (x**2 - _eigenvalue(c_p * h * k * (h + c_p))),
+        corrected=x**2 * (x**2 - _eigenvalue(STIFFNESS)),
+        derived=polynomial,
+        correct="lambda^2 = (sqrt(h^2+1) - Theta^2 k c_p (c_p + h^2))/(a_p + 1)",
+        source="the characteristic polynomial of the linearised equations",
+    )
+
+
+PRINTED_CRITICAL = REACH / (h * k * c_p * (h + c_p))
+CRITICAL = REACH / STIFFNESS
+
+
+def _critical(square: Expr) -> str:
+    """Return the critical rate of the paper's can."""
+    can = {a: paper_can.a, c: paper_can.c, h: paper_can.h}
+    return str(mp.nstr(mp.sqrt(mp.mpmathify(square.subs(can))), 5))
+
+
+@claim("text:critical rate", "3", "Theta_crit^2 = sqrt(h^2+1)/(h k c_p (h + c_p))")
+def critical_rolling() -> IdentityEvidence:
+    """Where the eigenvalues of straight rolling vanish."""
+    polynomial, x = _characteristic()
+    square = sp.Symbol("square")
+    quartic = sp.cancel(polynomial / x**2).subs(x, 0).subs(Theta, sp.sqrt(square))
+    return IdentityEvidence(
+        printed=PRINTED_CRITICAL,
+        corrected=CRITICAL,
+        derived=sp.solve(quartic, square)[0],
+        correct="Theta_crit^2 = sqrt(h^2+1)/(k c_p (c_p + h^2)): for the paper's can Theta_crit is "
+        f"{_critical(CRITICAL)}, as printed {_critical(PRINTED_CRITICAL)} sqrt(g/R)",
+        source="where both eigenvalues vanish",
+    )
+
+
+@claim("text:centre-like", "3", "rolling faster than Theta_crit is centre-like, slower saddle-like")
+def stability_of_rolling() -> Fact:
+    """Sign of lambda^2 a little above and below the rate that is called critical."""
+    polynomial, x = _characteristic()
+    square = sp.simplify(sp.solve(sp.cancel(polynomial / x**2), x)[0] ** 2)
+    cans = ({a: 0.727, c: 0.615, h: 1.473}, {a: 0.25, c: 0.5, h: 0.1}, {a: 3, c: 0.5, h: 3})
+
+    def separates(critical: Expr) -> bool:
+        return all(
+            (square.subs(Theta, sp.sqrt(critical * share)).subs(can) < 0) == (share > 1)
+            for can in cans
+            for share in (0.99, 1.01)
+        )
+
+    return Fact(
+        printed=PRINTED_CRITICAL,
+        holds=separates,
+        corrected=CRITICAL,
+        others=(2 * CRITICAL, CRITICAL / 2, PRINTED_CRITICAL),
+        how="lambda^2 from the linearised equations is negative for Theta^2 1 % above sqrt(h^2+1)"
+        "/(k c_p (c_p + h^2)) and positive 1 % below, for three cans; the printed Theta_crit "
+        f"({_critical(PRINTED_CRITICAL)} for the paper's can) lies where rolling is saddle-like",
+        correct=f"with Theta_crit = {_critical(CRITICAL)} sqrt(g/R), see text:critical rate",
+    )
+
+
+@claim("eq01:equilibrium", "3", "steady rolling: the right side of the equation of Phi vanishes")
+def steady_rolling() -> IdentityEvidence:
+    """With Phi = 0 the other two equations hold by themselves."""
+    rates = papers_accelerations()
+    still = {Phi: 0}
+    printed = (
+        ((a_p - c_p) * sp.sin(phi) * sp.cos(phi) - h * sp.cos(2 * phi)) * Psi**2
+        - (c_p * sp.sin(phi) + h * sp.cos(phi)) * Theta * Psi
+        + (h * sp.sin(phi) - sp.cos(phi))
+    )
+    return IdentityEvidence(
+        printed=sp.Matrix([printed, 0, 0]),
+        derived=sp.Matrix(
+            [
+                (rates[phi_dd] * (a_p + 1)).subs(still),
+                rates[psi_dd].subs(still),
+                rates[theta_dd].subs(still),
+            ]
+        ),
+        source=EQUATIONS,
+    )
+
+
+@claim("text:lying and rolling", "3", "phi = pi/2, Psi = Theta = +-sqrt(h/(c_p - h)) is steady")
+def rolling_on_its_side() -> IdentityEvidence:
+    """Insert it."""
+    rates = papers_accelerations()
+    spin = sp.sqrt(h / (c_p - h))
+    return IdentityEvidence(
+        printed=sp.Matrix([sp.pi / 2, spin, spin]),
+        compared=lambda at: rates[phi_dd].subs(
+            dict(zip((phi, Psi, Theta), at, strict=True)) | {Phi: 0}
+        ),
+        derived=sp.Integer(0),
+        source=EQUATIONS,
+    )

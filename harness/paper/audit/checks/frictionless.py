@@ -1,0 +1,137 @@
+"""Appendix B: the can on a plane without friction."""
+
+import sympy as sp
+
+from harness.paper.audit.evidence import Both, IdentityEvidence
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.newton_euler import rate
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import (
+    Co,
+    Expr,
+    Phi,
+    Psi,
+    S,
+    Theta,
+    a,
+    c,
+    h,
+    phi,
+    phi_dd,
+    psi_dd,
+    theta_dd,
+    zeta,
+)
+
+LIFT = Phi * (Co - h * S)
+LAGRANGIAN = (
+    a * (Psi**2 * S**2 + Phi**2) / 2 + c * (Psi * Co + Theta) ** 2 / 2 + LIFT**2 / 2 - S - h * Co
+)
+
+
+@claim(
+    "app:Lagrangian", "B", "L = A(psi'^2 sin^2 phi + phi'^2)/2 + C(psi' cos phi + theta')^2/2 + ..."
+)
+def lagrangian() -> IdentityEvidence:
+    """I Omega Omega/2 and the height of the centre, S + h C."""
+    omega = sp.Matrix([Psi * S, -Phi, Psi * Co + Theta])
+    height = S + h * Co
+    turning = omega.dot(sp.diag(a, a, c) * omega) / 2
+    return IdentityEvidence(
+        printed=LAGRANGIAN,
+        derived=turning + (height.diff(phi) * Phi) ** 2 / 2 - height,
+        source="kinetic and potential energy",
+    )
+
+
+@claim("app:momenta", "B", "the two conserved momenta")
+def conserved_momenta() -> IdentityEvidence:
+    """Differentiate the Lagrangian by psi' and theta'; psi and theta are not in it."""
+    spin = c * (Psi * Co + Theta)
+    return IdentityEvidence(
+        printed=sp.Matrix([spin, a * Psi * S**2 + Co * spin]),
+        derived=sp.Matrix([LAGRANGIAN.diff(Theta), LAGRANGIAN.diff(Psi)]),
+        source="the Lagrangian",
+    )
+
+
+@claim("app:Euler-Lagrange", "B", "d/dt dL/dq' - dL/dq = 0 for q = phi, psi, theta")
+def euler_lagrange() -> IdentityEvidence:
+    """Energy is constant along what it gives."""
+    moved, pushed = sp.symbols("d_dt_p dL_dq")
+    others = sp.solve(
+        list(rate(sp.Matrix([LAGRANGIAN.diff(Theta), LAGRANGIAN.diff(Psi)]))),
+        [psi_dd, theta_dd],
+        dict=True,
+    )[0]
+    energy = LAGRANGIAN + 2 * (S + h * Co)
+
+    def change(law: Expr) -> Expr:
+        motion = law.subs({moved: rate(LAGRANGIAN.diff(Phi)), pushed: LAGRANGIAN.diff(phi)})
+        inertia = motion.diff(phi_dd)
+        change = rate(energy).subs(others)
+        # phi'' = -rest/inertia, times the inertia
+        rest = motion.subs(phi_dd, 0)
+        return change.diff(phi_dd) * -rest + change.subs(phi_dd, 0) * inertia
+
+    return IdentityEvidence(
+        printed=moved - pushed,
+        compared=change,
+        derived=sp.Integer(0),
+        others=(moved + pushed, 2 * moved - pushed, moved - 2 * pushed),
+        source="the rate of the energy along its solutions, times the inertia",
+    )
+
+
+def _force(power: int) -> sp.Expr:
+    return (
+        Phi**2 * (S + h * Co) * (Co - h * S)
+        + Psi**power * (a - c) * S * Co
+        - c * Theta * Psi * S
+        - (Co - h * S)
+    )
+
+
+@claim("app:phi equation", "B", "the equation of motion of phi, with psi' (A - C) sin phi cos phi")
+def equation_of_nutation() -> IdentityEvidence:
+    """Lagrange's equation for phi."""
+    motion = rate(LAGRANGIAN.diff(Phi)) - LAGRANGIAN.diff(phi)
+    inertia = a + (Co - h * S) ** 2
+    return IdentityEvidence(
+        printed=inertia * phi_dd - _force(1),
+        corrected=inertia * phi_dd - _force(2),
+        derived=motion,
+        source="the Lagrangian",
+        wrong=ClaimStatus.MISPRINT,
+        correct="psi'^2 (A - C) sin phi cos phi",
+    )
+
+
+def _reduced() -> sp.Expr:
+    """Phi'' with the rates eliminated, for momenta 1 and zeta times eps^(1/2), eps = 1."""
+    psi_dot = (zeta - Co) / (a * S**2)
+    theta_dot = 1 / c - psi_dot * Co
+    force = _force(2).subs({Psi: psi_dot, Theta: theta_dot})
+    return force / (a + (Co - h * S) ** 2)
+
+
+@claim("app01:Phi_reduced_slip", "B", "phi'' = eps (alpha_3/phi^3 + ...) + (h phi'^2 - 1)/(a + 1)")
+def reduced_without_friction() -> Both:
+    """Expand: only powers of phi, and the part without eps at phi = 0."""
+    plain = (h * Phi**2 - 1) / (a + 1)
+    at_zero = ((Phi**2 * (S + h * Co) - 1) * (Co - h * S) / (a + (Co - h * S) ** 2)).subs(phi, 0)
+    return Both(
+        parts=(
+            IdentityEvidence(printed=plain, derived=at_zero, source="the equation at phi -> 0"),
+            strength_of_the_repulsion(),
+        )
+    )
+
+
+@claim("app:alpha_3", "B", "alpha_3 = (zeta - 1)^2/(a (a + 1))")
+def strength_of_the_repulsion() -> IdentityEvidence:
+    """Limit of phi^3 times what the momenta add."""
+    leading = sp.limit(sp.simplify(_reduced().subs(Phi, 0) * S**3), phi, 0)
+    return IdentityEvidence(
+        printed=(zeta - 1) ** 2 / (a * (a + 1)), derived=sp.simplify(leading), source="phi -> 0"
+    )

@@ -1,0 +1,305 @@
+"""Section 4.1: the Frobenius series and its coefficients."""
+
+from functools import partial
+
+import mpmath as mp
+import sympy as sp
+
+from harness.paper.audit import flat_motion as exact
+from harness.paper.audit import flat_series as series
+from harness.paper.audit import paper_can
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.flat_series import c_p, coefficient, h, in_inertias, k
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import B0, B2, Expr, log_phi, phi
+
+ODE = "the Frobenius series derived from the closed subsystem"
+NUMBERS = {k: paper_can.k, h: paper_can.h, c_p: paper_can.c_p}
+beta, gamma = k * h, 2 + k
+SMALL = (1e-8, 1e-11)
+ZERO_, TWO_ = mp.mpf("0.75"), mp.mpf(1)
+"""Constants of the motion at which remainders are measured; exact as binary numbers."""
+
+
+def numeric(form: Expr) -> "sp.Lambda":
+    """Return a form in phi and its logarithm as a function of a number."""
+    plain = form.subs({B0: sp.Rational(3, 4), B2: 1})
+    function = sp.lambdify((phi, log_phi, *NUMBERS), plain, "mpmath")
+    return lambda x: function(x, mp.log(x), *NUMBERS.values())
+
+
+def same(printed: Expr, derived: Expr, source: str = ODE) -> IdentityEvidence:
+    """Compare two forms in k, h and c_p as functions of a, c and h."""
+    return IdentityEvidence(
+        printed=printed, compared=in_inertias, derived=in_inertias(derived), source=source
+    )
+
+
+@claim("eq01:frobenius_subs", "4.1", "the series inserted into eq01:frob_ode")
+def inserted_series() -> IdentityEvidence:
+    """Insert one power."""
+    n, cot = sp.symbols("n cot")
+    power = phi**n
+    printed = n * (n - 1) / phi**2 + 3 * cot * n / phi - (gamma + beta * cot)
+    derived = power.diff(phi, 2) + 3 * cot * power.diff(phi) - (gamma + beta * cot) * power
+    return IdentityEvidence(
+        printed=printed,
+        derived=sp.simplify(derived / power),
+        source="d/dphi of phi^(n+r)",
+    )
+
+
+@claim("text:indicial equation", "4.1", "r (r + 2) = 0")
+def indicial_equation() -> IdentityEvidence:
+    """Lowest power of phi^r in the equation."""
+    r = sp.Symbol("r")
+    left = sp.expand(sp.simplify(series.second_order(phi**r) / phi**r * phi**2))
+    return IdentityEvidence(
+        printed=r * (r + 2), derived=left.subs(phi, 0), source="the lowest power"
+    )
+
+
+@claim("eq01:Psi0", "4.1", "for r = 0 the solution is a power series")
+def regular_series() -> Fact:
+    """Solve for one coefficient after the other, starting from phi^r."""
+
+    def solvable(r: int) -> bool:
+        found = phi**r
+        if sp.expand(series.second_order(found)).coeff(phi, r - 2) != 0:
+            return False
+        for n in range(1, series.TERMS + 1):
+            letter = sp.Symbol("p")
+            left = sp.expand(series.second_order(found + letter * phi ** (n + r)))
+            answer = sp.solve(left.coeff(phi, n + r - 2), letter)
+            if not answer:
+                return False
+            found += answer[0] * phi ** (n + r)
+        return True
+
+    return Fact(
+        printed=0,
+        holds=solvable,
+        others=(-2, -1, 1),
+        how="sympy: for r = 0 every coefficient to phi^5 follows without a logarithm, and for "
+        "r = -2 that of phi^0 does not",
+    )
+
+
+@claim("text:Psi_0 to phi^3", "4.1", "Psi_0 = 1 + beta/3 phi + (beta^2 + 3 gamma)/24 phi^2 + ...")
+def regular_coefficients() -> IdentityEvidence:
+    """Compare four coefficients."""
+    printed = (1, beta / 3, (beta**2 + 3 * gamma) / 24, beta * (beta**2 + 11 * gamma) / 360)
+    derived = [coefficient(series.regular_solution(), n) for n in range(4)]
+    return same(sp.Matrix(printed), sp.Matrix(derived))
+
+
+@claim("eq0:Psi2", "4.1", "for r = -2 the solution has C Psi_0 log phi")
+def singular_series() -> Fact:
+    """Insert the solution; what multiplies C log phi is Psi_0, and C is not zero."""
+    solution = sp.expand(series.singular_solution())
+    left = sp.expand(series.second_order(solution))
+    clean = all(
+        sp.simplify(left.coeff(log_phi, j).coeff(phi, n)) == 0
+        for j in (0, 1)
+        for n in range(-4, series.TERMS - 1)
+    )
+    strength = coefficient(solution, 0, 1)
+    beside = solution.coeff(log_phi, 1)
+
+    def shaped(form: tuple[int, Expr]) -> bool:
+        lowest, over = form
+        same = series.up_to(beside - strength * over, 3)
+        powers = [n for n in range(-4, 4) if solution.coeff(log_phi, 0).coeff(phi, n) != 0]
+        return clean and powers[0] == lowest and sp.simplify(same) == 0
+
+    regular = series.regular_solution()
+    return Fact(
+        printed=(-2, regular),
+        holds=shaped,
+        others=((-2, sp.Integer(0)), (-1, regular), (-2, phi * regular), (-2, 2 * regular)),
+        how=f"sympy: residual 0 to phi^3, C = {strength}",
+    )
+
+
+@claim("text:Psi_-2 inserted", "4.1", "eq0:Psi2 inserted into eq01:frob_ode")
+def inserted_logarithm() -> IdentityEvidence:
+    """Find what the logarithm leaves behind when Psi_0 solves the equation."""
+    f, g, b, cot = sp.symbols("f g b cot")  # Psi_0, its slope, its bend
+    full = b * log_phi + 2 * g / phi - f / phi**2 + 3 * cot * (g * log_phi + f / phi)
+    full -= (gamma + beta * cot) * f * log_phi
+    without = full.subs(b, (gamma + beta * cot) * f - 3 * cot * g)
+    return IdentityEvidence(
+        printed=2 * g / phi - f / phi**2 + 3 * cot * f / phi,
+        derived=sp.expand(without),
+        source="the derivatives of Psi_0 log phi",
+    )
+
+
+LOG = -(beta**2 - gamma + 2) / 2
+
+
+@claim("text:Psi_-2 to phi", "4.1", "Psi_-2 = -(beta^2-gamma+2)/2 Psi_0 log phi + 1/phi^2 - ...")
+def singular_coefficients() -> IdentityEvidence:
+    """Compare the coefficients, the logarithm's first."""
+    tail = -beta * (-2 * beta**2 + 5 * gamma - 6) / 9
+    solution = series.singular_solution()
+    derived = [coefficient(solution, 0, 1), *(coefficient(solution, n) for n in (-2, -1, 0, 1))]
+    return same(sp.Matrix([LOG, 1, -beta, 0, tail]), sp.Matrix(derived))
+
+
+PRINTED_PSI = (
+    B0 * (1 + k * h / 3 * phi)
+    - B2 * (beta**2 - k) / 2 * (1 + k * h / 3 * phi + (beta**2 + 6 + 3 * k) / 24 * phi**2) * log_phi
+    + B2 * (phi**-2 - k * h / phi - k * h * (-2 * beta**2 + 4 + 5 * k) * phi / 9)
+)
+THETA_LOG = (
+    B2 * (h**2 * k - 1) / (2 * c_p) * ((c_p * k - 2) + k * h * (c_p * k - 6) / 3 * phi) * log_phi
+)
+
+
+def printed_theta(coefficient_of_c_p: int) -> Expr:
+    """eq01:theta_orig; the paper prints 4 c_p + 3."""
+    constant = (
+        -9 * B2 * h**2 * k**2
+        + ((coefficient_of_c_p * c_p + 3) * B2 - 6 * B0 * c_p) * k
+        + 12 * B0
+        - 4 * B2
+    ) / (6 * k * c_p)
+    return -B2 / phi**2 + B2 * k * h / phi + constant + THETA_LOG
+
+
+def listed(form: Expr, stated: int) -> Expr:
+    """Return the coefficients of a form below a power of phi, and up to it beside log phi."""
+    whole = sp.expand(form)
+    return in_inertias(
+        sp.Matrix(
+            [whole.coeff(log_phi, 0).coeff(phi, n) for n in range(-2, stated)]
+            + [whole.coeff(log_phi, 1).coeff(phi, n) for n in range(-2, stated + 1)]
+        )
+    )
+
+
+def error_of_psi(form: Expr) -> "sp.Lambda":
+    """Return the remainder of a form of Psi as a function of phi."""
+    value = numeric(form)
+    return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[0]
+
+
+def error_of_theta(form: Expr) -> "sp.Lambda":
+    """Return the remainder of a form of Theta as a function of phi."""
+    value = numeric(form)
+    return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[1]
+
+
+def _series(
+    of: str,
+    printed: Expr,
+    stated: int,
+    corrected: Expr | None = None,
+    *,
+    correct: str = "",
+    wrong: ClaimStatus = ClaimStatus.FALSE,
+) -> Both:
+    """Compare every printed coefficient, and the remainder with the exact solution.
+
+    A series up to O(phi^stated) has its terms below that, and those beside log phi with it.
+    """
+    psi = of == "Psi"
+    solution = series.precession() if psi else series.rotation_rate()
+    right = printed if corrected is None else corrected
+    return Both(
+        parts=(
+            Rate(
+                printed=printed,
+                remainder=error_of_psi if psi else error_of_theta,
+                corrected=corrected,
+                others=(right + phi ** (stated - 1), 2 * right),
+                stated=stated,
+                at=SMALL,
+                source="the exact solution",
+                correct=correct,
+                wrong=wrong,
+            ),
+            IdentityEvidence(
+                printed=printed,
+                compared=lambda form: listed(form, stated),
+                corrected=corrected,
+                derived=listed(solution, stated),
+                source=f"every printed coefficient of {ODE}",
+                correct=correct,
+                wrong=wrong,
+            ),
+        )
+    )
+
+
+@claim("eq01:psi_orig", "4.1", "Psi for small phi, up to O(phi^2)")
+def series_of_psi() -> Both:
+    """Compare terms to phi, and to phi^2 beside the logarithm."""
+    return _series("Psi", PRINTED_PSI, 2)
+
+
+@claim("eq01:theta_orig", "4.1", "Theta for small phi, with ((4 c_p + 3) B_-2 - 6 B_0 c_p) k")
+def series_of_theta() -> Both:
+    """Compare terms to phi^0, and to phi beside the logarithm."""
+    told = "(3 c_p + 3) B_-2 in place of (4 c_p + 3) B_-2"
+    return _series(
+        "Theta", printed_theta(4), 1, printed_theta(3), correct=told, wrong=ClaimStatus.MISPRINT
+    )
+
+
+def _short(log_0: Expr, log_1: Expr) -> Expr:
+    return B2 / phi**2 - B2 * k * h / phi + B0 + (log_0 + log_1 * phi) * log_phi
+
+
+PSI_L0, PSI_L1 = B2 * (beta**2 - k) / 2, B2 * k * h * (beta**2 - k) / 6
+THETA_00 = (2 - k * c_p) / (k * c_p) * B0 + (3 * k * (c_p + 1) - 4 - 9 * beta**2) / (
+    6 * k * c_p
+) * B2
+
+
+@claim("eq01:psi_series", "4.1", "leading terms of Psi, with the coefficients of appendix A")
+def leading_psi() -> Both:
+    """Compare with the exact solution."""
+    told = "with Psi_l0 and Psi_l1 of the other sign, see app:Psi_l0 and app:Psi_l1"
+    return _series("Psi", _short(PSI_L0, PSI_L1), 1, _short(-PSI_L0, -PSI_L1), correct=told)
+
+
+@claim("eq01:theta_series", "4.1", "leading terms of Theta, with the coefficients of appendix A")
+def leading_theta() -> Both:
+    """Compare with the exact solution."""
+    short = -B2 / phi**2 + B2 * k * h / phi + THETA_00 + THETA_LOG
+    return _series("Theta", short, 1)
+
+
+@claim("eq01:series_sols", "4.1", "the leading terms of both")
+def leading_terms() -> Both:
+    """Both of them."""
+    return Both(parts=(leading_theta(), leading_psi()))
+
+
+def _in_the_table(printed: Expr, of: str, logs: int, power: int, mended: str) -> IdentityEvidence:
+    solution = {"Psi": series.precession, "Theta": series.rotation_rate}[of]()
+    return IdentityEvidence(
+        printed=printed,
+        compared=in_inertias,
+        corrected=-printed if mended else None,
+        derived=in_inertias(coefficient(solution, power, logs)),
+        correct=mended,
+        wrong=ClaimStatus.MISPRINT,
+        source=ODE,
+    )
+
+
+for _label, _printed, _of, _logs, _power, _mended in (
+    ("Psi_00", B0, "Psi", 0, 0, ""),
+    ("Psi_l0", PSI_L0, "Psi", 1, 0, "Psi_l0 = -B_-2 ((kh)^2 - k)/2"),
+    ("Psi_l1", PSI_L1, "Psi", 1, 1, "Psi_l1 = -B_-2 kh ((kh)^2 - k)/6"),
+    ("Theta_00", THETA_00, "Theta", 0, 0, ""),
+    ("Theta_l0", coefficient(THETA_LOG, 0, 1), "Theta", 1, 0, ""),
+    ("Theta_l1", coefficient(THETA_LOG, 1, 1), "Theta", 1, 1, ""),
+):
+    claim(
+        f"app:{_label}", "A", f"{_label} = ${series.in_latex(_printed)}$", name="listed_coefficient"
+    )(partial(_in_the_table, _printed, _of, _logs, _power, _mended))

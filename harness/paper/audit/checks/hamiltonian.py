@@ -1,0 +1,214 @@
+"""Appendix E: the reduced equation as a Hamiltonian system."""
+
+import mpmath as mp
+import numpy as np
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+from harness.paper.audit import paper_can, release
+from harness.paper.audit.checks.outer import POWERS, a_
+from harness.paper.audit.evidence import Fact, IdentityEvidence
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.mutations import mutated
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import A, Expr, H, Phi, R, a_p, eps, g, m, phi
+from reference.asymptotic.small_nutation import reduced_of
+
+log = sp.log(phi)
+FORCE = eps * sum(a_[n] * log**j / phi**i for n, (i, j) in POWERS.items()) - 1
+PRINTED = (
+    Phi**2 / 2
+    + phi
+    - eps
+    * (
+        log**2 * (a_["ll"] / 2 + a_["ll"] * phi)
+        + (a_["l0"] - 2 * a_["ll"] - a_["l2"] / phi) * log
+        + (a_["0"] - 2 * a_["ll"] - a_["l0"]) * phi
+        - (a_["2"] - a_["l2"]) / phi
+        - a_["3"] / (2 * phi**2)
+    )
+)
+MENDED = (
+    Phi**2 / 2
+    + phi
+    - eps
+    * (
+        log**2 * (a_["l1"] / 2 + a_["ll"] * phi)
+        + ((a_["l0"] - 2 * a_["ll"]) * phi + a_["1"] - a_["l2"] / phi) * log
+        + (a_["0"] + 2 * a_["ll"] - a_["l0"]) * phi
+        - (a_["2"] + a_["l2"]) / phi
+        - a_["3"] / (2 * phi**2)
+    )
+)
+CORRECT = (
+    "ln^2(phi) (a_l1/2 + a_ll phi) + ((a_l0 - 2 a_ll) phi + a_1 - a_l2/phi) ln phi + "
+    "(a_0 + 2 a_ll - a_l0) phi - (a_2 + a_l2)/phi - a_3/(2 phi^2)"
+)
+
+
+@claim("eq01:hamiltonian1", "E", "the Hamiltonian of the reduced equation")
+def hamiltonian() -> IdentityEvidence:
+    """Its slope in phi is minus the right side of eq01:Phi_reduced, that in Phi is Phi."""
+    return IdentityEvidence(
+        printed=PRINTED,
+        corrected=MENDED,
+        compared=lambda energy: sp.Matrix([-energy.diff(phi), energy.diff(Phi)]),
+        derived=sp.Matrix([FORCE, Phi]),
+        source="eq01:Phi_reduced",
+        correct=CORRECT,
+    )
+
+
+@claim("eqA:ham1", "E", "dPhi/dt = -dH/dphi = the right side of eq01:Phi_reduced")
+def momentum_equation() -> IdentityEvidence:
+    """With the H to which it refers."""
+    return IdentityEvidence(
+        printed=PRINTED,
+        corrected=MENDED,
+        compared=lambda energy: -energy.diff(phi),
+        derived=FORCE,
+        others=tuple(mutated(MENDED - Phi**2 / 2)),  # Phi is constant here
+        source="eq01:Phi_reduced",
+        correct="with H as under eq01:hamiltonian1",
+    )
+
+
+@claim("eqA:ham2", "E", "dphi/dt = dH/dPhi = Phi")
+def position_equation() -> IdentityEvidence:
+    """Differentiate the printed H, which is right here."""
+    return IdentityEvidence(
+        printed=PRINTED,
+        compared=lambda energy: energy.diff(Phi),
+        derived=Phi,
+        others=(-PRINTED, PRINTED + Phi**2, PRINTED + Phi),
+        source="the definition of Phi",
+    )
+
+
+@claim("eq01:hamiltonian", "E", "the contour H = E meets Phi = 0 in two points, one, or none")
+def turning_points() -> Fact:
+    """Count them for the release, at an energy above the minimum, at it, and below it."""
+    places = np.geomspace(1e-6, np.pi / 2, 20001)
+    energy = reduced_of(release.bounce().problem).potential(places)
+    lowest = energy.min()
+    bends = np.diff(np.sign(np.diff(energy)))
+    counts = (
+        int(np.count_nonzero(np.diff(np.sign(energy - 2 * lowest)))),
+        int(np.count_nonzero(bends)),  # at the minimum itself the two meet
+        int(np.count_nonzero(np.diff(np.sign(energy - lowest / 2)))),
+    )
+    return Fact(
+        printed=(2, 1, 0),
+        holds=lambda said: counts == said,
+        others=((1, 1, 0), (2, 2, 0), (2, 1, 1)),
+        how=f"the Hamiltonian of the release over (0, pi/2): {counts} intersections at twice its "
+        f"minimum {lowest:.4g}, at it, and at half of it",
+    )
+
+
+@claim("text:clockwise contours", "E", "solutions follow the contours clockwise")
+def clockwise_contours() -> Fact:
+    """Above the axis phi grows; the axis of Phi points up."""
+    sense = "clockwise" if PRINTED.diff(Phi).subs(Phi, 1) > 0 else "anticlockwise"
+    return Fact(
+        printed="clockwise",
+        holds=lambda word: word == sense,
+        others=("anticlockwise",),
+        how="sympy: dphi/dt = Phi > 0 in the upper half plane",
+    )
+
+
+@claim("text:period integral", "E", "T = 2 int dphi/Phi between the turning points")
+def period_integral() -> Fact:
+    """Integrate phi'' = s/phi^3 - 1 in time over half a period, and the integral over phi."""
+    strength, top = 0.01, 1.0
+    energy = top + strength / (2 * top**2)
+
+    def below(_t: float, y: "np.ndarray") -> float:
+        """Return what turns positive where the can is lowest."""
+        return float(y[1])
+
+    below.direction, below.terminal = 1, True  # type: ignore[attr-defined]
+    run = solve_ivp(
+        lambda _t, y: [y[1], strength / y[0] ** 3 - 1],
+        (0, 10),
+        [top, 0],
+        events=below,
+        rtol=1e-11,
+        atol=1e-13,
+    )
+    period = 2 * float(run.t_events[0][0])
+    bottom = min(r for r in mp.polyroots([1, -energy, 0, strength / 2]) if r > 0)
+
+    def matches(integrand: Expr) -> bool:
+        value = sp.lambdify(Phi, integrand, "mpmath")
+        over = mp.quad(
+            lambda y: value(mp.sqrt(2 * abs(energy - y - strength / (2 * y**2)))),
+            [bottom, 0.5, top],
+        )
+        # the integral is singular at both ends
+        return bool(abs(over / period - 1) < mp.mpf("1e-6"))
+
+    return Fact(
+        printed=2 / Phi,
+        holds=matches,
+        others=(1 / Phi, 2 * Phi, 2 / Phi**2 / 3, -2 / Phi),
+        how=f"phi'' = 0.01/phi^3 - 1 from rest at 1: integrated in time, T = {period:.8f}",
+    )
+
+
+@claim("text:T at eps=0", "E", "T|_(eps=0) = sqrt(2) int dphi/sqrt(h - phi)")
+def period_without_eps() -> IdentityEvidence:
+    """H is the can's height elsewhere: here it must be the energy E; squared."""
+    top = paper_can.PHI
+    whole = 2 * mp.sqrt(2 * top)
+    printed = mp.sqrt(2) * mp.quad(lambda y: 1 / mp.sqrt(paper_can.h - y), [0, top])
+    # above phi wherever it is tried, as an energy is
+    over, letter = sp.symbols("E_over_phi h", positive=True)
+    energy = phi + over
+    return IdentityEvidence(
+        printed=2 / (letter - phi),
+        corrected=2 / (energy - phi),
+        derived=(2 / sp.sqrt(2 * over)) ** 2,
+        others=(2 / (letter - phi), 1 / (energy - phi), 2 / (energy + phi)),
+        source="2/Phi with Phi^2/2 + phi = E, the square",
+        correct="sqrt(2) int dphi/sqrt(E - phi), where h means H/R elsewhere: for the release "
+        f"{mp.nstr(whole, 5)}, with h = 1.473 {mp.nstr(printed, 3)}",
+        wrong=ClaimStatus.MISPRINT,
+    )
+
+
+@claim("text:T of a flat fall", "E", "T|_(eps=0) = 2 sqrt(2 phi_1)")
+def period_of_the_fall() -> IdentityEvidence:
+    """Twice the time of fall with phi'' = -1."""
+    top, t = sp.symbols("phi_1 t", positive=True)
+    return IdentityEvidence(
+        printed=2 * sp.sqrt(2 * top),
+        derived=2 * sp.solve(top - t**2 / 2, t)[0],
+        source="phi'' = -1",
+    )
+
+
+@claim("text:T in seconds", "E", "T|_(eps=0) = 2 sqrt(2 phi_1 (A + m H^2 + m R^2)/(m g R))")
+def period_in_seconds() -> IdentityEvidence:
+    """Undo the scaling of time."""
+    return IdentityEvidence(
+        printed=(A + m * H**2 + m * R**2) / (m * g * R),
+        derived=(a_p + 1) * R / g,
+        source="eq01:scalings and time in sqrt(a_p+1), the square",
+    )
+
+
+@claim("text:taller cans fall slower", "E", "cans with larger H take longer to fall")
+def taller_cans() -> Fact:
+    """Differentiate by H at fixed A; A grows with H too."""
+    height = sp.Symbol("H", positive=True)
+    other = sp.Symbol("A", positive=True)
+    slope = ((other + m * height**2 + m * R**2) / (m * g * R)).diff(height)
+    grows = "longer" if slope.is_positive else "not longer"
+    return Fact(
+        printed="longer",
+        holds=lambda word: word == grows,
+        others=("not longer",),
+        how="sympy: the square of T grows with H",
+    )

@@ -1,0 +1,263 @@
+"""Sections 5.2 and 5.4: the inner solution, and the angles in the bounce."""
+
+import mpmath as mp
+import sympy as sp
+
+from harness.paper.audit import paper_can
+from harness.paper.audit.checks.outer import POWERS, a_
+from harness.paper.audit.checks.reduced import derived as of_reduced
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.flat_motion import rates
+from harness.paper.audit.flat_series import in_inertias
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import B2, A, Expr, H, I, R, T, a_p, eps, m
+
+q = sp.Symbol("a_p", positive=True)
+"""The paper's a_p as a letter of its own: only that it is positive matters here."""
+x = sp.Symbol("varphi", positive=True)
+root = sp.sqrt(eps)
+t = sp.Symbol("t", real=True)
+INNER = sp.sqrt(q / I + I * T**2)
+P, Q = sp.symbols("P Q", positive=True)
+
+
+@claim("eq01:inner_scalings", "5.2", "phi = eps^(1/2) varphi, t = sqrt(I) + eps^(1/2) T")
+def inner_scalings() -> Fact:
+    """Only this power balances phi'' with a_3/phi^3 and keeps the outer slope."""
+    n, s = sp.symbols("n s")  # phi ~ eps^n, t ~ eps^s
+    found = sp.solve([n - 2 * s - (1 - 3 * n), n - s], [n, s])
+    half = sp.Rational(1, 2)
+    return Fact(
+        printed=(half, half),
+        holds=lambda powers: found == dict(zip((n, s), powers, strict=True)),
+        others=((half, 1), (1, 1), (half, sp.Rational(1, 3))),
+        how=f"sympy: phi'' ~ eps/phi^3 and slope of order 1 give {found}",
+    )
+
+
+@claim("eq01:inner_full", "5.2", "the reduced equation in inner variables")
+def inner_equation() -> IdentityEvidence:
+    """Substitute."""
+    log = sp.Symbol("log_full")
+    force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
+    printed = (
+        a_["3"] / x**3
+        + root * (a_["l2"] * log + a_["2"]) / x**2
+        + eps * (a_["l1"] * log + a_["1"]) / x
+        + root**3 * (a_["ll"] * log**2 + a_["l0"] * log + a_["0"])
+        - root
+    )
+    return IdentityEvidence(
+        printed=printed, derived=sp.expand(root * force), source="eq01:Phi_reduced"
+    )
+
+
+@claim("eq01:inner_problem", "5.2", "varphi_0'' = a_p/varphi_0^3")
+def inner_problem() -> IdentityEvidence:
+    """Leading order of eq01:Phi_reduced in inner variables, with a_3 from eq01:Phi itself."""
+    log = sp.Symbol("log_full")
+    force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
+    leading = sp.expand(root * force).subs(eps, 0)
+    strongest = in_inertias(of_reduced("a_3") / B2**2)
+    return IdentityEvidence(
+        printed=a_p / x**3,
+        derived=leading.subs(a_["3"], strongest),
+        source="eq01:Phi_reduced at eps -> 0 and fixed varphi",
+    )
+
+
+@claim("eq01:inner_solution", "5.2", "varphi = sqrt(P^2 + (sqrt(a_p) T - Q)^2/P^2)")
+def inner_solution() -> IdentityEvidence:
+    """Differentiate twice."""
+    lean = sp.sqrt(q) * T - Q
+    return IdentityEvidence(
+        printed=sp.sqrt(P**2 + lean**2 / P**2),
+        compared=lambda form: sp.simplify(form.diff(T, 2) * form**3),
+        derived=q,
+        others=(
+            sp.sqrt(2 * P**2 + lean**2 / P**2),
+            sp.sqrt(P**2 + lean**2 / P),
+            sp.sqrt(P**2 + (q * T - Q) ** 2 / P**2),
+        ),
+        source="eq01:inner_problem",
+    )
+
+
+@claim("text:phi_min", "5.4", "phi_min = sqrt(eps a_p/I)")
+def smallest_nutation() -> IdentityEvidence:
+    """Take the inner solution at T = 0."""
+    return IdentityEvidence(
+        printed=sp.sqrt(eps * q / I), derived=root * INNER.subs(T, 0), source="eq01:phi_inner"
+    )
+
+
+RATE = sp.sqrt(q + 1) / INNER**2
+
+
+@claim(
+    "text:inner precession",
+    "5.4",
+    "dpsi/dT/sqrt(a_p+1) = sgn/varphi^2 - eps^(1/2) sgn k h/varphi + O(log eps)",
+)
+def inner_precession() -> Both:
+    """Measure the remainder at fixed varphi = 1: the exact rate minus the two terms."""
+    slope = sp.Symbol("kh")
+    form = 1 / x**2 - root * slope / x
+
+    def remainder(kept: Expr) -> "sp.Lambda":
+        value = sp.lambdify((eps, x, slope), kept, "mpmath")
+
+        def left(small: mp.mpf) -> mp.mpf:
+            scale = mp.sqrt(small)
+            psi, _ = rates(scale, mp.mpf(0), scale)
+            return scale * psi - value(small, mp.mpf(1), paper_can.k * paper_can.h)
+
+        return left
+
+    with mp.workdps(60):
+        pair = mp.mpf("1e-12"), mp.mpf("1e-18")
+        sizes = [abs(remainder(form)(small)) for small in pair]
+
+    def bounds(order: tuple[float, int]) -> bool:
+        # a larger order is a bound too, but an empty one: it would exceed the terms that are kept
+        power, logs = order
+        per = [
+            size / (small**power * abs(mp.log(small)) ** logs)
+            for size, small in zip(sizes, pair, strict=True)
+        ]
+        return bool(abs(per[0] / per[1] - 1) < mp.mpf("0.2"))
+
+    return Both(
+        parts=(
+            Rate(
+                printed=form,
+                remainder=remainder,
+                others=(2 / x**2 - root * slope / x, 1 / x**2 + root * slope / x, 1 / x**2),
+                stated=1,
+                at=(1e-12, 1e-18),
+                source="the exact rate, which leaves eps log eps",
+            ),
+            Fact(
+                printed=(0, 1),
+                holds=bounds,
+                corrected=(1, 1),
+                others=((0, 1), (0.5, 1), (1, 0), (1, 3)),
+                how=f"at varphi = 1 the remainder is {mp.nstr(sizes[0], 3)} for eps = 1e-12 and "
+                f"{mp.nstr(sizes[1], 3)} for 1e-18, as eps log eps; the printed bound would exceed "
+                "the terms kept",
+                correct="remainder O(eps log eps)",
+                wrong=ClaimStatus.MISPRINT,
+            ),
+        )
+    )
+
+
+@claim("eq01:Psi_inner", "5.4", "dpsi/dT = sqrt(a_p+1) sgn/(a_3/I + I T^2)")
+def inner_rate() -> IdentityEvidence:
+    """sqrt(a_p+1) B/phi^2 in inner variables; a_3 = a_p once eps is taken out."""
+    return IdentityEvidence(
+        printed=sp.sqrt(q + 1) / (q / I + I * T**2),
+        derived=sp.simplify(sp.sqrt(q + 1) * root * root / (root * INNER) ** 2),
+        source="B/phi^2 at eq01:phi_inner",
+    )
+
+
+@claim("eq01:dpsi_max", "5.4", "largest dpsi/dt = I sqrt(a_p+1)/(eps^(1/2) a_p)")
+def largest_rate() -> IdentityEvidence:
+    """At T = 0."""
+    return IdentityEvidence(
+        printed=I * sp.sqrt(q + 1) / (root * q),
+        derived=RATE.subs(T, 0) / root,
+        source="eq01:Psi_inner",
+    )
+
+
+@claim("eq01:Theta_inner", "5.4", "dtheta/dT = -dpsi/dT to leading order")
+def inner_rotation() -> Rate:
+    """(Theta + Psi)/Psi along a motion."""
+
+    def remainder(factor: Expr) -> "sp.Lambda":
+        def left(y: mp.mpf) -> mp.mpf:
+            psi, theta = rates(y, mp.mpf("0.75"), mp.mpf(1))
+            return (theta - int(factor) * psi) / psi
+
+        return left
+
+    return Rate(
+        printed=sp.Integer(-1),
+        remainder=remainder,
+        stated=2,
+        at=(1e-8, 1e-11),
+        source="the exact rates",
+    )
+
+
+ARC = sp.sqrt(q + 1) / sp.sqrt(q) * sp.atan(I * T / sp.sqrt(q))
+ARC_PRINTED = sp.sqrt(q + 1) / q * sp.atan(I * T / sp.sqrt(q))
+FACTOR = "sqrt((a_p+1)/a_p) in place of sqrt(a_p+1)/a_p"
+
+
+def _angle(sign: int) -> IdentityEvidence:
+    return IdentityEvidence(
+        printed=sign * ARC_PRINTED,
+        corrected=sign * ARC,
+        compared=lambda angle: angle.diff(T),
+        derived=sign * RATE,
+        wrong=ClaimStatus.MISPRINT,
+        source="its derivative against eq01:Psi_inner",
+        correct=f"the factor is {FACTOR}",
+    )
+
+
+@claim("eq01:psi_inner", "5.4", "psi = sqrt(a_p+1)/a_p arctan(I T/sqrt(a_p)) + C")
+def inner_angle() -> IdentityEvidence:
+    """Differentiate."""
+    return _angle(1)
+
+
+@claim("eq01:theta_inner", "5.4", "theta = -sqrt(a_p+1)/a_p arctan(I T/sqrt(a_p)) + C")
+def inner_rotation_angle() -> IdentityEvidence:
+    """Differentiate."""
+    return _angle(-1)
+
+
+@claim("text:dvarphi/dT", "5.4", "dvarphi/dT = I T/sqrt(a_3/I + I T^2)")
+def inner_slope() -> IdentityEvidence:
+    """Differentiate."""
+    return IdentityEvidence(printed=I * T / INNER, derived=INNER.diff(T), source="eq01:phi_inner")
+
+
+@claim("eq01:angle_of_turn", "6.1", "Delta psi = pi sqrt((a_p+1)/a_p) sgn(B_-2)")
+def angle_of_turn() -> IdentityEvidence:
+    """Integrate the rate over the whole bounce."""
+    whole = sp.integrate(sp.sqrt(q + 1) / (q / I + I * T**2), (T, 0, sp.oo)) * 2
+    return IdentityEvidence(
+        printed=sp.pi * sp.sqrt((q + 1) / q),
+        derived=sp.simplify(whole),
+        source="int of eq01:Psi_inner",
+    )
+
+
+@claim("eq01:size_angle_of_turn", "6.1", "|Delta psi| = pi sqrt((A + m H^2 + m R^2)/(A + m H^2))")
+def dimensional_turn() -> IdentityEvidence:
+    """Undo the scaling."""
+    return IdentityEvidence(
+        printed=(A + m * H**2 + m * R**2) / (A + m * H**2),
+        derived=(a_p + 1) / a_p,
+        source="eq01:scalings, the square over pi^2",
+    )
+
+
+@claim("text:limits of the turn", "6.1", "at least pi for every can; without bound as a_p -> 0")
+def limits_of_the_turn() -> Fact:
+    """Limits and monotony."""
+    form = sp.pi * sp.sqrt((q + 1) / q)
+    falls = sp.simplify(form.diff(q) / form + 1 / (2 * q * (q + 1))) == 0
+    ends = sp.limit(form, q, sp.oo), sp.limit(form, q, 0)
+    return Fact(
+        printed=(sp.pi, sp.oo),
+        holds=lambda least_and_most: falls and ends == least_and_most,
+        others=((2 * sp.pi, sp.oo), (sp.pi, 2 * sp.pi), (sp.Integer(0), sp.oo)),
+        how="sympy: it falls with a_p, from infinity to pi",
+    )

@@ -1,0 +1,245 @@
+"""Section 2: frames, rolling, the velocity and the acceleration of the centre."""
+
+import sympy as sp
+
+from harness.paper.audit.evidence import Fact, IdentityEvidence
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.newton_euler import (
+    ARM,
+    VERTICAL,
+    body_rates,
+    centre_velocity,
+    contact_force,
+    rate,
+    rotation,
+    turn_y,
+    turn_z,
+)
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import (
+    Co,
+    Expr,
+    Phi,
+    Psi,
+    S,
+    Theta,
+    a,
+    c,
+    h,
+    phi,
+    phi_dd,
+    psi,
+    psi_dd,
+    theta,
+    theta_dd,
+    tidy,
+)
+
+ROLLING = "the rotation itself and rolling"
+cos_psi, sin_psi = sp.cos(psi), sp.sin(psi)
+FORTH = S + h * Co
+ASIDE = Psi * (Co - h * S) + Theta
+L = -FORTH * phi_dd - (Co - h * S) * Psi**2 - Theta * Psi - (Co - h * S) * Phi**2
+M = (Co - h * S) * psi_dd + theta_dd - 2 * FORTH * Phi * Psi
+GLOBAL_TO_I = sp.Matrix([[cos_psi, sin_psi, 0], [-sin_psi, cos_psi, 0], [0, 0, 1]])
+I_TO_BODY = sp.Matrix([[Co, 0, S], [0, 1, 0], [-S, 0, Co]])
+
+
+@claim("eq01:rotation_matrices", "2", "R_GI and R_IB convert components from frame to frame")
+def rotation_matrices() -> IdentityEvidence:
+    """Compare with the transposed turns by psi about z and by -phi about y."""
+    return IdentityEvidence(
+        printed=sp.Matrix.vstack(GLOBAL_TO_I, I_TO_BODY),
+        derived=sp.Matrix.vstack(turn_z(psi).T, turn_y(-phi).T),
+        source="turns by psi about z and by -phi about y, which tip the can onto GP",
+    )
+
+
+@claim("text:R_GB", "2", "R_GB = R_GI R_IB")
+def order_of_the_product() -> IdentityEvidence:
+    """Compare with the rotation of the frame B, transposed."""
+    return IdentityEvidence(
+        printed=GLOBAL_TO_I * I_TO_BODY,
+        corrected=I_TO_BODY * GLOBAL_TO_I,
+        derived=rotation().T,
+        correct="R_GB = R_IB R_GI, since R_ij converts frame i to frame j",
+        source="the turns by psi about z and then by -phi about y",
+    )
+
+
+@claim("text:GP", "2", "GP^B = (-R, 0, -H) leads to the contact point")
+def contact_point() -> Fact:
+    """Ask whether it is the lowest point of the lower rim."""
+
+    def lowest(arm: Expr) -> bool:
+        on_the_rim = arm[0] ** 2 + arm[1] ** 2 == 1 and arm[2] == -h
+        outward, along = sp.Matrix([arm[0], arm[1], 0]), sp.Matrix([-arm[1], arm[0], 0])
+        # of the height over the rim, with the angle round it
+        slope, bend = (rotation() * along)[2], -(rotation() * outward)[2]
+        return bool(on_the_rim and sp.simplify(slope) == 0 and sp.simplify(bend - S) == 0)
+
+    return Fact(
+        printed=sp.Matrix([-1, 0, -h]),
+        holds=lowest,
+        others=(
+            sp.Matrix([1, 0, -h]),
+            sp.Matrix([0, -1, -h]),
+            sp.Matrix([-1, 0, h]),
+            sp.Matrix([-2, 0, -h]),
+        ),
+        how="sympy: over the rim the height has slope 0 and bend R sin(phi) > 0 there",
+    )
+
+
+@claim("text:Omega", "2", "Omega^B = (psi' sin phi, -phi', psi' cos phi + theta'), omega^B without")
+def angular_velocities() -> IdentityEvidence:
+    """Compare with R^T R' of the frame and of the can."""
+    frame, can = body_rates()
+    return IdentityEvidence(
+        printed=sp.Matrix([Psi * S, -Phi, Psi * Co, Psi * S, -Phi, Psi * Co + Theta]),
+        derived=sp.Matrix([*frame, *can]),
+        source="R^T dR/dt",
+    )
+
+
+@claim("eq01:n2l_lin", "2", "m a_G = -m g z + N + F")
+def balance_of_force() -> IdentityEvidence:
+    """With the balance of moments the force that it gives conserves energy, as no-slip asks."""
+    velocity, spin = centre_velocity(), rotation() * body_rates()[1]
+    acceleration, seen = rate(velocity), sp.Matrix(sp.symbols("a_x a_y a_z"))
+
+    def power(force: Expr) -> Expr:
+        moment = (rotation() * ARM).cross(force.subs(dict(zip(seen, acceleration, strict=True))))
+        return velocity.dot(acceleration) + velocity[2] + spin.dot(moment)
+
+    return IdentityEvidence(
+        printed=seen + VERTICAL,  # N + F = m a_G + m g z, per m g
+        compared=power,
+        derived=sp.Integer(0),
+        source="the rate of the energy, with N + F = m a_G + m g z in the balance of moments",
+    )
+
+
+@claim("eq01:n2l_rot", "2", "I Omega' + omega x I Omega = GP x R_GB (N + F), in the body frame")
+def balance_of_moments() -> IdentityEvidence:
+    """Compare with the rate of angular momentum and the moment of the force in G, seen in B."""
+    frame, can = body_rates()
+    inertia = sp.diag(a, a, c)
+    momentum = rotation() * (inertia * can)
+    force = sp.Matrix(sp.symbols("f_x f_y f_z", real=True))
+    left = inertia * rate(can) + frame.cross(inertia * can)
+    seen = rotation().T * sp.Matrix.hstack(rate(momentum), (rotation() * ARM).cross(force))
+    return IdentityEvidence(
+        printed=sp.Matrix.hstack(left, ARM.cross(rotation().T * force)),
+        derived=tidy(seen),
+        source="d/dt of the angular momentum and the moment of the force in G",
+    )
+
+
+@claim("eq01:constraint", "2", "v_P = v_G + R_BG (Omega x GP) = 0")
+def rolling_without_slipping() -> IdentityEvidence:
+    """Follow the point of the material that is at the contact."""
+    point = sp.Matrix(sp.symbols("x_1 x_2 x_3"))
+    moving = rate(rotation() * turn_z(theta) * point)
+    here = dict(zip(point, turn_z(theta).T * ARM, strict=True))
+    return IdentityEvidence(
+        printed=rotation() * body_rates()[1].cross(ARM),
+        derived=moving.subs(here),
+        source="the velocity of the material point",
+    )
+
+
+@claim("eq01:com_velocity", "2", "velocity of the centre of mass")
+def velocity_of_the_centre() -> IdentityEvidence:
+    """As printed, the parenthesis opened after -cos psi closes only at the end."""
+    rest = [ASIDE * cos_psi - sin_psi * Phi * FORTH, Phi * (Co - h * S)]
+    return IdentityEvidence(
+        printed=sp.Matrix([-cos_psi * (Phi * FORTH - sin_psi * ASIDE), *rest]),
+        corrected=sp.Matrix([-cos_psi * (Phi * FORTH) - sin_psi * ASIDE, *rest]),
+        derived=centre_velocity(),
+        wrong=ClaimStatus.MISPRINT,
+        correct="a parenthesis is missing: "
+        "x' = -cos psi (phi' (R sin phi + H cos phi)) - sin psi (...)",
+        source=ROLLING,
+    )
+
+
+PRINTED_X = L * cos_psi + M * sin_psi
+RIGHT_X = L * cos_psi - M * sin_psi
+PRINTED_Y = M * cos_psi + L * sin_psi
+RIGHT = "L cos psi - M sin psi"
+
+
+@claim("eq01:lin_eom", "2", "acceleration of the centre, x'' = L cos psi + M sin psi, ...")
+def acceleration_of_the_centre() -> IdentityEvidence:
+    """Differentiate the velocity."""
+    rest = [PRINTED_Y, phi_dd * (Co - h * S) - Phi**2 * FORTH]
+    return IdentityEvidence(
+        printed=sp.Matrix([PRINTED_X, *rest]),
+        corrected=sp.Matrix([RIGHT_X, *rest]),
+        derived=rate(centre_velocity()),
+        correct=f"x'' = {RIGHT}",
+        wrong=ClaimStatus.MISPRINT,
+        source=ROLLING,
+    )
+
+
+@claim("text:L and M", "2", "the functions L and M under eq01:lin_eom")
+def forward_and_sideward_acceleration() -> IdentityEvidence:
+    """They are the components of the acceleration in the frame I."""
+    seen = tidy(turn_z(psi).T * rate(centre_velocity()))
+    return IdentityEvidence(printed=sp.Matrix([L, M]), derived=sp.Matrix(seen[:2]), source=ROLLING)
+
+
+@claim("eq01:fx", "2", "F_x = m (L cos psi + M sin psi)")
+def friction_along_x() -> IdentityEvidence:
+    """Take the x component of the force."""
+    return IdentityEvidence(
+        printed=PRINTED_X,
+        corrected=RIGHT_X,
+        derived=contact_force()[0],
+        correct=f"F_x = m ({RIGHT})",
+        wrong=ClaimStatus.MISPRINT,
+        source=ROLLING,
+    )
+
+
+@claim("eq01:fy", "2", "F_y = m (M cos psi + L sin psi)")
+def friction_along_y() -> IdentityEvidence:
+    """Take the y component of the force."""
+    return IdentityEvidence(printed=PRINTED_Y, derived=contact_force()[1], source=ROLLING)
+
+
+@claim(
+    "eq01:normal",
+    "2",
+    "N = m g + m phi'' (R cos phi - H sin phi) - m phi'^2 (R sin phi + H cos phi)",
+)
+def normal_force() -> IdentityEvidence:
+    """Take the z component of the force."""
+    return IdentityEvidence(
+        printed=1 + phi_dd * (Co - h * S) - Phi**2 * FORTH,
+        derived=contact_force()[2],
+        source=ROLLING,
+    )
+
+
+@claim("eq01:contact_locus", "6.2", "v_l = v_G + R_BG ((Omega - Theta z^B) x GP)")
+def locus_velocity() -> IdentityEvidence:
+    """Differentiate the place of the contact point, which does not turn with theta."""
+    turning = body_rates()[1] - Theta * VERTICAL
+    return IdentityEvidence(
+        printed=centre_velocity() + rotation() * turning.cross(ARM),
+        derived=centre_velocity() + rate(rotation() * ARM),
+        source="d/dt of the contact point",
+    )
+
+
+@claim("eq01:contact_point_velocity", "6.2", "v_l = Theta (-sin psi, cos psi)")
+def locus_velocity_in_short() -> IdentityEvidence:
+    """Differentiate the place of the contact point; it stays in the plane."""
+    return IdentityEvidence(
+        printed=sp.Matrix([-Theta * sin_psi, Theta * cos_psi, 0]),
+        derived=centre_velocity() + rate(rotation() * ARM),
+        source="d/dt of the contact point",
+    )

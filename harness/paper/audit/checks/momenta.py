@@ -1,0 +1,190 @@
+"""Appendices B and C: what B_0 and B_-2 mean, and what friction does to the angular momenta."""
+
+from functools import cache
+
+import mpmath as mp
+import numpy as np
+import sympy as sp
+
+from harness.paper.audit import flat_motion, paper_can, release
+from harness.paper.audit.checks.numbers import exact_constants
+from harness.paper.audit.evidence import Fact, IdentityEvidence
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.newton_euler import ARM, VERTICAL, rotation
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import Co, Phi, Psi, S, Theta, a, c, h, phi
+from harness.paper.audit.symbols import psi as precession
+from reference import PAPER_CAN
+from reference.equations.reaction_force import contact_force
+
+SAME = mp.mpf("0.1")
+"""Two quantities in proportion to each other keep their ratio to a tenth over the fall."""
+
+
+@cache
+def fall() -> dict[str, tuple[mp.mpf, mp.mpf]]:
+    """Return sum of the rates and momenta of the exact release, at the top and in the bounce."""
+    with mp.workdps(30):
+        constants = exact_constants()
+        places = paper_can.PHI, mp.mpf(release.bounce().bounces[0].phi_min)
+        found = []
+        for x in places:
+            psi, theta = flat_motion.rates(x, *constants)
+            axis = paper_can.c * (theta + psi * mp.cos(x))
+            vertical = paper_can.a * psi * mp.sin(x) ** 2 + mp.cos(x) * axis
+            found.append((theta + psi, axis, vertical, axis - vertical))
+        names = ("Theta + Psi", "H_z^B", "H_z^G", "H_z^B - H_z^G")
+        return {n: (found[0][i], found[1][i]) for i, n in enumerate(names)}
+
+
+def _kept(quantity: str) -> bool:
+    top, low = fall()[quantity]
+    return bool(abs(low / top - 1) < SAME)
+
+
+def _told(*quantities: str) -> str:
+    pairs = fall()
+    return "; ".join(
+        f"{name} goes from {mp.nstr(pairs[name][0], 4)} at release to {mp.nstr(pairs[name][1], 4)} "
+        "in the bounce"
+        for name in quantities
+    )
+
+
+LOGARITHM = "(1 - h^2 k)/c_p B_-2 log phi"
+
+
+@claim(
+    "text:B_0 as momentum", "C", "B_0 is in proportion to the momentum H_z^B about the body's axis"
+)
+def regular_constant_as_momentum() -> Fact:
+    """Follow the momentum over the fall: B_0 is constant."""
+    zero, _ = exact_constants()
+    share = paper_can.k * paper_can.c_p / (2 * paper_can.c) * fall()["H_z^B"][0] / zero
+    return Fact(
+        printed="H_z^B",
+        corrected="B_0",
+        others=("H_z^B", "H_z^G"),
+        holds=lambda quantity: quantity == "B_0" or _kept(quantity),
+        how=f"exact release: {_told('H_z^B')}, in sqrt(g/R), while B_0 = {mp.nstr(zero, 4)} stays; "
+        f"k c_p H_z^B/(2 c) is {mp.nstr(share, 3)} B_0 at release",
+        correct=f"H_z^B = c (2 B_0/(k c_p) + {LOGARITHM} + O(B_-2)): the two agree only for fixed "
+        "rates as phi -> 0, and the rates of a motion grow as phi^-2",
+    )
+
+
+@claim("text:the other constant", "C", "B_-2 bears similarities to H_z^B - H_z^G")
+def singular_constant_as_difference() -> Fact:
+    """Follow the difference over the fall: it stays as B_-2 does."""
+    return Fact(
+        printed="H_z^B - H_z^G",
+        others=("H_z^B", "H_z^G", "Theta + Psi"),
+        holds=_kept,
+        how=f"exact release: {_told('H_z^B - H_z^G')}",
+    )
+
+
+@claim("text:sum in proportion", "C", "Theta + Psi is in proportion to B_0, to leading order")
+def sum_in_proportion() -> Fact:
+    """Follow the sum over the fall."""
+    return Fact(
+        printed="Theta + Psi",
+        corrected="B_0",
+        others=("Theta + Psi",),
+        holds=lambda quantity: quantity == "B_0" or _kept(quantity),
+        how=f"exact release: {_told('Theta + Psi')}, in sqrt(g/R), while B_0 stays",
+        correct=f"Theta + Psi = {LOGARITHM} + 2 B_0/(k c_p) + O(B_-2): the logarithm leads",
+    )
+
+
+@claim(
+    "text:effect of friction",
+    "C",
+    "if B_0 is small, the effects of friction on the angular momenta are small",
+)
+def effect_of_friction() -> Fact:
+    """Change of the momenta over the fall, relative to what they are at release."""
+    changes = {name: abs(low / top - 1) for name, (top, low) in fall().items()}
+    return Fact(
+        printed=("H_z^B", "H_z^G"),
+        corrected=("H_z^B - H_z^G",),
+        others=(("H_z^B",), ("H_z^G",)),
+        holds=lambda kept: all(changes[name] < SAME for name in kept),
+        how=f"exact release: {_told('H_z^B', 'H_z^G')}, in sqrt(g/R)",
+        correct="over a fall H_z^B changes by c (1 - h^2 k)/c_p B_-2 log(phi_min/phi_0), however "
+        "small B_0: more than itself; only the difference H_z^B - H_z^G is kept",
+    )
+
+
+@claim("text:small F_y", "C", "the tangential friction F_y^I is small")
+def smallness_of_the_tangential_friction() -> Fact:
+    """Largest F_y^I of the exact release, in parts of the weight."""
+    solution = release.bounce()
+    _, aside, _ = contact_force(solution.at(solution.grid()), PAPER_CAN)
+    largest = float(np.abs(aside).max())
+    return Fact(
+        printed=0.01,
+        others=(1e-4, 1e-6),
+        holds=lambda share: largest < share,
+        how=f"exact release: |F_y^I| is at most {largest:.2e} m g",
+    )
+
+
+@claim(
+    "text:H_z^G as momentum",
+    "B",
+    "H_z^G is a combination of the momenta about the symmetry and the vertical axes",
+)
+def momentum_about_the_vertical_alone() -> IdentityEvidence:
+    """Project the angular momentum about the centre on each axis."""
+    momentum = sp.diag(a, a, c) * sp.Matrix([Psi * S, -Phi, Psi * Co + Theta])
+    vertical = (rotation() * momentum)[2]
+    axis = momentum[2]
+    letters = sp.symbols("L_vertical L_axis")
+    return IdentityEvidence(
+        printed=letters[0] + letters[1],
+        corrected=letters[0],
+        compared=lambda form: sp.expand(
+            form.subs(dict(zip(letters, (vertical, axis), strict=True)))
+        ),
+        derived=a * Psi * S**2 + c * Co * (Psi * Co + Theta),
+        others=(letters[1], letters[0] - letters[1], letters[0] + letters[1]),
+        correct="the momentum about the vertical through the centre, alone",
+        source="(C.2)",
+    )
+
+
+@claim(
+    "caption:fig01:conserved_quantity_diagram",
+    "C",
+    "the lines of action of N and of F_x^I both intersect the axes z^G and z^B",
+)
+def lines_that_meet() -> Fact:
+    """Solve for the points in which a line through the contact meets an axis through the centre."""
+    contact = rotation() * ARM
+    forward = sp.Matrix([1, 0, 0])
+    # in the vertical plane of the frame I, psi = 0, at some tilt of some can
+    flat = {precession: 0, phi: sp.pi / 6, h: sp.Rational(3, 2)}
+    place, axis = contact.subs(flat), (rotation() * VERTICAL).subs(flat)
+    u, v = sp.symbols("u v", real=True)
+    lines = {"N": VERTICAL, "F_x^I": forward}
+    axes = {"z^G": VERTICAL, "z^B": axis}
+    met = {
+        (force, name)
+        for force, along in lines.items()
+        for name, way in axes.items()
+        if sp.solve(list(place + u * along - v * way), [u, v], dict=True)
+    }
+    every = frozenset((force, name) for force in lines for name in axes)
+    right = every - {("N", "z^G")}
+    return Fact(
+        printed=every,
+        corrected=right,
+        others=(every, right - {("N", "z^B")}, right - {("F_x^I", "z^G")}),
+        holds=lambda pairs: set(pairs) == met,
+        how="sympy: N is parallel to z^G, at the distance R cos phi - H sin phi; the other three "
+        "pairs meet",
+        correct="N does not intersect z^G but is parallel to it; it has no moment about it all the "
+        "same",
+        wrong=ClaimStatus.FALSE,
+    )

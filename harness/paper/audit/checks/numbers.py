@@ -1,0 +1,300 @@
+"""Numbers in text and captions: the can, the release, and what the bounce comes to."""
+
+from functools import partial
+
+import mpmath as mp
+import sympy as sp
+
+from harness.paper.audit import flat_motion, paper_can, release
+from harness.paper.audit.checks.reduced import derived as of_reduced
+from harness.paper.audit.evidence import Both, Fact, Number, OutOfReach
+from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.paper_can import (
+    HALF_HEIGHT,
+    MOMENT_A,
+    MOMENT_C,
+    PHI,
+    PSI_DOT,
+    RADIUS,
+    THETA_DOT,
+    WIDTH,
+    reach,
+)
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import B0, B2, Expr, eps, zeta
+from reference import solve
+
+MASSES = MOMENT_A / (paper_can.a * RADIUS**2), MOMENT_C / (paper_can.c * RADIUS**2)
+"""What A with a, and C with c, imply: they agree to a thousandth, and not with the printed m."""
+SQUARE = sum(MASSES) / 2 * RADIUS**2
+"""m R^2 with that mass: one number with which A, C, a and c all round as printed."""
+IMPLIED = f"m = {mp.nstr(SQUARE / RADIUS**2, 3)} kg, which A/(a R^2) and C/(c R^2) imply"
+SEEN = 1e-3
+"""A drift that a plot of ten periods shows: a hundredth of a period."""
+
+
+def _moment(printed: str, group: mp.mpf) -> Number:
+    return Number(
+        printed=printed, value=group * SQUARE, source=f"its group times m R^2 with {IMPLIED}"
+    )
+
+
+claim("text:A", "2", "A = 6.97e-5 kg m^2", name="moment")(partial(_moment, "6.97e-5", paper_can.a))
+claim("text:C", "2", "C = 5.89e-5 kg m^2", name="moment")(partial(_moment, "5.89e-5", paper_can.c))
+
+
+@claim("text:m", "2", "m = 4.3e-2 kg")
+def mass() -> Number:
+    """From A, a and R; C, c and R give the same."""
+    return Number(
+        printed="4.3e-2",
+        value=SQUARE / RADIUS**2,
+        source="A, C, a, c and R",
+        also=f"A/(a R^2) = {mp.nstr(MASSES[0], 4)} kg, C/(c R^2) = {mp.nstr(MASSES[1], 4)} kg",
+    )
+
+
+def _groups() -> dict[str, Number]:
+    least, most = reach(lambda a, c, h: c / (a + c * (a + h**2)), "0.727", "0.615", "1.473")
+    return {
+        "a": Number(printed="0.727", value=MOMENT_A / SQUARE, source=f"A/(m R^2) with {IMPLIED}"),
+        "c": Number(printed="0.615", value=MOMENT_C / SQUARE, source=f"C/(m R^2) with {IMPLIED}"),
+        "a_p": Number(
+            printed="2.897", value=paper_can.a + (HALF_HEIGHT / RADIUS) ** 2, source="a + (H/R)^2"
+        ),
+        "c_p": Number(
+            printed="1.6156", value=paper_can.c_p, source="c + 1", wrong=ClaimStatus.MISPRINT
+        ),
+        "h": Number(printed="1.473", value=HALF_HEIGHT / RADIUS, source="H/R"),
+        "k": Number(
+            printed="0.245", value=paper_can.k, low=least, high=most, source="c/(a + c a_p)"
+        ),
+    }
+
+
+for _name in ("a", "c", "a_p", "c_p", "h", "k"):
+    claim(f"text:{_name} of the can", "2", f"{_name} = {_groups()[_name].printed}", name="group")(
+        partial(lambda name: _groups()[name], _name)
+    )
+
+
+@claim(
+    "eq01:material_parameters",
+    "2",
+    "the groups of the can (of c_p see the row text:c_p of the can)",
+)
+def groups() -> Both:
+    """Each from the numbers printed with it; the digit of c_p has a row of its own."""
+    return Both(parts=tuple(number for name, number in _groups().items() if name != "c_p"))
+
+
+def exact_constants() -> tuple[mp.mpf, mp.mpf]:
+    """Return B_0 and B_-2 of the release."""
+    with mp.workdps(30):
+        return flat_motion.constants(PHI, PSI_DOT, THETA_DOT)
+
+
+def leading_constant() -> mp.mpf:
+    """Return B_-2 of the release by eq01:B_sol."""
+    return (PSI_DOT - paper_can.k * paper_can.c_p / 2 * (PSI_DOT + THETA_DOT)) * PHI**2
+
+
+@claim("eq01:initial_conditions", "2", "(psi', phi, phi', theta') = (0.1001, pi/100, 0, -0.1000)")
+def initial_conditions() -> Fact:
+    """Find the release from which the printed eps and zeta follow: its rates are in rad/s."""
+    p = paper_can
+
+    def implied(release_: tuple[str, str, mp.mpf]) -> tuple[mp.mpf, mp.mpf]:
+        psi, theta = (mp.mpf(rate) * p.SECOND for rate in release_[:2])
+        half = p.k * p.c_p / 2 * (psi + theta)
+        two = (psi - half) * release_[2] ** 2
+        # what the paper calls eps and zeta, see text:eps and text:zeta
+        return (p.a_p + 1) * two**2, mp.sqrt(p.a_p + 1) * half / abs(two)
+
+    def fits(release_: tuple[str, str, mp.mpf]) -> bool:
+        eps_, zeta_ = implied(release_)
+        return (
+            Number(printed="1.43e-10", value=eps_, source="").near()
+            and Number(printed="0.40", value=zeta_, source="").near()
+        )
+
+    printed = ("0.1001", "-0.1000", PHI)
+    in_seconds, other = implied(printed)[0], implied(printed)[0] / p.SECOND**2
+    return Fact(
+        printed=printed,
+        holds=fits,
+        others=(
+            ("0.1003", "-0.1000", PHI),
+            ("0.1001", "-0.0998", PHI),
+            ("0.1001", "0.1000", PHI),
+            ("0.1001", "-0.1000", mp.pi / 99),
+        ),
+        how=f"(a_p+1) B_-2^2 = {mp.nstr(in_seconds, 4)} with the rates in rad/s, "
+        f"{mp.nstr(other, 4)} with them in sqrt(g/R); the paper's eps is 1.43e-10, and its zeta "
+        f"is {mp.nstr(implied(printed)[1], 3)} as it seems to have been computed",
+    )
+
+
+@claim("eq01:epsilon_zeta", "4.3", "|B_-2| = eps^(1/2), B_0 = zeta eps^(1/2)")
+def scales_of_the_constants() -> Fact:
+    """Ask whether eps comes out of every coefficient of the reduced equation to the first power."""
+    zero, two = exact_constants()
+    names = ("a_3", "a_l2", "a_2", "a_l1", "a_1", "a_ll", "a_l0", "a_0")
+
+    def extracted(powers: tuple[Expr, Expr]) -> bool:
+        letters = {B2: eps ** powers[0], B0: zeta * eps ** powers[1]}
+        return all(sp.expand(of_reduced(n).subs(letters) / eps).diff(eps) == 0 for n in names)
+
+    half = sp.Rational(1, 2)
+    return Fact(
+        printed=(half, half),
+        holds=extracted,
+        others=((1, 1), (half, 1), (1, half), (half, sp.Rational(1, 4))),
+        how="sympy: each of the eight coefficients is eps times a form in zeta; at the release "
+        f"exactly B_-2 = {mp.nstr(two, 6)}, B_0 = {mp.nstr(zero, 6)}, "
+        f"ratio {mp.nstr(zero / two, 4)}",
+    )
+
+
+@claim("text:eps", "4.3", "eps = 1.43e-10")
+def epsilon() -> Number:
+    """B_-2^2; and, to tell beside it, the smallest nutation that eps predicts."""
+    _, two = exact_constants()
+    p = paper_can
+    low = mp.sqrt(two**2 * p.a_p / WIDTH)
+    printed = mp.sqrt(mp.mpf("1.43e-10") * p.a_p / WIDTH)
+    true = release.bounce().bounces[0].phi_min
+    return Number(
+        printed="1.43e-10",
+        value=two**2,
+        source="B_-2^2",
+        also="printed is (a_p+1) B_-2^2 = "
+        f"{mp.nstr((p.a_p + 1) * leading_constant() ** 2, 4)} with eq01:B_sol, "
+        "that is B_-2 in rescaled time, for which a_3 would be a_p/(a_p+1); "
+        f"phi_min = sqrt(eps a_p/I) is {mp.nstr(printed, 4)} with the printed eps, "
+        f"{mp.nstr(low, 4)} with B_-2^2, and exactly {true:.4g}",
+    )
+
+
+@claim("text:zeta", "4.3", "zeta = 0.40")
+def zeta_of_the_release() -> Both:
+    """B_0/|B_-2|; it does not depend on the unit of time."""
+    zero, two = exact_constants()
+    p = paper_can
+    kc, x = p.k * p.c_p, PHI
+    spin = PSI_DOT + THETA_DOT
+    guess = mp.sqrt(p.a_p + 1) * kc / 2 * spin / abs(leading_constant())
+    log = -(p.h**2 * p.k**2 - p.k) / 4 * (kc * spin - 2 * PSI_DOT) * x**2 * mp.log(x)
+    rest = (
+        -kc * (5 * PSI_DOT + 2 * THETA_DOT) + (4 - 3 * p.k + 9 * (p.h * p.k) ** 2) * PSI_DOT
+    ) / 12
+    expanded = kc / 2 * spin * (1 - p.h * p.k * x) + log + rest * x**2
+    return Both(
+        parts=(
+            Number(
+                printed="0.40",
+                value=zero / abs(two),
+                source="exact B_0/|B_-2|",
+                also="printed is sqrt(a_p+1) k c_p (Psi + Theta)/(2 |B_-2|) = "
+                f"{mp.nstr(guess, 3)}: "
+                "the first term of eq01:A_sol in rescaled time over B_-2 in time not rescaled",
+            ),
+            Number(
+                printed="0.40",
+                value=expanded / abs((PSI_DOT - kc / 2 * spin) * x**2),
+                source="from eq01:A_sol and eq01:B_sol",
+            ),
+        )
+    )
+
+
+@claim("text:sqrt(I)", "5.3", "sqrt(I) = 0.2507 for I = pi/50")
+def time_to_the_bounce() -> Number:
+    """I = 2 phi(0)."""
+    return Number(printed="0.2507", value=mp.sqrt(WIDTH), source="sqrt(2 phi(0)), phi(0) = pi/100")
+
+
+@claim("text:numerical peak", "5.4", "the numerical solution has largest dpsi/dt = 3575")
+def numerical_peak() -> Number:
+    """Take the exact peak of the release, in sqrt(g/R)."""
+    return Number(
+        printed="3575",
+        value=release.bounce().bounces[0].peak_psi_dot,
+        source="exact motion (g = 9.81)",
+        also="3575 is what eq01:dpsi_max gives: the two numbers are exchanged",
+    )
+
+
+def predicted_peak() -> mp.mpf:
+    """Return eq01:dpsi_max at the release, in sqrt(g/R) with B_-2 to leading order."""
+    p = paper_can
+    return WIDTH / (leading_constant() * p.a_p)
+
+
+@claim("text:predicted peak", "5.4", "eq01:dpsi_max gives 3449")
+def peak_by_the_formula() -> Number:
+    """With B_-2 from eq01:B_sol."""
+    return Number(
+        printed="3449",
+        value=predicted_peak(),
+        source="eq01:dpsi_max with eq01:B_sol",
+        also="3449 is the exact peak: the two numbers are exchanged",
+    )
+
+
+@claim("text:error of the peak", "5.4", "an error of 3.5 %")
+def error_of_the_peak() -> Number:
+    """Relative to the exact motion."""
+    exact = release.bounce().bounces[0].peak_psi_dot
+    return Number(
+        printed="3.5",
+        value=100 * abs(predicted_peak() / exact - 1),
+        source="formula against exact motion, in percent of the exact peak",
+        also="3.5 % is of the larger number, which is the formula's",
+    )
+
+
+@claim("text:turn in degrees", "6.1", "|Delta psi| = 209 degrees")
+def turn_in_degrees() -> Both:
+    """Compare with the formula and with the exact turn."""
+    p = paper_can
+    return Both(
+        parts=(
+            Number(
+                printed="209",
+                value=mp.degrees(mp.pi * mp.sqrt((p.a_p + 1) / p.a_p)),
+                source="eq01:size_angle_of_turn",
+            ),
+            Number(
+                printed="209",
+                value=mp.degrees(release.bounce().bounces[0].angle_of_turn),
+                source="exact motion",
+            ),
+        )
+    )
+
+
+@claim("text:period", "4.3", "the reduced equation drifts in the period")
+def drift_of_the_period() -> Fact:
+    """Period of the solution of the reduced equation against the exact one."""
+    exact, reduced = (
+        float(solution.maxima[-1] - solution.maxima[0])
+        for solution in (release.bounce(), solve(release.bounce().problem, model="reduced"))
+    )
+    seen = "drifts" if abs(reduced / exact - 1) > SEEN else "keeps"
+    return Fact(
+        printed="drifts",
+        holds=lambda word: word == seen,
+        others=("keeps",),
+        how=f"exact period {exact:.6f}, that of the reduced equation {reduced:.6f} sqrt(R/g)",
+    )
+
+
+for _label, _says, _reason in (
+    ("text:217 degrees", "experiments found +-217 degrees", "an experiment with another can"),
+    ("text:202 degrees", "Srinivasan and Ruina estimated +-202 degrees", "the other can's moments"),
+    ("text:ode15s", "solutions by ode15s in Matlab", "tolerances and program are not given"),
+):
+    claim(_label, "1" if "degrees" in _label else "2", _says, name="outside")(
+        partial(lambda reason: OutOfReach(reason=f"depends on {reason}"), _reason)
+    )

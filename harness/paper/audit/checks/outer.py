@@ -1,0 +1,217 @@
+"""Section 5.1 and appendices F and G: the outer solution, its coefficients and its integrals."""
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import mpmath as mp
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+from harness.paper.audit.checks.integrals import CLOSED_FORMS, RIGHT_FORMS, time
+from harness.paper.audit.evidence import Fact, IdentityEvidence, Rate
+from harness.paper.audit.mutations import mutated
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import Expr, I, eps
+
+NAMES = ("3", "l2", "2", "l1", "1", "ll", "l0", "0")
+a_ = {name: sp.Symbol(f"a_{name}", real=True) for name in NAMES}
+half_log = sp.log(I / 2)
+POWERS = {
+    "3": (3, 0),
+    "l2": (2, 1),
+    "2": (2, 0),
+    "l1": (1, 1),
+    "1": (1, 0),
+    "ll": (0, 2),
+    "l0": (0, 1),
+    "0": (0, 0),
+}
+"""Power of 1/phi and of log phi beside each coefficient."""
+B_PRINTED = {
+    "3": 8 * a_["3"] / I**2,
+    "l2": 4 * a_["l2"] / I,
+    "2": 4 * a_["2"] / I + 4 * a_["l2"] * half_log / I,
+    "l1": 2 * a_["l1"],
+    "1": 2 * a_["1"] + 2 * a_["l1"] * half_log,
+    "ll": a_["ll"] * I,
+    "l0": a_["l0"] * I + 2 * a_["ll"] * I * half_log,
+    "0": a_["0"] * I + a_["l0"] * I * half_log + a_["ll"] * I * half_log**2,
+}
+w, log_w = sp.symbols("w log_w", positive=True)  # 1 - tau^2 and its logarithm
+with mp.workdps(60):
+    # of the sizes and signs that the coefficients have for a can
+    _VALUES = ("2.9", "-0.4", "-1.1", "-0.2", "0.6", "-0.1", "0.3", "0.5")
+    NUMBERS = {a_[n]: sp.Float(x, 60) for n, x in zip(NAMES, _VALUES, strict=True)}
+    NUMBERS[I] = sp.Float("0.0628", 60)
+
+
+def right_side() -> Expr:
+    """I times the bracket of eq01:Phi_reduced at phi = I (1 - tau^2)/2."""
+    phi_0, log_0 = I * w / 2, half_log + log_w
+    return sp.expand(I * sum(a_[n] * log_0**j / phi_0**i for n, (i, j) in POWERS.items()))
+
+
+def _coefficient(name: str) -> IdentityEvidence:
+    power, logs = POWERS[name]
+    found = right_side().coeff(w, -power).coeff(log_w, logs)
+    return IdentityEvidence(
+        printed=B_PRINTED[name], derived=found, source="eq01:Phi_reduced at phi_0"
+    )
+
+
+for _name in NAMES:
+    claim(
+        f"app:b_{_name}", "F", f"b_{_name} = ${sp.latex(B_PRINTED[_name])}$", name="b_coefficient"
+    )(partial(_coefficient, _name))
+
+
+@claim("eq01:leading_order_outer", "5.1", "phi_0 = (I - t^2)/2, flat at t = sqrt(I)")
+def leading_order() -> IdentityEvidence:
+    """Phi'' = -1 from rest at I/2."""
+    t = sp.Symbol("t")
+    zero = {t: 0}
+    return IdentityEvidence(
+        printed=(I - t**2) / 2,
+        compared=lambda form: sp.Matrix(
+            [form.diff(t, 2), form.subs(zero), form.diff(t).subs(zero), form.subs(t, sp.sqrt(I))]
+        ),
+        derived=sp.Matrix([-1, I / 2, 0, 0]),
+        source="the initial value problem",
+    )
+
+
+@claim("eq01:order1_outer", "5.1", "the equation of phi_1, time in sqrt(I)")
+def first_order_equation() -> IdentityEvidence:
+    """All eight terms at once."""
+    printed = sum(B_PRINTED[n] * log_w**j / w**i for n, (i, j) in POWERS.items())
+    return IdentityEvidence(
+        printed=printed, derived=right_side(), source="eq01:Phi_reduced at phi_0"
+    )
+
+
+@claim("eq01:integrals", "5.1", "the double integrals J")
+def integrals_by_definition() -> Fact:
+    """Find the functions of tau whose double integrals eq01:order1_outer asks for."""
+    met = set()
+    for term in sp.Add.make_args(right_side()):
+        powers = term.as_powers_dict()
+        met.add((-powers[w], powers[log_w]))
+    printed = frozenset({*((i, 0) for i in range(4)), *((i, 1) for i in range(3)), (0, 2)})
+    return Fact(
+        printed=printed,
+        holds=lambda integrands: met == integrands,
+        others=(
+            printed - {(3, 0)},
+            printed | {(3, 1)},
+            printed - {(2, 1)} | {(1, 2)},
+            printed - {(0, 2)},
+        ),
+        how="sympy: eq01:Phi_reduced at phi_0 has these powers of 1/(1 - tau^2) and of its "
+        "logarithm and no other",
+    )
+
+
+@claim("eq01:outer_sol", "5.1", "phi_1 is the sum of the b times the J")
+def first_order_solution() -> Fact:
+    """Integrate the whole right side of eq01:order1_outer twice, and its eight parts."""
+    end = 0.6
+    right = sp.lambdify((w, log_w), right_side().subs(NUMBERS), "math")
+    run = solve_ivp(
+        lambda s, y: [y[1], right(1 - s**2, math.log(1 - s**2))],
+        (0, end),
+        [0, 0],
+        rtol=1e-11,
+        atol=1e-13,
+    )
+    whole = float(run.y[0][-1])
+    b, integral = ({n: sp.Symbol(f"{x}_{n}") for n in NAMES} for x in "bJ")
+    values = {b[n]: B_PRINTED[n].subs(NUMBERS).evalf() for n in NAMES}
+    for n, (power, logs) in POWERS.items():
+        # a double integral from 0 as a single one
+        values[integral[n]] = mp.quad(
+            lambda s, i=power, j=logs: (end - s) * mp.log(1 - s**2) ** j / (1 - s**2) ** i, [0, end]
+        )
+    printed = sum(b[n] * integral[n] for n in NAMES)
+    return Fact(
+        printed=printed,
+        # a hundred times the tolerance of the integration
+        holds=lambda form: bool(abs(form.subs(values) / whole - 1) < 1e-9),  # noqa: PLR2004
+        others=mutated(printed),
+        how=f"at tau = 0.6 the right side of eq01:order1_outer integrated twice from rest is "
+        f"{whole:.9g}, and the sum {float(printed.subs(values)):.9g}",
+    )
+
+
+@claim("eq01:outer_series_ansatz", "5.1", "phi = phi_0 + eps phi_1 + O(eps^2)")
+def outer_expansion() -> IdentityEvidence:
+    """Expand the reduced equation in eps."""
+    x, y = sp.symbols("phi_0 phi_1", positive=True)
+    bracket = sum(
+        a_[n] * sp.log(x + eps * y) ** j / (x + eps * y) ** i for n, (i, j) in POWERS.items()
+    )
+    left = (eps * bracket - 1).subs(eps, 0), (eps * bracket - 1).diff(eps).subs(eps, 0)
+    plain = sum(a_[n] * sp.log(x) ** j / x**i for n, (i, j) in POWERS.items())
+    return IdentityEvidence(
+        printed=sp.Matrix([-1, plain]), derived=sp.Matrix(left), source="its Taylor series in eps"
+    )
+
+
+def _left(forms: dict[str, Expr]) -> Callable[[mp.mpf], mp.mpf]:
+    """Return what the outer solution with given J leaves of eq01:Phi_reduced and of its release."""
+    width, u = NUMBERS[I], mp.mpf("0.6")
+    b = {n: mp.mpmathify(B_PRINTED[n].subs(NUMBERS).evalf(60)) for n in NAMES}
+    functions = {n: sp.lambdify(time, forms[f"J_{n}"], "mpmath") for n in NAMES}
+
+    def left(small: mp.mpf) -> mp.mpf:
+        def phi(s: mp.mpf) -> mp.mpf:
+            return width * (1 - s**2) / 2 + small * sum(b[n] * functions[n](s) for n in NAMES)
+
+        at = phi(u)
+        force = sum(NUMBERS[a_[n]] * mp.log(at) ** j / at**i for n, (i, j) in POWERS.items())
+        start = abs(phi(mp.mpf(0)) - mp.mpf(width) / 2)
+        return abs(mp.diff(phi, u, 2) / width - (small * force - 1)) + start
+
+    return left
+
+
+@claim("eq01:outer_solution", "5.1", "the outer solution up to O(eps^2), with J of appendix G")
+def outer_solution() -> Rate:
+    """Insert it into eq01:Phi_reduced, with eight numbers for its coefficients."""
+    return Rate(
+        printed=CLOSED_FORMS,
+        remainder=_left,
+        corrected=RIGHT_FORMS,
+        others=(
+            CLOSED_FORMS,
+            RIGHT_FORMS | {"J_3": CLOSED_FORMS["J_3"]},
+            RIGHT_FORMS | {"J_ll": CLOSED_FORMS["J_ll"]},
+            RIGHT_FORMS | {"J_1": 2 * RIGHT_FORMS["J_1"]},
+        ),
+        stated=2,
+        at=(1e-14, 1e-16),  # where eps^2 is small beside eps times the smallest J(0)
+        source="eq01:Phi_reduced and phi(0) = I/2",
+        correct="with J(0) = J'(0) = 0: see app:J_3, app:J_l2, app:J_l1 and app:J_ll",
+    )
+
+
+@claim("text:singular J", "5.1", "as t -> sqrt(I), J_1 and J_3 become singular")
+def singular_integrals() -> Fact:
+    """Values close to tau = 1."""
+    with mp.workdps(30):
+        ends = 1 - mp.mpf("1e-6"), 1 - mp.mpf("1e-12")
+        growing = set()
+        for name, form in RIGHT_FORMS.items():
+            near, nearer = (abs(sp.lambdify(time, form, "mpmath")(x)) for x in ends)
+            if nearer - near > 1:
+                growing.add(name)
+        first = sp.lambdify(time, RIGHT_FORMS["J_1"], "mpmath")(ends[1])
+    return Fact(
+        printed={"J_1", "J_3"},
+        holds=lambda names: growing == names,
+        corrected={"J_2", "J_3", "J_l2"},
+        others=({"J_1", "J_3"}, {"J_3"}, {"J_2", "J_3"}),
+        how=f"from 1 - 1e-6 to 1 - 1e-12 those that grow are {', '.join(sorted(growing))}; "
+        f"J_1 tends to {mp.nstr(first, 8)} = log 2",
+        correct="J_2, J_3 and J_l2 become singular; J_1 tends to log 2",
+    )

@@ -1,0 +1,190 @@
+"""Section 4: the closed subsystem, the second-order equation and its hypergeometric solution."""
+
+from functools import cache
+
+import mpmath as mp
+import sympy as sp
+
+from harness.paper.audit import paper_can
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Number, Rate
+from harness.paper.audit.flat_motion import rates
+from harness.paper.audit.newton_euler import papers_accelerations
+from harness.paper.audit.registry import claim
+from harness.paper.audit.symbols import (
+    Co,
+    Expr,
+    Phi,
+    Psi,
+    S,
+    Theta,
+    a_p,
+    c_p,
+    h,
+    k,
+    phi,
+    psi_dd,
+    theta_dd,
+)
+
+PSI_ROW = k * c_p * Theta + ((k * c_p - 2) * Co - h * k * S) * Psi
+THETA_ROW = (-k * c_p * Co + h * k * S) * Theta + (
+    -k * c_p * Co**2 - k * a_p * S**2 + h * k * sp.sin(2 * phi) + 2
+) * Psi
+
+
+def _row(letter: Expr) -> Expr:
+    return papers_accelerations()[letter] * S / Phi
+
+
+@claim("eq01:closed_subsystem", "4", "dPsi/dphi and dTheta/dphi depend on phi alone")
+def closed_subsystem() -> IdentityEvidence:
+    """Divide by Phi."""
+    return IdentityEvidence(
+        printed=sp.Matrix([PSI_ROW, THETA_ROW]),
+        derived=sp.Matrix([_row(psi_dd), _row(theta_dd)]),
+        source="the equations of motion over Phi",
+    )
+
+
+@claim("eq01:psi_diff_phi", "4", "dPsi/dphi sin phi = ...")
+def slope_of_precession() -> IdentityEvidence:
+    """Divide by Phi."""
+    return IdentityEvidence(printed=PSI_ROW, derived=_row(psi_dd), source="eq01:Psi over Phi")
+
+
+@claim("eq01:theta_diff_phi", "4", "dTheta/dphi sin phi = ...")
+def slope_of_rotation() -> IdentityEvidence:
+    """Divide by Phi."""
+    return IdentityEvidence(printed=THETA_ROW, derived=_row(theta_dd), source="eq01:Theta over Phi")
+
+
+@claim("eq01:frob_ode", "4", "Psi'' + 3 cot phi Psi' - (gamma + beta cot phi) Psi = 0")
+def second_order_equation() -> IdentityEvidence:
+    """Differentiate the slope of Psi and insert both slopes."""
+    slope = PSI_ROW / S
+    bend = slope.diff(phi) + slope.diff(Psi) * slope + slope.diff(Theta) * THETA_ROW / S
+    cot = Co / S
+    return IdentityEvidence(
+        printed=-3 * cot * slope + (2 + k + k * h * cot) * Psi,
+        derived=bend,
+        source="the closed subsystem",
+    )
+
+
+@claim("text:gamma", "4", "gamma = 2.245")
+def gamma_of_the_can() -> Number:
+    """2 + k."""
+    return Number(printed="2.245", value=2 + paper_can.k, source="2 + k")
+
+
+@claim("text:beta", "4", "beta = 0.361")
+def beta_of_the_can() -> Number:
+    """Multiply k and h."""
+    return Number(printed="0.361", value=paper_can.k * paper_can.h, source="k h")
+
+
+@cache
+def _residual(rho: Expr) -> mp.mpf:
+    """Largest relative residual of both branches of eq01:hyper_geom in eq01:frob_ode."""
+    gamma, beta = 2 + paper_can.k, paper_can.k * paper_can.h
+    with mp.workdps(30):
+        value_of_rho = sp.lambdify((GAMMA, BETA), rho, "mpmath")(gamma, beta)
+        s, t = mp.sqrt(value_of_rho), mp.sqrt(mp.conj(value_of_rho))
+        half = mp.mpf(1) / 2
+
+        def branch(x: mp.mpf, way: int) -> mp.mpc:
+            cot = mp.cot(x)
+            front = mp.sin(x) ** (-3 * half) * (cot + 1j) ** (way * t) * (cot - 1j) ** s
+            first, second = s - half + way * t, s + 3 * half + way * t
+            return front * mp.hyp2f1(first, second, 1 + 2 * way * t, half - 0.5j * cot)
+
+        worst = mp.mpf(0)
+        for way in (-1, 1):
+            for x in (mp.mpf("0.4"), mp.mpf("0.9"), mp.mpf("1.3")):
+                value, slope, bend = (
+                    mp.diff(lambda y, way=way: branch(y, way), x, n) for n in range(3)
+                )
+                left = bend + 3 * mp.cot(x) * slope - (gamma + beta * mp.cot(x)) * value
+                worst = max(worst, abs(left) / abs(bend))
+        return worst
+
+
+def _exponent() -> Expr:
+    """Square of the exponents at cot phi = i of y, where Psi = y/sin^(3/2)."""
+    x, square = sp.symbols("x square")
+    s = sp.sqrt(square)
+    # y'' + (3/2 - 3 x^2/4 - gamma - beta x) y = 0 with d/dphi = -(1 + x^2) d/dx
+    first = -(1 + x**2) * s / (x - sp.I)
+    second = -(1 + x**2) * first.diff(x) + first**2
+    form = second + sp.Rational(3, 2) - 3 * x**2 / 4 - GAMMA - BETA * x
+    return sp.solve(sp.limit(sp.cancel(form), x, sp.I), square)[0]
+
+
+GAMMA, BETA = sp.symbols("gamma beta", positive=True)
+RHO = (9 + 4 * GAMMA + 4 * sp.I * BETA) / 16
+RIGHT_RHO = (9 - 4 * GAMMA - 4 * sp.I * BETA) / 16
+
+
+@claim(
+    "eq01:hyper_geom",
+    "4",
+    "exact solution by 2F1 with rho = (9 + 4 gamma + 4 i beta)/16",
+)
+def hypergeometric_solution() -> Both:
+    """Insert both branches at three nutations; and derive rho from the singular point."""
+    return Both(
+        parts=(
+            Fact(
+                printed=RHO,
+                # thirty digits, of which the second derivative takes ten
+                holds=lambda rho: bool(_residual(rho) < mp.mpf("1e-18")),
+                corrected=RIGHT_RHO,
+                others=(RHO, sp.conjugate(RIGHT_RHO)),
+                how="30 digits: relative residual of both branches "
+                f"{mp.nstr(_residual(RHO), 2)}, with the correct rho "
+                f"{mp.nstr(_residual(RIGHT_RHO), 2)}",
+                correct="rho = (9 - 4 gamma - 4 i beta)/16: two signs",
+            ),
+            IdentityEvidence(
+                printed=RHO,
+                corrected=RIGHT_RHO,
+                derived=_exponent(),
+                source="the square of the exponent at cot phi = i, with Psi = y/sin^(3/2)",
+            ),
+        )
+    )
+
+
+@claim("caption:fig01:frob_comp", "4", "Psi is proportional to 1/phi^2 at small phi")
+def inverse_square() -> Rate:
+    """phi^2 Psi tends to a constant."""
+    return Rate(
+        printed=-2,
+        remainder=lambda power: lambda x: rates(x, mp.mpf("0.7"), mp.mpf(1))[0] / x**power - 1,
+        others=(-3, -1, 2),
+        stated=1,
+        at=(1e-6, 1e-9),
+        source="the exact solution over the power",
+    )
+
+
+@claim("text:growth of the sum", "4.1", "Theta + Psi = O(1), suggested by the two expansions")
+def growth_of_the_sum() -> Fact:
+    """Divide the sum by a power of log phi, over which it should be of order one."""
+    with mp.workdps(80):  # the sum is 1e-40 of either
+        places = mp.mpf("1e-10"), mp.mpf("1e-20")
+        sums = [sum(rates(x, mp.mpf(0), mp.mpf(1))) for x in places]
+        growth = sums[1] / sums[0]
+        per_log = (sums[1] - sums[0]) / (mp.log(places[1] / places[0]))
+        derived = (1 - paper_can.h**2 * paper_can.k) / paper_can.c_p
+    return Fact(
+        printed=0,
+        # the logarithm doubles; a constant beside it is a tenth of it
+        holds=lambda logs: bool(abs(growth / 2**logs - 1) < mp.mpf("0.2")),
+        corrected=1,
+        others=(0, 2),
+        how=f"for B_0 = 0, B_-2 = 1 the sum grows by {mp.nstr(per_log, 8)} log phi; "
+        f"derived (1 - h^2 k)/c_p = {mp.nstr(derived, 8)}",
+        correct="Theta + Psi = O(log phi): the logarithms do not cancel, "
+        "they add to B_-2 (1 - h^2 k)/c_p log phi",
+    )

@@ -1,0 +1,325 @@
+"""Kinds of evidence, and the verdict each comes to.
+
+Every kind holds the claim as data in `printed`, so that the same check can be run on another
+claim: `mutations` gives evidence about wrong ones, which it must refuse, and `as_corrected`
+evidence about the right one, which it must accept.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import mpmath as mp
+
+from harness.paper.audit.finding import WRONG, ClaimStatus, Ruling
+from harness.paper.audit.mutations import mutated
+from harness.paper.audit.registry import Evidence
+from harness.paper.audit.symbols import ZERO, Expr, disagreement, vanishes
+
+RATE_SLACK = 0.15
+"""What a logarithm in a remainder takes off an observed rate at the parameters used here."""
+
+
+def digits(value: object, count: int = 4) -> str:
+    """Return a number as the table shows it."""
+    return str(mp.nstr(mp.mpmathify(value), count))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IdentityEvidence:
+    """Two forms that should be the same, one printed, one derived independently.
+
+    Parameters
+    ----------
+    printed, derived : Expr
+    source : str
+        What the derived form comes from.
+    compared : callable or None
+        What of the printed form is compared with the derived one, such as its derivative; the
+        form itself if left out.
+    corrected : Expr or None
+        The printed form put right.
+    correct : str
+        That form in words for the table.
+    wrong : Verdict
+        Which verdict it is that `corrected` holds in place of `printed`.
+    others : sequence of Expr
+        Wrong claims; if left out those of `mutations.mutated`.
+    """
+
+    printed: Expr
+    derived: Expr
+    source: str
+    compared: Callable[[Expr], Expr] | None = None
+    corrected: Expr | None = None
+    correct: str = ""
+    wrong: ClaimStatus = ClaimStatus.FALSE
+    others: Sequence[Expr] = ()
+
+    def ruling(self) -> Ruling:
+        """Decide at random points and, where those agree, symbolically."""
+        same, gap = self._compare(self.printed)
+        if same:
+            return Ruling(
+                verdict=ClaimStatus.HOLDS,
+                correct="",
+                how=f"sympy: residual against {self.source} is 0; 40 digits: {digits(gap, 2)}",
+            )
+        how = f"40 digits: relative residual against {self.source} {digits(gap, 2)}"
+        verdict = ClaimStatus.INCONSISTENT
+        if self.corrected is not None:
+            right, left = self._compare(self.corrected)
+            if right:
+                verdict = self.wrong
+                how += f"; with the correct form {digits(left, 2)}, and sympy: 0"
+        return Ruling(verdict=verdict, correct=self.correct, how=how)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about wrong claims."""
+        for other in self.others or mutated(self.printed):
+            yield replace(self, printed=other)
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the right claim."""
+        return self if self.corrected is None else replace(self, printed=self.corrected)
+
+    def _compare(self, claim: Expr) -> tuple[bool, mp.mpf]:
+        form = claim if self.compared is None else self.compared(claim)
+        gap = disagreement(form, self.derived)
+        # a difference at one point to forty digits decides; only its absence needs a proof
+        if gap >= ZERO:
+            return False, gap
+        if not vanishes(form - self.derived):
+            raise ArithmeticError(f"sympy and mpmath disagree on {form} = {self.derived}")
+        return True, gap
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rate:
+    """A remainder that should fall with a power of a small parameter.
+
+    Parameters
+    ----------
+    printed : object
+        The claim whose remainder it is: mostly an expression.
+    remainder : callable
+        From a claim to a function that returns, at a small parameter, the size of what it neglects.
+    stated : float
+        The power.
+    at : pair of float
+        Two small values between which the power is observed.
+    source : str
+        What the printed form is compared with.
+    corrected, correct, wrong, others
+        As of `Identity`.
+    corrected_to : float or None
+        The power that should be stated, where that is another.
+    """
+
+    printed: Any
+    remainder: Callable[[Any], Callable[[mp.mpf], mp.mpf]]
+    stated: float
+    at: tuple[float, float]
+    source: str
+    corrected: Any = None
+    corrected_to: float | None = None
+    correct: str = ""
+    wrong: ClaimStatus = ClaimStatus.FALSE
+    others: Sequence[Any] = ()
+
+    def ruling(self) -> Ruling:
+        """Decide by the observed power."""
+        rate = self._observed()
+        how = f"against {self.source}: observed rate {digits(rate, 3)}, stated {self.stated:g}"
+        if rate > self.stated - RATE_SLACK:
+            return Ruling(verdict=ClaimStatus.TO_ORDER, correct="", how=how)
+        verdict, right = ClaimStatus.INCONSISTENT, self.as_corrected()
+        mended = right._observed()  # noqa: SLF001 - of the same class
+        if mended > right.stated - RATE_SLACK:
+            verdict = self.wrong
+            how += f"; with the correct form {digits(mended, 3)}"
+        return Ruling(verdict=verdict, correct=self.correct, how=how)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about wrong claims: other forms, and the next power."""
+        for other in self.others or mutated(self.printed):
+            yield replace(self, printed=other)
+        yield replace(self, stated=self.stated + 1)
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the right claim."""
+        return replace(
+            self,
+            printed=self.printed if self.corrected is None else self.corrected,
+            stated=self.stated if self.corrected_to is None else self.corrected_to,
+        )
+
+    def _observed(self) -> mp.mpf:
+        with mp.workdps(60):  # cancellation of neighbouring terms, then eighteen digits to spare
+            remainder = self.remainder(self.printed)
+            big, small = (mp.mpf(repr(x)) for x in self.at)
+            return mp.log(abs(remainder(big)) / abs(remainder(small))) / mp.log(big / small)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Number:
+    """A printed number and the value it should round to.
+
+    Parameters
+    ----------
+    printed : str
+        As printed, which says how many digits count.
+    value : float or mpf
+    low, high : float or mpf or None
+        Where the value may lie when the inputs printed beside it are rounded themselves.
+    source : str
+        How the value was computed.
+    also : str
+        What to say beside the right number.
+    wrong : Verdict
+        Which verdict it is that the value is another.
+    """
+
+    printed: str
+    value: object
+    source: str
+    low: object = None
+    high: object = None
+    also: str = ""
+    wrong: ClaimStatus = ClaimStatus.INCONSISTENT
+
+    def ruling(self) -> Ruling:
+        """Decide by half a unit in the last printed place."""
+        value, near = mp.mpmathify(self.value), self.near()
+        mantissa = self.printed.lower().partition("e")[0]
+        shown = digits(value, max(4, sum(x.isdigit() for x in mantissa) + 2))
+        return Ruling(
+            verdict=ClaimStatus.HOLDS if near else self.wrong,
+            correct=""
+            if near
+            else f"{shown} ({self.source}){'; ' if self.also else ''}{self.also}",
+            how=f"{self.source}: {shown}, printed {self.printed}",
+        )
+
+    def near(self) -> bool:
+        """Whether the value rounds to what is printed."""
+        low, high = (
+            mp.mpmathify(self.value if end is None else end) for end in (self.low, self.high)
+        )
+        half = self._unit() / 2
+        return bool(low - half <= mp.mpf(self.printed) <= high + half)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about numbers two units in the last place away."""
+        for step in (-2, 2):
+            yield replace(self, printed=self._written(mp.mpf(self.printed) + step * self._unit()))
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the value, rounded to as many places."""
+        return replace(self, printed=self._written(mp.mpmathify(self.value)))
+
+    def _places(self) -> tuple[int, int]:
+        """Return the decimals of the mantissa and the exponent."""
+        mantissa, _, exponent = self.printed.lower().partition("e")
+        return len(mantissa.partition(".")[2]), int(exponent or 0)
+
+    def _unit(self) -> mp.mpf:
+        places, exponent = self._places()
+        return mp.mpf(10) ** (exponent - places)
+
+    def _written(self, value: mp.mpf) -> str:
+        places, exponent = self._places()
+        text = f"{float(value / mp.mpf(10) ** exponent):.{places}f}"
+        return f"{text}e{exponent}" if exponent else text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact:
+    """A statement that a computation finds true or false.
+
+    Parameters
+    ----------
+    printed : object
+        What the statement says: a number, a word, a set, an expression.
+    holds : callable
+        Whether the computation finds a statement with other words in its place true.
+    others : sequence
+        What it could have said instead and would have been false.
+    how : str
+        What was computed.
+    corrected, correct, wrong
+        As of `Identity`.
+    """
+
+    printed: Any
+    holds: Callable[[Any], bool]
+    others: Sequence[Any]
+    how: str
+    corrected: Any = None
+    correct: str = ""
+    wrong: ClaimStatus = ClaimStatus.FALSE
+
+    def ruling(self) -> Ruling:
+        """Decide by the computation."""
+        if self.holds(self.printed):
+            return Ruling(verdict=ClaimStatus.HOLDS, correct="", how=self.how)
+        right = self.corrected is not None and self.holds(self.corrected)
+        verdict = self.wrong if right else ClaimStatus.INCONSISTENT
+        return Ruling(verdict=verdict, correct=self.correct, how=self.how)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return evidence about wrong statements."""
+        for other in self.others:
+            yield replace(self, printed=other)
+
+    def as_corrected(self) -> Self:
+        """Return evidence about the right statement."""
+        return self if self.corrected is None else replace(self, printed=self.corrected)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Both:
+    """Several pieces of evidence about one claim: the gravest decides, all are told."""
+
+    parts: Sequence[Evidence]
+
+    def ruling(self) -> Ruling:
+        """Decide by the gravest of the parts."""
+        order = list(ClaimStatus)
+        rulings = [part.ruling() for part in self.parts]
+        worst = max(rulings, key=lambda ruling: order.index(ruling.verdict))
+        wrong = [ruling for ruling in rulings if ruling.verdict in WRONG]
+        told = [ruling.correct for ruling in (wrong or rulings) if ruling.correct]
+        return Ruling(
+            verdict=worst.verdict,
+            correct="; ".join(dict.fromkeys(told)),
+            how="; ".join(ruling.how for ruling in rulings),
+        )
+
+    def mutations(self) -> Iterator[Evidence]:
+        """Return the wrong claims of the parts: one part that refuses is enough."""
+        for part in self.parts:
+            yield from part.mutations()
+
+    def as_corrected(self) -> "Both":
+        """Return evidence about the right claim."""
+        return Both(parts=tuple(part.as_corrected() for part in self.parts))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutOfReach:
+    """What a claim depends on that the paper does not give."""
+
+    reason: str
+
+    def ruling(self) -> Ruling:
+        """Say that it cannot be checked."""
+        return Ruling(verdict=ClaimStatus.NOT_CHECKABLE, correct="", how=self.reason)
+
+    def mutations(self) -> Iterator[Self]:
+        """Return nothing: what is not checked refuses nothing."""
+        return iter(())
+
+    def as_corrected(self) -> Self:
+        """Return itself."""
+        return self

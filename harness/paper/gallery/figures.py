@@ -1,0 +1,52 @@
+"""Which figures there are, in the order of the paper."""
+
+from collections.abc import Callable, Iterator
+
+from harness.core.report_model import Figure, Prose
+from harness.paper.gallery.approximations import exact_and_reduced, family, inner_and_outer
+from harness.paper.gallery.energy import contours, surface
+from harness.paper.gallery.locus import friction, loci
+from harness.paper.gallery.motion import constants, hypergeometric, time_series
+from harness.paper.gallery.poses import equilibria, fall
+from harness.paper.gallery.signs import sign_map
+from harness.paper.gallery.wells import wells
+
+ABOUT = Prose(
+    name="summary",
+    title="About these figures",
+    text=(
+        "Each figure of Collins, Hall and Hogan, The rocking can (arXiv:2302.08335), drawn again "
+        "from our own solutions of the same release, and named after the paper's label. Where a "
+        "caption's number differs from the paper's, the audit says why. The last figure is not in "
+        "the paper: where there is a second well, which the paper does not mention."
+    ),
+)
+
+FIGURES: tuple[Callable[[], Figure], ...] = (
+    fall,
+    time_series,
+    equilibria,
+    hypergeometric,
+    constants,
+    exact_and_reduced,
+    family,
+    inner_and_outer,
+    sign_map,
+    loci,
+    friction,
+    surface,
+    contours,
+    wells,
+)
+
+
+def gallery() -> Iterator[Figure]:
+    """Draw one figure after the other.
+
+    Yields
+    ------
+    Figure
+        Named after the paper's label, or `wells`.
+    """
+    for make in FIGURES:
+        yield make()

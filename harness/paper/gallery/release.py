@@ -1,0 +1,70 @@
+"""The releases of the paper's figures, and curves made of their solutions."""
+
+import math
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.core.report_model import Floats, Series
+from reference import PAPER_CAN, Problem, Solution, States, solve
+
+SECOND = math.sqrt(0.037 / 9.81)
+"""sqrt(R/g) in s: the paper prints releases in rad/s, and no g."""
+PHI = math.pi / 100
+PSI_DOT, THETA_DOT = 0.1001, -0.1
+TIME = "t [sqrt(R/g)]"
+OURS, SECOND_CURVE, THIRD_CURVE = "reference", "curve 2", "curve 3"
+FOURTH_CURVE, FIFTH_CURVE = "curve 4", "curve 5"
+"""Which curve of a figure it is; the exact motion is the first."""
+
+
+def problem(
+    psi_dot: float = PSI_DOT,
+    phi: float = PHI,
+    theta_dot: float = THETA_DOT,
+    *,
+    bounces: int | None = None,
+    duration: float | None = None,
+) -> Problem:
+    """Return a release of the paper's can, rates in rad/s."""
+    return Problem(
+        parameters=PAPER_CAN,
+        phi=phi,
+        psi_dot=psi_dot * SECOND,
+        theta_dot=theta_dot * SECOND,
+        bounces=bounces,
+        duration=duration,
+    )
+
+
+@cache
+def solved(posed: Problem, model: str = "rolling", *, locus: bool = False) -> Solution:
+    """Solve a problem once."""
+    outputs = frozenset({"contact_locus"}) if locus else frozenset[str]()
+    return solve(posed, model=model, outputs=outputs)
+
+
+def sampled(solution: Solution) -> tuple[Floats, States]:
+    """Return times dense in every angle and on the page, and the states there."""
+    even = np.linspace(0.0, solution.t_end, 1000)
+    times = np.union1d(solution.grid(), even)
+    return times, solution.at(times)
+
+
+def line(label: str, x: Floats, y: Floats, kind: str = OURS, *, dashed: bool = False) -> Series:
+    """Return a curve."""
+    return Series(label=label, kind=kind, x=np.asarray(x), y=np.asarray(y), dashed=dashed)
+
+
+def points(label: str, x: Floats, y: Floats, kind: str) -> Series:
+    """Return a cloud of points."""
+    return Series(label=label, kind=kind, x=np.asarray(x), y=np.asarray(y), mark="points")
+
+
+def where(mask: NDArray[np.bool_], values: Floats) -> Floats:
+    """Return values with NaN outside a mask, one sample beyond its ends so that pieces meet."""
+    wide = mask.copy()
+    wide[1:] |= mask[:-1]
+    wide[:-1] |= mask[1:]
+    return np.asarray(np.where(wide, values, np.nan))

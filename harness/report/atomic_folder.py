@@ -1,0 +1,130 @@
+"""A folder that appears whole or not at all.
+
+A report is written into a hidden folder beside its place and moved there at the end. An earlier
+report is moved aside first and comes back if the move fails; whatever happens, interruption
+included, no half-written folder stays.
+"""
+
+import json
+import os
+import shutil
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from harness.core.errors import OutputError
+
+MANIFEST = "manifest.json"
+FORMAT = "rockingcan-report"
+
+
+def check_writable(out: Path) -> None:
+    """Refuse at once what `write_report` would refuse at the end of a long run.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of a report to be.
+
+    Raises
+    ------
+    OutputError
+        If nothing can be written there, or something is there that is not a report of rockingcan.
+    """
+    out = out.absolute()
+    _refuse_foreign(out)
+    place = next(folder for folder in out.parents if folder.exists())
+    probe = place / _hidden(out, "probe")
+    try:
+        probe.mkdir()
+        probe.rmdir()
+    except OSError as error:
+        raise _unwritable(out, error) from error
+
+
+@contextmanager
+def replace_folder(out: Path) -> Iterator[Path]:
+    """Give an empty folder to write into, which takes the place of `out` when all went well.
+
+    Yields
+    ------
+    Path
+        The folder to write into.
+
+    Raises
+    ------
+    OutputError
+        As for `check_writable`.
+    """
+    out = out.absolute()
+    _refuse_foreign(out)
+    out = out.resolve()  # the folder behind a link is replaced, not the link
+    draft = out.parent / _hidden(out, "draft")
+    try:
+        try:
+            draft.mkdir(parents=True)
+            yield draft
+            _take_place(draft, out)
+        except OSError as error:
+            if isinstance(error, OutputError):
+                raise
+            raise _unwritable(out, error) from error
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _take_place(draft: Path, out: Path) -> None:
+    aside = out.parent / _hidden(out, "aside")
+    earlier = out.exists()
+    try:
+        if earlier:
+            out.rename(aside)
+        draft.rename(out)
+    except BaseException:  # Ctrl-C between the two moves too
+        if aside.exists() and not out.exists():
+            aside.rename(out)
+        raise
+    finally:
+        if out.exists():
+            shutil.rmtree(aside, ignore_errors=True)
+
+
+def _refuse_foreign(out: Path) -> None:
+    """Refuse to replace what is not ours: a file, or a folder with other things in it."""
+    try:
+        if not out.exists():
+            if out.is_symlink():
+                raise OutputError(f"cannot write a report to '{out}': the link leads nowhere")
+            return
+        if not out.is_dir():
+            raise OutputError(f"cannot write a report to '{out}': it is a file, not a folder")
+        if any(out.iterdir()) and not _is_report(out):
+            raise OutputError(
+                f"will not replace '{out}': the folder is not empty and holds no report of "
+                "rockingcan; choose another folder with --out, or empty it"
+            )
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        raise _unwritable(out, error) from error
+
+
+def _is_report(folder: Path) -> bool:
+    try:
+        told = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(told, dict) and told.get("format") == FORMAT
+
+
+def _hidden(out: Path, purpose: str) -> str:
+    return f".{out.name}.{purpose}-{os.getpid()}-{uuid.uuid4().hex[:8]}"
+
+
+def _unwritable(out: Path, error: OSError) -> OutputError:
+    reason = error.strerror or str(error)
+    return OutputError(
+        f"cannot write a report to '{out}': {reason}; "
+        "choose a folder that you may write to with --out"
+    )

@@ -1,0 +1,169 @@
+"""A report before it is written: what there is, what opens it, and what stands together.
+
+The first chapter is told scene by scene, every further one in a section of its own.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from harness.core.provenance import Provenance
+from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
+from harness.report.matplotlib_renderer import RenderedFigure
+from harness.report.number_format import slugs
+from harness.report.section import Section
+from harness.report.style import LineStyle
+
+SUMMARY = "summary"
+SCORECARD = "scorecard"
+_OWN_NAME = "rockingcan, "  # what the titles of reports begin with, and sections need not
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Picture:
+    """A figure, and how it looks on paper."""
+
+    figure: Figure
+    printed: RenderedFigure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReportPart:
+    """What stands together in one section; the keys name files and anchors.
+
+    What leads comes before the figures.
+    """
+
+    title: str
+    leading_texts: Mapping[str, Prose]
+    leading_tables: Mapping[str, Table]
+    replays: Mapping[str, Replay]
+    figures: Mapping[str, Figure]
+    tables: Mapping[str, Table]
+    texts: Mapping[str, Prose]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Report:
+    """Everything that a report says."""
+
+    title: str
+    opening: ReportPart
+    parts: tuple[ReportPart, ...]
+    pictures: Mapping[str, Picture]
+    tables: Mapping[str, Table]
+    inks: Mapping[str, LineStyle]
+    cases: tuple[Mapping[str, Any], ...]
+    provenance: Provenance
+    chapters: tuple[Section, ...]
+
+
+Named = Mapping[str, Artefact]
+
+
+def unique_names(
+    derived: Sequence[Artefact], chapters: Sequence[Section]
+) -> tuple[Named, tuple[Named, ...]]:
+    """Return what was derived, and each chapter's artefacts, under names unique in the report."""
+    groups = [tuple(derived), *(chapter.artefacts for chapter in chapters)]
+    given = iter(slugs(artefact.name for group in groups for artefact in group))
+    first, *others = [{next(given): artefact for artefact in group} for group in groups]
+    return first, tuple(others)
+
+
+def arrange(
+    derived: Named, chapters: Sequence[tuple[str, Named]]
+) -> tuple[ReportPart, tuple[ReportPart, ...]]:
+    """Return what opens the report, and its sections.
+
+    Parameters
+    ----------
+    derived : mapping
+        Tables made from several chapters: those of no scene open the report, the others lead the
+        section of their scene.
+    chapters : sequence of (str, mapping)
+        Title and artefacts.
+    """
+    opening = _opening(derived, chapters[0][1])
+    used = {*opening.leading_texts, *opening.leading_tables}
+    first = {name: artefact for name, artefact in chapters[0][1].items() if name not in used}
+    scenes = dict.fromkeys(a.scene for a in (*derived.values(), *first.values()) if a.scene)
+    sections = [_part(scene, _of(first, scene), leading=_of(derived, scene)) for scene in scenes]
+    sections.append(_part("Over all scenes", _of(first, "")))
+    for title, artefacts in chapters[1:]:
+        leading = _before(artefacts)
+        others = {name: artefact for name, artefact in artefacts.items() if name not in leading}
+        sections.append(_part(_heading(title), _with_scene(others), leading=leading))
+    return opening, tuple(part for part in sections if _filled(part))
+
+
+def _heading(title: str) -> str:
+    """Return the title of a report as that of a section."""
+    own = title.removeprefix(_OWN_NAME)
+    return own[:1].upper() + own[1:]
+
+
+def _before(artefacts: Named) -> Named:
+    """Return the texts that a study puts before everything else, its summary among them."""
+    first = next(
+        (n for n, artefact in enumerate(artefacts.values()) if not isinstance(artefact, Prose)), 0
+    )
+    return {
+        name: artefact
+        for place, (name, artefact) in enumerate(artefacts.items())
+        if isinstance(artefact, Prose) and (place < first or artefact.name == SUMMARY)
+    }
+
+
+def _with_scene(artefacts: Named) -> Named:
+    """Return artefacts whose titles say their scene, where a section has several."""
+    if len({artefact.scene for artefact in artefacts.values() if artefact.scene}) <= 1:
+        return artefacts
+    return {
+        name: replace(artefact, title=f"{artefact.title}, {artefact.scene}")
+        if artefact.scene
+        else artefact
+        for name, artefact in artefacts.items()
+    }
+
+
+def _opening(derived: Named, first: Named) -> ReportPart:
+    """Return the summary and the scorecards, or, where there are none, the first table."""
+    tables: Named = {
+        **_of({n: a for n, a in derived.items() if isinstance(a, Table)}, ""),
+        **{n: a for n, a in first.items() if isinstance(a, Table) and a.name == SCORECARD},
+    }
+    if not tables:
+        every = {n: a for n, a in first.items() if isinstance(a, Table)}
+        chosen = list(_of(every, ""))[:1] or list(every)[:1]
+        tables = {name: every[name] for name in chosen}
+    texts = {n: a for n, a in first.items() if isinstance(a, Prose) and a.name == SUMMARY}
+    return _part("Summary", {}, leading={**texts, **tables})
+
+
+def _of(artefacts: Named, scene: str) -> Named:
+    return {name: artefact for name, artefact in artefacts.items() if artefact.scene == scene}
+
+
+def _part(title: str, artefacts: Named, *, leading: Named | None = None) -> ReportPart:
+    leading = leading or {}
+    return ReportPart(
+        title=title,
+        leading_texts={n: a for n, a in leading.items() if isinstance(a, Prose)},
+        leading_tables={n: a for n, a in leading.items() if isinstance(a, Table)},
+        replays={n: a for n, a in artefacts.items() if isinstance(a, Replay)},
+        figures={n: a for n, a in artefacts.items() if isinstance(a, Figure)},
+        tables={n: a for n, a in artefacts.items() if isinstance(a, Table)},
+        texts={n: a for n, a in artefacts.items() if isinstance(a, Prose)},
+    )
+
+
+def _filled(part: ReportPart) -> bool:
+    return bool(
+        part.leading_texts
+        or part.leading_tables
+        or part.replays
+        or part.figures
+        or part.tables
+        or part.texts
+    )

@@ -1,0 +1,244 @@
+"""Figures that answer to the hand: zoom, hover and a legend that switches curves on and off.
+
+A panel becomes a description that plotly.js draws in the page: one graph a panel, so that a narrow
+screen can put the panels below each other. Colours are not in it: the page gives them by the kind
+of each curve, for its light or its dark face. Nothing else here knows plotly.
+"""
+
+import base64
+import gzip
+import html
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from plotly.offline import get_plotlyjs
+
+from harness.core.report_model import Figure, Floats, Heatmap, Panel, Series
+from harness.report.simplify_curves import plottable
+from harness.report.style import BAR_WIDTH, PLAIN, SIGNED, Entry, LineStyle, entries, span
+
+SYMBOLS = ("circle", "diamond", "square", "triangle-up", "cross", "x", "star")
+
+# a single has 24 bits: while the largest number is at most 16 times the panel's width, rounding to
+# it moves a point by at most 1e-6 of the panel, a thousandth of a pixel
+_SINGLE_REACH = 16.0
+_SAME_RANGE = 0.01  # of the range: axes of one quantity that differ by less are zoomed together
+
+
+def plotly_packed() -> str:
+    """Return plotly.js, packed, to be put once in a page: a third of its plain size."""
+    return packed(get_plotlyjs())
+
+
+def packed(text: str) -> str:
+    """Return a text as gzip in base64, which needs no escape in a page."""
+    return base64.b64encode(gzip.compress(text.encode("utf-8"), mtime=0)).decode("ascii")
+
+
+def description(figure: Figure, inks: Mapping[str, LineStyle]) -> list[dict[str, Any]]:
+    """Return a description of each panel: `data` and `layout` for plotly.js, `linked` for the page.
+
+    Parameters
+    ----------
+    figure : Figure
+        Thinned already.
+    inks : mapping of str to Ink
+        Gives the widths; the page gives the colours.
+
+    Returns
+    -------
+    list of dict
+        `linked` is the same number in panels that share their horizontal axis. A trace's `meta`
+        holds its kind and the number of its legend entry. Texts are escaped for plotly's own HTML.
+    """
+    legend = {entry.label: (number, entry) for number, entry in enumerate(entries(figure))}
+    linked = _linked(figure.panels)
+    return [
+        {
+            "data": [
+                *(() if panel.heat is None else (_cells(panel.heat),)),
+                *(
+                    _trace(series, panel, *legend[series.label], inks[series.kind])
+                    # the truth lies below
+                    for series in sorted(
+                        panel.series, key=lambda series: series.kind != "reference"
+                    )
+                ),
+            ],
+            "layout": _layout(panel),
+            "linked": group,
+        }
+        for panel, group in zip(figure.panels, linked, strict=True)
+    ]
+
+
+def _trace(
+    series: Series, panel: Panel, number: int, entry: Entry, ink: LineStyle
+) -> dict[str, Any]:
+    if series.mark == "bars":
+        return _bars(series, panel, number, entry)
+    x, y = plottable(series, panel)
+    mode = {"line": "lines", "points": "markers", "both": "lines+markers"}[series.mark]
+    label = _text(series.label)
+    trace: dict[str, Any] = {
+        "type": "scatter",
+        "mode": mode,
+        "name": label,
+        "legendgroup": label,
+        "showlegend": False,  # the legend is the page's: buttons that a keyboard reaches
+        "meta": {"kind": series.kind, "entry": number},
+        "opacity": entry.opacity,
+        "line": {
+            "width": ink.width,
+            "dash": ",".join(f"{length}px" for length in entry.dashes) or "solid",
+        },
+        "marker": {"size": 8, "symbol": SYMBOLS[entry.rank % len(SYMBOLS)]},
+        "x": _packed(x),
+        "y": _packed(y),
+        "hovertemplate": f"%{{x:.6g}}, %{{y:.6g}}<extra>{label}</extra>",
+    }
+    if series.hover:
+        trace["text"] = [_text(text) for text in series.hover]
+        trace["hovertemplate"] = f"%{{text}}<br>%{{x:.6g}}, %{{y:.6g}}<extra>{label}</extra>"
+    return trace
+
+
+def _bars(series: Series, panel: Panel, number: int, entry: Entry) -> dict[str, Any]:
+    x, y = plottable(series, panel)
+    base = np.zeros(len(y)) if series.base is None else series.base
+    label = _text(series.label)
+    trace: dict[str, Any] = {
+        "type": "bar",
+        "name": label,
+        "legendgroup": label,
+        "showlegend": False,
+        "meta": {"kind": series.kind, "entry": number},
+        "opacity": entry.opacity,
+        "width": BAR_WIDTH,
+        "x": _packed(x),
+        "y": _packed(y - base),
+        "base": _packed(base),
+        "customdata": _packed(y),
+        "hovertemplate": f"%{{customdata:.6g}}<extra>{label}</extra>",
+    }
+    if series.hover:
+        trace["hovertext"] = [_text(text) for text in series.hover]
+        trace["hovertemplate"] = f"%{{hovertext}}<br>%{{customdata:.6g}}<extra>{label}</extra>"
+    return trace
+
+
+def _cells(heat: Heatmap) -> dict[str, Any]:
+    low, high = span(heat)
+    return {
+        "type": "heatmap",
+        "x": _packed(heat.x),
+        "y": _packed(heat.y),
+        "z": {**_packed(heat.z.ravel()), "shape": f"{heat.z.shape[0]},{heat.z.shape[1]}"},
+        "zmin": low,
+        "zmax": high,
+        "colorscale": SIGNED[1] if heat.signed else PLAIN[1],
+        "colorbar": {"title": {"text": _text(heat.label), "side": "right"}, "thickness": 12},
+        "hovertemplate": "%{x:.6g}, %{y:.6g}: %{z:.6g}<extra></extra>",
+    }
+
+
+def _layout(panel: Panel) -> dict[str, Any]:
+    x_axis: dict[str, Any] = {
+        "title": {"text": _text(panel.x_label), "standoff": 8},
+        "type": "log" if panel.log_x else "linear",
+        "exponentformat": "power",
+        "automargin": True,
+        "zeroline": False,
+    }
+    y_axis: dict[str, Any] = {
+        **x_axis,
+        "title": {"text": _text(panel.y_label), "standoff": 6},
+        "type": "log" if panel.log_y else "linear",
+        "automargin": False,  # one margin for all panels: axes below each other stay aligned
+    }
+    for axis, logarithmic in ((x_axis, panel.log_x), (y_axis, panel.log_y)):
+        if logarithmic:
+            axis["dtick"] = 1  # powers of ten
+            axis["minor"] = {"ticks": "inside", "ticklen": 3, "dtick": "D1"}
+    if panel.x_names:
+        x_axis["tickvals"] = list(range(len(panel.x_names)))
+        x_axis["ticktext"] = [_text(name) for name in panel.x_names]
+        x_axis["tickangle"] = -30
+        x_axis["range"] = [-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH]
+    for axis, ends, logarithmic in (
+        (x_axis, panel.x_range, panel.log_x),
+        (y_axis, panel.y_range, panel.log_y),
+    ):
+        if ends is not None:
+            axis["range"] = [math.log10(end) if logarithmic else end for end in ends]
+    if panel.equal:
+        x_axis["constrain"] = y_axis["constrain"] = "domain"
+        y_axis |= {"scaleanchor": "x", "scaleratio": 1}
+    if _decades(panel, "x") > _MANY_DECADES:
+        x_axis.pop("dtick", None)
+    if _decades(panel, "y") > _MANY_DECADES:
+        y_axis.pop("dtick", None)
+    return {
+        "xaxis": x_axis,
+        "yaxis": y_axis,
+        "margin": {"l": 68, "r": 14, "t": 10, "b": 48},
+        "hovermode": "closest",
+        "showlegend": False,
+        "dragmode": "zoom",
+        "barmode": "overlay",  # side by side they would leave their places
+    }
+
+
+_MANY_DECADES = 8.0  # more powers of ten than that crowd the axis; plotly then leaves some out
+
+
+def _decades(panel: Panel, axis: str) -> float:
+    ends = panel.x_range if axis == "x" else panel.y_range
+    data = _together(panel, axis) if ends is None else np.array(ends)
+    positive = data[data > 0.0]
+    return float(np.log10(positive.max() / positive.min())) if positive.size else 0.0
+
+
+def _together(panel: Panel, axis: str) -> Floats:
+    """Return the finite numbers on one axis, of all series together."""
+    found = [plottable(series, panel)[0 if axis == "x" else 1] for series in panel.series]
+    numbers: Floats = np.concatenate([*found, np.empty(0)])
+    finite: Floats = numbers[np.isfinite(numbers)]
+    return finite
+
+
+def _linked(panels: tuple[Panel, ...]) -> list[int]:
+    """Return a number for each panel; equal ones show one quantity over the same range."""
+    seen: list[tuple[str, bool, float, float]] = []
+    groups = []
+    for panel in panels:
+        data = _together(panel, "x")
+        low, high = (float(data.min()), float(data.max())) if data.size else (0.0, 0.0)
+        room = _SAME_RANGE * (high - low)
+        for group, (label, log, other_low, other_high) in enumerate(seen):
+            same = (label, log) == (panel.x_label, panel.log_x)
+            near = abs(low - other_low) <= room and abs(high - other_high) <= room
+            if same and near and not panel.equal:
+                groups.append(group)
+                break
+        else:
+            groups.append(len(seen))
+        seen.append((panel.x_label, panel.log_x, low, high))
+    return groups
+
+
+def _packed(values: Floats) -> dict[str, str]:
+    """Return an array as plotly.js reads it, in half the space where that loses nothing visible."""
+    finite = values[np.isfinite(values)]
+    width = float(np.ptp(finite)) if finite.size else 0.0
+    largest = float(np.abs(finite).max()) if finite.size else 0.0
+    single = largest <= _SINGLE_REACH * width and 1e-30 < width < 1e30  # noqa: PLR2004 # its exponents
+    kind = "f4" if single else "f8"
+    data = base64.b64encode(values.astype(f"<{kind}").tobytes()).decode("ascii")
+    return {"dtype": kind, "bdata": data}
+
+
+def _text(text: str) -> str:
+    return html.escape(text, quote=False)  # plotly.js reads no quotes in attributes here

@@ -1,0 +1,172 @@
+"""Thin curves by error: leave out the points whose absence nobody can see.
+
+A curve of an engine has a point for each step, up to millions; a screen has a thousand pixels. The
+points that stay are those of Ramer, Douglas and Peucker: every point left out is within a tolerance
+of the line that replaces it, in shares of the panel on its own (linear or logarithmic) axes.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.core.report_model import Figure, Floats, Panel, Series
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Detail:
+    """How much of a curve can be seen.
+
+    Parameters
+    ----------
+    tolerance : float
+        By how much a line may be off, in shares of the panel.
+    columns : int
+        A line that still has more than four points for each of so many columns is noise to the eye:
+        it keeps its envelope in each column.
+    """
+
+    tolerance: float
+    columns: int
+
+
+# a panel a thousand pixels wide, zoomed in 20 times: one pixel; noise: half a pixel
+SCREEN = Detail(tolerance=1.0 / 20_000.0, columns=2_000)
+# two panels in a row 1200 pixels wide: a seventh of a pixel; noise: a pixel
+PAPER = Detail(tolerance=1.0 / 4_000.0, columns=600)
+
+
+def simplify(figure: Figure, detail: Detail) -> Figure:
+    """Return the figure with each line thinned; a point that has a mark of its own stays."""
+    return replace(figure, panels=tuple(_panel(panel, detail) for panel in figure.panels))
+
+
+def plottable(series: Series, panel: Panel) -> tuple[Floats, Floats]:
+    """Return x and y with NaN where the panel's axes have no place for the point.
+
+    Returns
+    -------
+    x, y : ndarray, shape (n,)
+    """
+    x = np.array(series.x, dtype=np.float64)
+    y = np.array(series.y, dtype=np.float64)
+    bad = ~(np.isfinite(x) & np.isfinite(y))
+    if panel.log_x:
+        bad |= x <= 0.0
+    if panel.log_y:
+        bad |= y <= 0.0
+    x[bad] = np.nan
+    y[bad] = np.nan
+    return x, y
+
+
+def kept_points(points: Floats, tolerance: float) -> NDArray[np.bool_]:
+    """Return which points stay so that the line through them is off by the tolerance at most.
+
+    All segments of one generation are split at once, so that a million points take a second.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Finite.
+    tolerance : float
+        Largest distance of a point left out from the segment that replaces it.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    stays = np.zeros(len(points), dtype=bool)
+    stays[[0, -1]] = True
+    starts, ends = np.array([0]), np.array([len(points) - 1])
+    while True:
+        wide = ends - starts > 1  # only these have points between
+        starts, ends = starts[wide], ends[wide]
+        if not starts.size:
+            return stays
+        inner = ends - starts - 1
+        first = np.cumsum(inner) - inner
+        owner = np.repeat(np.arange(starts.size), inner)
+        index = np.arange(inner.sum()) - first[owner] + starts[owner] + 1
+        off = _distance(points[index], points[starts][owner], points[ends][owner])
+        worst = np.maximum.reduceat(off, first)
+        candidates = np.flatnonzero(off == worst[owner])
+        _, one_each = np.unique(owner[candidates], return_index=True)
+        split = index[candidates[one_each]]
+        far = worst > tolerance
+        stays[split[far]] = True
+        starts, ends = (
+            np.concatenate((starts[far], split[far])),
+            np.concatenate((split[far], ends[far])),
+        )
+
+
+def _distance(points: Floats, starts: Floats, ends: Floats) -> Floats:
+    """Return the distance of each point from its segment, shape (n,)."""
+    along = ends - starts
+    squared = np.sum(along**2, axis=1)
+    share = np.sum((points - starts) * along, axis=1) / np.where(squared > 0.0, squared, 1.0)
+    foot = starts + np.clip(share, 0.0, 1.0)[:, None] * along
+    distance: Floats = np.linalg.norm(points - foot, axis=1)
+    return distance
+
+
+def _panel(panel: Panel, detail: Detail) -> Panel:
+    data = [plottable(series, panel) for series in panel.series]
+    scaled = [
+        np.column_stack(
+            (np.log10(x) if panel.log_x else x, np.log10(y) if panel.log_y else y),
+        )
+        for x, y in data
+    ]
+    everything = np.concatenate([*scaled, np.empty((0, 2))])
+    everything = everything[np.isfinite(everything).all(axis=1)]
+    if not everything.size:
+        return panel
+    low, span = everything.min(axis=0), np.ptp(everything, axis=0)
+    if panel.equal:
+        span = np.full(2, span.max())
+    span[span == 0.0] = 1.0
+    return replace(
+        panel,
+        series=tuple(
+            series if series.mark != "line" else _chosen(series, (points - low) / span, detail)
+            for series, points in zip(panel.series, scaled, strict=True)
+        ),
+    )
+
+
+def _chosen(series: Series, points: Floats, detail: Detail) -> Series:
+    """Return the series with the points that stay, and its gaps."""
+    finite = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
+    stays = np.zeros(len(points), dtype=bool)
+    edges = np.flatnonzero(np.diff(finite.astype(np.int8))) + 1
+    for run in np.split(np.arange(len(points)), edges):
+        if not run.size:
+            continue
+        if not finite[run[0]]:
+            stays[run[0]] = True  # one NaN breaks the line as well as many
+            continue
+        chosen = run[kept_points(points[run], detail.tolerance)]
+        if len(chosen) > 4 * detail.columns and np.all(np.diff(points[chosen, 0]) >= 0.0):
+            chosen = chosen[_envelope(points[chosen], detail.columns)]
+        stays[chosen] = True
+    if stays.all():
+        return series
+    return replace(
+        series,
+        x=series.x[stays],
+        y=series.y[stays],
+        hover=tuple(t for t, s in zip(series.hover, stays, strict=True) if s)
+        if series.hover
+        else (),
+    )
+
+
+def _envelope(points: Floats, columns: int) -> NDArray[np.intp]:
+    """Return the first, lowest, highest and last point of each column, as sorted indices."""
+    column = np.minimum((points[:, 0] * columns).astype(np.int64), columns - 1)
+    order = np.lexsort((points[:, 1], column))
+    starts = np.flatnonzero(np.diff(column, prepend=-1))
+    ends = np.append(starts[1:], len(points)) - 1
+    return np.unique(np.concatenate((starts, ends, order[starts], order[ends])))

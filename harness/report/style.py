@@ -1,0 +1,177 @@
+"""Which colour and mark a curve has: by whose curve it is, the same in every figure of a report.
+
+Each kind has two colours of one hue, one for a light and one for a dark page. Each stands out from
+its page by at least 3:1 (WCAG 2.2, 1.4.11), and any two inks stay apart for the three
+kinds of colour blindness; both are tested. Line, dash and mark repeat what the colour says.
+
+What a figure's legend says: one entry for each label, whatever panels it appears in.
+
+Colours of quantities over a plane: the same on paper and on the screen.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from harness.core.report_model import Figure, Heatmap, Series
+
+PAPER_LIGHT = "#fcfbf8"
+PAPER_DARK = "#14171c"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineStyle:
+    """How one kind of curve is drawn.
+
+    Parameters
+    ----------
+    light, dark : str
+        Colour on a light and on a dark page, #rrggbb.
+    width : float
+        Of the line, in CSS pixels; the truth is wide so that it shows below what lies on it.
+    """
+
+    light: str
+    dark: str
+    width: float = 1.8
+
+
+REFERENCE = LineStyle(light="#16181d", dark="#f3f0e9", width=3.4)
+
+_KNOWN: Mapping[str, LineStyle] = MappingProxyType(
+    {
+        "reference": REFERENCE,
+        "mujoco": LineStyle(light="#0a6fb0", dark="#5cb8f0"),
+        "pybullet": LineStyle(light="#d2560a", dark="#ff9d5c"),
+    }
+)
+_FURTHER = (
+    LineStyle(light="#1e2791", dark="#7f7cf0"),
+    LineStyle(light="#3c561c", dark="#aff3a0"),
+    LineStyle(light="#b8727d", dark="#d9525a"),
+    LineStyle(light="#829151", dark="#e5cc1c"),
+    LineStyle(light="#683964", dark="#ab7097"),
+    LineStyle(light="#956391", dark="#e19dbc"),
+)
+
+
+def palette(kinds: Iterable[str]) -> Mapping[str, LineStyle]:
+    """Return the ink of each kind; what is not known by name takes the further ones in order.
+
+    Parameters
+    ----------
+    kinds : iterable of str
+        Every kind in the report, in any order: the result does not depend on it.
+    """
+    chosen: dict[str, LineStyle] = {}
+    further = 0
+    for kind in sorted(set(kinds)):
+        if kind in _KNOWN:
+            chosen[kind] = _KNOWN[kind]
+        else:
+            chosen[kind] = _FURTHER[further % len(_FURTHER)]
+            further += 1
+    return MappingProxyType(chosen)
+
+
+FADED = 0.8  # opacity of the second and later labels of a kind
+BAR_WIDTH = 0.7  # of the distance between two places
+PALE = 0.45  # the same of bars, which have no dashes or marks to tell them apart
+
+_SOLID: tuple[tuple[int, ...], ...] = ((), (2, 3), (10, 3, 2, 3))
+_DASHED: tuple[tuple[int, ...], ...] = ((7, 4), (7, 3, 2, 3), (14, 5))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One label and how its curves look.
+
+    Parameters
+    ----------
+    label, kind : str
+    line, points, bars : bool
+        What the curves show.
+    dashed : bool
+    dashes : tuple of int
+        Lengths of strokes and gaps in CSS pixels; empty for an unbroken line.
+    rank : int
+        How many earlier labels of the figure are of the same kind: decides the mark.
+    """
+
+    label: str
+    kind: str
+    line: bool
+    points: bool
+    bars: bool
+    dashed: bool
+    dashes: tuple[int, ...]
+    rank: int
+
+    @property
+    def opacity(self) -> float:
+        """Opacity of the curves: the first label of a kind is the most solid."""
+        if self.rank == 0:
+            return 1.0
+        return PALE if self.bars else FADED
+
+
+def entries(figure: Figure) -> tuple[Entry, ...]:
+    """Return the legend of a figure, in the order of first appearance."""
+    found: dict[str, Entry] = {}
+    for series in _all(figure):
+        if series.label in found:
+            continue
+        kin = [entry for entry in found.values() if entry.kind == series.kind]
+        styles = _DASHED if series.dashed else _SOLID
+        alike = sum(entry.dashed == series.dashed for entry in kin)
+        found[series.label] = Entry(
+            label=series.label,
+            kind=series.kind,
+            line=series.mark in {"line", "both"},
+            points=series.mark in {"points", "both"},
+            bars=series.mark == "bars",
+            dashed=series.dashed,
+            dashes=styles[alike % len(styles)],
+            rank=len(kin),
+        )
+    return tuple(found.values())
+
+
+def _all(figure: Figure) -> list[Series]:
+    return [series for panel in figure.panels for series in panel.series]
+
+
+Scale = tuple[tuple[float, str], ...]
+
+PLAIN: tuple[str, Scale | str] = ("viridis", "Viridis")
+"""From dark to light, read the same by all kinds of sight: on paper and on the screen."""
+
+SIGNED: tuple[str, Scale | str] = (
+    "PuOr_r",
+    ((0.0, "#2d004b"), (0.25, "#8073ac"), (0.5, "#f7f7f7"), (0.75, "#e08214"), (1.0, "#7f3b08")),
+)
+"""Purple to orange, pale between: apart for the colour-blind too."""
+
+
+_MOST = 0.99
+_FAR = 10.0
+
+
+def span(heat: Heatmap) -> tuple[float, float]:
+    """Return the ends of the scale: of the numbers there are, alike on both sides of a sign.
+
+    Where a few numbers are ten times as large as all others, the scale is that of the others.
+    """
+    there = heat.z[np.isfinite(heat.z)]
+    if not there.size:
+        return -1.0, 1.0
+    low, high = float(there.min()), float(there.max())
+    most = float(np.quantile(np.abs(there), _MOST))
+    if max(abs(low), abs(high)) > _FAR * most > 0.0:
+        low, high = max(low, -most), min(high, most)
+    if heat.signed:
+        reach = max(abs(low), abs(high)) or 1.0
+        return -reach, reach
+    return (low, high) if high > low else (low - 1.0, high + 1.0)

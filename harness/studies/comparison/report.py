@@ -1,0 +1,126 @@
+"""From evaluations to artefacts: figures first, then tables, then words."""
+
+import math
+from collections.abc import Sequence
+
+from harness.core.report_model import Artefact, Prose
+from harness.core.simulation import Outcome
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.comparison.fidelity import fidelity, scorecard
+from harness.studies.comparison.figures import scene_figures
+from harness.studies.comparison.replay import replay
+from harness.studies.comparison.results import results
+from harness.studies.comparison.selection import followed_best
+from harness.studies.comparison.suite import Unsupported
+from harness.studies.comparison.tables import bounces, orders, parity
+from models.modelling_choices import modelling_choices
+
+
+def comparison_report(
+    evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()
+) -> tuple[Artefact, ...]:
+    """Return the artefacts of the comparison, and say what was left out of it."""
+    scenes = list(dict.fromkeys(e.simulation.case.scene.name for e in evaluations))
+    artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations, unsupported)]
+    for scene in scenes:
+        own = [e for e in evaluations if e.simulation.case.scene.name == scene]
+        artefacts += [*replay(scene, own), *scene_figures(scene, own)]
+        artefacts += [
+            Prose(
+                name=f"{scene}-assumptions",
+                title="What the exact motion supposes",
+                text=_supposed(own),
+                scene=scene,
+            ),
+            Prose(name=f"{scene}-cite", title="Source", text=_cite(own), scene=scene),
+        ]
+    artefacts += [
+        fidelity(evaluations, unsupported),
+        results(evaluations),
+        orders(evaluations),
+        bounces(evaluations),
+        parity(evaluations),
+    ]
+    return tuple(artefacts)
+
+
+def _supposed(own: Sequence[Evaluation]) -> str:
+    """Return what the effects suppose, what the motion breaks of it, and how long it decides."""
+    broken = [
+        f"{finding.sentence} A model that would carry it: {finding.model}."
+        if finding.model
+        else finding.sentence
+        for finding in own[0].findings
+    ]
+    kept = "The exact motion keeps to everything that its model assumes."
+    chosen = modelling_choices(own[0].simulation.case.scene.effects)
+    parts = (*chosen, *(broken or [kept]), followed_best(own))
+    return " ".join(part for part in parts if part)
+
+
+def _cite(own: Sequence[Evaluation]) -> str:
+    return own[0].simulation.case.scene.cite
+
+
+def _summary(evaluations: Sequence[Evaluation]) -> Prose:
+    """Return what was found, a sentence an engine, worst first."""
+    engines = list(dict.fromkeys(e.simulation.case.engine for e in evaluations))
+    sentences = [
+        f"{len(evaluations)} runs of {len(engines)} engines were held against the exact motion."
+    ]
+    for engine in engines:
+        for profile, words in (
+            ("default", "as it ships"),
+            ("matched", "matched to the scene"),
+            ("adaptive", "with steps that follow the motion"),
+        ):
+            turned = [
+                (abs(math.degrees(e.errors.angle_of_turn[0])), e)
+                for e in evaluations
+                if e.simulation.case.engine == engine
+                and e.simulation.case.profile == profile
+                and e.errors is not None
+                and e.errors.angle_of_turn
+                and e.bounces[0].resolved
+                and e.simulation.outcome is Outcome.FINISHED
+                and not e.truth_pulls
+            ]
+            if not turned:
+                continue
+            choose = max if profile == "default" else min
+            error, e = choose(turned, key=lambda pair: pair[0])
+            extreme = "at worst" if profile == "default" else "at best"
+            sentences.append(
+                f"{engine} {words} misses the angle of turn by {extreme} {error:.2g} degrees "
+                f"({e.simulation.case.scene.name}, timestep "
+                f"{'up to ' if profile == 'adaptive' else ''}{e.simulation.timestep:.2g} s)."
+            )
+    paragraphs = (" ".join(sentences), f"{_uncounted(evaluations)} {_endings(evaluations)}")
+    return Prose(name="summary", title="Summary", text="\n\n".join(paragraphs))
+
+
+def _uncounted(evaluations: Sequence[Evaluation]) -> str:
+    """Return a sentence on the runs whose record cannot tell how often psi went round."""
+    runs = [e for e in evaluations if e.bounces and not e.bounces[0].resolved]
+    if not runs:
+        return "Every record is dense enough to count the turns."
+    return f"Too coarse to count the turns: {_runs(runs)}."
+
+
+def _endings(evaluations: Sequence[Evaluation]) -> str:
+    """Return a sentence on the runs that ended before their horizon."""
+    ends: dict[Outcome, list[Evaluation]] = {}
+    for e in evaluations:
+        if e.simulation.outcome is not Outcome.FINISHED:
+            ends.setdefault(e.simulation.outcome, []).append(e)
+    if not ends:
+        return "Every run reached its horizon."
+    told = (f"{outcome.name.lower().replace('_', ' ')}, {_runs(e)}" for outcome, e in ends.items())
+    return f"Before the horizon ended: {'; '.join(told)}."
+
+
+def _runs(evaluations: Sequence[Evaluation]) -> str:
+    """Return how many runs, and of which scenes."""
+    scenes = dict.fromkeys(e.simulation.case.scene.name for e in evaluations)
+    count = len(evaluations)
+    return f"{count} {'run' if count == 1 else 'runs'} of {', '.join(scenes)}"

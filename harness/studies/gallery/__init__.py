@@ -1,5 +1,0 @@
-"""The gallery: every figure of the paper drawn from our own solutions."""
-
-from harness.studies.gallery.figures import ABOUT, FIGURES, gallery
-
-__all__ = ["ABOUT", "FIGURES", "gallery"]

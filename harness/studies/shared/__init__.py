@@ -1,0 +1,1 @@
+"""Designs that several studies use."""

@@ -1,0 +1,303 @@
+"""Signs of failure in a run, each sought by itself: when it is seen first, and by how much.
+
+Energy is measured against what the can has to spend: its kinetic energy at release and the height
+of its centre above where it could come to rest. Of the paper's release that is 3 % of m g R; a
+share of m g R would see nothing.
+
+What can be said of a run of a hard case: eight verdicts, each with a time and a number.
+
+What a run is held against: the exact motion of its scene, where there is one.
+
+Beside the truth of the runner, whatever the effects of the scene, there is one more exact motion. A
+can without gravity turns as a free symmetric top: with the angular momentum L, which stays, and the
+axial rate w, which stays as well, its angular velocity is
+
+    Omega = L/A + (1 - C/A) w e,    so that    R(t) = exp(L t/A) R(0) exp((1 - C/A) w t e_3).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from harness.core.bounce import Bounce
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import Floats, Trajectory
+from harness.engines.stepping.horizon import natural_time
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.energy import energy
+from models.kinematics import to_body
+from models.rim import contact_point
+from models.scene import Scene
+
+
+class StabilityStatus(Enum):
+    """How a run went; the value is what a person reads. From good to bad."""
+
+    ACCURATE = "accurate"
+    STABLE = "stable, no exact motion"
+    INACCURATE = "stable but inaccurate"
+    UNRESOLVED = "unresolved"
+    DISSIPATES = "dissipates"
+    FLAT = "sleeps or sticks flat"
+    GAINS = "gains energy"
+    TUNNELS = "tunnels"
+    DIVERGES = "diverges"
+    REFUSED = "refused"
+
+
+MEANINGS = {
+    StabilityStatus.ACCURATE: (
+        "phi, every turn or the orientation is within tolerance of the exact motion"
+    ),
+    StabilityStatus.STABLE: "nothing failed, and there is no exact motion to be accurate to",
+    StabilityStatus.INACCURATE: "nothing failed, but the motion is another one",
+    StabilityStatus.UNRESOLVED: (
+        "the steps are too long to tell how often the contact point went round"
+    ),
+    StabilityStatus.DISSIPATES: "energy is lost where the exact motion keeps it",
+    StabilityStatus.FLAT: "the can stays flat where the exact motion rises again",
+    StabilityStatus.GAINS: "energy comes from nowhere",
+    StabilityStatus.TUNNELS: "the can sinks into the plane",
+    StabilityStatus.DIVERGES: "the numbers grow without bound or are no numbers",
+    StabilityStatus.REFUSED: (
+        "the engine could not compile the can of the scene, or its adapter broke"
+    ),
+}
+"""What each verdict says, in a few words."""
+
+SOUND = frozenset({StabilityStatus.ACCURATE, StabilityStatus.STABLE, StabilityStatus.INACCURATE})
+"""Verdicts of a run in which nothing failed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sign:
+    """Something that was seen in a run.
+
+    Parameters
+    ----------
+    time : float
+        When it was seen first, s.
+    number : float
+        The number behind it.
+    words : str
+        What the number is; its unit, if it has one, comes last, after a comma.
+    """
+
+    time: float
+    number: float
+    words: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ClassifiedRun:
+    """A run, without its motion, and what is said of it.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Its trajectory is left out, so that thousands can be kept.
+    verdict : Verdict
+    sign : Sign
+        The number behind the verdict, and when.
+    """
+
+    simulation: Simulation
+    verdict: StabilityStatus
+    sign: Sign
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing failed."""
+        return self.verdict in SOUND
+
+    @property
+    def accurate(self) -> bool:
+        """Whether it follows the exact motion."""
+        return self.verdict is StabilityStatus.ACCURATE
+
+    @property
+    def good(self) -> bool:
+        """Whether it is as good as can be told: accurate, or sound where no motion is exact."""
+        return self.verdict in {StabilityStatus.ACCURATE, StabilityStatus.STABLE}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Exact:
+    """An exact motion at the instants of a run, up to where it is defined.
+
+    Parameters
+    ----------
+    time, phi : ndarray, shape (n,)
+        s and rad.
+    bounces : tuple of Bounce
+    """
+
+    time: Floats
+    phi: Floats
+    bounces: tuple[Bounce, ...]
+
+
+def exact(e: Evaluation) -> Exact | None:
+    """Return the exact motion that a rolling or sliding can is held against, if there is one."""
+    if e.truth is None or e.truth_pulls:
+        return None
+    return Exact(time=e.truth.time, phi=e.truth.angles.phi, bounces=e.true_bounces)
+
+
+def free_rotation(trajectory: Trajectory, scene: Scene) -> Floats:
+    """Return the orientations of a can that turns freely, from the first of a trajectory.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        Only its times and its first sample matter.
+    scene : Scene
+
+    Returns
+    -------
+    ndarray, shape (n, 4)
+        From body to world, scalar first.
+    """
+    A, C = scene.can.transverse_inertia, scene.can.axial_inertia
+    start, omega = trajectory.quaternion[0], trajectory.angular_velocity[0]
+    axial = float(to_body(start, omega)[2])
+    axis = _rotated(start, np.array((0.0, 0.0, 1.0)))
+    rate = omega - (1.0 - C / A) * axial * axis  # L/A
+    t = trajectory.time - trajectory.time[0]
+    spin = np.array((0.0, 0.0, (1.0 - C / A) * axial))
+    return _product(_product(_turned(rate, t), start), _turned(spin, t))
+
+
+def _turned(rate: Floats, time: Floats) -> Floats:
+    """Return the rotations exp(rate t), shape (n, 4)."""
+    speed = float(np.linalg.norm(rate))
+    axis = rate / speed if speed > 0.0 else rate
+    half = speed * time / 2.0
+    return np.concatenate((np.cos(half)[:, None], np.sin(half)[:, None] * axis), axis=1)
+
+
+def _product(p: Floats, q: Floats) -> Floats:
+    """Return the products of quaternions, shapes (..., 4)."""
+    p, q = np.broadcast_arrays(p, q)
+    w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
+    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
+    return np.concatenate((w, v), axis=-1)
+
+
+def _rotated(q: Floats, vector: Floats) -> Floats:
+    """Return a vector of the body in the world."""
+    inverse = q * np.array((1.0, -1.0, -1.0, -1.0))
+    turned: Floats = _product(_product(q, np.concatenate((np.zeros(1), vector))), inverse)[1:]
+    return turned
+
+
+GAIN = LOSS = 0.05
+"""Of the energy that the can has to spend: what a reader sees in phi at the first glance."""
+
+DEEP = 0.1
+"""Of the radius: a can this deep in the plane no longer touches it with its rim."""
+
+LOW = 0.05
+"""Of the largest phi: below it for good, the can counts as flat."""
+
+HIGH = 0.5
+"""Of the largest phi: above it the exact motion is plainly not flat."""
+
+
+def spendable(trajectory: Trajectory, scene: Scene) -> float:
+    """Return the energy over that of the can at rest, flat or on its side, at release, J."""
+    can = scene.can
+    lowest = can.half_height if scene.release.phi < can.balancing_angle else can.radius
+    return float(energy(trajectory, scene)[0]) - can.mass * scene.gravity * lowest
+
+
+def diverged(e: Evaluation) -> Sign | None:
+    """Return when the numbers broke: the record of such a run ends there."""
+    if e.simulation.outcome is not Outcome.DIVERGED:
+        return None
+    trajectory = e.simulation.trajectory
+    if trajectory is None:
+        return Sign(time=0.0, number=math.nan, words="no numbers in the first step")
+    speed = np.linalg.norm(trajectory.velocity, axis=1)
+    return Sign(
+        time=float(trajectory.time[-1]), number=float(speed.max()), words="speed reached, m/s"
+    )
+
+
+def tunnelled(e: Evaluation) -> Sign | None:
+    """Return when the ideal rim was deeper in the plane than a tenth of the radius."""
+    trajectory, scene = e.simulation.trajectory, e.simulation.case.scene
+    if trajectory is None or scene.gravity == 0.0:
+        return None
+    gap = contact_point(scene.can, trajectory.position, trajectory.quaternion)[:, 2]
+    depth = (min(scene.release.height, 0.0) - gap) / scene.can.radius
+    return _first(trajectory.time, depth, DEEP, "depth over the radius")
+
+
+def gained(e: Evaluation) -> Sign | None:
+    """Return when the energy had grown by a twentieth of what the can has to spend."""
+    return _first(*_spent(e, -1.0), GAIN, "energy gained over what the can has to spend")
+
+
+def dissipated(e: Evaluation, until: float) -> Sign | None:
+    """Return when a twentieth of what the can has to spend was lost, up to a time in s."""
+    time, lost = _spent(e, 1.0)
+    within = time <= until
+    return _first(time[within], lost[within], LOSS, "energy lost over what the can has to spend")
+
+
+def stuck_flat(e: Evaluation, truth: Exact | None) -> Sign | None:
+    """Return when the can lay down for good although the exact motion rises.
+
+    Without an exact motion: when it lay down for longer than the natural time sqrt(R/g).
+    """
+    if e.motion is None:
+        return None
+    time, phi, scene = e.motion.time, e.motion.angles.phi, e.simulation.case.scene
+    largest = float(phi.max()) if truth is None else float(truth.phi.max())
+    up = np.flatnonzero(phi > LOW * largest)
+    first = int(up[-1]) + 1 if len(up) else 0
+    if first >= len(phi):
+        return None
+    since = float(time[first])
+    if truth is None:
+        flat = float(time[-1]) - since > natural_time(scene)
+    else:
+        flat = bool((truth.phi[truth.time >= since] > HIGH * largest).any())
+    words = "largest phi since, rad"
+    return Sign(time=since, number=float(phi[first:].max()), words=words) if flat else None
+
+
+def unresolved(e: Evaluation, true: Sequence[Bounce]) -> Sign | None:
+    """Return when the contact point first went round too fast to be counted, in a true bounce."""
+    if e.motion is None:
+        return None
+    for bounce, _ in zip(e.bounces, true, strict=False):
+        if not bounce.resolved:
+            inside = (e.motion.time >= bounce.start) & (e.motion.time <= bounce.end)
+            step = float(np.abs(np.diff(e.motion.angles.psi[inside])).max())
+            return Sign(time=bounce.time, number=step, words="change of psi in a step, rad")
+    return None
+
+
+def _spent(e: Evaluation, sign: float) -> tuple[Floats, Floats]:
+    """Return times and the energy lost (sign 1) or gained (-1), as a share of the spendable."""
+    trajectory, scene = e.simulation.trajectory, e.simulation.case.scene
+    if trajectory is None:
+        return np.empty(0), np.empty(0)
+    total = energy(trajectory, scene)
+    # lifting the can out of the plane costs what its depth is worth, and is no gain
+    lift = scene.can.mass * scene.gravity * max(0.0, -scene.release.height)
+    change = sign * (total[0] - total) - (lift if sign < 0.0 else 0.0)
+    return trajectory.time, change / spendable(trajectory, scene)
+
+
+def _first(time: Floats, values: Floats, limit: float, words: str) -> Sign | None:
+    """Return when values first exceed a limit, and the most they reach."""
+    beyond = np.flatnonzero(values > limit)
+    if len(beyond) == 0:
+        return None
+    return Sign(time=float(time[beyond[0]]), number=float(values.max()), words=words)

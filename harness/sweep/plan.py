@@ -1,0 +1,237 @@
+"""The plan of a sweep: which scenes, in what, and what of them; cut into partitions.
+
+Every row follows from the plan and its own number, so that any process can make any partition, in
+any order, and the sweep is the same to the bit. A partition's size is part of the plan.
+"""
+
+import hashlib
+import json
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
+from harness.evaluation.case_cache import code_fingerprint, engine_version
+from harness.evaluation.evaluate import check_case
+from harness.sweep.axes import Axis, check_axes, check_sample, end_of
+from harness.sweep.parameters import Floats
+from harness.sweep.quantities import DEFAULT, QUANTITIES
+from models.scene import Scene
+
+MOST_ROWS = 1_000_000_000
+"""Beyond the points that a Sobol sequence of doubles tells apart."""
+
+EXACT_ROWS = 32_768
+"""Of a partition by the exact bounce: half a second, two megabytes."""
+
+ENGINE_ROWS = 256
+"""Of a partition of runs: what an engine's batch takes at once, about a second."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepPlan:
+    """All that decides what a sweep contains; made by `plan`, which checks it.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is not varied.
+    axes : tuple of Axis
+    sample : str
+        One of `SAMPLES`.
+    count, seed : int
+        Of a sample; zero for a grid.
+    engine, profile, timestep, options
+        As for a `Case`.
+    engine_version : str
+    program : tuple of (str, str)
+        What computes it: packages and their versions, and the fingerprint of the sources.
+    quantities : tuple of str
+    exact : bool
+        By the exact bounce alone.
+    rows_per_partition : int
+        Scenes in a partition but the last.
+    """
+
+    scene: Scene
+    axes: tuple[Axis, ...]
+    sample: str
+    count: int
+    seed: int
+    engine: str
+    profile: str
+    timestep: float | None
+    options: tuple[tuple[str, Value], ...]
+    engine_version: str
+    program: tuple[tuple[str, str], ...]
+    quantities: tuple[str, ...]
+    exact: bool
+    rows_per_partition: int
+
+    @property
+    def rows(self) -> int:
+        """Scenes in all."""
+        if self.sample == "grid":
+            return math.prod(axis.count or 1 for axis in self.axes)
+        return self.count
+
+    @property
+    def partitions(self) -> int:
+        """How many there are."""
+        return math.ceil(self.rows / self.rows_per_partition)
+
+    def span(self, index: int) -> range:
+        """Return the rows of a partition."""
+        start = index * self.rows_per_partition
+        return range(start, min(start + self.rows_per_partition, self.rows))
+
+    def places(self, rows: range) -> tuple[NDArray[np.intp], ...]:
+        """Return which value of each axis of a grid consecutive rows have, each of shape (n,)."""
+        shape = tuple(axis.count or 1 for axis in self.axes)
+        return np.unravel_index(np.arange(rows.start, rows.stop), shape)
+
+    def values(self, rows: range) -> dict[str, Floats]:
+        """Return the parameters of consecutive rows, each of shape (n,), by their names.
+
+        The last axis of a grid varies fastest.
+        """
+        if self.sample == "grid":
+            places = self.places(rows)
+            return {
+                axis.name: axis.values(place) for axis, place in zip(self.axes, places, strict=True)
+            }
+        shares = _shares(self.sample, self.seed, len(self.axes), rows)
+        return {axis.name: axis.at(shares[:, n]) for n, axis in enumerate(self.axes)}
+
+    def case(self, scene: Scene) -> Case:
+        """Return the case of one of the scenes."""
+        return Case(
+            scene=scene,
+            engine=self.engine,
+            profile=self.profile,
+            timestep=self.timestep,
+            options=self.options,
+        )
+
+    def told(self) -> dict[str, Any]:
+        """Return the plan in JSON's own types; equal plans say the same."""
+        return {
+            "scene": self.scene.to_dict(),
+            "over": [axis.text() for axis in self.axes],
+            "sample": self.sample,
+            "count": self.count,
+            "seed": self.seed,
+            "engine": self.engine,
+            "engine_version": self.engine_version,
+            "program": dict(self.program),
+            "profile": self.profile,
+            "timestep_s": self.timestep,
+            "settings": {name: repr(value) for name, value in self.options},
+            "quantities": list(self.quantities),
+            "rows_per_partition": self.rows_per_partition,
+        }
+
+    def digest(self) -> str:
+        """Return 16 hexadecimal digits that name the plan."""
+        return digest_of(self.told())
+
+
+def digest_of(told: Mapping[str, Any]) -> str:
+    """Return 16 hexadecimal digits that name a plan, from what it says of itself."""
+    text = json.dumps(told, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def plan_sweep(
+    scene: Scene,
+    axes: Sequence[Axis],
+    *,
+    sample: str = "grid",
+    count: int | None = None,
+    seed: int | None = None,
+    engine: str = "reference",
+    profile: str = "matched",
+    timestep: float | None = None,
+    options: tuple[tuple[str, Value], ...] = (),
+    quantities: Sequence[str] = (),
+) -> SweepPlan:
+    """Return a plan that can be carried out.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use, before anything runs; the message says what is allowed.
+    """
+    check_axes(scene, axes)
+    check_sample(axes, sample, count, seed)
+    asked = tuple(dict.fromkeys(quantities)) or DEFAULT
+    for name in asked:
+        if name not in QUANTITIES:
+            raise InvalidSettingError("--quantity", name, ", ".join(QUANTITIES))
+        if engine == "reference" and QUANTITIES[name].source == "error":
+            raise InvalidSettingError(
+                "--quantity", name, "of an engine's runs only: the reference has no such error"
+            )
+    ends = end_of(scene, axes)
+    for name in asked:
+        if QUANTITIES[name].source == "error" and ends.effects.declared():
+            raise InvalidSettingError("--quantity", name, "of scenes without effects only")
+    case = Case(scene=ends, engine=engine, profile=profile, timestep=timestep, options=options)
+    check_case(case)
+    exact = (
+        engine == "reference"
+        and all(QUANTITIES[name].source == "exact" for name in asked)
+        and set(case.options) <= {("model", "auto"), ("model", "exact")}
+        and not ends.effects.declared()
+        # the exact bounce is whole, whatever the horizon
+        and not any(axis.name.startswith("horizon.") for axis in axes)
+    )
+    chosen = SweepPlan(
+        scene=scene,
+        axes=tuple(axes),
+        sample=sample,
+        count=count or 0,
+        seed=seed or 0,
+        engine=engine,
+        profile=profile,
+        timestep=case.timestep,
+        options=case.options,
+        engine_version=engine_version(engine),
+        program=_program(engine),
+        quantities=asked,
+        exact=exact,
+        rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
+    )
+    if not 1 <= chosen.rows <= MOST_ROWS:
+        raise InvalidSettingError("--over", chosen.rows, f"at most {MOST_ROWS} scenes in all")
+    return chosen
+
+
+def _program(engine: str) -> tuple[tuple[str, str], ...]:
+    """Return what computes the rows of a sweep: with another they might not go together."""
+    packages = [(name, version(name)) for name in ("rockingcan", "numpy", "scipy")]
+    return (*packages, ("sources", code_fingerprint(engine, __name__)))
+
+
+def _shares(sample: str, seed: int, dimensions: int, rows: range) -> Floats:
+    """Return consecutive points of a sequence in the unit cube, shape (n, dimensions)."""
+    if sample == "random":
+        # a double takes one number of the sequence: any row can be reached without those before
+        bits = np.random.PCG64(seed).advance(rows.start * dimensions)
+        return np.random.Generator(bits).random((len(rows), dimensions))
+    kind = qmc.Sobol if sample == "sobol" else qmc.Halton
+    sequence = kind(d=dimensions, scramble=True, rng=np.random.default_rng(seed))
+    with warnings.catch_warnings():
+        # of a count that is no power of two: a plot or a mean needs no perfect balance
+        warnings.filterwarnings("ignore", message="The balance properties")
+        if rows.start:  # none at all overflows in it
+            sequence.fast_forward(rows.start)
+        return np.asarray(sequence.random(len(rows)), dtype=np.float64)

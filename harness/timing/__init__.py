@@ -1,1 +1,0 @@
-"""Timing cases alone, keeping what was measured, and resuming."""

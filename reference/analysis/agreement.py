@@ -1,0 +1,74 @@
+"""How far two methods that solve one motion agree, and what is said where they do not."""
+
+import math
+from dataclasses import dataclass
+
+from reference.analysis.conditioning import PROMISED
+
+# A motion of which not three digits are known is no answer.
+USEFUL = 1e-3
+ENDING = "ending"
+"""The quantity of two motions that do not bounce alike, or not at all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """How two methods compare over the first bounces of a motion.
+
+    Attributes
+    ----------
+    quantity : str
+        That parts most, over what round-off allows.
+    discrepancy : float
+        By how much, relative, an angle below 1 rad in rad; infinite where one method finds bounces
+        and the other another ending.
+    allowed : float
+        By how much it may, for round-off.
+    ulp : float
+        By how much one ulp of each number of the problem moves it, infinite if that decides how the
+        motion ends; looked at where fewer digits agree than are promised.
+    evaluations : int
+        That the comparison took.
+    """
+
+    quantity: str
+    discrepancy: float
+    allowed: float
+    ulp: float = 0.0
+    evaluations: int
+
+    @property
+    def holds(self) -> bool:
+        """Whether the methods part by no more than round-off allows."""
+        return self.discrepancy <= self.allowed
+
+    @property
+    def resolved(self) -> bool:
+        """Whether there is an answer: agreement, or a difference that round-off does not explain.
+
+        There is none where fewer digits agree than are promised and one ulp decides the third, nor
+        where no three digits agree and may.
+        """
+        few = max(self.discrepancy, self.ulp) > USEFUL
+        return not self.holds or self.discrepancy <= PROMISED or not few
+
+    @property
+    def sentence(self) -> str:
+        """What is to be said of it: nothing where all promised digits agree."""
+        if not self.resolved or (self.holds and self.discrepancy <= PROMISED):
+            return ""
+        if self.holds:
+            return (
+                f"The closed motion and the integration part by {self.discrepancy:.1e} in the "
+                f"{self.quantity}, and round-off allows {self.allowed:.1e}: the motion is known to "
+                "no more than that."
+            )
+        apart = (
+            "end otherwise"
+            if math.isinf(self.discrepancy)
+            else f"part by {self.discrepancy:.1e} in the {self.quantity}"
+        )
+        return (
+            f"The closed motion and the integration {apart}, where round-off allows "
+            f"{self.allowed:.1e}: one of them is wrong. This is the integration's."
+        )

@@ -1,0 +1,129 @@
+"""Reading the bounces off a motion."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.equations.reaction_force import friction_ratio
+from reference.problem.can import Parameters
+from reference.problem.states import Floats, States
+from reference.smooth.extrema import Extrema, Path
+from reference.solution import Bounce
+
+Quantity: TypeAlias = Callable[[States], Floats]
+# A peak is narrowed down by sampling between the neighbours of the best sample, again and again,
+# until they are as high as the best but for this share of it; each round gains 8^2.
+LEVEL = 1e-8
+MOST_ROUNDS = 16
+SAMPLES = 17
+# Samples beside an extremum exceed it by round-off alone.
+SHOULDER = 1e-12
+
+
+def measure_bounces(
+    path: Path, track: Extrema, parameters: Parameters, *, sliding: bool = False
+) -> tuple[Bounce, ...]:
+    """One `Bounce` for each minimum of phi that has a maximum on either side.
+
+    Parameters
+    ----------
+    path : Path
+    track : Track
+    parameters : Parameters
+    sliding : bool
+        Whether the plane is without friction, so that there is no force to ask for.
+    """
+    tops = np.flatnonzero(track.maximum)
+    if tops.size < 2:  # noqa: PLR2004 - a bounce has a maximum on either side
+        return ()
+
+    def ratio(states: States) -> Floats:
+        return np.zeros_like(states.phi) if sliding else friction_ratio(states, parameters)
+
+    times, states = path.nodes()
+    edges = track.times[tops]
+    slices = [slice(*np.searchsorted(times, pair)) for pair in pairwise(edges)]
+    peaks = [
+        _peaks(path, track, (times, quantity(states)), slices, quantity)
+        for quantity in (_precession, ratio)
+    ]
+    bounces = []
+    for number, (left, right) in enumerate(pairwise(tops.tolist())):
+        bounces.append(
+            Bounce(
+                time=float(track.times[left + 1]),
+                phi_min=float(track.extrema.phi[left + 1]),
+                angle_of_turn=float(track.extrema.psi[right] - track.extrema.psi[left]),
+                rotation_turn=float(track.extrema.theta[right] - track.extrema.theta[left]),
+                peak_psi_dot=float(peaks[0][number]),
+                peak_friction_ratio=float(peaks[1][number]),
+            )
+        )
+    return tuple(bounces)
+
+
+def _precession(states: States) -> Floats:
+    return states.psi_dot
+
+
+def _peaks(
+    path: Path,
+    track: Extrema,
+    sampled: tuple[Floats, Floats],
+    slices: list[slice],
+    quantity: Quantity,
+) -> Floats:
+    """Value of largest magnitude in each bounce, with its sign."""
+    times, values = sampled
+    at_extrema = quantity(track.extrema)
+    tops = np.flatnonzero(track.maximum)
+    peak = np.empty(len(slices))
+    open_: list[int] = []
+    left, right = np.empty(len(slices)), np.empty(len(slices))
+    for i, part in enumerate(slices):
+        own = at_extrema[tops[i] : tops[i + 1] + 1]
+        peak[i] = own[np.abs(own).argmax()]
+        inside = np.abs(values[part])
+        if not inside.size or not np.isfinite(peak[i]):
+            continue
+        best = part.start + int(inside.argmax())
+        # a sample no higher than the extremum beside it is only its shoulder
+        if np.abs(values[best]) > np.abs(peak[i]) * (1 + SHOULDER):
+            peak[i] = values[best]
+            left[i], right[i] = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
+            open_.append(i)
+    refine = np.array([i for i in open_ if np.isfinite(peak[i])], dtype=np.intp)
+    if refine.size:
+        peak[refine] = _refined(path, left[refine], right[refine], quantity, peak[refine])
+    return peak
+
+
+def _refined(
+    path: Path, left: Floats, right: Floats, quantity: Quantity, sign: Floats
+) -> NDArray[np.float64]:
+    """Peaks between two times each, all at once."""
+    steps = np.linspace(0, 1, SAMPLES)
+    rows = np.arange(left.size)
+    best = np.abs(sign)
+    for _ in range(MOST_ROUNDS):
+        grid = left[:, None] + (right - left)[:, None] * steps
+        values = np.abs(quantity(path.at(grid.ravel()))).reshape(grid.shape)
+        peak = values.argmax(axis=1)
+        best = np.maximum(best, values[rows, peak])
+        left = grid[rows, np.maximum(peak - 1, 0)]
+        right = grid[rows, np.minimum(peak + 1, SAMPLES - 1)]
+        middle = np.clip(peak, 1, SAMPLES - 2)
+        sides = np.minimum(values[rows, middle - 1], values[rows, middle + 1])
+        if (sides >= (1 - LEVEL) * values[rows, middle]).all():
+            break
+    # the vertex of the parabola through the best sample and its neighbours: fourth order
+    below, top, above = (values[rows, middle + step] for step in (-1, 0, 1))
+    # a ratio is infinite where the plane would have to pull
+    with np.errstate(invalid="ignore"):
+        bend = 2 * top - below - above
+        rise = np.divide((above - below) ** 2, 8 * bend, out=np.zeros_like(top), where=bend > 0)
+    inside = (top >= below) & (top >= above) & np.isfinite(rise)
+    return np.sign(sign) * np.where(inside, np.maximum(best, top + rise), best)

@@ -1,0 +1,287 @@
+"""Solving a motion twice: it is given only where two methods find the same.
+
+A wrong answer is no less smooth than a right one, and nothing in it says that it is wrong. So the
+quadrature between turning points (`reference.integrable.exact_motion`), which does not go along
+the motion, is
+held against the integration (`reference.smooth.time_reversal`), which knows no turning point
+beforehand. The
+motion is periodic: its first bounces up to the end of a whole period stand for all.
+
+How far the two may part is no fixed tolerance. Each of the n operations of the integration rounds,
+so what it returns is, to within n roundings, the motion of numbers that are off by n eps at most
+(its backward error). A quantity f of the numbers x_i may therefore be off by
+
+    n eps |f| + sum_i max |f(x_i (1 +- n eps)) - f(x_i)|,
+
+the differences taken by integration, infinite where a neighbour ends otherwise, and only where the
+first term is not enough. To it comes the share of the force on phi that is lost where its terms
+cancel, at the extrema of phi: beside a steady motion no error of the x_i amounts to that.
+
+Three cases follow. The methods agree: the answer is the closed one. They part by more: one of them
+is wrong, and the answer is the integration's, which assumes less. Or fewer digits agree than are
+promised, as they may, and one ulp of the numbers given decides the third of them, or the ending:
+then there is no answer, from where the neighbours part.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from reference.analysis.agreement import ENDING, USEFUL, Agreement
+from reference.analysis.bounces import measure_bounces
+from reference.analysis.conditioning import EPS, PROMISED, lost_of_force, neighbours
+from reference.integrable.exact_motion import ExactPath, exact_path, until_horizon
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, States, select_states
+from reference.smooth.extrema import Run
+from reference.smooth.time_reversal import integrate_by_symmetry
+from reference.solution import Bounce
+
+# Of one evaluation of the equations, each of which rounds.
+OPERATIONS = 64
+
+
+class Bouncing(Protocol):
+    """A motion and its bounces: a solution, or one in the making."""
+
+    @property
+    def problem(self) -> Problem:
+        """What is solved."""
+        ...
+
+    @property
+    def bounces(self) -> tuple[Bounce, ...]:
+        """One for each minimum of phi between two maxima."""
+        ...
+
+    @property
+    def maxima(self) -> Floats:
+        """Times of the maxima of phi."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """A motion and its bounces.
+
+    Attributes
+    ----------
+    problem : Problem
+    run : Run
+    bounces : tuple of Bounce
+    """
+
+    problem: Problem
+    run: Run
+    bounces: tuple[Bounce, ...]
+
+    @property
+    def maxima(self) -> Floats:
+        """Times of the maxima of phi."""
+        return self.run.track.maxima
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Confirmed:
+    """A motion that was solved twice.
+
+    Attributes
+    ----------
+    motion : Motion
+    closed : bool
+        Whether it is the closed solution's, and not the integration's.
+    agreement : Agreement
+    """
+
+    motion: Motion
+    closed: bool
+    agreement: Agreement
+
+
+def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
+    """Solve a rolling can by the closed solution, and confirm it by integration.
+
+    Parameters
+    ----------
+    problem : Problem
+    locus : bool
+        Whether the contact point is wanted.
+
+    Returns
+    -------
+    Confirmed
+    """
+    # up to the end of a whole period: that of a release which falls already is the second
+    short = replace(problem, bounces=2 if problem.phi_dot < 0 else 1, duration=None)
+    path = exact_path(problem, locus=locus)
+    if isinstance(path, Outcome):
+        whole = _integrated(problem, locus=locus)
+        if _ends_as(path, whole):
+            agreement = Agreement(quantity=ENDING, discrepancy=0.0, allowed=0.0, evaluations=0)
+            return Confirmed(motion=whole, closed=False, agreement=agreement)
+        integrated = whole if problem == short else _integrated(short, locus=locus)
+        apart = {ENDING: np.inf}
+    else:
+        closed = _closed(short, path)
+        integrated = _integrated(short, locus=locus)
+        apart = _apart(closed, integrated)
+    evaluations = integrated.run.evaluations
+    share = OPERATIONS * evaluations * EPS
+    rounded = float(lost_of_force(integrated.run.track.extrema, short).max(initial=share))
+    allowed, near = dict.fromkeys(apart, share + rounded), []
+    if any(off > allowed[name] for name, off in apart.items()):
+        near = _near(integrated, share)
+        allowed = {name: share + rounded + _moved(name, integrated, near) for name in apart}
+        evaluations += _work(near)
+    worst = max(apart, key=lambda name: _over(apart[name], allowed[name]))
+    ulp = 0.0
+    if PROMISED < apart[worst] <= allowed[worst]:
+        near = _near(integrated, EPS)
+        ulp = _moved(worst, integrated, near)
+        evaluations += _work(near)
+    agreement = Agreement(
+        quantity=worst,
+        discrepancy=apart[worst],
+        allowed=allowed[worst],
+        ulp=ulp,
+        evaluations=evaluations,
+    )
+    if not agreement.resolved:
+        motion = _up_to(problem, _parting(integrated, near), locus=locus)
+    elif agreement.holds and isinstance(path, ExactPath):
+        motion = closed if problem == short else _closed(problem, path)
+        return Confirmed(motion=motion, closed=True, agreement=agreement)
+    else:
+        motion = integrated if problem == short else _integrated(problem, locus=locus)
+    return Confirmed(motion=motion, closed=False, agreement=agreement)
+
+
+def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
+    """Return by how much the bounces that two motions have in common differ at most, relative.
+
+    Angles are taken over 1 rad or over themselves, if they are larger, times over a period.
+    """
+    start = max(1.0, abs(other.problem.psi), abs(other.problem.theta))
+    found: dict[str, float] = {}
+    rows = zip(
+        one.bounces, other.bounces, pairwise(one.maxima), pairwise(other.maxima), strict=False
+    )
+    for mine, theirs, (left, right), (begin, end) in rows:
+        period = end - begin
+        scales = {
+            "period": (right - left, period, period),
+            "time of the bounce": (mine.time, theirs.time, max(period, theirs.time)),
+            "least phi": (mine.phi_min, theirs.phi_min, theirs.phi_min),
+            "angle of turn": (mine.angle_of_turn, theirs.angle_of_turn, start),
+            "rotation": (mine.rotation_turn, theirs.rotation_turn, start),
+            "peak precession rate": (mine.peak_psi_dot, theirs.peak_psi_dot, 0.0),
+        }
+        for name, (a, b, scale) in scales.items():
+            off = abs(a - b) / max(scale, abs(b))
+            found[name] = max(found.get(name, 0.0), off if np.isfinite(off) else np.inf)
+    return found
+
+
+def _closed(problem: Problem, path: ExactPath) -> Motion:
+    # what is wrong may be no number: the comparison says so
+    with np.errstate(all="ignore"):
+        return _measured(problem, until_horizon(problem, path))
+
+
+def _integrated(problem: Problem, *, locus: bool) -> Motion:
+    return _measured(problem, integrate_by_symmetry(problem, locus=locus))
+
+
+def _measured(problem: Problem, run: Run) -> Motion:
+    bounces = measure_bounces(run.path, run.track, problem.parameters)
+    return Motion(problem=problem, run=run, bounces=bounces)
+
+
+def _ends_as(ending: Outcome, motion: Motion) -> bool:
+    """Whether a motion is one without a bounce, ends as foretold or has not ended yet."""
+    foretold = ending is not Outcome.UNRESOLVED and not motion.bounces
+    return foretold and motion.run.track.outcome in {ending, Outcome.FINISHED}
+
+
+def _apart(one: Motion, other: Motion) -> dict[str, float]:
+    """Return by how much two motions differ in each quantity, relative."""
+    mine, theirs = one.run.track, other.run.track
+    if mine.outcome is not theirs.outcome or len(one.bounces) != len(other.bounces):
+        return {ENDING: np.inf}
+    if not other.bounces:
+        return {ENDING: 0.0}
+    top, known = mine.extrema.phi[mine.maximum][-1], theirs.extrema.phi[theirs.maximum][-1]
+    found = differences(one, other) | {"greatest phi": abs(top / known - 1)}
+    if mine.extrema.x is not None and theirs.extrema.x is not None:
+        moved, truth = (_displacement(extrema) for extrema in (mine.extrema, theirs.extrema))
+        found["contact locus"] = abs(moved - truth) / max(1.0, abs(truth))
+    return {name: float(off) if np.isfinite(off) else np.inf for name, off in found.items()}
+
+
+def _displacement(extrema: States) -> complex:
+    """Return how far the contact point is from the last but one extremum to the last."""
+    if extrema.x is None or extrema.y is None:
+        raise ValueError("the contact locus was not asked for")
+    return complex(np.diff(extrema.x)[-1], np.diff(extrema.y)[-1])
+
+
+def _near(own: Motion, share: float) -> list[list[Motion]]:
+    """Integrate the neighbours of a motion."""
+    locus = own.run.track.extrema.x is not None
+    return [
+        [_integrated(problem, locus=locus) for problem in beside]
+        for beside in neighbours(own.problem, share)
+    ]
+
+
+def _work(near: Sequence[Sequence[Motion]]) -> int:
+    return sum(other.run.evaluations for beside in near for other in beside)
+
+
+def _moved(name: str, own: Motion, near: Sequence[Sequence[Motion]]) -> float:
+    """Return by how much a quantity differs in the neighbours of each number, added up."""
+    total = 0.0
+    for beside in near:
+        apart = (_apart(other, own) for other in beside)
+        total += max(off.get(name, off.get(ENDING, 0.0)) for off in apart)
+    return total
+
+
+def _parting(own: Motion, near: Sequence[Sequence[Motion]]) -> float:
+    """Return the time up to which the neighbours of a motion are the same to three digits."""
+    times, states = own.run.path.nodes()
+    apart = np.zeros_like(times)
+    for other in (other for beside in near for other in beside):
+        known = times <= other.run.track.t_end
+        moved = other.run.path.at(times[known])
+        mine = select_states(states, np.flatnonzero(known))
+        total = moved.psi + moved.theta - mine.psi - mine.theta
+        aside = np.sin(mine.phi) * (moved.psi - mine.psi)
+        off = np.max(np.abs([moved.phi - mine.phi, aside, total]), axis=0)
+        apart[known] = np.maximum(apart[known], off)
+        apart[~known] = np.inf
+    gone = np.flatnonzero(apart > USEFUL)
+    return float(times[max(gone[0] - 1, 1)]) if gone.size else np.inf
+
+
+def _over(off: float, allowed: float) -> float:
+    """Return how often a difference exceeds what is allowed; nothing exceeds infinity."""
+    if np.isinf(off):
+        return np.inf
+    return off / allowed if allowed else np.inf
+
+
+def _up_to(problem: Problem, parted: float, *, locus: bool) -> Motion:
+    """Return a motion up to where its neighbours part from it, as unresolved from there on.
+
+    One whose horizon comes first is known to its end.
+    """
+    if problem.duration is not None and problem.duration <= parted:
+        return _integrated(problem, locus=locus)
+    run = integrate_by_symmetry(replace(problem, bounces=None, duration=parted), locus=locus)
+    track = replace(run.track, outcome=Outcome.UNRESOLVED)
+    return Motion(problem=problem, run=replace(run, track=track), bounces=())

@@ -1,0 +1,113 @@
+"""How fast motions part that begin almost alike, and until when they can be compared at all.
+
+A can with its mass off the axis is chaotic (Srinivasan and Ruina): a disturbance grows as
+exp(rate t) whoever computes it, and once it has grown to the size of the motion two computations
+agree or differ for no reason that can be named. Disturbances of the release by one part in 1e12 are
+followed by the variational equations (`reference.analysis.variational`), which are linear: a
+disturbance
+grows on where two motions would be as far apart as they can be. The distance of two motions is the
+angle between their orientations.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.analysis.variational import DISTURBED, release_disturbances, stretches
+from reference.equations.newton_euler import GeneralEquations
+from reference.nonsmooth.segments import SegmentsPath
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+from reference.solution import Solution
+from reference.solve import solve
+
+DISTURBANCE = 1e-12
+# Of a rate or an angle smaller than this the disturbance is one part in 1e12 of this.
+LEAST = 1e-3
+# Motions as far apart as this, rad, have nothing to do with each other.
+PARTED = 0.1
+# From here on a distance grows at its rate: before it finds the direction that grows fastest.
+GROWING = 1e-11
+# Copies of a regular motion part like time, or its square; by more than this it takes chaos, and an
+# engine's error of 1e-5 becomes as large as the motion.
+CHAOTIC = 1e4
+# Logarithm of the largest distance that is said: beyond it a double would overflow.
+LARGEST = 600.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Divergence:
+    """How disturbed releases part from the undisturbed one.
+
+    Attributes
+    ----------
+    times, distance : ndarray, shape (n,)
+        The largest distance so far of any of them, rad, as the linear equations have it: beyond
+        `PARTED` it says how much has grown, and no longer how far two motions are apart.
+    growth : float
+        The last of it over the disturbance.
+    rate : float
+        Of exponential growth, Lyapunov's, in sqrt(g/R); 0 where nothing has grown tenfold.
+    parted : float
+        When a disturbance of 1e-12 has grown to `PARTED`: foretold from the rate where that is
+        beyond the motion, infinite where nothing grows.
+    """
+
+    times: Floats
+    distance: Floats
+    growth: float
+    rate: float
+    parted: float
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether the disturbance grows so much that agreement ends, and exponentially."""
+        return self.growth > CHAOTIC and self.rate > 0
+
+
+def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
+    """Return how releases part that differ from a problem's by one part in 1e12.
+
+    Parameters
+    ----------
+    problem : Problem
+        Followed by the smallest model that carries it.
+    own : Solution, optional
+        Of the problem itself, if it is known.
+    """
+    if own is None:
+        own = solve(problem, model="auto")
+    path = own.path
+    if not isinstance(path, SegmentsPath):
+        # closed forms have no pieces
+        until = replace(problem, bounces=None, duration=own.t_end)
+        path = solve(until, model="general").path
+        assert isinstance(path, SegmentsPath)  # noqa: S101 - what the general can is followed on
+    equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
+    sizes = [max(abs(getattr(problem, name)), LEAST) for name in DISTURBED]
+    start = DISTURBANCE * np.array(sizes) * release_disturbances(problem)
+    times, logarithms = [], []
+    for stretch in stretches(equations, path.pieces, start):
+        times.append(stretch.times)
+        with np.errstate(divide="ignore"):  # what is not disturbed at all
+            logs = np.log(stretch.angles()) + stretch.logarithms[:, None]
+        logarithms.append(logs.max(axis=0))
+    return _read(np.concatenate(times), np.maximum.accumulate(np.concatenate(logarithms)))
+
+
+def _read(times: Floats, logarithms: Floats) -> Divergence:
+    """Return what the logarithms of distances, which never fall, come to."""
+    last = float(logarithms[-1])
+    rate = 0.0
+    growing = logarithms > np.log(GROWING)
+    if np.unique(logarithms[growing]).size > 1:
+        rate = float(np.polyfit(times[growing], logarithms[growing], 1)[0])
+    reached = times[logarithms >= np.log(PARTED)]
+    foretold = times[-1] + (np.log(PARTED) - last) / rate if rate > 0 else np.inf
+    return Divergence(
+        times=times,
+        distance=np.exp(np.minimum(logarithms, LARGEST)),
+        growth=float(np.exp(min(last, LARGEST)) / DISTURBANCE),
+        rate=rate,
+        parted=float(reached[0] if reached.size else foretold),
+    )

@@ -1,0 +1,138 @@
+"""Whether a solution keeps to what its model assumes: a rim that is pushed at one point.
+
+A model does not know where it ends. Rolling without slipping takes whatever force it needs, were it
+a pull; every model takes the contact to be one point of the rim, however near the far rim is to the
+plane. Here the motion is looked at again, and each assumption that it breaks is said.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.equations.reaction_force import contact_force_in_world
+from reference.problem.outcome import Outcome
+from reference.problem.states import Floats
+from reference.solution import Solution
+
+# The friction that few pairs of materials exceed.
+PLENTY = 1.0
+# Height of the far rim over R that no can has: below an atom's 1e-10 m for a radius of 0.1 m.
+ATOM = 1e-9
+# Where rigid contact with friction has no motion that follows, or several (Painleve).
+PARADOXES = {Outcome.INCONSISTENT, Outcome.INDETERMINATE, Outcome.JAMMED}
+# Of the weight: a normal force below this is that of a can about to lift off.
+LIGHT = 1e-3
+# What a can does next that is no longer touching at one point of its rim.
+ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
+# A solver's own limits.
+LIMITS = {Outcome.OUTWORKED, Outcome.STALLED, Outcome.UNRESOLVED}
+NONE_CARRIES = "No reference model carries it."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """An assumption that a motion breaks.
+
+    Attributes
+    ----------
+    sentence : str
+    model : str
+        The larger reference model that would carry it; empty if none does, or the same would with
+        another effect declared.
+    """
+
+    sentence: str
+    model: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guard:
+    """What the assumptions of a model came to, over a whole motion.
+
+    Attributes
+    ----------
+    friction_ratio : float
+        Largest |F|/N: of a rim that never slips the friction that it needs; infinite where N is not
+        positive. Of a motion that ends as lifted, at the instants with N of a thousandth of the
+        weight or more: at lift-off N is zero, and |F|/N is no friction that a pair of materials
+        could have, or the quotient of two round-offs. Zero where there is no such instant.
+    normal_force : float
+        The least, in m g.
+    phi_min, phi_max : float
+    gap : float
+        Least height of the far rim above the plane, in R.
+    findings : tuple of Finding
+    """
+
+    friction_ratio: float
+    normal_force: float
+    phi_min: float
+    phi_max: float
+    gap: float
+    findings: tuple[Finding, ...]
+
+
+def examine(solution: Solution, times: Floats) -> Guard:
+    """Look at a solution again at the given times, dense by angle, shape (n,)."""
+    states = solution.at(times)
+    parameters = solution.problem.parameters
+    normal = contact_force_in_world(states, parameters)[:, 2]
+    peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
+    friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
+    ratio = np.divide(friction, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    if solution.outcome is Outcome.LIFTED:
+        ratio = ratio[normal >= LIGHT]
+    found = Guard(
+        friction_ratio=float(max([*ratio, *peaks], default=0.0)),
+        normal_force=float(normal.min()),
+        phi_min=float(states.phi.min()),
+        phi_max=float(states.phi.max()),
+        gap=float(2 * np.sin(states.phi.min())),
+        findings=(),
+    )
+    return Guard(
+        friction_ratio=found.friction_ratio,
+        normal_force=found.normal_force,
+        phi_min=found.phi_min,
+        phi_max=found.phi_max,
+        gap=found.gap,
+        findings=tuple(_findings(solution, found)),
+    )
+
+
+def _findings(solution: Solution, found: Guard) -> list[Finding]:
+    findings = []
+    if solution.agreement is not None and not solution.agreement.holds:
+        findings.append(Finding(sentence=solution.agreement.sentence))
+    never_slips = solution.problem.effects.mu is None
+    if solution.outcome in ENDINGS:
+        findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))
+    if solution.outcome in LIMITS:
+        findings.append(Finding(sentence=solution.outcome.value))
+    # at lift-off it is zero but for round-off, and the outcome has said so
+    lifted = solution.outcome is Outcome.LIFTED
+    if never_slips and found.normal_force <= 0 and not lifted:
+        pull = f"Rolling asks the plane to pull, with up to {-found.normal_force:.4g} m g: "
+        findings.append(
+            Finding(sentence=f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}")
+        )
+    elif never_slips and found.friction_ratio > PLENTY:
+        findings.append(_slippery(solution, found.friction_ratio))
+    if found.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+        near = f"The far rim comes within {found.gap:.2g} R of the plane, less than an atom: "
+        findings.append(
+            Finding(
+                sentence=f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
+            )
+        )
+    return findings
+
+
+def _slippery(solution: Solution, ratio: float) -> Finding:
+    """Say that a rim that never slips needs more friction than there is."""
+    needs = (
+        f"Rolling needs a friction of {ratio:.4g}, which few pairs have: with less the rim slips"
+    )
+    if solution.problem.effects.declared():
+        return Finding(sentence=f"{needs}. Declare slip: `general` carries it.")
+    return Finding(sentence=f"{needs}, and the scene should declare slip.", model="coulomb")

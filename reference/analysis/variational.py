@@ -1,0 +1,237 @@
+"""How small disturbances of a motion grow: its variational equations, along its own pieces.
+
+With y' = f(y) in the time sigma of `reference.equations.state_vector`, a disturbance d of the
+state obeys
+
+    d' = J(y) d,    J = df/dy,
+
+which is linear: no disturbance is too small or too large, and d is scaled back to size 1 after each
+piece while the logarithm of what it was is kept (renormalisation; Benettin, Galgani, Giorgilli and
+Strelcyn, Meccanica 15, 1980). J is taken along imaginary steps, J v = Im f(y + i s v)/s, exact to
+round-off (Squire and Trapp, SIAM Review 40, 1998), and each piece is one step of the Radau
+collocation that made it (`reference.nonsmooth.radau_iia`), with a matrix for Newton's.
+
+The time is a state, t' = S. What two motions are apart at the same sigma becomes what they are
+apart at the same time with d - f d_t/S.
+
+Where something comes to rest (a slip, a turning that friction holds) the law changes, f jumps from
+f- to f+, and a disturbed motion gets there at another sigma: later by the tau at which what comes
+to rest, G y, rests in it as well. So
+
+    tau = -(G f-).(G d)/|G f-|^2,    d+ = P (d + tau f-) - tau f+
+
+(the saltation matrix of Aizerman and Gantmakher), with P without what G sees: across its direction
+friction has made a slip that ends straight already. What begins to move does so without a jump of
+f, and the disturbance goes on.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dgesv
+
+from reference.equations.contact_laws import Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import (
+    LEAN,
+    PSI,
+    ROWS,
+    TIME,
+    TOTAL,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    sizes,
+)
+from reference.nonsmooth.radau_iia import integrator, points
+from reference.nonsmooth.segments import Segment
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+
+# What the rates depend on, and what they move: all but the place and the works.
+CORE = np.array([LEAN, W1, W2, W3, PSI, TOTAL, TIME, U1, U2])
+NUMBER = {row: place for place, row in enumerate(CORE.tolist())}
+# Imaginary steps, over the size of what is stepped: nothing is subtracted, so as small as may be.
+STEP = 1e-40
+# A slip that is this small where a piece begins, and goes on, has come to rest and turned.
+RESTS = 1e-13
+# How far into a piece that is: between the roundings of the direction and what has moved since.
+BEHIND = 1e-8
+# A slip as slow as this, with the direction of its end to as many digits, is at its end: nearer
+# to it the direction is lost in round-off, and disturbances have no time left to change.
+ENDING = 1e-8
+DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stretch:
+    """Disturbances along one piece, at its collocation points.
+
+    Attributes
+    ----------
+    states : ndarray, shape (13, n)
+        Of the motion; the last at the end of the piece.
+    rates : ndarray, shape (9, n)
+        Of the rows `CORE`, in sigma.
+    disturbances : ndarray, shape (9, m, n)
+        Of the rows `CORE`, at the same sigma, scaled.
+    logarithms : ndarray, shape (m,)
+        Of the scales: exp of them times the above is what was disturbed.
+    """
+
+    states: Floats
+    rates: Floats
+    disturbances: Floats
+    logarithms: Floats
+
+    @property
+    def times(self) -> Floats:
+        """Of the states, shape (n,)."""
+        return np.asarray(self.states[TIME])
+
+    def angles(self) -> Floats:
+        """Angle between the orientations at the same time, shape (m, n), scaled."""
+        at = Angles.of(self.states[LEAN])
+        late = self.disturbances[NUMBER[TIME]] / self.rates[NUMBER[TIME]]
+        lean, psi, total = (
+            self.disturbances[NUMBER[row]] - self.rates[NUMBER[row]] * late
+            for row in (LEAN, PSI, TOTAL)
+        )
+        aside, about = at.S * psi, total - at.S * at.T * psi
+        return np.asarray(np.sqrt((at.S * lean) ** 2 + aside**2 + about**2))
+
+
+def jacobian(equations: GeneralEquations, y: Floats, mode: Mode) -> tuple[Floats, Floats]:
+    """Rates of the rows `CORE`, shape (9, n), and their derivatives, shape (9, 9, n).
+
+    Parameters
+    ----------
+    equations : GeneralEquations
+    y : ndarray, shape (13, n)
+    mode : Mode
+    """
+    k, n = CORE.size, y.shape[1]
+    step = STEP * sizes(CORE, y[CORE])
+    columns = np.repeat(y[:, None, :], k, axis=1).astype(complex)
+    columns[CORE, np.arange(k)] += 1j * step
+    values = equations.rates(columns.reshape(ROWS, k * n), mode, along=False)
+    values = values.reshape(ROWS, k, n)[CORE]
+    return values[:, 0].real, values.imag / step
+
+
+def release_disturbances(problem: Problem) -> Floats:
+    """Disturbances of a release in the rows `CORE`, a column each of `DISTURBED`, shape (9, 4)."""
+    S, C = np.sin(problem.phi), np.cos(problem.phi)
+    out = np.zeros((CORE.size, len(DISTURBED)))
+    phi, theta, psi_dot, theta_dot = range(len(DISTURBED))
+    out[NUMBER[LEAN], phi] = 1 / S
+    out[NUMBER[W1], phi], out[NUMBER[W3], phi] = problem.psi_dot * C, -problem.psi_dot * S
+    out[NUMBER[TOTAL], theta] = 1.0
+    out[NUMBER[W1], psi_dot], out[NUMBER[W3], psi_dot] = S, C
+    out[NUMBER[W3], theta_dot] = 1.0
+    return out
+
+
+def stretches(
+    equations: GeneralEquations, pieces: tuple[Segment, ...], start: Floats
+) -> Iterator[Stretch]:
+    """Yield what becomes of disturbances, piece by piece.
+
+    Parameters
+    ----------
+    equations : GeneralEquations
+        Of the motion that the pieces are.
+    pieces : tuple of Piece
+    start : ndarray, shape (9, m)
+        Disturbances of the rows `CORE` at the release.
+    """
+    now, logarithms = start, np.zeros(start.shape[1])
+    before: tuple[Segment, Floats] | None = None
+    for piece, ending in zip(pieces, _endings(pieces), strict=True):
+        if ending:
+            continue
+        if before is not None:
+            now = _across(equations, *before, piece, now)
+        scale = np.linalg.norm(now, axis=0)
+        scale[scale == 0] = 1.0
+        now, logarithms = now / scale, logarithms + np.log(scale)
+        y = piece.at(piece.cut * points())
+        rates, J = jacobian(equations, y, piece.mode)
+        core = [NUMBER[row] for row in equations.core(piece.mode).tolist()]
+        change = _change(J, piece.length * piece.cut, now, core)
+        disturbances = now[:, :, None] + change
+        yield Stretch(states=y, rates=rates, disturbances=disturbances, logarithms=logarithms)
+        now, before = disturbances[:, :, -1], (piece, rates[:, -1])
+
+
+def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
+    """Solve the collocation equations of one step, shape (9, m, points); after the core the rest.
+
+    The rows of the core depend on each other alone, and all others on them.
+    """
+    A, m = length * integrator(), start.shape[1]
+    k, n = len(core), A.shape[0]
+    matrix = np.einsum("ab,ijb->iajb", A, J[np.ix_(core, core)]).reshape(k * n, k * n)
+    forced = np.einsum("iajb,jm->iam", matrix.reshape(k, n, k, n), start[core])
+    # scipy's, as in `reference.radau`: of matrices as small as these it makes no threads
+    *_, change, _ = dgesv(np.eye(k * n) - matrix, forced.reshape(k * n, m))
+    along = start[core, None] + change.reshape(k, n, m)
+    rates = np.einsum("ijb,jbm->imb", J[:, core], along)
+    return np.asarray(rates @ A.T)
+
+
+def _across(
+    equations: GeneralEquations, last: Segment, rates: Floats, piece: Segment, now: Floats
+) -> Floats:
+    """Carry disturbances from the end of a piece over what comes to rest there."""
+    G = _comes_to_rest(last, piece)
+    if not G.size:
+        return now
+    # from right behind the start, where what begins again has its direction
+    soon = piece.at(np.array([BEHIND]))
+    after = jacobian(equations, soon, piece.mode)[0][:, 0]
+    coming = G @ rates
+    tau = -(coming @ G @ now) / (coming @ coming)
+    now = now + np.outer(rates, tau)
+    # velocities come to rest, and the lean stays
+    velocities = G.copy()
+    velocities[:, NUMBER[LEAN]] = 0.0
+    now = now - np.linalg.pinv(velocities) @ (G @ now)
+    return np.asarray(now - np.outer(after, tau))
+
+
+def _endings(pieces: tuple[Segment, ...]) -> list[bool]:
+    """Return which pieces are the last of a slip that comes to rest, or of the motion."""
+    out, comes = [False] * len(pieces), False
+    for number in range(len(pieces) - 2, 0, -1):
+        here, after = pieces[number], pieces[number + 1]
+        comes = here.mode.slips and (comes or not after.mode.slips)
+        comes = comes and bool(np.hypot(*here.start[[U1, U2]]) <= ENDING)
+        out[number] = comes
+    return out
+
+
+def _comes_to_rest(last: Segment, piece: Segment) -> Floats:
+    """Return the forms of the state that vanish from here on, or turn round, shape (g, 9)."""
+    at, w = Angles.of(last.end[LEAN]), last.end[[W1, W3]]
+    forms: list[dict[int, float]] = []
+    before, after = last.mode, piece.mode
+    still = np.hypot(*piece.start[[U1, U2]]) <= RESTS
+    if before.slips and (not after.slips or still):
+        forms += [{U1: 1.0}, {U2: 1.0}]
+    # rates of S and C with ln tan(phi/2) are S C and -S S
+    if before.turns and after.turns != before.turns:
+        by_lean = at.S * at.C * w[0] - at.S * at.S * w[1]
+        forms.append({LEAN: float(by_lean), W1: float(at.S), W3: float(at.C)})
+    if after.rests and not before.rests:
+        by_lean = -at.S * at.S * w[0] - at.S * at.C * w[1]
+        forms += [{W2: 1.0}, {LEAN: float(by_lean), W1: float(at.C), W3: -float(at.S)}]
+    out = np.zeros((len(forms), CORE.size))
+    for row, form in enumerate(forms):
+        for index, weight in form.items():
+            out[row, NUMBER[index]] = weight
+    return out

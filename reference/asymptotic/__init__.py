@@ -1,0 +1,1 @@
+"""The paper's expansions: small nutation, matched solution, hypergeometric form."""

@@ -1,0 +1,1 @@
+"""Equations of motion, contact laws, reaction forces, energy and steady motions."""

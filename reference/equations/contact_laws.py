@@ -1,0 +1,130 @@
+"""How a rim can touch the plane: sticking or slipping, rolling or resting, turning or held."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from reference.equations.state_vector import Index
+from reference.problem.states import Floats
+
+
+class Kind(Enum):
+    """What the rim does at the contact; the value is the word for it."""
+
+    STICK = "stick"
+    SLIP = "slip"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phase:
+    """An interval of time in which the rim sticks, or slips.
+
+    Attributes
+    ----------
+    kind : Kind
+    start, end : float
+        In sqrt(R/g).
+    """
+
+    kind: Kind
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mode:
+    """Which laws are in force.
+
+    Attributes
+    ----------
+    slips : bool
+    turns : int
+        Sense of turning about the normal where that meets friction; 0 where friction holds it, and
+        where there is none.
+    rests : bool
+        Whether rolling resistance holds the level part of the angular velocity at zero.
+    """
+
+    slips: bool = False
+    turns: int = 0
+    rests: bool = False
+
+    @property
+    def kind(self) -> Kind:
+        """In a word."""
+        return Kind.SLIP if self.slips else Kind.STICK
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """Force of the plane, and the accelerations that come of it; all times sin(phi).
+
+    Attributes
+    ----------
+    force : ndarray, shape (3, n)
+        Along (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the vertical, in m g.
+    moment : ndarray, shape (3, n)
+        Of drilling and rolling friction, in the same directions, in m g R.
+    turning : ndarray, shape (3, n)
+        Angular acceleration, in frame B.
+    slipping : ndarray, shape (2, n)
+        Acceleration of the slip, in the directions of the force.
+    grip : ndarray, shape (n,)
+        Normal mobility: how much the rim yields upwards to a unit of normal force and what that
+        brings with it, with all that is held; not positive where rigid sliding has no solution, or
+        several.
+    """
+
+    force: Floats
+    moment: Floats
+    turning: Floats
+    slipping: Floats
+    grip: Floats
+
+
+class Equations(Protocol):
+    """The equations of motion of one can, in each mode."""
+
+    @property
+    def mu(self) -> float:
+        """Coefficient of friction; infinite for a rim that never slips."""
+        ...
+
+    @property
+    def drilling(self) -> float:
+        """Arm of the moment against turning about the normal."""
+        ...
+
+    @property
+    def resistance(self) -> float:
+        """Arm of the moment against rolling."""
+        ...
+
+    @property
+    def pulls(self) -> bool:
+        """Whether the plane may pull: whether the contact is bilateral.
+
+        That of the ideal can is, to which nothing is declared: rolling without slipping is the
+        paper's problem, a constraint that takes the force it needs, and where that is a pull a
+        finding says so (`reference.analysis.validity`). A can with any effect is a real one, on a
+        plane that
+        only pushes: its contact is unilateral, whatever the effect and however small, and where the
+        normal force reaches zero the motion ends as lifted, in every mode and model.
+        """
+        ...
+
+    def core(self, mode: Mode) -> Index:
+        """Rows that the rates depend on; the others are quadratures."""
+        ...
+
+    def contact(self, y: Floats, mode: Mode) -> Contact:
+        """Return what happens at the contact, from states of shape (13, n)."""
+        ...
+
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
+        ...
+
+    def turning(self, y: Floats) -> Floats:
+        """Return the angular velocity about the normal, shape (n,)."""
+        ...

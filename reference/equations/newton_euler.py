@@ -1,0 +1,291 @@
+"""Newton and Euler for a can with every effect of a rigid contact.
+
+The can and its point mass are one rigid body of mass M (in that of the can), its centre of mass G
+at d from the can's centre, with the inertia I about G. The contact is at p from G, the contact
+point moves through the body with velocity k, so that dp/dt = k + w x p, and u is the velocity of
+the body's material at the contact. With the force F and the moment Q of the plane, gravity g(t) in
+the plane's frame, and drag,
+
+    M a_G = F + M g - M lambda v_G              v_G = u - w x p
+    I w'  = p x F + Q - w x I w - nu I w        u'  = a_G + w' x p + w x dp/dt
+
+hence (w', u') = (w', u')_free + D (Q, F) with a matrix D that is symmetric and positive definite:
+what is held (u_z always; u while the rim sticks; the turning about the normal while drilling
+friction holds it, and the level part w_h of the turning while rolling resistance does) fixes as
+many components of (Q, F), and what slides has a moment or force that is proportional to the normal
+force:
+
+    F = -mu N u/|u|,    Q_z = -l_d N sign(w_z),    Q_h = -l_r N w_h/|w_h|.
+
+A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - r z from the can's
+centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
+S, in the time of `reference.equations.state_vector`, and analytic in the state: complex states
+give derivatives
+(`reference.analysis.variational`).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.equations.contact_laws import Contact, Mode
+from reference.equations.frames import applied, cross, dot, length, to_body, to_level, to_precessing
+from reference.equations.state_vector import (
+    DISSIPATED,
+    LEAN,
+    PSI,
+    SUPPLIED,
+    TIME,
+    TOTAL,
+    TURN,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    Index,
+    X,
+    Y,
+)
+from reference.problem.can import Parameters
+from reference.problem.effects import Effects
+from reference.problem.states import Floats
+
+# Components of (w', u') and of (Q, F) along (cos psi, sin psi, 0), (-sin psi, cos psi, 0), z.
+ROLLING_1, ROLLING_2, TURNING_Z, SLIP_1, SLIP_2, NORMAL = range(6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """Where the body is and how it moves, in frame B; vectors of shape (3, n)."""
+
+    at: Angles
+    mass: float
+    inertia: Floats
+    centre: Floats
+    arm: Floats
+    turning: Floats
+    velocity: Floats
+    arm_rate: Floats
+    gravity: Floats
+    shaking: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GeneralEquations:
+    """The vector fields of one can and its effects.
+
+    Attributes
+    ----------
+    parameters : Parameters
+    effects : Effects
+    """
+
+    parameters: Parameters
+    effects: Effects
+
+    @property
+    def mu(self) -> float:
+        """Coefficient of friction; infinite for a rim that never slips."""
+        return np.inf if self.effects.mu is None else self.effects.mu
+
+    @property
+    def drilling(self) -> float:
+        """Arm of the moment against turning about the normal."""
+        return self.effects.drilling
+
+    @property
+    def resistance(self) -> float:
+        """Arm of the moment against rolling."""
+        return self.effects.rolling_resistance
+
+    @property
+    def pulls(self) -> bool:
+        """Whether the plane may pull: under the ideal can alone."""
+        return not self.effects.declared()
+
+    def turning(self, y: Floats) -> Floats:
+        """Return the angular velocity about the normal, shape (n,)."""
+        at = Angles.of(y[LEAN])
+        return np.asarray(at.S * y[W1] + at.C * y[W3])
+
+    def core(self, mode: Mode) -> Index:
+        """Rows that the rates depend on; the others are quadratures."""
+        e = self.effects
+        rows = [LEAN, W1, W2, W3]
+        if e.mass is not None or e.gravity.tilted or e.gravity.shaken:
+            rows += [PSI, TOTAL]
+        if e.gravity.shaken:
+            rows += [TIME]
+        if mode.slips:
+            rows += [U1, U2]
+        return np.array(rows)
+
+    def contact(self, y: Floats, mode: Mode) -> Contact:
+        """Return what happens at the contact, from states of shape (13, n)."""
+        return self._contact(y, mode, self._setting(y, mode))
+
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
+        e, here = self.effects, self._setting(y, mode)
+        at, found = here.at, self._contact(y, mode, here)
+        w1, w2, w3 = y[TURN]
+        # without level turning the axes stay, to the last bit
+        rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
+        out = np.zeros_like(y)
+        out[LEAN] = -w2
+        out[TURN] = found.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
+        out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
+        u1, u2 = y[U1], y[U2]
+        if mode.slips:
+            out[U1] = found.slipping[0] + w1 * u2
+            out[U2] = found.slipping[1] - w1 * u1
+        if not along:
+            return out
+        radius = 1 - e.rim + e.rim * at.S
+        ahead, aside = at.S * e.rim * w2, radius * rotation
+        if mode.slips:
+            ahead, aside = ahead + at.S * u1, aside + at.S * u2
+            out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        out[X], out[Y] = ahead * cos - aside * sin, ahead * sin + aside * cos
+        out[DISSIPATED] -= dot(found.moment, to_level(here.turning, at))
+        if e.linear_damping or e.angular_damping:
+            drag = e.linear_damping * here.mass * dot(here.velocity, here.velocity)
+            drag += e.angular_damping * dot(here.turning, applied(here.inertia, here.turning))
+            out[DISSIPATED] += at.S * drag
+        out[SUPPLIED] = at.S * here.mass * dot(here.shaking, here.velocity)
+        return out
+
+    def energy(self, y: Floats, mode: Mode) -> Floats:
+        """Kinetic and potential energy, without the shaking, over m g R, shape (n,)."""
+        here = self._setting(y, mode)
+        turning = dot(here.turning, applied(here.inertia, here.turning))
+        kinetic = (here.mass * dot(here.velocity, here.velocity) + turning) / 2
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        up = to_level(-here.arm, here.at)
+        place = np.array(
+            [y[X] + up[0] * cos - up[1] * sin, y[Y] + up[0] * sin + up[1] * cos, up[2]]
+        )
+        gravity = np.asarray(self.effects.gravity.constant)
+        return np.asarray(kinetic - here.mass * gravity @ place)
+
+    def _setting(self, y: Floats, mode: Mode) -> Setting:
+        p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])
+        zero = np.zeros_like(at.S)
+        mass, centre, inertia = _body(p, e, y[TOTAL] - y[PSI])
+        point = np.array(
+            [zero - (1 - e.rim) - e.rim * at.S, zero, zero - (p.h - e.rim) - e.rim * at.C]
+        )
+        arm = point - centre
+        turning = y[TURN]
+        slip = np.array([y[U1], y[U2], zero]) if mode.slips else np.zeros((3, zero.size))
+        rotation = at.S * y[W3] - at.C * y[W1]
+        through = np.array(
+            [
+                e.rim * at.S * at.C * y[W2],
+                (1 - e.rim + e.rim * at.S) * rotation,
+                -e.rim * at.S * at.S * y[W2],
+            ]
+        )
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        constant = np.asarray(e.gravity.constant)[:, None] + np.zeros_like(zero)
+        shaking = e.gravity.shaking(y[TIME])
+        shaking = to_body(to_precessing(shaking, cos, sin), at)
+        return Setting(
+            at=at,
+            mass=mass,
+            inertia=inertia,
+            centre=centre,
+            arm=arm,
+            turning=turning,
+            velocity=to_body(slip, at) - cross(turning, arm),
+            arm_rate=through + at.S * cross(turning, arm),
+            gravity=to_body(to_precessing(constant, cos, sin), at) + shaking,
+            shaking=shaking,
+        )
+
+    def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
+        e, at, w = self.effects, here.at, here.turning
+        inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
+        momentum = applied(here.inertia, w)
+        torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
+        free = np.einsum("nij,jn->in", inverse, torque)
+        fall = at.S * (here.gravity - e.linear_damping * here.velocity)
+        slide = fall + cross(free, here.arm) + cross(w, here.arm_rate)
+        mobility = _mobility(inverse, here, at)
+        held = [NORMAL]
+        if not mode.slips:
+            held = [SLIP_1, SLIP_2, NORMAL]
+        if e.drilling and not mode.turns:
+            held = [TURNING_Z, *held]
+        if mode.rests:
+            held = [ROLLING_1, ROLLING_2, *held]
+        # what a unit of normal force brings with it
+        law = np.zeros((6, at.S.size), dtype=at.S.dtype)
+        law[NORMAL] = 1.0
+        if mode.slips:
+            law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
+        if e.drilling and mode.turns:
+            law[TURNING_Z] = -e.drilling * mode.turns
+        if e.rolling_resistance and not mode.rests:
+            level = to_level(w, at)[:2]
+            law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
+        start = np.concatenate([to_level(free, at), to_level(slide, at)])
+        answer = np.einsum("nij,jn->in", mobility, law)
+        columns = np.moveaxis(mobility[:, :, held], 0, -1)
+        columns[:, -1] = answer
+        matrix = np.moveaxis(columns[held], -1, 0)
+        grip = answer[NORMAL]
+        if len(held) > 1:
+            # what is held answers, too; the law of the normal force in the last column
+            rows = held[:-1]
+            others = np.linalg.solve(mobility[:, rows][:, :, rows], answer[rows].T[..., None])
+            grip = grip - np.einsum("ni,ni->n", mobility[:, NORMAL][:, rows], others[..., 0])
+        share = np.linalg.solve(matrix, -start[held].T[..., None])[..., 0].T
+        wrench = law * share[-1]
+        for row, index in enumerate(held[:-1]):
+            wrench[index] += share[row]
+        both = start + np.einsum("nij,jn->in", mobility, wrench)
+        both[held] = 0.0
+        return Contact(
+            force=wrench[3:],
+            moment=wrench[:3],
+            turning=to_body(both[:3], at),
+            slipping=both[[SLIP_1, SLIP_2]],
+            grip=grip * here.mass,
+        )
+
+
+def _body(p: Parameters, e: Effects, theta: Floats) -> tuple[float, Floats, Floats]:
+    """Mass, centre of mass (3, n) from the can's centre, and inertia (3, 3, n), in frame B."""
+    n = theta.size
+    inertia = np.repeat(np.diag([p.a, p.a, p.c])[..., None], n, axis=2)
+    if e.mass is None:
+        return 1.0, np.zeros((3, n)), inertia
+    share, x, y, z = e.mass.share, e.mass.x, e.mass.y, e.mass.z
+    cos, sin = np.cos(theta), np.sin(theta)
+    place = np.array([x * cos - y * sin, x * sin + y * cos, z + 0 * cos])
+    square = np.eye(3)[..., None] * dot(place, place) - place[:, None] * place[None]
+    return 1 + share, share / (1 + share) * place, inertia + share / (1 + share) * square
+
+
+def _mobility(inverse: Floats, here: Setting, at: Angles) -> Floats:
+    """D in level directions, shape (n, 6, 6)."""
+    n = at.S.size
+    x, y, z = here.arm
+    zero = np.zeros_like(x)
+    arm = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+    lever = inverse @ arm
+    level = np.zeros((n, 3, 3), dtype=x.dtype)
+    level[:, 0, 0], level[:, 0, 2] = at.C, -at.S
+    level[:, 2, 0], level[:, 2, 2] = at.S, at.C
+    level[:, 1, 1] = 1.0
+    back = np.swapaxes(level, 1, 2)
+    D = np.empty((n, 6, 6), dtype=lever.dtype)
+    D[:, :3, :3] = level @ inverse @ back
+    D[:, :3, 3:] = level @ lever @ back
+    D[:, 3:, :3] = np.swapaxes(D[:, :3, 3:], 1, 2)
+    D[:, 3:, 3:] = np.eye(3) / here.mass - level @ arm @ lever @ back
+    return D

@@ -1,0 +1,94 @@
+"""The state of a can that may slip, in the time of its rim: what is integrated, row by row.
+
+With T = tan(phi/2) and the time sigma defined by dt = sin(phi) dsigma,
+
+    (ln T)' = phi',    psi' = w1,    (psi + theta)' = S w3 + T S w1,    t' = S
+
+where w = (Psi S, -Phi, Psi C + Theta) is the angular velocity in the frame B (without the rotation
+theta). Nothing grows as phi goes to 0, for every force of the plane comes times S. The slip u =
+(u1, u2) is the velocity of the rim's material at the contact, along (cos psi, sin psi) and
+(-sin psi, cos psi); (x, y) is the contact point.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.equations.reaction_force import contact_from_middle
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, Snapshot, initial_states
+
+ROWS = 13
+LEAN, W1, W2, W3, PSI, TOTAL, TIME, U1, U2, X, Y, DISSIPATED, SUPPLIED = range(ROWS)
+TURN = [W1, W2, W3]
+SLIP = [U1, U2]
+# What nothing depends on: the place of the contact, and the works.
+ALONG = frozenset({X, Y, DISSIPATED, SUPPLIED})
+# A row may be zero: then it is measured against its neighbours, times this.
+FLOOR = 1e-12
+# Below this the square of a slip is no number any more.
+LEAST_SLIP = np.finfo(float).tiny ** 0.25
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Angles:
+    """Nutation and its functions, each of shape (n,), exact however small it is."""
+
+    T: Floats
+    S: Floats
+    C: Floats
+
+    @classmethod
+    def of(cls, lean: Floats) -> "Angles":
+        """From ln tan(phi/2)."""
+        T = np.exp(lean)
+        return cls(T=T, S=2 * T / (1 + T * T), C=-np.tanh(lean))
+
+
+def released(problem: Problem) -> Floats:
+    """State at the release, with the can's centre over (0, 0)."""
+    p, e = problem.parameters, problem.effects
+    y = np.zeros(ROWS)
+    y[LEAN] = np.log(np.tan(problem.phi / 2))
+    S, C = np.sin(problem.phi), np.cos(problem.phi)
+    y[TURN] = problem.psi_dot * S, -problem.phi_dot, problem.psi_dot * C + problem.theta_dot
+    y[SLIP] = problem.slip
+    y[PSI], y[TOTAL] = problem.psi, problem.psi + problem.theta
+    y[[X, Y]] = contact_from_middle(initial_states(problem), p, e)[0, :2]
+    return y
+
+
+def sizes(rows: Index, y: Floats) -> Floats:
+    """How large each entry is, for errors and differences to be measured against.
+
+    Parameters
+    ----------
+    rows : ndarray of int
+        U1 and U2, if they are there, last.
+    y : ndarray, shape (rows, n)
+    """
+    size = np.ones_like(y)
+    turns = (rows >= W1) & (rows <= W3)
+    turning = np.abs(y[turns]).max(axis=1, keepdims=True)
+    size[turns] = np.maximum(turning, FLOOR * (1 + turning.max()))
+    if rows[-1] == U2:
+        size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
+    return size
+
+
+def snapshot_of(y: Floats) -> Snapshot:
+    """State of the can, from one column."""
+    at = Angles.of(y[LEAN])
+    psi_dot, axial = float(y[W1] / at.S), float(y[W3])
+    return Snapshot(
+        phi=float(2 * np.arctan(at.T)),
+        phi_dot=float(-y[W2]),
+        psi=float(y[PSI]),
+        psi_dot=psi_dot,
+        theta=float(y[TOTAL] - y[PSI]),
+        theta_dot=float(axial - psi_dot * at.C),
+        spin=float(axial + y[W1] * at.T),
+    )

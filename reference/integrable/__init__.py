@@ -1,0 +1,1 @@
+"""The exact bounce: first integrals, effective potential, turning points and quadratures."""

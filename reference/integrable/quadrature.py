@@ -1,0 +1,251 @@
+"""The integrals of one period of the motion, by the midpoint rule on the elliptic clock.
+
+The rates of t, psi and psi + theta are even, analytic and periodic in the clock's time, so the rule
+converges exponentially: with the nodes that `nodes_needed` asks for it is exact to round-off.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.integrable.brackets import stays_positive
+from reference.integrable.effective_potential import BESIDE as SHORT
+from reference.integrable.effective_potential import (
+    EffectivePotential,
+    between,
+    effective_potential,
+    evaluate_potential,
+    select_potential,
+    slope_noise,
+)
+from reference.integrable.elliptic import EllipticSubstitution
+from reference.integrable.turning_points import TurningPoints
+from reference.problem.states import Floats
+
+# Nodes that make exp(-2 pi strip nodes/K) smaller than round-off: 38 is -log of 3e-17.
+DECADES = 38.0
+MOST_NODES = 4096
+# So near the reference, over the distance of the second point, that it stands for the reference.
+BESIDE = 1e-20
+# A peak is flat: 4^-12 of the distance between nodes is 4^-24 in the value.
+PEAK_ROUNDS = 12
+# The rule's error is the square of the highest harmonic it resolves.
+TAIL = 3e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rates:
+    """Rates in the clock's time u, shape (m, n): of t, of psi and of psi + theta.
+
+    Attributes
+    ----------
+    room : ndarray
+        g S^2 over the quartic of the clock: smooth, and positive between two turning points. Where
+        it is not, the rates are no numbers.
+    noise : ndarray
+        Round-off of g as a share of g, where it was asked for.
+    """
+
+    time: Floats
+    precession: Floats
+    total: Floats
+    psi_dot: Floats
+    room: Floats
+    noise: Floats
+
+
+def select_points(points: TurningPoints, index: NDArray[np.intp]) -> TurningPoints:
+    """Return some of the releases."""
+    return TurningPoints(
+        well=select_potential(points.well, index),
+        low=points.low[index],
+        high=points.high[index],
+        swing=points.swing[index],
+        climb=points.climb[index],
+        code=points.code[index],
+    )
+
+
+def elliptic_substitution(points: TurningPoints) -> EllipticSubstitution:
+    """Return the clock between the turning points, aware of the balanced can beyond them.
+
+    The root of g beyond phi_max is estimated from slope and curvature there; the estimate sets
+    how fast the rule converges, not what it converges to.
+    """
+    well, high = points.well, points.high
+    aside = np.minimum(1e-3 * high, 0.5 * points.swing)
+    below = np.stack([BESIDE * aside, aside])
+    near, far = evaluate_potential(well, high - below, below).slope
+    # g/(r - phi) is linear beside the reference and vanishes again at the root beyond it: a small
+    # distance to it is known to its own digits, because the slope at the reference is
+    drop = far - near
+    with np.errstate(divide="ignore", over="ignore"):
+        reach = np.where(drop > 0, near * aside / np.where(drop > 0, drop, 1.0), np.inf)
+    beyond = high + np.clip(reach, 2 * np.spacing(high), np.pi - high)
+    return EllipticSubstitution(low=points.low, high=high, swing=points.swing, beyond=beyond)
+
+
+def nodes_needed(clock: EllipticSubstitution) -> NDArray[np.int64]:
+    """Nodes of the midpoint rule, rounded up so that few different numbers occur, shape (n,)."""
+    raw = DECADES * clock.quarter / (2 * np.pi * clock.strip) + 4
+    return np.asarray(8 * np.ceil(raw / 8), dtype=np.int64)
+
+
+def rates(
+    points: TurningPoints, clock: EllipticSubstitution, fraction: Floats, *, careful: bool = False
+) -> Rates:
+    """Rates of the motion in the clock's time.
+
+    Parameters
+    ----------
+    points : TurningPoints
+    clock : Clock
+    fraction : ndarray, shape (m, 1) or (m, n)
+        Where, as a fraction of K, inside (0, 1).
+    careful : bool
+        Whether to compute g near phi_min by its difference from there, and to tell its round-off.
+
+    Returns
+    -------
+    Rates
+    """
+    phi, rise, gap = clock.nutation(fraction)
+    state = evaluate_potential(points.well, phi, gap)
+    can = points.well.can
+    S = state.sine
+    noise = np.zeros(0)
+    g = state.slope * gap
+    if careful:
+        noise = slope_noise(points.well, phi, gap, state) * gap
+        well = _from_below(points)
+        low_state = evaluate_potential(well, phi, -rise)
+        low_noise = slope_noise(well, phi, -rise, low_state) * rise
+        near = low_noise < noise
+        g = np.where(near, -low_state.slope * rise, g)
+        noise = np.where(near, low_noise, noise) / np.abs(g)
+    outside = (phi + points.low) * ((clock.beyond - clock.high) + gap)
+    room = S**2 * g / (rise * gap * outside)
+    small = np.flatnonzero(points.well.poised & (points.swing < SHORT * points.high))
+    if small.size:
+        inside, lost = between(select_potential(points.well, small), rise[:, small], gap[:, small])
+        room[:, small] = S[:, small] ** 2 * inside / outside[:, small]
+        if careful:
+            noise[:, small] = lost / np.abs(inside)
+    time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(np.where(room > 0, room, np.nan))
+    psi_dot = state.b / S**2
+    return Rates(
+        time=time,
+        precession=psi_dot * time,
+        total=state.spin * time,
+        psi_dot=psi_dot,
+        room=room,
+        noise=noise,
+    )
+
+
+def _from_below(points: TurningPoints) -> EffectivePotential:
+    """Return the wells, referred to phi_min."""
+    well = points.well
+    bottom = evaluate_potential(well, points.low[None], points.swing[None])
+    return effective_potential(
+        well.can,
+        well.series,
+        phi=points.low,
+        b=bottom.b[0],
+        spin=bottom.spin[0],
+        excess=np.zeros_like(points.low),
+        B=well.B,
+        short=well.short + points.swing,
+    )
+
+
+def cycle_integrals(points: TurningPoints, nodes: int) -> tuple[Floats, ...]:
+    """Return period, turn, rotation, phi_min, phi_max, peak rate, each of shape (n,), and doubt.
+
+    The nodes are doubled where they turn out too few. Doubt is 1, and the others mean nothing,
+    where g was not shown to be positive between the turning points, or the rule did not converge.
+    """
+    clock = elliptic_substitution(points)
+    fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
+    found = rates(points, clock, fraction)
+    scale = 2 * clock.quarter / nodes
+    period, turn, total = (
+        scale * part.sum(axis=0) for part in (found.time, found.precession, found.total)
+    )
+    doubt = ~known_positive(found)
+    rough = ~doubt & unresolved(found)
+    values = [period, turn, total - turn, points.low, points.high, peak_rate(points, found)]
+    if nodes < MOST_NODES:
+        few = np.flatnonzero(rough)
+        values.append(np.asarray(doubt, dtype=float))
+        if few.size:
+            better = cycle_integrals(select_points(points, few), 2 * nodes)
+            for field, value in zip(values, better, strict=True):
+                field[few] = value
+    else:
+        values.append(np.asarray(doubt | rough, dtype=float))
+    return tuple(np.array(value) for value in values)
+
+
+def known_positive(found: Rates) -> NDArray[np.bool_]:
+    """Whether g is shown to be positive between the turning points, of rates at midpoints."""
+    room = found.room
+    series = _to_cosines(room.shape[0]) @ room
+    return np.asarray((room > 0).all(axis=0) & stays_positive(room, series))
+
+
+@lru_cache(maxsize=64)
+def _to_cosines(n: int) -> Floats:
+    """Matrix from values at n midpoints of [0, pi] to coefficients of cos(k u), shape (n, n)."""
+    angle = np.pi * (np.arange(n) + 0.5) / n
+    matrix = np.cos(np.outer(np.arange(n), angle)) * (2 / n)
+    matrix[0] /= 2
+    return np.asarray(matrix)
+
+
+def unresolved(found: Rates) -> NDArray[np.bool_]:
+    """Where the two highest harmonics of an integrand have not yet fallen."""
+    nodes = found.time.shape[0]
+    angle = np.pi * (np.arange(nodes) + 0.5) / nodes
+    waves = np.stack([np.cos((nodes - 1) * angle), np.cos((nodes - 2) * angle)])
+    rough = np.zeros(found.time.shape[1], dtype=bool)
+    for part in (found.time, found.precession, found.total):
+        rough |= np.abs(waves @ part).max(axis=0) > TAIL * np.abs(part).sum(axis=0)
+    return rough
+
+
+def peak_rate(points: TurningPoints, found: Rates) -> Floats:
+    """Precession rate of largest magnitude on the way."""
+    low, high = points.low, points.high
+    bottom = evaluate_potential(points.well, low[None], points.swing[None])
+    ends = np.stack([bottom.b[0] / bottom.sine[0] ** 2, points.well.b / np.sin(high) ** 2])
+    rate = np.concatenate([ends[:1], found.psi_dot, ends[1:]])
+    best = np.abs(rate).argmax(axis=0)
+    columns = np.arange(low.size)
+    peak = rate[best, columns]
+    inside = (best > 0) & (best < rate.shape[0] - 1)
+    some = np.flatnonzero(inside)
+    if some.size:
+        nodes = found.psi_dot.shape[0]
+        peak[some] = _peak_between(
+            select_points(points, some), (best[some] - 0.5) / nodes, 1.0 / nodes
+        )
+    return np.asarray(peak)
+
+
+def _peak_between(points: TurningPoints, fraction: Floats, width: float) -> Floats:
+    """Peak precession rate around a node, by sampling ever closer; each round gains a factor 4."""
+    clock = elliptic_substitution(points)
+    low, high = np.clip(fraction - width, 0, 1), np.clip(fraction + width, 0, 1)
+    columns = np.arange(fraction.size)
+    for _ in range(PEAK_ROUNDS):
+        grid = low + (high - low) * np.linspace(0, 1, 9)[:, None]
+        phi, _, gap = clock.nutation(grid)
+        state = evaluate_potential(points.well, phi, gap)
+        rate = state.b / state.sine**2
+        best = np.abs(rate).argmax(axis=0)
+        low = grid[np.maximum(best - 1, 0), columns]
+        high = grid[np.minimum(best + 1, 8), columns]
+    return np.asarray(rate[best, columns])

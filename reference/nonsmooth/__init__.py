@@ -1,0 +1,1 @@
+"""Stick, slip and lift-off: the hybrid integrator, its events and transitions."""

@@ -1,0 +1,158 @@
+"""What can happen within a piece of a motion, and exactly when.
+
+A quantity that must stay positive is looked at on a fine grid of the piece; where it comes down
+through zero its root is found to round-off on the piece's own polynomial.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum, auto
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+
+from reference.equations.contact_laws import Contact, Equations
+from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
+from reference.nonsmooth.level_spin import stands
+from reference.nonsmooth.segments import Segment
+from reference.nonsmooth.slip_onset import LEAN_OF_CAN, slack
+from reference.problem.states import Floats
+
+LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
+# ln tan(phi/2) below which a can lies flat: phi is 1e-80, as in the march of the can that rolls.
+FLAT = -184.0
+# The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
+FLAT_AND_PUSHED = -60.0
+# Share of a piece after which what begins with it has a direction.
+BEGUN = 1e-9
+# Of the bracket under N: nearer to zero the normal force is no longer a number.
+LEAST_GRIP = 1e-6
+
+
+class What(Enum):
+    """What happens."""
+
+    MAXIMUM = auto()
+    MINIMUM = auto()
+    HORIZON = auto()
+    OVERTURNED = auto()
+    FLAT = auto()
+    SLIPS = auto()
+    LIFTS = auto()
+    JAMS = auto()
+    HELD = auto()
+    TURNS = auto()
+    ROLLS = auto()
+
+
+IMPOSSIBLE = {What.LIFTS, What.JAMS}
+"""What ends a motion wherever it is seen, not only where it sets in."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """What happens, and where in its piece."""
+
+    c: float
+    what: What
+
+
+class Seen:
+    """A piece at some instants, and its contact there if anybody asks."""
+
+    def __init__(self, y: Floats, piece: Segment, equations: Equations) -> None:
+        self.y = y
+        self._piece, self._equations = piece, equations
+
+    @cached_property
+    def contact(self) -> Contact:
+        """What happens at the contact."""
+        return self._equations.contact(self.y, self._piece.mode)
+
+
+Margin = Callable[[Seen], Floats]
+
+
+def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
+    """Return what happens in a piece, in order, cut or not.
+
+    Parameters
+    ----------
+    piece : Piece
+        With cut 1.
+    equations : Equations
+    t_end : float
+        The horizon.
+    """
+    looks, y = np.array(LOOKS), piece.looked_at(LOOKS)
+    if piece.mode.slips:
+        # a slip that begins has no direction yet
+        begun = np.hypot(y[U1], y[U2]) > 0
+        looks, y = looks[begun], y[:, begun]
+    if equations.resistance and not piece.mode.rests:
+        # nor has a rolling that does
+        begun = np.logical_not(stands(y))
+        looks, y = looks[begun], y[:, begun]
+    seen = Seen(y, piece, equations)
+
+    def crossings(what: What, margin: Margin) -> list[float]:
+        def one(c: float) -> float:
+            return float(margin(Seen(piece.at(np.array([c])), piece, equations))[0])
+
+        values = margin(seen)
+        down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
+        roots = [_root(one, float(looks[i]), float(looks[i + 1])) for i in down]
+        # what begins was possible at its beginning, which has no direction to be looked at
+        if what in IMPOSSIBLE and looks.size and values[0] <= 0:
+            roots.insert(0, _root(one, min(BEGUN, float(looks[0])), float(looks[0])))
+        return roots
+
+    found = [
+        Event(c=c, what=what)
+        for what, margin in _margins(piece, equations, t_end).items()
+        for c in crossings(what, margin)
+    ]
+    return sorted(found, key=lambda event: event.c)
+
+
+def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[What, Margin]:
+    """Return what must stay positive, in the mode of the piece."""
+    mode = piece.mode
+    flat = FLAT if equations.pulls else FLAT_AND_PUSHED
+    margins: dict[What, Margin] = {
+        What.OVERTURNED: lambda seen: -seen.y[LEAN],
+        What.FLAT: lambda seen: seen.y[LEAN] - flat,
+    }
+    if mode.rests:
+        margins[What.ROLLS] = lambda seen: slack(equations, seen.contact, LEAN_OF_CAN)
+    else:
+        margins[What.MAXIMUM] = lambda seen: -seen.y[W2]
+        margins[What.MINIMUM] = lambda seen: seen.y[W2]
+    if np.isfinite(t_end):
+        margins[What.HORIZON] = lambda seen: t_end - seen.y[TIME]
+    if not equations.pulls:
+        margins[What.LIFTS] = lambda seen: seen.contact.force[2]
+    if mode.slips or equations.drilling or equations.resistance:
+        margins[What.JAMS] = lambda seen: seen.contact.grip - LEAST_GRIP
+    if not mode.slips and np.isfinite(equations.mu):
+        margins[What.SLIPS] = lambda seen: slack(equations, seen.contact)
+    if equations.drilling and mode.turns:
+        margins[What.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
+    elif equations.drilling:
+        margins[What.TURNS] = lambda seen: holds(equations, seen.contact)
+    return margins
+
+
+def holds(equations: Equations, found: Contact) -> Floats:
+    """How much more moment the plane could hold the can with, about the normal."""
+    return np.asarray(equations.drilling * found.force[2] - np.abs(found.moment[2]))
+
+
+def _root(margin: Callable[[float], float], left: float, right: float) -> float:
+    """Where a margin comes down through zero; alone, a value may be rounded otherwise than here."""
+    if margin(left) <= 0:
+        return left
+    if margin(right) >= 0:
+        return right
+    return float(brentq(margin, left, right, xtol=1e-15, rtol=1e-15))

@@ -1,0 +1,392 @@
+"""Following a can through its phases: it sticks while it may, slips beyond, and is seen to the end.
+
+The motion is smooth between switches. Each switch is found to round-off on the polynomial of the
+step in which it falls (`reference.nonsmooth.events`), the step is cut there, and the next one
+begins with the
+other law.
+
+How far it is to where a slip, or a rolling that meets resistance, comes to rest, or jams.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.equations.contact_laws import Equations, Kind, Mode, Phase
+from reference.equations.frames import to_level
+from reference.equations.state_vector import (
+    ALONG,
+    LEAN,
+    LEAST_SLIP,
+    ROWS,
+    SLIP,
+    TIME,
+    TURN,
+    W2,
+    Angles,
+    Index,
+    released,
+    sizes,
+    snapshot_of,
+)
+from reference.nonsmooth.events import Event, What, events
+from reference.nonsmooth.level_spin import (
+    BESIDE,
+    HARDLY,
+    level_turning,
+    sizes_of_rolling,
+    stands,
+    with_level,
+)
+from reference.nonsmooth.radau_iia import (
+    STAGES,
+    basis,
+    basis_at,
+    coefficients,
+    integrator,
+    points,
+    step,
+)
+from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.transitions import (
+    ModeTransition,
+    begin,
+    begin_roll,
+    begin_slip,
+    settled,
+    straight_on,
+)
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+from reference.smooth.extrema import ExtremumRecorder, Run
+
+# A slip or a level turning slower than this and slowing is about to stop: round-off of the can's
+# own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
+# step no longer moves a double.
+STOPPED = 1e-14
+
+
+def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
+    """Return sigma until the slip of a state, shape (13,), stops at its rate; inf if it never does.
+
+    Parameters
+    ----------
+    equations : Equations
+    y : ndarray, shape (13,)
+    mode : Mode
+    """
+    if not mode.slips:
+        return np.inf
+    rates = equations.rates(y[:, None], mode, along=False)
+    return _until_none(y[SLIP], rates[SLIP, 0])
+
+
+def left_to_jam(equations: Equations, piece: Segment) -> float:
+    """Return sigma from the end of a piece until the rim jams; inf if it does not.
+
+    Where the normal mobility G falls to zero N = -n/G grows without bound, and with it what lets G
+    fall: G G' tends to a constant, so that G^2 falls to zero in a straight line.
+    """
+    found = equations.contact(piece.at(np.array([piece.cut / 2, piece.cut])), piece.mode)
+    before, after = (found.grip**2).tolist()
+    falls = before > after and found.force[2, 1] > found.force[2, 0] > 0
+    return piece.cut * piece.length / 2 * after / (before - after) if falls else np.inf
+
+
+def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
+    """Return sigma until the level turning stops; inf if nothing resists it, or it never does."""
+    if not equations.resistance or mode.rests:
+        return np.inf
+    column = y[:, None]
+    turning = to_level(equations.contact(column, mode).turning, Angles.of(column[LEAN]))
+    return _until_none(level_turning(column)[:, 0], turning[:2, 0])
+
+
+def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
+    """Return a state without what has all but stopped, and the mode that holds it."""
+    left = left_of_slip(equations, y, mode)
+    if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
+        y, mode = y.copy(), replace(mode, slips=False)
+        y[SLIP] = 0.0
+    if not equations.resistance:
+        return y, mode
+    # beside a turning about the vertical the little that is left has no direction
+    least = STOPPED + BESIDE * float(np.abs(y[TURN]).max())
+    speed = float(np.hypot(*level_turning(y[:, None])[:, 0]))
+    if speed <= least and np.isfinite(left_of_roll(equations, y, mode)):
+        y, mode = at_rest(y, mode)
+    return y, mode
+
+
+def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
+    """Return a state without level turning, of which there was only round-off, that is held."""
+    return with_level(y[:, None], np.zeros((2, 1)))[:, 0], replace(mode, rests=True)
+
+
+def _until_none(velocity: Floats, acceleration: Floats) -> float:
+    speed = np.hypot(*velocity)
+    slowing = -(velocity @ acceleration) / speed
+    return float(speed / slowing) if slowing > 0 else np.inf
+
+
+# Chebyshev coefficients of a step fall geometrically: the last two below this leave no error that
+# the roundings of the step itself would not.
+RESOLVED = 3e-14
+NOISE = 2e-15
+QUIET = 1e-3
+# No step is longer, in sigma: longer ones are mostly refused, which costs more than they save.
+LONGEST = 8.0
+FIRST = 0.05
+# A step shorter than this no longer moves a double.
+SHORTEST = 1e-15
+# A step that cannot be taken this near to where the rim jams cannot because of that.
+JAMMED = 10 * SHORTEST
+# Where a slip or a rolling is about to stop a step covers this share of what is left of it.
+SHARE = 0.8
+# Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
+# hangs on it. `cusps` with friction, the hardest of the catalogue, takes 170 thousand.
+MOST_WORK = 200_000
+# Coefficients of a step by which the next one is guessed.
+EXTRAPOLATED = 8
+EXTREMA = (What.MAXIMUM, What.MINIMUM)
+ENDINGS = {
+    What.HORIZON: Outcome.FINISHED,
+    What.OVERTURNED: Outcome.OVERTURNED,
+    What.FLAT: Outcome.FELL_FLAT,
+    What.LIFTS: Outcome.LIFTED,
+    What.JAMS: Outcome.JAMMED,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PhasedRun(Run):
+    """A finished integration and the phases of its contact."""
+
+    phases: tuple[Phase, ...]
+
+
+class HybridIntegrator:
+    """One integration."""
+
+    def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
+        self._equations = equations
+        self._locus = locus
+        self._y = released(problem)
+        self._length = FIRST
+        self._evaluations = 0
+        self._pieces: list[Segment] = []
+        mode = Mode(slips=problem.slip != (0.0, 0.0))
+        if equations.resistance and stands(self._y[:, None])[0]:
+            self._y, mode = at_rest(self._y, mode)
+        now = begin(equations, self._y, mode)
+        falls = equations.rates(now.hardly(self._y), now.mode)[W2, 0]
+        self.watch = ExtremumRecorder(problem, fall=-float(falls))
+        self._go_on(now)
+
+    @property
+    def _mode(self) -> Mode:
+        return self._now.mode
+
+    def run(self) -> PhasedRun:
+        """Follow the can to its end."""
+        while not self.watch.ended():
+            piece = self._step()
+            if piece is None:
+                self.watch.end(float(self._y[TIME]), self._stuck())
+                break
+            self._see(piece)
+        path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
+        track = self.watch.track()
+        there = path.at(track.times)
+        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        return PhasedRun(
+            path=path,
+            track=replace(track, extrema=extrema),
+            steps=len(self._pieces),
+            evaluations=self._evaluations,
+            phases=tuple(self._phases()),
+        )
+
+    def _stuck(self) -> Outcome:
+        """Return why there is no next step."""
+        if self._evaluations > MOST_WORK:
+            return Outcome.OUTWORKED
+        jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
+        return Outcome.JAMMED if jams else Outcome.STALLED
+
+    def _step(self) -> Segment | None:
+        """Take the longest step that is resolved, unless too much has been spent."""
+        length = min(self._length, LONGEST, self._left())
+        rows = self._equations.core(self._mode)
+        rolls = self._equations.resistance and not self._mode.rests
+        size = sizes_of_rolling if rolls else sizes
+        while length > SHORTEST and self._evaluations <= MOST_WORK:
+            taken = step(
+                lambda core: self._rates(core, rows)[rows],
+                self._y[rows],
+                length,
+                self._guess(length)[rows],
+                lambda core: size(rows, core),
+            )
+            self._evaluations += taken.evaluations * STAGES
+            if taken.change is None:
+                length /= 4
+                continue
+            series = self._completed(taken.change, rows, length)
+            tail = self._tail(series)
+            if tail > RESOLVED:
+                length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
+                continue
+            # a tail of round-off says only that more is to be had
+            grown = 2.0 if tail < NOISE else 0.9 * (RESOLVED / tail) ** (1 / STAGES)
+            self._length = length * grown
+            return Segment(
+                start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode
+            )
+        return None
+
+    def _left(self) -> float:
+        """Return how far to go while something slows down: not beyond its end."""
+        if self._now.at_once:
+            return LONGEST
+        here = self._equations, self._y, self._mode
+        return SHARE * min(left_of_slip(*here), left_of_roll(*here))
+
+    def _rates(self, core: Floats, rows: Index) -> Floats:
+        full = np.repeat(self._y[:, None], core.shape[1], axis=1)
+        full[rows] = core
+        return self._equations.rates(full, self._mode, along=False)
+
+    def _completed(self, core: Floats, rows: Index, length: float) -> Floats:
+        """Coefficients of all rows: after the core the quadratures, those of the angles first.
+
+        Only the place of the contact needs the angles before it; it and the works are left out
+        where the contact locus is not asked for.
+        """
+        change = np.zeros((ROWS, STAGES))
+        change[rows] = core
+        done = set(rows.tolist()) | (set() if self._locus else ALONG)
+        others = [row for row in range(ROWS) if row not in done]
+        for _ in range(2 if self._locus else 1):
+            y = self._y[:, None] + change
+            rates = self._equations.rates(y, self._mode, along=self._locus)
+            change[others] = length * rates[others] @ integrator().T
+        return coefficients(change)
+
+    def _tail(self, series: Floats) -> float:
+        size = np.abs(self._y) + np.abs(series).sum(axis=1)
+        size[LEAN] = 1.0
+        size[SLIP] = np.hypot(*size[SLIP])
+        size = np.maximum(size, 1e-9 * size.max())
+        # of a part of the angular velocity that is zero there is only the noise of the others
+        size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
+        size[SLIP] = np.maximum(size[SLIP], LEAST_SLIP)
+        if self._equations.resistance:
+            # where it all but holds the can, moments of size 1 leave their round-off
+            size[TURN] = np.maximum(size[TURN], QUIET)
+        return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
+
+    def _guess(self, length: float) -> Floats:
+        """Guess the change in a step: straight on."""
+        c = length * points()
+        last = self._pieces[-1] if self._pieces else None
+        now = self._now
+        if not now.at_once and last is not None and last.mode == now.mode:
+            # on along the last step, as far as its polynomial means anything beyond its end
+            head = last.coefficients[:, :EXTRAPOLATED]
+            ahead = basis(last.cut + c / last.length)[:, :EXTRAPOLATED]
+            here = (basis_at((1.0,)) if last.cut == 1.0 else basis(np.array([last.cut])))[
+                :, :EXTRAPOLATED
+            ]
+            return np.asarray(head @ (ahead - here).T)
+        return straight_on(self._equations, self._y, now, c)
+
+    def _see(self, piece: Segment) -> None:
+        """Report a step, up to the first thing that ends it, and go on from there."""
+        cut, ending = 1.0, None
+        for event in events(piece, self._equations, self.watch.t_end):
+            if event.what in EXTREMA:
+                y = piece.at(np.array([event.c]))[:, 0]
+                self.watch.extremum(
+                    float(y[TIME]), snapshot_of(y), maximum=event.what is What.MAXIMUM
+                )
+            else:
+                ending = event
+            if ending is not None or self.watch.ended():
+                cut = event.c
+                break
+        piece = replace(piece, cut=cut)
+        self._pieces.append(piece)
+        self._y, self._now = piece.end, ModeTransition(mode=self._mode)
+        self._switch(ending)
+        if not self.watch.ended():
+            self.watch.advance(float(self._y[TIME]))
+
+    def _switch(self, event: Event | None) -> None:
+        """Change the law, or end, at what happened."""
+        if event is not None and event.what in ENDINGS:
+            self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
+        elif event is not None and event.what is What.SLIPS:
+            now = begin_slip(self._equations, self._y, self._now)
+            self._go_on(settled(self._equations, self._y, now))
+        elif event is not None and event.what is What.ROLLS:
+            now = begin_roll(self._equations, self._y, self._now)
+            self._go_on(settled(self._equations, self._y, now))
+            self._turned(before=0.0)
+        elif event is not None:
+            self._go_on(begin(self._equations, self._y, self._mode))
+        else:
+            self._halt()
+
+    def _halt(self) -> None:
+        """Hold what has all but stopped, if it may be held."""
+        before = float(self._y[W2])
+        self._y, mode = halted(self._equations, self._y, self._mode)
+        if mode != self._mode:
+            rests = mode.rests and not self._mode.rests
+            # the steps of what stops are as short as what is left of it, not the next's
+            self._length = FIRST
+            self._go_on(begin(self._equations, self._y, mode))
+            if rests:
+                self._turned(before=before)
+
+    def _turned(self, *, before: float) -> None:
+        """Report an extremum where phi comes to rest, or begins to move."""
+        roll = self._now.roll
+        after = 0.0 if roll is None else float(np.sin(roll.angle))
+        if not self.watch.ended() and np.sign(before) != np.sign(after):
+            maximum = before < 0 or (before == 0 and after > 0)
+            self.watch.extremum(float(self._y[TIME]), snapshot_of(self._y), maximum=maximum)
+
+    def _go_on(self, now: ModeTransition) -> None:
+        """Go on as it begins, or end."""
+        self._now = now
+        if now.at_once:
+            self._length = min(self._length, FIRST)
+        if now.ending is not None:
+            self.watch.end(float(self._y[TIME]), now.ending)
+
+    def _standing(self) -> Segment:
+        series = np.zeros((ROWS, STAGES + 1))
+        # what begins has its direction, though there is no step
+        if self._now.at_once:
+            series[:, 1] = HARDLY * self._guess(1.0)[:, -1]
+        return Segment(
+            start=self._y,
+            coefficients=series,
+            cut=1.0,
+            length=0.0,
+            mode=self._mode,
+        )
+
+    def _phases(self) -> list[Phase]:
+        found: list[Phase] = []
+        for piece in self._pieces:
+            kind: Kind = piece.mode.kind
+            start, end = float(piece.start[TIME]), float(piece.end[TIME])
+            if found and found[-1].kind is kind:
+                found[-1] = replace(found[-1], end=end)
+            else:
+                found.append(Phase(kind=kind, start=start, end=end))
+        return found

@@ -1,0 +1,67 @@
+"""The level part of the angular velocity: the turning that rolling resistance opposes.
+
+Of w it is what is left without the part about the vertical, (C w1 - S w3, w2) along (cos psi, sin
+psi, 0) and (-sin psi, cos psi, 0). It is zero of a can at rest, and of one that turns about the
+vertical through its contact alone: theta' = phi' = 0.
+"""
+
+import numpy as np
+
+from reference.equations.frames import to_body, to_level
+from reference.equations.state_vector import LEAN, TURN, Angles, Index, sizes
+from reference.nonsmooth.radau_iia import DIFFERENCE
+from reference.problem.states import Floats
+
+# A slip or a rolling so small that nothing but its direction matters.
+HARDLY = 1e-60
+# Beside a turning about the vertical it must be larger, to have a direction beside the round-off of
+# that: this one has it to 1e-5, and nothing else feels it.
+BESIDE = 1e-11
+# Level turning below this share of the whole is the round-off of turning about the vertical.
+STILL = 1e-14
+# Of a size, so that difference quotients step by the square root of the round-off.
+SHARE = float(np.sqrt(np.finfo(float).eps)) / DIFFERENCE
+
+
+def level_turning(y: Floats) -> Floats:
+    """Return the level part, shape (2, n), of states (13, n)."""
+    return to_level(y[TURN], Angles.of(y[LEAN]))[:2]
+
+
+def stands(y: Floats) -> Floats:
+    """Return whether it is zero, but for round-off, shape (n,), bool."""
+    return np.asarray(np.hypot(*level_turning(y)) <= STILL * np.abs(y[TURN]).max(axis=0))
+
+
+def with_level(y: Floats, level: Floats) -> Floats:
+    """Return states (13, n) with another level part, shape (2, n)."""
+    at = Angles.of(y[LEAN])
+    vertical = to_level(y[TURN], at)[2]
+    columns = y.copy()
+    columns[TURN] = to_body(np.array([level[0], level[1], vertical]), at)
+    return columns
+
+
+def rolled(y: Floats, direction: Floats) -> Floats:
+    """Return states that roll hardly, in the given directions of shape (2, n)."""
+    vertical = np.abs(to_level(y[TURN], Angles.of(y[LEAN]))[2])
+    return with_level(y, (HARDLY + BESIDE * vertical) * direction)
+
+
+def sizes_of_rolling(rows: Index, y: Floats) -> Floats:
+    """How large each entry is, where the direction of the level turning matters.
+
+    A difference quotient of a direction is wrong by the share that its step is of the vector, and
+    by that which the round-off of w is of its step: least for a step of sqrt(eps |w| |w_h|).
+
+    Parameters
+    ----------
+    rows : ndarray of int
+    y : ndarray, shape (rows, n)
+        The nutation and the angular velocity first.
+    """
+    size = sizes(rows, y)
+    full = np.abs(y[TURN]).max(axis=0)
+    least = float(np.finfo(float).tiny)
+    size[TURN] = SHARE * np.maximum(np.sqrt(full * np.hypot(*level_turning(y))), least)
+    return size

@@ -1,0 +1,199 @@
+"""A motion in pieces, each a polynomial in the time of the rim, known at every instant."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.equations.contact_laws import Equations, Mode
+from reference.equations.frames import to_level
+from reference.equations.state_vector import (
+    DISSIPATED,
+    LEAN,
+    PSI,
+    SUPPLIED,
+    TIME,
+    TOTAL,
+    TURN,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    X,
+    Y,
+)
+from reference.nonsmooth.level_spin import rolled, stands
+from reference.nonsmooth.radau_iia import STAGES, basis, basis_at
+from reference.problem.states import Floats, States
+
+# Halvings that find an instant in a piece to round-off.
+HALVINGS = 60
+# How far into a piece a slip, or a rolling, that begins with it has a direction.
+AHEAD = 1e-3
+# Where within a piece its nodes are looked at.
+LOOKS = (0.0, 0.25, 0.5, 0.75)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Segment:
+    """One step, up to where it was cut.
+
+    Attributes
+    ----------
+    start : ndarray, shape (13,)
+    coefficients : ndarray, shape (13, STAGES + 1)
+        Of the change since the start, Chebyshev's on [0, 1].
+    cut : float
+        End of the piece, in (0, 1].
+    length : float
+        In sigma, uncut.
+    mode : Mode
+    """
+
+    start: Floats
+    coefficients: Floats
+    cut: float
+    length: float
+    mode: Mode
+
+    def at(self, c: Floats) -> Floats:
+        """State, shape (13, n)."""
+        return self.start[:, None] + self.coefficients @ basis(c).T
+
+    @property
+    def end(self) -> Floats:
+        """State at the cut, shape (13,)."""
+        if self.cut == 1.0:
+            return self.looked_at((1.0,))[:, 0]
+        return self.at(np.array([self.cut]))[:, 0]
+
+    def looked_at(self, c: tuple[float, ...]) -> Floats:
+        """State at places that every piece is looked at, shape (13, n)."""
+        return self.start[:, None] + self.coefficients @ basis_at(c).T
+
+
+class SegmentsPath:
+    """Pieces one after the other, which know the contact's place and the works, or do not."""
+
+    def __init__(self, pieces: Sequence[Segment], equations: Equations, *, locus: bool) -> None:
+        self.pieces = tuple(pieces)
+        self._equations = equations
+        self._locus = locus
+        self._starts = np.stack([piece.start for piece in pieces])
+        self._coefficients = np.stack([piece.coefficients for piece in pieces])
+        self._cuts = np.array([piece.cut for piece in pieces])
+        spans = [float(piece.end[TIME] - piece.start[TIME]) for piece in pieces]
+        self._spans = np.maximum(spans, np.finfo(float).tiny)
+        modes = [piece.mode for piece in pieces]
+        self._modes = list(dict.fromkeys(modes))
+        self._mode = np.array([self._modes.index(mode) for mode in modes])
+        self.t_end = float(pieces[-1].end[TIME])
+
+    def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
+        """Return all rows at the given times, shape (13, n), and in which piece each is."""
+        number = np.searchsorted(self._starts[:, TIME], times, side="right") - 1
+        number = np.clip(number, 0, len(self._cuts) - 1)
+        return self._rows(number, self._instant(number, times)), number
+
+    def at(self, times: Floats) -> States:
+        """States at the given times, shape (n,)."""
+        y, number = self.rows(np.asarray(times, dtype=float))
+        return self._states(y, number)
+
+    def lost(self, times: Floats) -> Floats:
+        """Return the energy that is gone, less what was supplied, since the release, shape (n,)."""
+        if not self._locus:
+            raise ValueError("the works were not asked for: they come with the contact locus")
+        y, _ = self.rows(np.asarray(times, dtype=float))
+        return np.asarray(y[DISSIPATED] - y[SUPPLIED])
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Return times and states at four instants of each piece, and at the end."""
+        parts = np.append(np.tile(LOOKS, len(self._cuts)), 1.0)
+        number = np.append(np.repeat(np.arange(len(self._cuts)), len(LOOKS)), len(self._cuts) - 1)
+        y = self._rows(number, parts * self._cuts[number])
+        keep = np.concatenate([[True], np.diff(y[TIME]) > 0])
+        return y[TIME][keep], self._states(y[:, keep], number[keep])
+
+    def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:
+        """Where in its piece each time is: time grows, so halving finds it, and Newton sooner."""
+        target = times - self._starts[number, TIME]
+        series = self._coefficients[number, TIME]
+        noise = 2 * np.finfo(float).eps * np.abs(series).sum(axis=1)
+        low, high = np.zeros_like(target), self._cuts[number].copy()
+        c = high * np.clip(target / self._spans[number], 0.0, 1.0)
+        for _ in range(HALVINGS):
+            found = np.einsum("ij,ij->i", basis(c), series) - target
+            low, high = np.where(found < 0, c, low), np.where(found < 0, high, c)
+            slope = np.einsum("ij,ij->i", _slopes(c), series)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                better = c - found / slope
+            inside = (better >= low) & (better <= high)
+            new = np.where(inside, better, (low + high) / 2)
+            stands = np.abs(new - c) <= 4 * np.finfo(float).eps * (1e-3 + c)
+            if (stands | (np.abs(found) <= noise)).all():
+                break
+            c = new
+        return np.asarray(np.clip(c, 0.0, self._cuts[number]))
+
+    def _rows(self, number: NDArray[np.intp], c: Floats) -> Floats:
+        change = np.einsum("ij,ikj->ki", basis(c), self._coefficients[number])
+        return np.asarray(self._starts[number].T + change)
+
+    def _states(self, y: Floats, number: NDArray[np.intp]) -> States:
+        at = Angles.of(y[LEAN])
+        psi_dot = y[W1] / at.S
+        cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
+        force = np.empty((3, y.shape[1]))
+        for index, mode in enumerate(self._modes):
+            own = self._mode[number] == index
+            if own.any():
+                sliding = self._begun(y[:, own], number[own], mode)
+                force[:, own] = self._equations.contact(sliding, mode).force / at.S[own]
+        slips = np.array([mode.slips for mode in self._modes])[self._mode[number]]
+        u1, u2 = np.where(slips, y[U1], 0.0), np.where(slips, y[U2], 0.0)
+        return States(
+            phi=2 * np.arctan(at.T),
+            phi_dot=-y[W2],
+            psi=y[PSI],
+            psi_dot=psi_dot,
+            theta=y[TOTAL] - y[PSI],
+            theta_dot=y[W3] - psi_dot * at.C,
+            spin=y[W3] + y[W1] * at.T,
+            x=y[X] if self._locus else None,
+            y=y[Y] if self._locus else None,
+            slip=np.stack([u1 * cos - u2 * sin, u1 * sin + u2 * cos], axis=-1),
+            force=np.stack(
+                [force[0] * cos - force[1] * sin, force[0] * sin + force[1] * cos, force[2]],
+                axis=-1,
+            ),
+        )
+
+    def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:
+        """Give what begins at this instant the direction that it is about to take."""
+        if self._equations.resistance and not mode.rests and (resting := stands(y)).any():
+            ahead = self._coefficients[number[resting]] @ basis(np.array([AHEAD]))[0]
+            level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
+            y = y.copy()
+            y[:, resting] = rolled(y[:, resting], level / np.hypot(*level))
+        still = np.flatnonzero(np.hypot(y[U1], y[U2]) == 0)
+        if not mode.slips or not still.size:
+            return y
+        ahead = self._coefficients[number[still]][:, [U1, U2]] @ basis(np.array([AHEAD]))[0]
+        begun = y.copy()
+        begun[[U1, U2], still[:, None]] = ahead
+        return begun
+
+
+def _slopes(c: Floats) -> Floats:
+    """Return the derivatives of the Chebyshev polynomials at c in [0, 1], shape (n, STAGES + 1)."""
+    x = 2 * c - 1
+    out = np.zeros((c.size, STAGES + 1))
+    previous, current = np.ones_like(x), 2 * x  # Chebyshev's of the second kind
+    for k in range(1, STAGES + 1):
+        out[:, k] = 2 * k * previous
+        previous, current = current, 2 * x * current - previous
+    return out

@@ -1,0 +1,190 @@
+"""What a contact begins to do where a law changes: what holds, and what gives way and how.
+
+Everything at rest is held first. What asks for more than its limit is let go, and begins in the
+direction of its own acceleration (`reference.nonsmooth.slip_onset`); as that changes what the
+others ask for
+they are looked at again, until all agree: the level turning first, then the turning about the
+normal, then the slip; the slip first where holding would take a pull, which no friction goes with.
+
+What has begun must have N > 0 and a positive normal mobility
+(`reference.equations.contact_laws.Contact.grip`). A rim that is released slipping has the
+direction of its
+slip, and with it
+
+    mobility > 0:     N > 0                   it slips; otherwise it lifts
+    mobility <= 0:    free, it would fall     no force keeps it on the plane: inconsistent
+                      free, it would rise     it slides under a force, or lifts: indeterminate
+
+What is held, and may be, stays held, also where a rim without force would rise: of these two
+motions that is the one that a stiff plane has, on which the can stood before.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.equations.contact_laws import Equations, Mode
+from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
+from reference.nonsmooth.level_spin import with_level
+from reference.nonsmooth.slip_onset import LEAN_OF_CAN, RIM, SlipOnset, onset, slack
+from reference.problem.outcome import Outcome
+from reference.problem.states import Floats
+
+# Rounds in which slip and rolling that begin together find their directions, each with the other's;
+# a Newton iteration starts from them, to which a guess is enough.
+ROUNDS = 12
+AGREED = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeTransition:
+    """What happens from an instant on.
+
+    Attributes
+    ----------
+    mode : Mode
+    slip, roll : Onset or None
+        How it begins, if it does.
+    ending : Outcome or None
+        Why there is nothing to follow.
+    """
+
+    mode: Mode
+    slip: SlipOnset | None = None
+    roll: SlipOnset | None = None
+    ending: Outcome | None = None
+
+    @property
+    def at_once(self) -> bool:
+        """Whether something begins from nothing."""
+        return self.slip is not None or self.roll is not None
+
+    def hardly(self, y: Floats) -> Floats:
+        """Return a state, shape (13, 1), in which all that begins has begun hardly."""
+        column = y[:, None]
+        if self.roll is not None:
+            column = LEAN_OF_CAN.hardly(column, self.roll.direction[:, None])
+        if self.slip is not None:
+            column = RIM.hardly(column, self.slip.direction[:, None])
+        return column
+
+
+def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
+    """Return how a motion goes on.
+
+    Parameters
+    ----------
+    equations : Equations
+    y : ndarray, shape (13,)
+    mode : Mode
+        With all held that is at rest.
+    """
+    return settled(equations, y, ModeTransition(mode=turning(equations, y[:, None], mode)))
+
+
+def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
+    """Let go of what is held beyond its limit, until all the rest holds, if a plane can push so."""
+    while now.ending is None:
+        then = _give_way(equations, y, now)
+        if then == now:
+            break
+        now = then
+    if now.slip and now.roll and now.ending is None:
+        now = _agree(equations, y, now)
+    if now.ending is not None or equations.pulls:
+        return now
+    found = equations.contact(now.hardly(y), now.mode)
+    return replace(now, ending=_impossible(float(found.force[2, 0]), float(found.grip[0])))
+
+
+def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
+    """Let the rim slip, if it does."""
+    slip = onset(equations, now.hardly(y)[:, 0], now.mode)
+    if slip is None:
+        return now
+    if isinstance(slip, Outcome):
+        return replace(now, ending=slip)
+    return replace(now, mode=RIM.freed(now.mode), slip=slip)
+
+
+def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
+    """Let the can roll, if it does."""
+    roll = onset(equations, now.hardly(y)[:, 0], now.mode, LEAN_OF_CAN)
+    if roll is None:
+        return now
+    if isinstance(roll, Outcome):
+        return replace(now, ending=roll)
+    return replace(now, mode=LEAN_OF_CAN.freed(now.mode), roll=roll)
+
+
+def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
+    """Guess the change of a state, shape (13, n), so much later, shape (n,) in sigma."""
+    column = replace(now, slip=None).hardly(y)
+    sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
+    guess = equations.rates(column, sticking) * ahead
+    if now.roll is not None:
+        level = now.roll.size * ahead**now.roll.power * now.roll.direction[:, None]
+        guess[TURN] = with_level(y[:, None] + guess, level)[TURN] - y[TURN, None]
+    if now.slip is not None:
+        guess[SLIP] = now.slip.size * ahead**now.slip.power * now.slip.direction[:, None]
+    return guess
+
+
+def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
+    """Return the mode in which turning about the normal goes on, or is held."""
+    if not equations.drilling:
+        return mode
+    about = float(equations.turning(column)[0])
+    held = replace(mode, turns=0)
+    found = equations.contact(column, held)
+    limit, needed = equations.drilling * found.force[2, 0], found.moment[2, 0]
+    small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
+    if abs(about) > small:
+        return replace(mode, turns=int(np.sign(about)))
+    if abs(needed) < limit:
+        return held
+    return replace(mode, turns=int(-np.sign(needed)))
+
+
+def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
+    """Let go of one thing that is held beyond its limit."""
+    found = equations.contact(now.hardly(y), now.mode)
+    may_slip = not now.mode.slips and np.isfinite(equations.mu)
+    if may_slip and found.force[2, 0] <= 0:
+        return begin_slip(equations, y, now)
+    if now.mode.rests and slack(equations, found, LEAN_OF_CAN)[0] < 0:
+        return begin_roll(equations, y, now)
+    if equations.drilling and now.mode.turns == 0:
+        mode = turning(equations, now.hardly(y), now.mode)
+        if mode != now.mode:
+            return replace(now, mode=mode)
+    if may_slip and slack(equations, found)[0] < 0:
+        return begin_slip(equations, y, now)
+    return now
+
+
+def _agree(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
+    """Find the directions of a slip and a rolling that begin together."""
+    for _ in range(ROUNDS):
+        before = now
+        now = begin_roll(equations, y, replace(now, roll=None, mode=replace(now.mode, rests=True)))
+        if now.ending is None:
+            now = begin_slip(
+                equations, y, replace(now, slip=None, mode=replace(now.mode, slips=False))
+            )
+        if now.ending is not None or _apart(before, now) < AGREED:
+            break
+    return now
+
+
+def _apart(one: ModeTransition, other: ModeTransition) -> float:
+    """How much two beginnings differ in their directions."""
+    pairs = ((one.slip, other.slip), (one.roll, other.roll))
+    return max(float(np.abs(a.direction - b.direction).max()) for a, b in pairs if a and b)
+
+
+def _impossible(normal: float, mobility: float) -> Outcome | None:
+    """Return why a contact cannot go on, if it cannot."""
+    if mobility > 0:
+        return None if normal > 0 else Outcome.LIFTED
+    return Outcome.INDETERMINATE if normal > 0 else Outcome.INCONSISTENT

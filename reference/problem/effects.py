@@ -1,0 +1,177 @@
+"""What a problem adds to the ideal can, dimensionless; what is left out is the ideal limit.
+
+Lengths are in R, times in sqrt(R/g), masses in that of the can, accelerations in g. The world is
+the frame of the plane, z along its normal: a tilted plane is a tilted gravity, a shaken plane a
+gravity that changes with time.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.problem.validation import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    require,
+    require_numbers,
+    require_vector,
+)
+
+# A direction made of sines and cosines has length 1 up to some roundings of its parts.
+ROUNDED = 16 * float(np.finfo(float).eps)
+
+
+class EffectError(ValueError):
+    """An effect that makes no sense."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mass:
+    """A point mass fixed to the can, in axes fixed to it.
+
+    Parameters
+    ----------
+    share : float
+        Its mass over that of the can, greater than zero.
+    x, y, z : float
+        Where, from the centre of the can: z along the symmetry axis away from the rim it rolls on,
+        x away from the contact point where theta is zero. Inside the can, which `Problem` checks.
+
+    Raises
+    ------
+    EffectError
+        If a number is not finite, or the share not positive.
+    """
+
+    share: float
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a mass that is none."""
+        require_numbers(EffectError, {"share": self.share}, POSITIVE)
+        require_numbers(EffectError, {"x": self.x, "y": self.y, "z": self.z}, FINITE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gravity:
+    """Gravity in the frame of the plane: constant + amplitude sin(rate t + phase), in g.
+
+    Parameters
+    ----------
+    constant : tuple of float
+        Three components, of length 1; the third is negative, for the plane is below the can.
+    amplitude : tuple of float
+        Three components of what the shaking adds.
+    rate, phase : float
+        The rate is not negative.
+
+    Raises
+    ------
+    EffectError
+        If a number is not finite or out of its range.
+    """
+
+    constant: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    amplitude: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rate: float = 0.0
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse another unit than g, and a plane that is a wall or a ceiling."""
+        for name in ("constant", "amplitude"):
+            require_vector(EffectError, name, getattr(self, name), 3)
+        unit = abs(math.hypot(*self.constant) - 1) <= ROUNDED
+        allowed = "a direction of length 1 (in g) that points into the plane (third component < 0)"
+        down = unit and self.constant[2] < 0
+        require(EffectError, "constant", self.constant, allowed, when=down)
+        require_numbers(EffectError, {"rate": self.rate}, NOT_NEGATIVE)
+        require_numbers(EffectError, {"phase": self.phase}, FINITE)
+
+    @property
+    def tilted(self) -> bool:
+        """Whether it pulls along the plane."""
+        return self.constant[:2] != (0.0, 0.0)
+
+    @property
+    def shaken(self) -> bool:
+        """Whether it changes with time."""
+        return self.amplitude != (0.0, 0.0, 0.0)
+
+    def shaking(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what the shaking adds, shape (3, n)."""
+        wave = np.sin(self.rate * np.asarray(times) + self.phase)
+        return np.asarray(self.amplitude)[:, None] * wave
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effects:
+    """The effects of a problem.
+
+    Parameters
+    ----------
+    mu : float or None
+        Coefficient of Coulomb friction, static and kinetic alike; None is a rim that never slips.
+    drilling, rolling_resistance : float
+        Arms of the moments, in R, that the normal force makes about the normal and in the plane.
+        A modelling choice: their limits and the cone of friction are apart, so that what one takes
+        the others have not less of.
+    linear_damping, angular_damping : float
+        Rates: force -rate M v, moment -rate I omega, both at the centre of mass. A modelling
+        choice: velocities are relative to the plane, also of one that is shaken.
+    rim : float
+        Radius of the arc that the rim is, in R. The centre of the arc is 1 - rim from the axis and
+        h - rim from the middle of the can, neither of which may be negative: at most 1 here, and
+        at most h in a `Problem`, which knows the can.
+    gravity : Gravity
+    mass : Mass or None
+
+    Raises
+    ------
+    EffectError
+        If a number is negative or not finite, or something is not the effect its name says.
+    """
+
+    mu: float | None = None
+    drilling: float = 0.0
+    rolling_resistance: float = 0.0
+    linear_damping: float = 0.0
+    angular_damping: float = 0.0
+    rim: float = 0.0
+    gravity: Gravity = field(default_factory=Gravity)
+    mass: Mass | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no sense."""
+        numbers = ("drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
+        values = {name: getattr(self, name) for name in numbers}
+        if self.mu is not None:
+            values["mu"] = self.mu
+        require_numbers(EffectError, values, NOT_NEGATIVE)
+        allowed = "at most 1: an arc of a larger radius reaches beyond the axis"
+        require(EffectError, "rim", self.rim, allowed, when=self.rim <= 1)
+        fits = isinstance(self.gravity, Gravity)
+        require(EffectError, "gravity", self.gravity, "a Gravity", when=fits)
+        fits = self.mass is None or isinstance(self.mass, Mass)
+        require(EffectError, "mass", self.mass, "a Mass or None", when=fits)
+
+    def declared(self) -> tuple[str, ...]:
+        """Return the names of the effects that are there."""
+        present = {
+            "slip": self.mu is not None,
+            "drilling": self.drilling > 0,
+            "rolling_resistance": self.rolling_resistance > 0,
+            "damping": self.linear_damping > 0 or self.angular_damping > 0,
+            "rim": self.rim > 0,
+            "tilt": self.gravity.tilted,
+            "shake": self.gravity.shaken,
+            "point_mass": self.mass is not None,
+        }
+        return tuple(name for name, there in present.items() if there)
+
+
+IDEAL = Effects()

@@ -1,0 +1,114 @@
+"""The states of a can at many instants."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.problem.problem import Problem
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class States:
+    """States on a grid of n instants; every field has shape (n,).
+
+    Angles in rad, rates in sqrt(g/R), lengths in R. `spin` is psi' + theta': near the flat state
+    each of the two rates is huge and their sum is not, so it is carried by itself; formulas that
+    need the sum must use it and not add the rates. `x`, `y` locate the contact point, with the
+    middle of the can above (0, 0) at release; they are None unless the contact locus was asked for.
+    `slip`, shape (n, 2), is the velocity of the rim's material at the contact, and `force`, shape
+    (n, 3), what the plane exerts on the can, in m g, both in the world; they are None where the rim
+    never slips and the force follows from the angles (`reference.equations.reaction_force`).
+    """
+
+    phi: Floats
+    phi_dot: Floats
+    psi: Floats
+    psi_dot: Floats
+    theta: Floats
+    theta_dot: Floats
+    spin: Floats
+    x: Floats | None = None
+    y: Floats | None = None
+    slip: Floats | None = None
+    force: Floats | None = None
+
+
+def initial_states(problem: Problem) -> States:
+    """State at release, shape (1,), without the contact point and the force of the plane."""
+
+    def one(value: float) -> Floats:
+        return np.array([value], dtype=float)
+
+    return States(
+        phi=one(problem.phi),
+        phi_dot=one(problem.phi_dot),
+        psi=one(problem.psi),
+        psi_dot=one(problem.psi_dot),
+        theta=one(problem.theta),
+        theta_dot=one(problem.theta_dot),
+        spin=one(problem.psi_dot + problem.theta_dot),
+        slip=_slip(problem) if problem.effects.declared() else None,
+    )
+
+
+def _slip(problem: Problem) -> Floats:
+    """Slip at release in the world, shape (1, 2)."""
+    cos, sin, (ahead, aside) = np.cos(problem.psi), np.sin(problem.psi), problem.slip
+    return np.array([[ahead * cos - aside * sin, ahead * sin + aside * cos]])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snapshot:
+    """The state at one instant; the fields of `States` as numbers."""
+
+    phi: float
+    phi_dot: float
+    psi: float
+    psi_dot: float
+    theta: float
+    theta_dot: float
+    spin: float
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Snapshot":
+        """Return the release."""
+        return cls(
+            phi=problem.phi,
+            phi_dot=problem.phi_dot,
+            psi=problem.psi,
+            psi_dot=problem.psi_dot,
+            theta=problem.theta,
+            theta_dot=problem.theta_dot,
+            spin=problem.psi_dot + problem.theta_dot,
+        )
+
+
+def states_of(snapshots: Sequence[Snapshot]) -> States:
+    """Stack snapshots, shape (n,)."""
+
+    def column(name: str) -> Floats:
+        return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=float)
+
+    return States(**{name: column(name) for name in Snapshot.__slots__})
+
+
+def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.bool_]) -> States:
+    """Return some of the states."""
+    return States(
+        phi=states.phi[index],
+        phi_dot=states.phi_dot[index],
+        psi=states.psi[index],
+        psi_dot=states.psi_dot[index],
+        theta=states.theta[index],
+        theta_dot=states.theta_dot[index],
+        spin=states.spin[index],
+        x=None if states.x is None else states.x[index],
+        y=None if states.y is None else states.y[index],
+        slip=None if states.slip is None else states.slip[index],
+        force=None if states.force is None else states.force[index],
+    )

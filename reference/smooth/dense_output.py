@@ -1,0 +1,163 @@
+"""Dense output of the marching integrator: a Chebyshev polynomial for each quantity and step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from reference.equations.regularised import sine_of
+from reference.numerics.batching import in_blocks
+from reference.numerics.chebyshev import clenshaw, derivative, points, to_coefficients, waves
+from reference.problem.states import Floats, States, select_states
+
+TIME = 5
+# Newton on a monotone, nearly linear function: a handful of rounds, bisection where they overshoot.
+MOST_ROUNDS = 60
+# Up to so many places at once cosines are cheaper than a recurrence of as many steps as terms.
+FEW = 128
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Piece:
+    """One step.
+
+    Attributes
+    ----------
+    length : float
+        In sigma.
+    values : ndarray, shape (8, nodes) or (10, nodes)
+        T, Phi, b, s, d, t, psi, psi + theta[, x, y] at the Chebyshev points.
+    """
+
+    length: float
+    values: Floats
+
+    def at(self, x: float) -> list[float]:
+        """All quantities at x in [-1, 1]."""
+        n = self.values.shape[1]
+        waves = to_coefficients(n).T @ np.cos(np.arange(n) * np.arccos(x))
+        column: list[float] = (self.values @ waves).tolist()
+        return column
+
+    def root(self, row: int, level: float, node: int) -> float:
+        """Where a quantity takes a value, between two neighbouring nodes."""
+        n = self.values.shape[1]
+        coefficients = (to_coefficients(n) @ self.values[row]).tolist()
+        coefficients[0] -= level
+        left, right = points(n)[node : node + 2].tolist()
+
+        def value(x: float) -> float:
+            b1 = b2 = 0.0
+            for c in reversed(coefficients[1:]):
+                b1, b2 = 2 * x * b1 - b2 + c, b1
+            return float(x * b1 - b2 + coefficients[0])
+
+        # the nodes bracket the root but for round-off: then the nearer node is the root
+        ends = value(left), value(right)
+        if ends[0] * ends[1] > 0:
+            return float(left if abs(ends[0]) < abs(ends[1]) else right)
+        return float(brentq(value, left, right, xtol=1e-16, rtol=1e-15))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ElementsPath:
+    """All steps of a march.
+
+    Attributes
+    ----------
+    values : ndarray, shape (quantities, steps, nodes)
+    """
+
+    values: Floats
+    release: States
+
+    @classmethod
+    def of(cls, pieces: Sequence[Piece], release: States) -> "ElementsPath":
+        """Gather the steps; without any the path is its release."""
+        if not pieces:
+            return cls(values=np.empty((8, 0, 2)), release=release)
+        return cls(values=np.stack([piece.values for piece in pieces], axis=1), release=release)
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Return times and states at the Chebyshev points, each shared end once."""
+        if not self.values.shape[1]:
+            return np.zeros(1), self.release
+        inner = self.values[:, :, :-1].reshape(len(self.values), -1)
+        flat = np.concatenate([inner, self.values[:, -1, -1:]], axis=1)
+        return flat[TIME], _states(flat)
+
+    def ends(self) -> States:
+        """Return the first and the last state, shape (2,)."""
+        return _states(self.values[:, [0, -1], [0, -1]])
+
+    def at(self, times: Floats) -> States:
+        """States at the given times, shape (n,)."""
+        if not self.values.shape[1]:
+            return select_states(self.release, np.zeros(times.size, dtype=np.intp))
+        return in_blocks(self._block, times)
+
+    def _block(self, times: Floats) -> States:
+        """States at the given times, with the series of all of them side by side."""
+        values, n = self.values, self.values.shape[2]
+        step = np.clip(np.searchsorted(values[TIME, :, 0], times, side="right") - 1, 0, None)
+        coefficients = (values[:, step, :] @ to_coefficients(n).T).transpose(2, 0, 1)
+        x = _instant(coefficients[:, TIME], values[TIME, step], times)
+        return _states(_series(coefficients, x))
+
+
+def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
+    """Solve t(x) = times on [-1, 1], each in its own step."""
+    n = node_times.shape[1]
+    nodes = points(n)
+    place = np.clip((node_times <= times[:, None]).sum(axis=1) - 1, 0, n - 2)
+    rows = np.arange(times.size)
+    low, high = nodes[place], nodes[place + 1]
+    t_low, t_high = node_times[rows, place], node_times[rows, place + 1]
+    width = np.where(t_high > t_low, t_high - t_low, 1.0)
+    x = low + (high - low) * np.clip((times - t_low) / width, 0, 1)
+    slope = _derivative(coefficients)
+    both = np.stack([coefficients, slope], axis=1)
+    # what round-off leaves of the time, and of the sum of a series: below it a step means nothing
+    noise = np.maximum(np.spacing(times), np.finfo(float).eps * np.abs(coefficients).sum(axis=0))
+    for _ in range(MOST_ROUNDS):
+        value, gradient = _series(both, x)
+        excess = value - times
+        low, high = np.where(excess < 0, x, low), np.where(excess > 0, x, high)
+        new = x - excess / np.where(gradient > 0, gradient, np.inf)
+        new = np.where((new < low) | (new > high), (low + high) / 2, new)
+        done = np.abs(excess) <= noise
+        moved = np.where(done, 0.0, new - x)
+        x = x + moved
+        if (np.abs(moved) <= 2 * np.finfo(float).eps).all():
+            break
+    return np.asarray(x)
+
+
+def _series(coefficients: Floats, x: Floats) -> Floats:
+    """Values of Chebyshev series at n places, coefficients of shape (terms, ..., n)."""
+    if x.size > FEW:
+        return clenshaw(coefficients, x)
+    return np.asarray(np.einsum("k...n,kn->...n", coefficients, waves(coefficients.shape[0], x)))
+
+
+def _derivative(coefficients: Floats) -> Floats:
+    """Chebyshev coefficients of the derivative, terms along the first axis."""
+    return np.asarray(np.tensordot(derivative(coefficients.shape[0]), coefficients, axes=1))
+
+
+def _states(values: Floats) -> States:
+    T, Phi, b, s, _, _, psi, total = values[:8]
+    psi_dot = b / sine_of(T) ** 2
+    with_locus = len(values) > 8  # noqa: PLR2004 - eight quantities, or ten
+    return States(
+        phi=2 * np.arctan(T),
+        phi_dot=Phi,
+        psi=psi,
+        psi_dot=psi_dot,
+        theta=total - psi,
+        theta_dot=s - psi_dot,
+        spin=s,
+        x=values[8] if with_locus else None,
+        y=values[9] if with_locus else None,
+    )

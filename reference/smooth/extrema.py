@@ -1,0 +1,187 @@
+"""Following a motion while it is computed: extrema of phi, and when to stop.
+
+Every integrator reports what happens to phi; here it is decided what counts as a maximum, a
+bounce, an ending.
+
+What an integrator hands over: the path, and what was seen on it.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from reference.equations.nonholonomic import nutation_acceleration, stands_still
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, Snapshot, States, initial_states, states_of
+
+# A bounce must stand out from round-off: phi must fall by at least this fraction of its maximum.
+PROMINENCE = 1e-9
+# Ripples in a row before a motion is called steady.
+RIPPLES = 4
+# A motion without an extremum for this many pendulum times stands balanced: a fall from one double
+# off the balancing angle takes ln(1e16) = 37 of them, and rolling at any rate slows it by less
+# than 10.
+LONGEST_WAIT = 400.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Extrema:
+    """What was seen on the way.
+
+    Attributes
+    ----------
+    outcome : Outcome
+    t_end : float
+    times : ndarray, shape (n,)
+        Of the extrema of phi.
+    extrema : States
+        There, shape (n,).
+    maximum : ndarray of bool, shape (n,)
+        Which of them are maxima.
+    """
+
+    outcome: Outcome
+    t_end: float
+    times: Floats
+    extrema: States
+    maximum: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+    @property
+    def maxima(self) -> Floats:
+        """Times of the maxima."""
+        return self.times[self.maximum]
+
+    @property
+    def minima(self) -> Floats:
+        """Times of the minima."""
+        return self.times[~self.maximum]
+
+
+class ExtremumRecorder:
+    """Collects the extrema of phi and decides the ending.
+
+    A release that falls, or rests where phi'' < 0, counts as a maximum at t = 0. Of a can that does
+    not simply roll, phi'' there is given as `fall`.
+    """
+
+    def __init__(self, problem: Problem, fall: float | None = None) -> None:
+        self._problem = problem
+        self._outcome: Outcome | None = None
+        self.t_end = np.inf if problem.duration is None else problem.duration
+        self._ripples = 0
+        self._last = 0.0
+        self._closed = 0
+        self._still = fall is None and stands_still(problem)
+        self._extrema: list[tuple[float, Snapshot, bool]] = []
+        release = initial_states(problem)
+        if problem.phi_dot != 0:
+            fall = problem.phi_dot
+        elif fall is None:
+            fall = float(
+                nutation_acceleration(
+                    release.phi, release.psi_dot, release.spin, problem.parameters
+                )[0]
+            )
+        if fall < 0 or problem.phi_dot == 0:
+            self._extrema.append((0.0, Snapshot.of(problem), fall < 0))
+
+    @property
+    def last_is_prominent_maximum(self) -> bool:
+        """Whether the extremum seen last is a maximum that stands out."""
+        return bool(self._extrema) and self._extrema[-1][2] and self._ripples == 0
+
+    def extremum(self, time: float, snapshot: Snapshot, *, maximum: bool) -> None:
+        """Report that phi' changed sign."""
+        self._last = time
+        if self._extrema:
+            _, previous, previous_maximum = self._extrema[-1]
+            if maximum == previous_maximum:
+                # phi' touched zero and was seen twice: keep the first
+                return
+            if abs(snapshot.phi - previous.phi) < PROMINENCE * max(snapshot.phi, previous.phi):
+                self._ripples += 1
+                if self._ripples >= RIPPLES:
+                    self._extrema.clear()
+                    if self._problem.bounces is not None:
+                        self.end(time, Outcome.STEADY)
+                    return
+            else:
+                self._ripples = 0
+        self._extrema.append((time, snapshot, maximum))
+        if maximum and self._ripples == 0 and len(self._extrema) > 1:
+            self._closed += len(self._extrema) > 2  # noqa: PLR2004 - max, min, max
+            if self._problem.bounces is not None and self._closed >= self._problem.bounces:
+                self.end(time, Outcome.FINISHED)
+
+    def advance(self, time: float) -> None:
+        """Report that the motion was followed up to `time`."""
+        wait = LONGEST_WAIT * np.sqrt(self._problem.parameters.pendulum_inertia)
+        if self._still:
+            # round-off grows by e^(2 pi) or less meanwhile: nothing to see
+            wait = 2 * np.pi
+        if self._problem.bounces is not None and time - self._last > wait:
+            self.end(time, Outcome.STEADY)
+
+    def ended(self) -> bool:
+        """Whether the motion has come to its end."""
+        return self._outcome is not None
+
+    def end(self, time: float, outcome: Outcome) -> None:
+        """Stop at `time`; what ended first stays."""
+        if self._outcome is None:
+            self.t_end = time
+            self._outcome = outcome
+
+    def track(self) -> Extrema:
+        """Sum up.
+
+        Raises
+        ------
+        RuntimeError
+            If the motion has not ended.
+        """
+        if self._outcome is None:
+            raise RuntimeError("the motion has not ended")
+        seen = [e for e in self._extrema if e[0] <= self.t_end]
+        heights = [snapshot.phi for _, snapshot, _ in seen]
+        if len(seen) > 1 and max(heights) - min(heights) < PROMINENCE * max(heights):
+            seen = []
+        return Extrema(
+            outcome=self._outcome,
+            t_end=self.t_end,
+            times=np.array([time for time, _, _ in seen], dtype=float),
+            extrema=states_of([snapshot for _, snapshot, _ in seen]),
+            maximum=np.array([maximum for _, _, maximum in seen], dtype=bool),
+        )
+
+
+class Path(Protocol):
+    """A motion known at every instant up to its end."""
+
+    def at(self, times: Floats) -> States:
+        """States at the given times."""
+        ...
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Return times and states the solver itself has, from the start to the end."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """A finished integration.
+
+    Attributes
+    ----------
+    path : Path
+    track : Track
+    steps, evaluations : int
+        Solver work.
+    """
+
+    path: Path
+    track: Extrema
+    steps: int
+    evaluations: int

@@ -1,0 +1,253 @@
+"""The default integrator: half a nutation is integrated, the rest is its mirror image.
+
+The rolling equations (eq01:non_dimensionalised_eom) do not change when time and phi' turn round and
+psi', theta' stay. At an extremum of phi, where phi' = 0, the motion is therefore its own mirror
+image,
+
+    phi(t_e + t) = phi(t_e - t),        psi(t_e + t) - psi(t_e) = psi(t_e) - psi(t_e - t),
+
+and with it theta; the path of the contact point is reflected in the line through it along psi. A
+can that has gone from one extremum to the next has shown its whole motion. What is integrated
+(`reference.smooth.stepping`) runs from the release to the extremum ahead and, of a moving release,
+to the
+one behind: nothing ever comes back to a height where round-off of the energy would have been
+amplified. A motion without two extrema is marched as it is.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.equations.regularised import NUTATION_RATE
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, Snapshot, States, initial_states, select_states
+from reference.smooth.dense_output import TIME, ElementsPath
+from reference.smooth.extrema import PROMINENCE, Extrema, ExtremumRecorder, Run
+from reference.smooth.stepping import integrate
+
+
+class FirstExtremum(ExtremumRecorder):
+    """Ends at the first extremum of phi after the release; `met` says whether there was one."""
+
+    met = False
+
+    def extremum(self, time: float, snapshot: Snapshot, *, maximum: bool) -> None:
+        """Report that phi' changed sign."""
+        super().extremum(time, snapshot, maximum=maximum)
+        self.met = not self.ended()
+        self.end(time, Outcome.FINISHED)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MirroredPath:
+    """A periodic motion, known from half of it.
+
+    Attributes
+    ----------
+    half : ElementsPath
+        From one extremum of phi to the next, past the release at time 0.
+    start, end : float
+        Times of the two extrema; `start` is not positive.
+    edges : States
+        At the two, shape (2,).
+    t_end : float
+        Where the motion ends, in sqrt(R/g).
+    """
+
+    half: ElementsPath
+    start: float
+    end: float
+    edges: States
+    t_end: float
+
+    def nodes(self) -> tuple[Floats, States]:
+        """Return times and states at the Chebyshev points of all halves."""
+        times, states = self.half.nodes()
+        count = int(np.ceil((self.t_end - self.start) / self._span))
+        forth, back = times[:-1] - self.start, self.end - times[:0:-1]
+        into = np.concatenate([back if n % 2 else forth for n in range(max(count, 1))])
+        number = np.repeat(np.arange(max(count, 1)), times.size - 1)
+        kept = np.append(self.start + number * self._span + into, self.t_end)
+        place = np.tile(
+            np.concatenate([np.arange(times.size - 1), np.arange(times.size - 1, 0, -1)]),
+            (count + 1) // 2 + 1,
+        )[: kept.size - 1]
+        inside = (kept >= 0) & (kept < self.t_end)
+        mirrored = self._unfolded(
+            select_states(states, place[inside[:-1]]), number[inside[:-1]].astype(np.int64)
+        )
+        edge = round((self.t_end - self.start) / self._span)
+        time, last = self.extrema(np.array([edge]))
+        if time[0] != self.t_end:
+            last = self.at(np.array([self.t_end]))
+        return np.append(kept[inside], self.t_end), _joined(mirrored, last)
+
+    def at(self, times: Floats) -> States:
+        """States at the given times, shape (n,)."""
+        number = np.floor((times - self.start) / self._span).astype(np.int64)
+        # rounding may have put the end of a half behind it
+        into = np.clip(times - self.start - number * self._span, 0.0, self._span)
+        forth = number % 2 == 0
+        local = np.where(forth, self.start + into, self.end - into)
+        # before the first mirror a time is what it is
+        local = np.where(number == 0, np.minimum(times, self.end), local)
+        return self._unfolded(self.half.at(local), number)
+
+    def extrema(self, number: NDArray[np.int64]) -> tuple[Floats, States]:
+        """Return times and states of the extrema, counted from `start`, shape (n,)."""
+        states = self._unfolded(select_states(self.edges, np.abs(number) % 2), number)
+        return np.where(number == 1, self.end, self.start + number * self._span), states
+
+    @property
+    def _span(self) -> float:
+        return self.end - self.start
+
+    def _unfolded(self, states: States, number: NDArray[np.int64]) -> States:
+        """States of the half, moved into the halves of the given numbers."""
+        odd, cycle = number % 2 == 1, number // 2
+        turned = {}
+        for name in ("psi", "theta"):
+            value, (first, last) = getattr(states, name), getattr(self.edges, name)
+            turned[name] = np.where(odd, 2 * last - value, value) + cycle * (2 * (last - first))
+        x, y = states.x, states.y
+        if x is not None and y is not None:
+            place = self._placed(x + 1j * y, odd, cycle)
+            x, y = place.real, place.imag
+        return States(
+            phi=states.phi,
+            # no negative zero
+            phi_dot=np.where(odd, 0.0 - states.phi_dot, states.phi_dot),
+            psi=turned["psi"],
+            psi_dot=states.psi_dot,
+            theta=turned["theta"],
+            theta_dot=states.theta_dot,
+            spin=states.spin,
+            x=x,
+            y=y,
+        )
+
+    def _placed(
+        self, point: NDArray[np.complex128], odd: NDArray[np.bool_], cycle: NDArray[np.int64]
+    ) -> NDArray[np.complex128]:
+        """Contact points as complex numbers: reflected in a half, turned and moved in a cycle."""
+        if self.edges.x is None or self.edges.y is None:
+            raise ValueError("the contact locus was not asked for")
+        first, last = (self.edges.x + 1j * self.edges.y).tolist()
+        heading = np.exp(2j * self.edges.psi[1])
+
+        def reflected(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+            return np.asarray(last + heading * np.conj(z - last))
+
+        turn = 2 * (self.edges.psi[1] - self.edges.psi[0])
+        most = int(cycle.max(initial=0))
+        step = reflected(np.array([first]))[0] - first
+        # where a cycle starts: each moves as far as the one before, in a direction turned further
+        starts = np.concatenate([[0.0], np.cumsum(step * np.exp(1j * turn * np.arange(most)))])
+        moved = np.where(odd, reflected(point), point) - first
+        return np.asarray(first + starts[cycle] + np.exp(1j * turn * cycle) * moved)
+
+
+def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
+    """Integrate the rolling equations to the horizon or an ending.
+
+    Parameters
+    ----------
+    problem : Problem
+    locus : bool
+        Whether to integrate the contact point as well.
+
+    Returns
+    -------
+    Run
+    """
+    watch = FirstExtremum(problem)
+    ahead = integrate(problem, locus=locus, watch=watch)
+    if not watch.met:
+        # an ending or the horizon came first
+        return ahead
+    pieces, behind = [_values(ahead)], None
+    if problem.phi_dot != 0:
+        back = replace(problem, phi_dot=-problem.phi_dot, bounces=1, duration=None)
+        watch = FirstExtremum(back)
+        behind = integrate(back, locus=locus, watch=watch)
+        if not watch.met:
+            return integrate(problem, locus=locus)
+        pieces.insert(0, _reversed(_values(behind)))
+    half = ElementsPath(values=np.concatenate(pieces, axis=1), release=initial_states(problem))
+    edges = half.ends()
+    low, high = edges.phi.min(), edges.phi.max()
+    if high - low < PROMINENCE * high:
+        return integrate(problem, locus=locus)
+    path = MirroredPath(
+        half=half,
+        start=float(half.values[TIME, 0, 0]),
+        end=float(half.values[TIME, -1, -1]),
+        edges=edges,
+        t_end=0.0,
+    )
+    runs = (ahead,) if behind is None else (ahead, behind)
+    return _until_horizon(problem, path, runs)
+
+
+def _values(run: Run) -> Floats:
+    path = run.path
+    if not isinstance(path, ElementsPath):
+        raise TypeError("only a march has elements")
+    return path.values
+
+
+def _reversed(values: Floats) -> Floats:
+    """Return a march with time turned round, about its first instant."""
+    back = values[:, ::-1, ::-1].copy()
+    origin = values[:, :1, :1]
+    back[NUTATION_RATE] *= -1
+    angles = slice(TIME, TIME + 3)
+    back[angles] = 2 * origin[angles] - back[angles]
+    if len(values) > TIME + 3:
+        start = origin[-2, 0, 0] + 1j * origin[-1, 0, 0]
+        place = np.conj(back[-2] + 1j * back[-1] - start) * np.exp(2j * origin[TIME + 1, 0, 0])
+        back[-2], back[-1] = start.real + place.real, start.imag + place.imag
+    return np.asarray(back)
+
+
+def _until_horizon(problem: Problem, path: MirroredPath, runs: tuple[Run, ...]) -> Run:
+    """List the extrema up to the horizon."""
+    rising = bool(path.edges.phi[1] > path.edges.phi[0])
+    # a falling release counts as the maximum that opens the first bounce
+    falling = not rising
+    first = 0 if path.start == 0 else 1
+    if problem.bounces is not None:
+        last = 2 * problem.bounces + (1 if rising else 0)
+        t_end = float(path.extrema(np.array([last]))[0][0])
+    else:
+        t_end = float(problem.duration or 0.0)
+        last = int(np.ceil((t_end - path.start) / (path.end - path.start))) + 1
+    number = np.arange(first, last + 1)
+    times, states = path.extrema(number)
+    maximum = (number % 2 == 1) == rising
+    inside = times <= t_end
+    times, states, maximum = times[inside], select_states(states, inside), maximum[inside]
+    if falling and problem.phi_dot != 0:
+        times = np.append(0.0, times)
+        states = _joined(path.at(np.zeros(1)), states)
+        maximum = np.append(True, maximum)
+    return Run(
+        path=replace(path, t_end=t_end),
+        track=Extrema(
+            outcome=Outcome.FINISHED, t_end=t_end, times=times, extrema=states, maximum=maximum
+        ),
+        steps=sum(run.steps for run in runs),
+        evaluations=sum(run.evaluations for run in runs),
+    )
+
+
+def _joined(one: States, other: States) -> States:
+    """Return states after one another."""
+
+    def column(name: str) -> Floats | None:
+        left, right = getattr(one, name), getattr(other, name)
+        return None if left is None or right is None else np.concatenate([left, right])
+
+    return States(**{name: column(name) for name in States.__slots__})  # type: ignore[arg-type]

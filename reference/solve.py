@@ -1,0 +1,265 @@
+"""Solving a problem with the model and the method of your choice.
+
+Which model carries a problem: the smallest one, from its effects and its release.
+
+    pendulum      nothing is declared and nothing turns: the can moves in a plane      2 equations
+    frictionless  mu = 0: one degree of freedom beside two conserved momenta           2
+    rolling       nothing is declared: the rim never slips                             4
+    coulomb       slip is declared: sticks while it may, slips beyond                  6
+    general       anything else: six velocities, and the angles and the time that the forces
+                  depend on                                                            up to 9
+
+Psi, theta, the time and the contact point are quadratures wherever nothing depends on them.
+"exact", the closed solution, is of the same can as "rolling"; "reduced" and "asymptotic" are
+approximations of it, good for nothing more.
+"""
+
+from collections.abc import Callable
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+
+from reference.analysis.bounces import measure_bounces
+from reference.analysis.confirmation import solve_twice
+from reference.asymptotic.matched import solve_asymptotically
+from reference.asymptotic.small_nutation import solve_reduced
+from reference.equations.contact_laws import Kind, Mode, Phase
+from reference.equations.coulomb import CoulombEquations
+from reference.equations.frictionless import solve_frictionless
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.pendulum import solve_pendulum
+from reference.integrable.exact_motion import solve_exactly
+from reference.nonsmooth.hybrid_integrator import HybridIntegrator, PhasedRun
+from reference.problem.problem import Problem
+from reference.smooth.extrema import Run
+from reference.smooth.scipy_ivp import SCIPY_METHODS, step_in_time
+from reference.smooth.stepping import integrate
+from reference.smooth.time_reversal import integrate_by_symmetry
+from reference.solution import Solution
+
+CARRIED = frozenset(
+    {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
+)
+"""Effects that some model carries: all but those of an impact and of a soft contact."""
+
+OF_ROLLING = ("rolling", "exact", "reduced", "asymptotic")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """A model for a problem.
+
+    Attributes
+    ----------
+    model : str
+    equations : int
+        First-order equations that are integrated together, quadratures apart.
+    why : str
+        A sentence.
+    """
+
+    model: str
+    equations: int
+    why: str
+
+
+def smallest(problem: Problem) -> Choice:
+    """Return the smallest model that carries a problem."""
+    effects, declared = problem.effects, problem.effects.declared()
+    if declared == ("slip",) and effects.mu == 0:
+        why = "The plane is declared without friction: two momenta are conserved."
+        return Choice(model="frictionless", equations=2, why=why)
+    if declared == ("slip",):
+        why = f"Friction {effects.mu:g} is declared: the rim sticks while it may, and slips beyond."
+        return Choice(model="coulomb", equations=6, why=why)
+    if declared:
+        named = ", ".join(name.replace("_", " ") for name in declared)
+        rest = "it takes the general can." if len(declared) == 1 else "they take the general can."
+        return Choice(
+            model="general",
+            equations=equations_of("general", problem),
+            why=f"Declared: {named}; {rest}",
+        )
+    if problem.psi_dot == problem.theta_dot == 0:
+        why = "No effect is declared and nothing turns at the release: the can moves in a plane."
+        return Choice(model="pendulum", equations=2, why=why)
+    why = "No effect is declared and the can turns: it rolls without slipping."
+    return Choice(model="rolling", equations=4, why=why)
+
+
+def equations_of(model: str, problem: Problem) -> int:
+    """Return how many equations a model integrates together for a problem."""
+    if model == "general":
+        equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
+        return len(equations.core(Mode(slips=problem.effects.mu is not None)))
+    counts = {"pendulum": 2, "frictionless": 2, "coulomb": 6, "reduced": 2}
+    return counts.get(model, 0 if model in {"exact", "asymptotic"} else 4)
+
+
+def carries(model: str, problem: Problem) -> bool:
+    """Whether a model is as large as a problem asks, or an approximation of one that is."""
+    needed = smallest(problem).model
+    larger = {
+        "pendulum": ("pendulum", *OF_ROLLING, "coulomb", "general"),
+        "rolling": (*OF_ROLLING, "coulomb", "general"),
+        "frictionless": ("frictionless", "coulomb", "general"),
+        "coulomb": ("coulomb", "general"),
+        "general": ("general",),
+    }
+    return model in larger[needed]
+
+
+OUTPUTS = frozenset({"contact_locus"})
+METHODS = ("regular", "marching", *SCIPY_METHODS)
+MODELS = (
+    "auto",
+    "pendulum",
+    "frictionless",
+    "rolling",
+    "coulomb",
+    "general",
+    "exact",
+    "reduced",
+    "asymptotic",
+)
+WITH_LOCUS = ("auto", "pendulum", "frictionless", "rolling", "coulomb", "general", "exact")
+WITHOUT_SLIP = ("pendulum", "rolling", "exact")
+
+
+class SolverError(ValueError):
+    """A model, method, tolerance or output that does not exist."""
+
+
+def solve(
+    problem: Problem,
+    *,
+    model: str = "auto",
+    method: str = "regular",
+    rtol: float = 1e-12,
+    outputs: AbstractSet[str] = frozenset(),
+) -> Solution:
+    """Solve a problem of the rocking can.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : str
+        One of `MODELS`. "auto" takes the smallest that carries the problem (`reference.solve`),
+        and where that is "rolling" solves it twice (`reference.analysis.confirmation`): by the
+        closed
+        solution of the full equations, and by integrating one period of it. Where the two agree to
+        within round-off the answer is the closed one, else the integration's; `agreement` of the
+        solution says how they compare. "exact" asks for the closed solution alone, without
+        confirmation, and integrates where the can does not bounce. "rolling" always integrates.
+    method : str
+        How to integrate: "regular", the default (`reference.smooth.time_reversal`); "marching",
+        the same without
+        use of its mirror symmetry (`reference.smooth.stepping`); or one of scipy's methods in the
+        raw
+        variables.
+    rtol : float
+        Relative tolerance of scipy's methods; "regular" always works to round-off.
+    outputs : set of str
+        What to integrate beside the angles: "contact_locus" or nothing.
+
+    Returns
+    -------
+    Solution
+        Also where the motion ends early: its `outcome` says why.
+
+    Raises
+    ------
+    SolverError
+        If a choice does not exist, or the model is too small for the effects of the problem.
+    """
+    choice = smallest(problem)
+    if model not in MODELS:
+        raise SolverError(f"unknown `model` {model!r}; there are {', '.join(MODELS)}")
+    if method not in METHODS:
+        raise SolverError(f"unknown `method` {method!r}; there are {', '.join(METHODS)}")
+    if not 0 < rtol < 1:
+        raise SolverError(f"`rtol` must lie inside (0, 1), got {rtol!r}")
+    if unknown := set(outputs) - OUTPUTS:
+        raise SolverError(f"unknown `outputs` {sorted(unknown)}; there are {sorted(OUTPUTS)}")
+    locus = "contact_locus" in outputs
+    if locus and model not in WITH_LOCUS:
+        raise SolverError(f"`model` {model!r} has no contact locus; {', '.join(WITH_LOCUS)} have")
+    if model != "auto" and problem.effects.declared() and not carries(model, problem):
+        raise SolverError(
+            f"`model` {model!r} is too small; the smallest that carries this is {choice.model!r}"
+        )
+    confirmed = None
+    if model == "auto" and method == "regular" and choice.model == "rolling":
+        confirmed = solve_twice(problem, locus=locus)
+        run = confirmed.motion.run
+        solved_by, used = ("exact", "quadrature") if confirmed.closed else ("rolling", method)
+        bounces = confirmed.motion.bounces
+    else:
+        run, solved_by, used = _dispatch(
+            problem, model=model, method=method, rtol=rtol, locus=locus
+        )
+        bounces = measure_bounces(
+            run.path, run.track, problem.parameters, sliding=solved_by == "frictionless"
+        )
+    phases = run.phases if isinstance(run, PhasedRun) else ()
+    if solved_by in WITHOUT_SLIP:
+        phases = (Phase(kind=Kind.STICK, start=0.0, end=run.track.t_end),)
+    return Solution(
+        problem=problem,
+        model=solved_by,
+        method=used,
+        outcome=run.track.outcome,
+        bounces=bounces,
+        t_end=run.track.t_end,
+        maxima=run.track.maxima,
+        minima=run.track.minima,
+        steps=run.steps,
+        evaluations=run.evaluations,
+        path=run.path,
+        equations=equations_of(solved_by, problem),
+        why=choice.why,
+        phases=phases,
+        agreement=None if confirmed is None else confirmed.agreement,
+    )
+
+
+def _dispatch(
+    problem: Problem, *, model: str, method: str, rtol: float, locus: bool
+) -> tuple[Run, str, str]:
+    """Return the run, the model that was solved in the end, and how."""
+    stepped = "DOP853" if method == "regular" else method
+    needed = smallest(problem).model
+    if model == "auto" and needed != "rolling" and (method == "regular" or needed != "pendulum"):
+        model = needed
+    if model in {"coulomb", "general"} and method != "regular":
+        raise SolverError(f"`method` of model {model!r} is 'regular' alone, not {method!r}")
+    smaller: dict[str, Callable[[], tuple[Run, str]]] = {
+        "pendulum": lambda: (solve_pendulum(problem), "closed form"),
+        "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),
+        "reduced": lambda: (solve_reduced(problem, method=stepped, rtol=rtol), stepped),
+        "frictionless": lambda: (solve_frictionless(problem, method=method, rtol=rtol), method),
+        "coulomb": lambda: (_follow_with_friction(problem, locus=locus), method),
+        "general": lambda: (_follow_with_everything(problem, locus=locus), method),
+    }
+    if model in smaller:
+        run, used = smaller[model]()
+        return run, model, used
+    if model == "exact" and method == "regular":
+        found = solve_exactly(problem, locus=locus)
+        if found is not None:
+            return found, "exact", "quadrature"
+    if method == "regular":
+        return integrate_by_symmetry(problem, locus=locus), "rolling", method
+    if method == "marching":
+        return integrate(problem, locus=locus), "rolling", method
+    return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
+
+
+def _follow_with_friction(problem: Problem, *, locus: bool) -> Run:
+    mu = float("inf") if problem.effects.mu is None else problem.effects.mu
+    equations = CoulombEquations(parameters=problem.parameters, mu=mu)
+    return HybridIntegrator(problem, equations, locus=locus).run()
+
+
+def _follow_with_everything(problem: Problem, *, locus: bool) -> Run:
+    equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
+    return HybridIntegrator(problem, equations, locus=locus).run()
