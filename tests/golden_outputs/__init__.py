@@ -1,0 +1,1 @@
+"""Outputs of the quick suites, compared letter for letter across a change of structure."""
