@@ -1,10 +1,9 @@
-"""Hold multibody engines against the exact motion of a rocking can.
+"""Hold multibody engines against the exact motion of a rocking can."""
 
-What is public is imported when it is first asked for: the program hears signals before that.
-"""
-
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from harness.core.deprecated_paths import install
+from harness.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from harness.api import compare, simulate, validate
@@ -32,31 +31,22 @@ __all__ = [
     "validate",
 ]
 
-_PLACES = {
-    "Case": "harness.core.case:Case",
-    "Evaluation": "harness.evaluation.evaluation:Evaluation",
-    "HarnessError": "harness.core.errors:HarnessError",
-    "Outcome": "harness.core.simulation:Outcome",
-    "Scene": "models.scene:Scene",
-    "Simulation": "harness.core.simulation:Simulation",
-    "compare": "harness.api:compare",
-    "engine_names": "harness.engines.registry:names",
-    "load_scene": "models.catalogue:load",
-    "scene_names": "models.catalogue:names",
-    "simulate": "harness.api:simulate",
-    "validate": "harness.api:validate",
-}
+install()
 
-
-def __getattr__(name: str) -> object:
-    """Import a public name."""
-    if name not in _PLACES:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    module, _, inner = _PLACES[name].partition(":")
-    globals()[name] = found = getattr(import_module(module), inner)
-    return found
-
-
-def __dir__() -> list[str]:
-    """Return the public names, imported or not."""
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "Case": "harness.core.case",
+        "Evaluation": "harness.evaluation.evaluation",
+        "HarnessError": "harness.core.errors",
+        "Outcome": "harness.core.simulation",
+        "Scene": "models.scene",
+        "Simulation": "harness.core.simulation",
+        "compare": "harness.api",
+        "engine_names": "harness.engines.registry:names",
+        "load_scene": "models.catalogue:load",
+        "scene_names": "models.catalogue:names",
+        "simulate": "harness.api",
+        "validate": "harness.api",
+    },
+)

@@ -1,1 +1,80 @@
-"""Everything that moves a can, each behind one role."""
+"""Everything that moves a can, each behind one role; the one import path for adapters.
+
+An adapter imports all that it needs from here, and this path stays:
+
+    from harness.engines import Capabilities, Chunk, PhysicsEngine, Schedule, Setting
+"""
+
+from typing import TYPE_CHECKING
+
+from harness.core.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from harness.core.case import Case, Value
+    from harness.core.errors import HarnessError, RefusedModelError
+    from harness.core.simulation import Outcome, Simulation
+    from harness.core.trajectory import Trajectory
+    from harness.engines.base import (
+        Capabilities,
+        Chunk,
+        Contact,
+        Engine,
+        Gap,
+        Setting,
+        World,
+        resolve,
+    )
+    from harness.engines.stepping.generic_stepping import walk
+    from harness.engines.stepping.physics_engine import PhysicsEngine
+    from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
+    from harness.engines.stepping.variants import Variant
+
+__all__ = [
+    "ETA_SETTING",
+    "Adaptive",
+    "Capabilities",
+    "Case",
+    "Chunk",
+    "Contact",
+    "Engine",
+    "Fixed",
+    "Gap",
+    "HarnessError",
+    "Outcome",
+    "PhysicsEngine",
+    "RefusedModelError",
+    "Schedule",
+    "Setting",
+    "Simulation",
+    "Stage",
+    "Trajectory",
+    "Value",
+    "Variant",
+    "World",
+    "resolve",
+    "walk",
+]
+
+_BASE, _STEPPING = "harness.engines.base", "harness.engines.stepping"
+
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "Case": "harness.core.case",
+        "Value": "harness.core.case",
+        "HarnessError": "harness.core.errors",
+        "RefusedModelError": "harness.core.errors",
+        "Outcome": "harness.core.simulation",
+        "Simulation": "harness.core.simulation",
+        "Trajectory": "harness.core.trajectory",
+        "PhysicsEngine": f"{_STEPPING}.physics_engine",
+        "walk": f"{_STEPPING}.generic_stepping",
+        "Variant": f"{_STEPPING}.variants",
+    }
+    | dict.fromkeys(
+        ("Capabilities", "Chunk", "Contact", "Engine", "Gap", "Setting", "World", "resolve"), _BASE
+    )
+    | dict.fromkeys(
+        ("ETA_SETTING", "Adaptive", "Fixed", "Schedule", "Stage"), f"{_STEPPING}.schedule"
+    ),
+)

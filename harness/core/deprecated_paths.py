@@ -1,0 +1,75 @@
+"""Import paths of the previous release: they work for one release more, with a warning.
+
+An adapter that was written against them goes on working; `harness.engines` has all that it needs.
+"""
+
+import importlib
+import sys
+import warnings
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import MappingProxyType, ModuleType
+
+MOVED = MappingProxyType(
+    {
+        "harness.artefact": "harness.core.report_model",
+        "harness.bounce": "harness.core.bounce",
+        "harness.case": "harness.core.case",
+        "harness.engines.chunk": "harness.engines.base",
+        "harness.engines.horizon": "harness.engines.stepping.horizon",
+        "harness.engines.schedule": "harness.engines.stepping.schedule",
+        "harness.engines.settling": "harness.engines.stepping.settling",
+        "harness.engines.variants": "harness.engines.stepping.variants",
+        "harness.engines.walking": "harness.engines.stepping.generic_stepping",
+        "harness.errors": "harness.core.errors",
+        "harness.face": "harness.api",
+        "harness.runner": "harness.evaluation.evaluate",
+        "harness.simulation": "harness.core.simulation",
+        "harness.trajectory": "harness.core.trajectory",
+    }
+)
+"""Modules that an adapter could import, and what they have become."""
+
+
+class _MovedModule(Loader):
+    """Loads a module under its old name: the same module object as under its new one."""
+
+    def __init__(self, module: ModuleType) -> None:
+        self._module, self._spec = module, module.__spec__
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Return the module that is imported already."""
+        del spec
+        return self._module
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Leave the module as it is: it has been run, and keeps its own name."""
+        module.__spec__ = self._spec
+
+
+class _MovedFinder(MetaPathFinder):
+    """Finds the modules of `MOVED` under their old names, with a `DeprecationWarning`."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return how an old name is loaded, or None for any other name."""
+        del path, target
+        if fullname not in MOVED:
+            return None
+        new = MOVED[fullname]
+        public = "harness.engines" if fullname.startswith("harness.engines") else new
+        warnings.warn(
+            f"'{fullname}' is now '{new}'; adapters import from 'harness.engines' "
+            f"('{public}' stays), and the old path goes with the next release",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return ModuleSpec(fullname, _MovedModule(importlib.import_module(new)))
+
+
+def install() -> None:
+    """Have old import paths work, once."""
+    if not any(isinstance(finder, _MovedFinder) for finder in sys.meta_path):
+        sys.meta_path.append(_MovedFinder())

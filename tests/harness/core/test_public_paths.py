@@ -1,0 +1,49 @@
+"""The import paths that stay, and those of the previous release, which warn."""
+
+import importlib
+import importlib.util
+import sys
+
+import pytest
+
+import harness
+import harness.engines
+from harness.core.deprecated_paths import MOVED
+
+
+@pytest.mark.parametrize("package", [harness, harness.engines])
+def test_every_public_name_can_be_imported(package: object) -> None:
+    names = package.__all__  # type: ignore[attr-defined]
+    assert names == sorted(names, key=lambda name: (not name.isupper(), name.islower(), name))
+    for name in names:
+        assert getattr(package, name) is not None
+        assert name in dir(package)
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="'harness' has no attribute 'nothing'"):
+        _ = harness.nothing
+
+
+@pytest.mark.parametrize("old", sorted(MOVED))
+def test_an_old_path_gives_the_new_module_and_warns(old: str) -> None:
+    sys.modules.pop(old, None)
+    new = importlib.import_module(MOVED[old])
+    with pytest.warns(DeprecationWarning, match=f"'{old}' is now '{MOVED[old]}'"):
+        found = importlib.import_module(old)
+    sys.modules.pop(old)
+    assert found is new
+    assert new.__name__ == MOVED[old]
+    assert new.__spec__ is not None
+    assert new.__spec__.name == MOVED[old]
+
+
+def test_the_engine_that_steps_worlds_warns_at_its_old_path() -> None:
+    from harness.engines import stepping  # noqa: PLC0415 - what is tested
+
+    with pytest.warns(DeprecationWarning, match=r"import 'PhysicsEngine' from 'harness\.engines'"):
+        assert stepping.PhysicsEngine is harness.engines.PhysicsEngine
+
+
+def test_no_old_path_is_a_module_of_its_own() -> None:
+    assert [old for old in MOVED if importlib.util.find_spec(old.rpartition(".")[0]) is None] == []
