@@ -6,22 +6,12 @@ PyBullet moves is the centre of mass; what is handed over is the centre of the c
 plane is a gravity that is set anew before each step. Every call names its client, so that worlds do
 not meet. Of a timestep in parts PyBullet hands over the impulse of the last one, divided by the
 whole timestep.
-
-PyBullet without what it says of itself.
-
-It prints a line on standard error, from C, when it is imported, and on standard output when it
-changes its solver; a command whose output is one JSON object, or whose standard error holds one
-clear message, cannot have that. So the descriptors point elsewhere meanwhile.
 """
 
-import ctypes
 import math
-import os
-import sys
 import tempfile
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -39,42 +29,10 @@ from harness.engines.pybullet.settings import (
     SOLVER,
     URDF_FLAGS,
 )
+from harness.engines.pybullet.suppress_output import silence
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
-
-
-@contextmanager
-def silence() -> Iterator[None]:
-    """Let nothing be printed, by C either, which keeps what it prints until it is told."""
-    said = ctypes.CDLL(None).fflush
-    sys.stdout.flush()
-    sys.stderr.flush()
-    said(None)
-    kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for descriptor in kept:
-            os.dup2(nowhere, descriptor)
-        yield
-        said(None)
-    finally:
-        for descriptor, copy in kept.items():
-            os.dup2(copy, descriptor)
-            os.close(copy)
-        os.close(nowhere)
-
-
-def load() -> None:
-    """Import `pybullet` for the first time."""
-    if "pybullet" in sys.modules:
-        return
-    with silence():
-        import pybullet  # noqa: F401, PLC0415 - the import is the point
-
-
-load()
-
 
 ContactPoint: TypeAlias = tuple[Any, ...]
 Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]

@@ -27,7 +27,7 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return trial
 
-    monkeypatch.setattr("harness.faults.trials.TRIALS", {name: of(name) for name in TRIALS})
+    monkeypatch.setattr("harness.cli.benchmark.TRIALS", {name: of(name) for name in TRIALS})
     return names
 
 

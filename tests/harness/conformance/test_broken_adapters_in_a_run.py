@@ -155,10 +155,10 @@ def spoilt(monkeypatch: pytest.MonkeyPatch, brief: Scene) -> Callable[[Spoil], C
     def register(spoil: Spoil) -> Case:
         real = registry.engine
         monkeypatch.setattr(
-            "harness.engines.registry.engine",
+            "harness.evaluation.evaluate.engine",
             lambda name: Spoilt(spoil) if name == "spoilt" else real(name),
         )
-        monkeypatch.setattr("harness.engines.registry.check_effects", lambda *_: None)
+        monkeypatch.setattr("harness.evaluation.evaluate.check_effects", lambda *_: None)
         # it is not registered, and so nothing is known of where it comes from
         monkeypatch.setattr(
             "harness.evaluation.case_cache.case_key", lambda case: case.label().replace(" ", "-")

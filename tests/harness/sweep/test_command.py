@@ -115,7 +115,7 @@ def test_limits_are_those_of_a_scene(
         asked.append(limits)
         return SerialExecutor()
 
-    monkeypatch.setattr("harness.execution.isolated_pool.local_executor", local)
+    monkeypatch.setattr("harness.cli.sweep.local_executor", local)
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:2", "--engine", "mujoco")
     limits = ("--time-limit", "7", "--memory-limit", "0.5")
     assert code_of([*over, *limits, "--timestep", "1e-3", "--out", str(tmp_path / "out")]) == 0
@@ -142,7 +142,7 @@ def test_a_cluster_that_goes_away_leaves_what_is_written_and_says_how_much(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("harness.sweep.plan.EXACT_ROWS", 4)
-    monkeypatch.setattr("harness.execution.dask_cluster.dask_executor", lambda *_: Leaving())
+    monkeypatch.setattr("harness.cli.sweep.dask_executor", lambda *_: Leaving())
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:9", "--out", str(tmp_path / "out"))
     assert code_of([*over, "--on", "tcp://127.0.0.1:1"]) == 2
     said = capsys.readouterr().err.strip()

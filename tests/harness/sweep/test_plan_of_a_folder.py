@@ -131,7 +131,7 @@ def test_the_program_of_a_plan_is_its_engines_and_that_of_sweeps(
         asked.append(names)
         return "0123456789abcdef"
 
-    monkeypatch.setattr("harness.evaluation.case_cache.code_fingerprint", asking)
+    monkeypatch.setattr("harness.sweep.plan.code_fingerprint", asking)
     made = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
     assert dict(made.program)["sources"] == "0123456789abcdef"
     assert asked == [(engine, "harness.sweep.plan")]

@@ -70,7 +70,7 @@ def test_what_no_form_mends_is_inconsistent() -> None:
 
 def test_evidence_that_contradicts_itself_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A numerical zero that is not a symbolic one must never become a verdict."""
-    monkeypatch.setattr("harness.paper.audit.symbols.vanishes", lambda _: False)
+    monkeypatch.setattr("harness.paper.audit.evidence.vanishes", lambda _: False)
     with pytest.raises(ArithmeticError, match="disagree"):
         IdentityEvidence(printed=S, derived=S, source="a lie").ruling()
 
