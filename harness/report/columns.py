@@ -25,7 +25,7 @@ from harness.report.tables import plain_text
 BEGIN, END = "<!-- columns: begin -->\n", "<!-- columns: end -->\n"
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
-_PACKAGES = ("harness.studies", "harness.report", "harness.gate")
+_PACKAGES = ("harness.studies", "harness.paper", "harness.sweep", "harness.report", "harness.gate")
 _OPTIONAL = ("sympy", "mpmath")
 
 
@@ -111,7 +111,7 @@ def _text(node: ast.expr) -> str | None:
 def _part(module: ModuleType) -> str:
     """Return what a person calls the part: a study, or the report, the gate, the sweep."""
     words = module.__name__.removeprefix(f"{harness.__name__}.").split(".")
-    return words[1] if words[0] == "studies" else words[0]
+    return words[1] if words[0] in {"studies", "paper"} else words[0]
 
 
 def _is_dictionary(value: object) -> bool:
