@@ -75,12 +75,12 @@ def test_one_signal_is_enough_and_others_do_not_disturb_the_clean_up() -> None:
 
 _HANGING = """
 import os, signal, time
-from harness import interruption
-interruption.PATIENCE = 0.1
-interruption.listen()
+from harness.execution import signals
+signals.PATIENCE = 0.1
+signals.handle_signals()
 try:
     os.kill(os.getpid(), signal.SIGINT)
-except interruption.Interrupted:
+except signals.Interrupted:
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(0.2)
     print("cleaning up", flush=True)

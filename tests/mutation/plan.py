@@ -12,39 +12,33 @@ _LIMITS = (f"{_METRICS}/test_limits.py",)
 _JUDGED = (f"{_GATE}/test_limits.py", f"{_GATE}/test_comparison.py")
 
 TESTS: dict[str, tuple[str, ...]] = {
-    "harness/engines/schedule.py": (
+    "harness/engines/stepping/schedule.py": (
         "tests/harness/engines/test_schedule_limits.py",
         "tests/harness/engines/test_schedule.py",
     ),
-    "harness/metrics/conservation.py": _QUALITY,
+    "harness/metrics/energy.py": _QUALITY,
     "harness/metrics/contact.py": (*_LIMITS, *_QUALITY),
     "harness/metrics/error.py": (*_LIMITS, f"{_METRICS}/test_error.py"),
-    "harness/metrics/features.py": (*_LIMITS, f"{_METRICS}/test_features.py"),
+    "harness/metrics/bounces.py": (*_LIMITS, f"{_METRICS}/test_features.py"),
     "harness/metrics/motion.py": (
         *_QUALITY,
         f"{_METRICS}/test_features.py",
         f"{_METRICS}/test_error.py",
     ),
-    "harness/metrics/order.py": (*_LIMITS, *_LADDER),
-    "harness/metrics/pareto.py": _LADDER[1:],
-    "harness/metrics/plateau.py": (*_LIMITS, *_LADDER[1:]),
+    "harness/metrics/convergence.py": (*_LIMITS, *_LADDER),
     "harness/gate/baseline.py": (f"{_GATE}/test_baseline.py", f"{_GATE}/test_limits.py"),
     "harness/gate/comparison.py": (*_JUDGED, f"{_GATE}/test_words.py"),
-    "harness/gate/ensemble.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_ensemble.py"),
-    "harness/gate/gate.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_owed.py"),
-    "harness/gate/identity.py": (f"{_GATE}/test_owed.py", f"{_GATE}/test_words.py"),
-    "harness/gate/quantities.py": _JUDGED,
-    "harness/gate/reading.py": (f"{_GATE}/test_words.py",),
-    "harness/gate/scores.py": (*_JUDGED, f"{_GATE}/test_ensemble.py"),
-    "harness/gate/words.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_words.py"),
-    "reference/turning_points.py": (
+    "harness/gate/spread.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_ensemble.py"),
+    "harness/gate/stored_scores.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_owed.py"),
+    "harness/gate/scores.py": (*_JUDGED, f"{_GATE}/test_ensemble.py", f"{_GATE}/test_owed.py"),
+    "harness/gate/report.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_words.py"),
+    "reference/integrable/turning_points.py": (
         "tests/reference/test_turning_points.py",
         "tests/reference/test_exact.py",
     ),
-    "reference/brackets.py": ("tests/reference/test_turning_points.py",),
+    "reference/integrable/brackets.py": ("tests/reference/test_turning_points.py",),
 }
-"""Those that are quickest to fail first. Only whole runs, of a minute and more, try
-`gate/measuring.py` and `gate/reports.py`; `metrics/motion_frame.py` names columns."""
+"""Those that are quickest to fail first; whole runs, of a minute and more, are left out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

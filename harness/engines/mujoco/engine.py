@@ -104,8 +104,7 @@ def counted_step(world: "MujocoWorld") -> int:
 
 _ADAPTIVE = """\
 <!-- The timestep follows the motion. Before each mj_step of a can with these measures:
-from harness.engines.stepping.schedule import Adaptive  # schedule = Adaptive(can,
-largest={largest!r}, ...)
+from harness.engines import Adaptive  # schedule = Adaptive(can, largest={largest!r}, ...)
 model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
 model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
 -->

@@ -94,8 +94,7 @@ def counted_step(world: "PybulletWorld") -> int:
 
 _ADAPTIVE = """\
 # The timestep follows the motion. Before each stepSimulation of a can with these measures:
-#   from harness.engines.stepping.schedule import Adaptive  # Adaptive(can, largest={largest!r},
-...)
+#   from harness.engines import Adaptive           # Adaptive(can, largest={largest!r}, ...)
 #   pybullet.setTimeStep(step)                     # of schedule.next(quaternion, angular velocity)
 """
 

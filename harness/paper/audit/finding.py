@@ -23,14 +23,12 @@ MEANINGS = {
     ClaimStatus.TO_ORDER: (
         "true up to the remainder that the paper states, which falls at that rate"
     ),
-    ClaimStatus.MISPRINT: "one symbol, digit, sign or parenthesis away from the form "
-    "given beside it, "
-    "which passes the same check",
+    ClaimStatus.MISPRINT: "one symbol, digit, sign or parenthesis away from the form given beside "
+    "it, which passes the same check",
     ClaimStatus.INCONSISTENT: "a number that the paper's own equations and parameters do not give; "
     "the one given beside it they do",
-    ClaimStatus.FALSE: "further than one symbol from the form given beside it, which "
-    "passes the same "
-    "check",
+    ClaimStatus.FALSE: "further than one symbol from the form given beside it, which passes the "
+    "same check",
     ClaimStatus.NOT_CHECKABLE: "depends on what the paper does not give: experiments, other works",
 }
 

@@ -25,9 +25,9 @@ from harness.engines.conformance import conform
 from harness.engines.probes import measure
 from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.engines.registry import engine, names
-from harness.executors import local
-from harness.evaluation.evaluate import run
-from harness.studies.comparison import read
+from harness.execution.isolated_pool import local_executor
+from harness.evaluation.evaluate import run_cases
+from harness.studies.comparison import comparison_report
 from models import load
 
 if __name__ == "__main__":
@@ -44,10 +44,10 @@ if __name__ == "__main__":
         for name in ("strict", "mujoco")
         for profile, timestep in (("default", None), ("matched", 1e-3), ("matched", 5e-4))
     ]
-    with local(2) as executor:
-        evaluations = run(cases, executor)
+    with local_executor(2) as executor:
+        evaluations = run_cases(cases, executor)
     found["outcomes"] = [e.simulation.outcome.name for e in evaluations]
-    found["artefacts"] = {a.name: getattr(a, "text", "") for a in read(evaluations)}
+    found["artefacts"] = {a.name: getattr(a, "text", "") for a in comparison_report(evaluations)}
     # at the greatest timestep, since what is asked here is whether it can be probed at all
     probed = measure(Case(scene=scene, engine="strict", timestep=1e-3))
     found["probed"] = {f.quantity: f.value for f in probed.findings}

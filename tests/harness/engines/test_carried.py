@@ -35,7 +35,7 @@ def test_a_chaotic_one_is_refused(
 ) -> None:
     # the search for chaos itself is tested where it is made; of twenty bounces it takes seconds
     found = Divergence(growth=1e9, lyapunov_time=0.4, parted=5.0, chaotic=chaotic)
-    monkeypatch.setattr(support, "parting", lambda _: found)
+    monkeypatch.setattr(support, "divergence_of", lambda _: found)
     tilted = replace(brief, effects=Effects(tilt=Tilt(angle=0.1)))
     if not chaotic:
         check_exact(tilted)

@@ -110,7 +110,7 @@ def test_a_task_is_not_done_by_a_worker_that_came_later_and_differs() -> None:
 def test_a_worker_with_an_edited_checkout_of_the_same_version_is_refused(tmp_path: Path) -> None:
     for package in ("harness", "models", "reference"):
         shutil.copytree(ROOT / package, tmp_path / package)
-    edited = tmp_path / "harness" / "metrics" / "conservation.py"
+    edited = tmp_path / "harness" / "metrics" / "energy.py"
     edited.write_text(edited.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     dask: Any = importlib.import_module("distributed")
     with dask.LocalCluster(

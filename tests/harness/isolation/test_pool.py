@@ -120,8 +120,8 @@ _OWNER = """
 import sys, time
 sys.path[:] = {path!r}
 import worker_tasks as tasks
-from harness.isolation import Isolated
-executor = Isolated(1)
+from harness.execution.isolated_pool import IsolatedProcessPool
+executor = IsolatedProcessPool(1)
 executor.submit(tasks.process).result()
 executor.submit(tasks.hang)
 print("at work", flush=True)
@@ -182,13 +182,14 @@ _ASKING = """
 import os, sys
 sys.path[:] = {path!r}
 import worker_tasks as tasks
-from harness.isolation import NO_LIMITS, end_beside, inside
-inside(NO_LIMITS, (), tasks.start_and_return, {told!r})
+from harness.execution.isolated_pool import end_background_worker, run_isolated
+from harness.execution.limits import NO_LIMITS
+run_isolated(NO_LIMITS, (), tasks.start_and_return, {told!r})
 {end}
 """
 
 
-@pytest.mark.parametrize("end", ["", "end_beside(); os._exit(0)"])
+@pytest.mark.parametrize("end", ["", "end_background_worker(); os._exit(0)"])
 def test_what_is_beside_a_program_ends_with_it(end: str, tmp_path: Path) -> None:
     told = tmp_path / "told"
     program = subprocess.Popen(  # noqa: S603 - our own program

@@ -135,7 +135,7 @@ def test_reading_leaves_no_thread_that_could_outlive_the_program(store: CacheFol
 import sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parents[3])!r})
-from harness.store import Store
+from harness.execution.cache import CacheFolder
 
 
 def threads():
@@ -144,7 +144,7 @@ def threads():
 
 
 before = threads()
-found = Store(folder=Path({str(store.folder)!r})).get("things", {KEY!r})
+found = CacheFolder(folder=Path({str(store.folder)!r})).get("things", {KEY!r})
 assert found is not None and len(found.arrays["count"]) == 50
 print(threads() - before)
 """

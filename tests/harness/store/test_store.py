@@ -173,8 +173,8 @@ _WRITER = """
 import sys
 from pathlib import Path
 sys.path[:0] = [{tests!r}, {source!r}]
-from test_store import Store, put
-store = Store(folder=Path({folder!r}))
+from test_store import CacheFolder, put
+store = CacheFolder(folder=Path({folder!r}))
 number = 0
 while True:
     put(store, f"{{number % 7:032x}}", seed=number % 7)

@@ -161,11 +161,11 @@ def test_reading_leaves_no_thread_that_could_outlive_the_program(
 import sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parents[3])!r})
-from harness.sweep import opened, plan, planning, read_axis
+from harness.sweep import opened, plan, plan_sweep, read_axis
 from models import load
-planning.EXACT_ROWS = 50
+plan.EXACT_ROWS = 50
 axes = [read_axis(f"release.{{name}}:15") for name in ("psi_dot=1:3", "theta_dot=-2:0")]
-chosen = plan(load("gentle-rock"), axes)
+chosen = plan_sweep(load("gentle-rock"), axes)
 
 
 def threads():

@@ -122,7 +122,7 @@ def test_a_task_takes_on_what_it_has_time_for(
         return Partition(index=0, rows=rows, parameters={}, quantities={}, code=(), sentences=())  # type: ignore[arg-type]
 
     monkeypatch.setattr(partition, "compute", computed)
-    monkeypatch.setattr(partition, "joined", lambda _, parts: parts)
+    monkeypatch.setattr(partition, "concatenate", lambda _, parts: parts)
     monkeypatch.setattr(time, "monotonic", lambda: clock)
     compute_for(chosen, 0, range(10, 100), 50.0)
     assert [len(block) for block in blocks] == [1, 24]

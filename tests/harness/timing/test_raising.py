@@ -48,7 +48,7 @@ def test_a_case_of_which_it_no_longer_says_the_timestep_is_broken(
     def refuse(case: Case) -> None:
         raise EngineContractError(case.engine, case.label(), "the licence is gone")
 
-    monkeypatch.setattr(evaluate, "check", refuse)
+    monkeypatch.setattr(evaluate, "check_case", refuse)
     monkeypatch.setattr(evaluate, "timestep_of", refuse)
     found = evaluate.evaluate_case(case).simulation
     assert found.outcome is Outcome.BROKEN
