@@ -15,7 +15,7 @@ from harness.cli.engines import check, engines_answer, print_engine, print_engin
 from harness.cli.gate import diff
 from harness.cli.json_output import reference_json, run_json, to_json
 from harness.cli.model_answer import model_answer, sentences
-from harness.cli.paper import audit, gallery, join_reports
+from harness.cli.paper import audit, gallery, report
 from harness.cli.run_options import parse_settings
 from harness.cli.stability import stability
 from harness.cli.sweep import sweep
@@ -46,7 +46,7 @@ app = typer.Typer(
 )
 for command in (
     validate,
-    join_reports,
+    report,
     attribute,
     errors,
     check,

@@ -102,7 +102,7 @@ def _make(out: Path) -> None:
         raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
 
 
-def join_reports(
+def report(
     folders: Annotated[
         list[Path],
         typer.Argument(metavar="FOLDER...", help="Reports to join, such as reports/latest."),
