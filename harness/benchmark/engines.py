@@ -66,7 +66,7 @@ def _overhead(chosen: PhysicsEngine, timestep: float) -> Iterator[Ratio]:  # typ
         return seconds(lambda: loop(world, steps)) * known.steps / steps
 
     rounds = [
-        (chosen.simulate(case).cpu_s, bare(chosen.leanest), bare(chosen.keeping, _KEPT))
+        (chosen.simulate(case).cpu_s, bare(chosen.bare_loop), bare(chosen.recording_loop, _KEPT))
         for _ in range(_ROUNDS)
     ]
     bound = OVERHEAD.get(chosen.name, math.inf) if timestep <= FINE else math.inf

@@ -24,8 +24,9 @@ from harness.cli.terminal import write_text
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
+from harness.engines.base import features_of
 from harness.engines.registry import engine as engine_of
-from harness.engines.stepping.variants import export_settings
+from harness.engines.registry import export_settings
 from harness.evaluation.case_record import LOST, lost_errors, measured
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.step_overhead import case as aloft
@@ -205,7 +206,7 @@ def measure(made: CostPlan, out: Path, running: RunOptions) -> Cost:
         overheads = {
             name: _overhead(aloft(made.scene, name), executor)
             for name in made.engines
-            if hasattr(engine_of(name), "open")
+            if features_of(engine_of(name)).open is not None
         }
     return put_together(made, errors, times, overheads)
 

@@ -20,7 +20,7 @@ MOVED = MappingProxyType(
         "harness.engines.horizon": "harness.engines.stepping.horizon",
         "harness.engines.schedule": "harness.engines.stepping.schedule",
         "harness.engines.settling": "harness.engines.stepping.settling",
-        "harness.engines.variants": "harness.engines.stepping.variants",
+        "harness.engines.variants": "harness.engines.base",
         "harness.engines.walking": "harness.engines.stepping.generic_stepping",
         "harness.errors": "harness.core.errors",
         "harness.face": "harness.api",

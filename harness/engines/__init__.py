@@ -19,15 +19,17 @@ if TYPE_CHECKING:
         Chunk,
         Contact,
         Engine,
-        Gap,
+        EngineFeatures,
+        ModelDifference,
         Setting,
+        SolverEffort,
+        Variant,
         World,
         resolve,
     )
     from harness.engines.stepping.generic_stepping import walk
     from harness.engines.stepping.physics_engine import PhysicsEngine
     from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
-    from harness.engines.stepping.variants import Variant
 
 __all__ = [
     "ETA_SETTING",
@@ -37,15 +39,17 @@ __all__ = [
     "Chunk",
     "Contact",
     "Engine",
+    "EngineFeatures",
     "Fixed",
-    "Gap",
     "HarnessError",
+    "ModelDifference",
     "Outcome",
     "PhysicsEngine",
     "RefusedModelError",
     "Schedule",
     "Setting",
     "Simulation",
+    "SolverEffort",
     "Stage",
     "Trajectory",
     "Value",
@@ -69,10 +73,22 @@ __getattr__, __dir__ = lazy_exports(
         "Trajectory": "harness.core.trajectory",
         "PhysicsEngine": f"{_STEPPING}.physics_engine",
         "walk": f"{_STEPPING}.generic_stepping",
-        "Variant": f"{_STEPPING}.variants",
     }
     | dict.fromkeys(
-        ("Capabilities", "Chunk", "Contact", "Engine", "Gap", "Setting", "World", "resolve"), _BASE
+        (
+            "Capabilities",
+            "Chunk",
+            "Contact",
+            "Engine",
+            "EngineFeatures",
+            "ModelDifference",
+            "SolverEffort",
+            "Variant",
+            "Setting",
+            "World",
+            "resolve",
+        ),
+        _BASE,
     )
     | dict.fromkeys(
         ("ETA_SETTING", "Adaptive", "Fixed", "Schedule", "Stage"), f"{_STEPPING}.schedule"

@@ -8,9 +8,10 @@ A run comes in chunks of consecutive steps, raw until somebody wants to look at 
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Protocol
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, fields
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ class Capabilities:
     least: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Setting:
     """One setting of an engine, under the engine's own name.
 
@@ -56,37 +57,38 @@ class Setting:
         What the engine ships with.
     matched : Value or callable
         What profile `matched` takes instead; a function of the timestep (s) where it depends on it.
+    meaning : str
+        One sentence: what it does to a rolling can.
     adaptive : Value
         What profile `adaptive` takes where it differs from `matched`.
     choices : tuple of str
         The words allowed, where the setting is a word.
     positive : bool
         Whether a number has to be greater than zero.
-    meaning : str
-        One sentence: what it does to a rolling can.
     """
 
     name: str
     default: Value
     matched: Value | Callable[[float], Value]
+    meaning: str
+    _: KW_ONLY
     adaptive: Value = None
     choices: tuple[str, ...] = ()
     positive: bool = False
-    meaning: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Gap:
-    """One way in which an engine as it ships is not the matched one: settings that change together.
+class ModelDifference:
+    """A difference between an engine as shipped and matched: settings that change together.
 
     Parameters
     ----------
     name : str
         One or two words.
     settings : tuple of str
-        Names of the settings that close it; `TIMESTEP` stands for the timestep.
+        Names of the settings that remove it; `TIMESTEP` stands for the timestep.
     sentence : str
-        What the open gap does to the can.
+        What the difference does to the can.
     """
 
     name: str
@@ -95,12 +97,12 @@ class Gap:
 
 
 TIMESTEP = "timestep"
-"""What a gap calls the timestep, which is no setting of an engine but of a case."""
+"""Name of the timestep among settings; it is no setting of an engine but of a case."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Effort:
-    """How hard an engine's solver tries in a step.
+class SolverEffort:
+    """The effort of an engine's solver in a step.
 
     Parameters
     ----------
@@ -114,11 +116,7 @@ class Effort:
 
 
 class Engine(Protocol):
-    """Anything that moves a can.
-
-    An engine may also declare `gaps`, a tuple of `Gap` in the order in which to close them, and
-    `efforts`, a tuple of `Effort` of which the last is the converged solve.
-    """
+    """Anything that moves a can; what an engine may offer besides is in `EngineFeatures`."""
 
     name: str
     capabilities: Capabilities
@@ -186,13 +184,43 @@ class World(Protocol):
         """Return the contact that the last step solved: that of the state before it."""
         ...
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
         ...
 
 
-def resolve(case: Case, settings: tuple[Setting, ...], timestep: float) -> dict[str, Value]:
-    """Return every setting in force for a case: the profile's, replaced by the case's options.
+def signed_distance(world: World) -> float:
+    """Return the signed distance of a world, m; one of the previous release calls it `gap`."""
+    distance: Callable[[], float] | None = getattr(world, "signed_distance", None)
+    if distance is None:
+        _warn_renamed(type(world).__name__, "gap", "signed_distance")
+        distance = world.gap  # type: ignore[attr-defined]
+    return distance()
+
+
+def _warn_renamed(owner: str, old: str, new: str) -> None:
+    """Warn of a name of the previous release, which goes with the next."""
+    message = f"`{old}` of {owner} is now `{new}`; the old name goes with the next release"
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
+
+
+def resolve(
+    case: Case,
+    settings: tuple[Setting, ...],
+    timestep: float,
+    for_effects: Mapping[str, Value] | None = None,
+) -> dict[str, Value]:
+    """Return every setting in force for a case.
+
+    Parameters
+    ----------
+    case : Case
+        Its options replace the values of its profile, and those that its effects ask for.
+    settings : tuple of Setting
+    timestep : float
+        s.
+    for_effects : mapping of str to Value, optional
+        The values that the effects of the scene ask for, in every profile.
 
     Raises
     ------
@@ -208,6 +236,7 @@ def resolve(case: Case, settings: tuple[Setting, ...], timestep: float) -> dict[
         if case.profile == "adaptive" and setting.adaptive is not None:
             matched = setting.adaptive
         chosen[name] = setting.default if case.profile == "default" else matched
+    chosen |= for_effects or {}
     for name, value in case.options:
         if name not in known:
             raise UnknownSettingError(case.engine, name, known)
@@ -278,3 +307,113 @@ class Chunk:
     sound: bool
     read: Callable[[Integers], Trajectory]
     spans: Integers | None = None
+
+
+Options = tuple[tuple[str, Value], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variant:
+    """A choice of settings, to be run over a ladder.
+
+    Parameters
+    ----------
+    name : str
+        In a few words.
+    profile : str
+    settings : tuple of (str, Value)
+        On top of the profile.
+    along : str
+        What the ladder changes: "timestep", "" for a single run, or the name of a setting.
+    values : tuple
+        Of that setting, from coarse to fine; a timestep's are chosen by whoever runs it.
+    imposes : str
+        What the settings make of the can that the scene does not declare; empty if nothing.
+    thorough : bool
+        Whether a quick look may do without it, since another variant says nearly the same.
+    """
+
+    name: str
+    profile: str = "matched"
+    settings: Options = ()
+    along: str = "timestep"
+    values: tuple[Value, ...] = ()
+    imposes: str = ""
+    thorough: bool = False
+
+
+COMMON = (
+    Variant(name="as shipped", profile="default", imposes="everything that the engine ships with"),
+    Variant(name="matched"),
+    Variant(name="adaptive", profile="adaptive"),
+)
+"""The variants with which every stepping engine is run."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EngineFeatures:
+    """What an engine may offer beyond `Engine`; a feature that it leaves out has its default.
+
+    Parameters
+    ----------
+    model_differences : tuple of ModelDifference
+        In the order in which to remove them.
+    solver_efforts : tuple of SolverEffort
+        The last is the converged solve.
+    variants : tuple of Variant, or None
+        Settings worth a price; None takes the profiles and each word that a setting allows.
+    export_settings : callable or None
+        Returns a case in the engine's own language.
+    counted_step : callable or None
+        Steps a world and returns the iterations of its solver.
+    simulate_many : callable or None
+        Runs cases together, with the same results as one by one.
+    open : callable or None
+        Compiles a case into a world.
+    chunks : callable or None
+        Steps a world by a schedule, yielding after so many steps or more.
+    bare_loop : callable or None
+        Steps a world so many times and does nothing else.
+    """
+
+    model_differences: tuple[ModelDifference, ...] = ()
+    solver_efforts: tuple[SolverEffort, ...] = ()
+    variants: tuple[Variant, ...] | None = None
+    export_settings: Callable[[Case], str] | None = None
+    counted_step: Callable[[World], int] | None = None
+    simulate_many: Callable[[Sequence[Case]], Sequence[Simulation]] | None = None
+    open: Callable[[Case], World] | None = None
+    chunks: Callable[[Any, Any, int], Iterator[Chunk]] | None = None
+    bare_loop: Callable[[Any, int], None] | None = None
+
+
+_RENAMED = {
+    "model_differences": "gaps",
+    "solver_efforts": "efforts",
+    "export_settings": "paste",
+    "bare_loop": "leanest",
+}
+"""Names of features in the previous release, accepted for one release more."""
+
+
+def features_of(engine: Engine) -> EngineFeatures:
+    """Return the optional features of an engine."""
+    offered = {}
+    for name in (feature.name for feature in fields(EngineFeatures)):
+        old = _RENAMED.get(name, name)
+        # a subclass with the old name inherits the default of the new name: the old name wins
+        if old != name and hasattr(engine, old):
+            _warn_renamed(engine.name, old, name)
+            offered[name] = getattr(engine, old)
+        elif hasattr(engine, name):
+            offered[name] = getattr(engine, name)
+    return EngineFeatures(**offered)
+
+
+def __getattr__(name: str) -> object:
+    """Return a class under its name of the previous release, with a warning."""
+    renamed = {"Gap": ModelDifference, "Effort": SolverEffort}
+    if name not in renamed:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    _warn_renamed(f"'{__name__}'", name, renamed[name].__name__)
+    return renamed[name]

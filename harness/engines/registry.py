@@ -1,10 +1,8 @@
 """Engines by name: whatever is installed under the entry point group `rockingcan.engines`.
 
-An engine that somebody else wrote is made in a process of its own first: it may not survive it.
-
-What makes an engine is imported into the program itself, which asks it for its settings, its
-version and its timesteps; a package that falls over, or hangs, when it is imported or asked would
-take everything with it. So it is made, and then asked for the timestep of each case, over there.
+An engine of another package is made in a process of its own first, and asked there for the timestep
+of each case: a package that crashes, or hangs, when it is imported or asked would take the program
+with it.
 """
 
 from collections.abc import Iterator
@@ -24,7 +22,7 @@ from harness.core.errors import (
     UnsupportedEffectError,
 )
 from harness.core.provenance import ENGINE_ENTRY_POINTS
-from harness.engines.base import Engine, resolve
+from harness.engines.base import COMMON, Engine, Variant, features_of, resolve
 from harness.engines.contract import describe_exception, is_timestep
 from harness.execution.isolated_pool import IsolatedProcessPool, background_worker
 from harness.execution.limits import Limits
@@ -157,6 +155,26 @@ def engine(name: str) -> Engine:
         reason = f"{type(error).__name__}: {error}"
         raise BrokenEngineError(name, entries[name].value, reason) from error
     return found
+
+
+def variants(name: str) -> tuple[Variant, ...]:
+    """Return the variants of an engine: its own, or the profiles and each word that it allows."""
+    found = engine(name)
+    declared = features_of(found).variants
+    if declared is not None:
+        return declared
+    return COMMON + tuple(
+        Variant(name=f"{setting.name} {word}", settings=((setting.name, word),))
+        for setting in found.settings
+        for word in setting.choices
+        if word != setting.matched
+    )
+
+
+def export_settings(case: Case) -> str:
+    """Return a case in the engine's own language, or the command that runs it."""
+    export = features_of(engine(case.engine)).export_settings
+    return case.command() if export is None else export(case)
 
 
 def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:

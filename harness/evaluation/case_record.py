@@ -17,12 +17,11 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.simulation import Simulation
 from harness.core.trajectory import Trajectory
-from harness.engines.base import World
+from harness.engines.base import World, features_of
 from harness.engines.reference.truth import Truth, solve_case, truth
 from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import SMALLEST_SHARE, Adaptive
-from harness.engines.stepping.variants import counted_step
 from harness.evaluation.evaluate import evaluate_case, failed_evaluation
 from harness.evaluation.evaluation import Evaluation
 from harness.evaluation.timed_tasks import Record
@@ -40,9 +39,8 @@ _STEPS = 3
 def iterations(simulation: Simulation) -> float | None:
     """Return the mean iterations of the solver in a step, or None if the engine cannot tell."""
     case, trajectory = simulation.case, simulation.trajectory
-    count = counted_step(case.engine)
-    chosen = engine(case.engine)
-    opens = getattr(chosen, "open", None)
+    features = features_of(engine(case.engine))
+    count, opens = features.counted_step, features.open
     if count is None or opens is None or trajectory is None or len(trajectory) < _STEPS:
         return None
     world = opens(case)

@@ -11,7 +11,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.errors import BrokenEngineError
-from harness.engines.base import World
+from harness.engines.base import World, features_of
 from harness.engines.registry import engine, is_ours
 from harness.engines.stepping.schedule import Fixed
 from harness.evaluation.timed_tasks import Record
@@ -65,7 +65,8 @@ def overhead(chosen: Case) -> Record:
 def _measured(chosen: Case) -> Record:
     """Time each way of stepping that an engine has."""
     found = engine(chosen.engine)
-    opens = getattr(found, "open", None)
+    features = features_of(found)
+    opens, chunks, bare_loop = features.open, features.chunks, features.bare_loop
     if opens is None:
         return {"ways": {}}
     world = opens(chosen)
@@ -76,14 +77,14 @@ def _measured(chosen: Case) -> Record:
 
     def harness() -> None:
         schedule = Fixed(_TIMESTEP, _TIMESTEP * (_STEPS - 1), _STEPS)
-        for _ in found.chunks(world, schedule, _STEPS):  # type: ignore[attr-defined]
+        for _ in chunks(world, schedule, _STEPS):  # type: ignore[misc]
             pass
 
     ways: dict[str, Callable[[], None]] = {"a call of Python for each step, nothing read": python}
-    if hasattr(found, "chunks"):
+    if chunks is not None:
         ways["every step read, as in a run where the can races"] = harness
-    if hasattr(found, "leanest"):
-        ways[_LEANEST] = lambda: found.leanest(world, _STEPS)
+    if bare_loop is not None:
+        ways[_LEANEST] = lambda: bare_loop(world, _STEPS)
     return {"ways": {name: _repeated(world, way) for name, way in ways.items()}}
 
 

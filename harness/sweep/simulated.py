@@ -1,7 +1,7 @@
 """A partition by whole motions: each scene run in an engine, or solved by the reference."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -10,6 +10,7 @@ from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import HarnessError
 from harness.core.simulation import Outcome, Simulation
+from harness.engines.base import features_of
 from harness.engines.contract import contract_violation, describe_exception
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine
@@ -33,7 +34,6 @@ ERRORS = {
 """Of which quantity each error is."""
 
 Numbers = dict[str, float]
-_Together = Callable[[Sequence[Case]], list[Simulation]]
 
 
 def run_each(
@@ -84,7 +84,7 @@ def _family(cases: Sequence[Case]) -> Sequence[Simulation]:
     if not cases:
         return ()
     chosen = engine(cases[0].engine)
-    together: _Together | None = getattr(chosen, "simulate_many", None)
+    together = features_of(chosen).simulate_many
     if together is not None:
         # whatever goes wrong: one by one, below, says which case it was and why
         with suppress(Exception):

@@ -1,10 +1,16 @@
-"""What an engine says it honours, it must do: each effect by its law, and in the motion.
+"""Refusals, effects and contact: what an engine must refuse, honour and report.
 
-An engine that compiles worlds is probed for the law itself, as before every run; and wherever a
-rigid can carries the effect, the motion must be the one that the exact equations give with it, and
-not the one without.
+An effect that an engine honours is probed by its law in the compiled world, as before every run;
+where a rigid can carries the effect, the motion must be the one that the exact equations give with
+the effect, and not the one without. What no engine can do must end with an outcome.
 
-What an engine must refuse, and what it must honour because it says so.
+The contact must belong to the same instant as the state. Between samples t apart
+
+    m (v' - v)/t = F - m g z
+
+holds for the force F that was applied. A misfit as large as the change of F from sample to sample
+is a force of the wrong instant; half of that is what a force at either end may differ from the
+mean.
 """
 
 import math
@@ -14,11 +20,14 @@ from typing import Any
 import numpy as np
 
 from harness.core.errors import InvalidSettingError, UnknownSettingError, UnsupportedEffectError
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.conformance.fixture import (
+    COARSE,
     FINE,
     BrokenContractError,
-    ClauseEvidence,
+    ClauseResult,
     Fixture,
+    clause,
     holds,
     not_applicable,
     within,
@@ -28,6 +37,7 @@ from harness.engines.probes.survey import opens_worlds
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import truth
 from harness.engines.registry import check_effects, names
+from harness.engines.stepping.horizon import Watch
 from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.contact_effects import (
     Compliance,
@@ -38,6 +48,7 @@ from models.contact_effects import (
     Slip,
 )
 from models.effects import IDEAL, Effects
+from models.rim import contact_point
 from models.scene import Horizon, Scene
 
 SLIPPERY = 0.05
@@ -65,7 +76,89 @@ MISSED = 0.1
 a tenth costs as much; the first-order error of the engines costs 0.01 to 0.03."""
 
 
-def laws(bench: Fixture) -> ClauseEvidence:
+_ODD = (math.nan,) * 17
+"""A value that no setting takes: seventeen numbers that are none."""
+
+
+@clause("unknown setting", "A setting that does not exist is refused by name.", needs_run=False)
+def unknown_setting(bench: Fixture) -> ClauseResult:
+    """Ask for a setting that no engine has."""
+    case = bench.case(bench.brief, no_such_setting=1.0)
+    try:
+        bench.engine.simulate(case)
+    except UnknownSettingError as error:
+        named = "no_such_setting" in str(error)
+        return holds("" if named else f"the message does not name it: {error}", str(error))
+    return holds("a setting that does not exist was taken", "")
+
+
+@clause("wrong value", "A value of another kind than the setting's is refused.", needs_run=False)
+def wrong_value(bench: Fixture) -> ClauseResult:
+    """Give every setting a value of another kind."""
+    if not bench.engine.settings:
+        return not_applicable("the engine has no settings")
+    taken = []
+    for setting in bench.engine.settings:
+        odd: dict[str, Any] = {setting.name: _ODD}
+        case = bench.case(bench.brief, **odd)
+        try:
+            bench.engine.simulate(case)
+        except InvalidSettingError:
+            continue
+        taken.append(setting.name)
+    wrong = f"took a value of another kind: {', '.join(taken)}" if taken else ""
+    return holds(wrong, f"{len(bench.engine.settings)} settings")
+
+
+@clause(
+    "unsupported effect",
+    "A scene that declares what the engine cannot represent is refused.",
+    needs_run=False,
+)
+def unsupported_effect(bench: Fixture) -> ClauseResult:
+    """Declare every effect that the engine neither honours nor imposes."""
+    own = bench.engine.capabilities
+    missing = [
+        field.name
+        for field in fields(Effects)
+        if field.name not in own.honours and field.name not in own.imposes
+    ]
+    if not missing:
+        return not_applicable("the engine honours or imposes every effect")
+    if bench.engine.name not in names():
+        return not_applicable("the engine is not registered, so that no case reaches it")
+    taken = []
+    for effect in missing:
+        try:
+            check_effects(bench.engine.name, replace(bench.brief, effects=DECLARED[effect]))
+        except UnsupportedEffectError:
+            continue
+        taken.append(effect)
+    wrong = f"not refused: {', '.join(taken)}" if taken else ""
+    return holds(wrong, f"refused: {', '.join(missing)}")
+
+
+@clause("friction", "Where slip is honoured, friction reaches what is declared and not more.")
+def friction(bench: Fixture) -> ClauseResult:
+    """Put the can on a slippery plane, if the engine says that it honours slip."""
+    if "slip" not in bench.engine.capabilities.honours:
+        return not_applicable("the engine does not honour slip")
+    scene = replace(bench.brief, effects=DECLARED["slip"])
+    force = bench.trajectory(bench.case(scene)).contact_force
+    bears = force[:, 2] > 0.0
+    if not bears.any():
+        return holds("no sample bears a load", "")
+    ratio = np.hypot(force[bears, 0], force[bears, 1]) / force[bears, 2]
+    # the release needs three times this friction, so that the rim slips and takes all there is; an
+    # engine that slips late or solves loosely may fall short, none may exceed it by a thousandth
+    if not ratio.max() > SLIPPERY / 2.0:
+        return holds(f"friction ratio of {ratio.max():.2g} where {SLIPPERY} is called for", "")
+    over = float(ratio.max()) / SLIPPERY - 1.0
+    return within(over, 1e-3, "relative", f"friction ratio beyond the declared {SLIPPERY}")
+
+
+@clause("laws of effects", "Each effect that is honoured follows its law in the compiled world.")
+def laws(bench: Fixture) -> ClauseResult:
     """Probe each effect that the engine says it honours in the compiled world."""
     if not opens_worlds(bench.engine):
         return not_applicable("the engine compiles no world that could be probed")
@@ -79,7 +172,11 @@ def laws(bench: Fixture) -> ClauseEvidence:
     return within(float(len(wrong)), 0.0, "quantities", "; ".join(wrong) or detail)
 
 
-def motions(bench: Fixture) -> ClauseEvidence:
+@clause(
+    "motion with effects",
+    "With an effect that is honoured the can moves as the exact equations say.",
+)
+def motions(bench: Fixture) -> ClauseResult:
     """Compare the motion with each effect with the exact motions with and without it."""
     worst, named = 0.0, []
     for effect, scene in _honoured(bench):
@@ -113,74 +210,112 @@ def _missed(bench: Fixture, scene: Scene) -> float:
     return float(np.linalg.norm(path.position - exact.position, axis=1).max() / taken)
 
 
-_ODD = (math.nan,) * 17
-"""A value that no setting takes: seventeen numbers that are none."""
+_VIOLENT = 1e8
+"""rad/s: the can would turn a hundred thousand times in a timestep of the suite."""
+
+_COARSEST = 0.5
+"""s: a timestep of a whole rocking."""
+
+_DEPTH, _SHORT = 1e-3, 5e-6
+"""m and s: a penetration that is pushed out within some steps."""
 
 
-def unknown_setting(bench: Fixture) -> ClauseEvidence:
-    """Ask for a setting that no engine has."""
-    case = bench.case(bench.brief, no_such_setting=1.0)
-    try:
-        bench.engine.simulate(case)
-    except UnknownSettingError as error:
-        named = "no_such_setting" in str(error)
-        return holds("" if named else f"the message does not name it: {error}", str(error))
-    return holds("a setting that does not exist was taken", "")
+@clause(
+    "divergence",
+    "What no engine can do ends with an outcome, not with an exception.",
+    needs_run=False,
+)
+def divergence(bench: Fixture) -> ClauseResult:
+    """Ask for what few engines can do, and see that they say so.
+
+    Violent rates; a timestep as long as the motion; and a rim that starts inside the plane, which a
+    contact tied to a short timestep throws out at any speed.
+    """
+    if not bench.steps:
+        return not_applicable("a solver that chooses its own steps takes as many as it needs")
+    release = bench.brief.release
+    violent = replace(release, phi_dot=_VIOLENT, theta_dot=_VIOLENT)
+    sunk = replace(release, height=-_DEPTH)
+    told = []
+    for scene, timestep in (
+        (replace(bench.brief, release=violent), 1e-3),
+        (replace(bench.gentle, horizon=Horizon(seconds=20.0)), _COARSEST),
+        (replace(bench.brief, release=sunk), _SHORT),
+    ):
+        simulation = bench.run_anew(bench.case(scene, timestep))  # raises where the answer does
+        outcome: object = simulation.outcome
+        if not isinstance(outcome, Outcome):
+            return holds(f"`outcome` is {outcome!r}, not an Outcome", "")
+        if _exploded(simulation) and outcome is not Outcome.DIVERGED:
+            return holds(f"the speed grows without bound, and the outcome is {outcome.name}", "")
+        told.append(simulation.outcome.name.lower().replace("_", " "))
+    return holds("", ", ".join(told))
 
 
-def wrong_value(bench: Fixture) -> ClauseEvidence:
-    """Give every setting a value of another kind."""
-    if not bench.engine.settings:
-        return not_applicable("the engine has no settings")
-    taken = []
-    for setting in bench.engine.settings:
-        odd: dict[str, Any] = {setting.name: _ODD}
-        case = bench.case(bench.brief, **odd)
-        try:
-            bench.engine.simulate(case)
-        except InvalidSettingError:
-            continue
-        taken.append(setting.name)
-    wrong = f"took a value of another kind: {', '.join(taken)}" if taken else ""
-    return holds(wrong, f"{len(bench.engine.settings)} settings")
+def _exploded(simulation: Simulation) -> bool:
+    """Whether the record reaches a speed that no fall gives."""
+    path = simulation.trajectory
+    return path is not None and Watch(simulation.case.scene).over(path) is Outcome.DIVERGED
 
 
-def unsupported_effect(bench: Fixture) -> ClauseEvidence:
-    """Declare every effect that the engine neither honours nor imposes."""
-    own = bench.engine.capabilities
-    missing = [
-        field.name
-        for field in fields(Effects)
-        if field.name not in own.honours and field.name not in own.imposes
-    ]
-    if not missing:
-        return not_applicable("the engine honours or imposes every effect")
-    if bench.engine.name not in names():
-        return not_applicable("the engine is not registered, so that no case reaches it")
-    taken = []
-    for effect in missing:
-        try:
-            check_effects(bench.engine.name, replace(bench.brief, effects=DECLARED[effect]))
-        except UnsupportedEffectError:
-            continue
-        taken.append(effect)
-    wrong = f"not refused: {', '.join(taken)}" if taken else ""
-    return holds(wrong, f"refused: {', '.join(missing)}")
+@clause("flight", "Where nothing touches there is no contact point and no force.")
+def flight(bench: Fixture) -> ClauseResult:
+    """Throw the can up: where nothing touches there is no contact point, and no force."""
+    if not bench.steps:
+        return not_applicable("a can that rolls by its equations does not leave the plane")
+    path = bench.trajectory(bench.case(bench.thrown, FINE))
+    pointed = np.isfinite(path.contact_point).all(axis=1)
+    pushed = path.contact_force[:, 2] > 0.0
+    wrong = []
+    if (pointed != pushed).any():
+        wrong.append(f"{int((pointed != pushed).sum())} samples with a point but no force, or not")
+    if ((path.contact_count > 0) != pushed).any():
+        wrong.append("the number of points that bear a force does not tell whether one does")
+    if np.any(path.contact_force[~pushed] != 0.0):
+        wrong.append("a force without a load")
+    if pushed.all():
+        wrong.append("the thrown can never leaves the plane")
+    return holds("; ".join(wrong), f"{int((~pushed).sum())} of {len(path)} samples in flight")
 
 
-def friction(bench: Fixture) -> ClauseEvidence:
-    """Put the can on a slippery plane, if the engine says that it honours slip."""
-    if "slip" not in bench.engine.capabilities.honours:
-        return not_applicable("the engine does not honour slip")
-    scene = replace(bench.brief, effects=DECLARED["slip"])
-    force = bench.trajectory(bench.case(scene)).contact_force
-    bears = force[:, 2] > 0.0
-    if not bears.any():
-        return holds("no sample bears a load", "")
-    ratio = np.hypot(force[bears, 0], force[bears, 1]) / force[bears, 2]
-    # the release needs three times this friction, so that the rim slips and takes all there is; an
-    # engine that slips late or solves loosely may fall short, none may exceed it by a thousandth
-    if not ratio.max() > SLIPPERY / 2.0:
-        return holds(f"friction ratio of {ratio.max():.2g} where {SLIPPERY} is called for", "")
-    over = float(ratio.max()) / SLIPPERY - 1.0
-    return within(over, 1e-3, "relative", f"friction ratio beyond the declared {SLIPPERY}")
+NEWTON = 0.6
+"""Misfit over the change of the force from sample to sample: 0 where the force of a step is told,
+1/2 where that of its first instant is, with a tenth for the curvature; 1 is the next instant."""
+
+SAME = 0.1
+"""Distance of the contact point from the lowest point of the rim, over the way of that point from
+sample to sample: 1 is the next instant. A tenth is left to engines that round the rim a little."""
+
+
+@clause("newton", "The contact force is the one that changed the velocity.")
+def newton(bench: Fixture) -> ClauseResult:
+    """Compare the force of each sample with the change of the velocity up to the next."""
+    path = bench.trajectory(bench.case(bench.brief, COARSE))
+    can, gravity = bench.brief.can, bench.brief.gravity
+    if len(path) < 3:  # noqa: PLR2004 - two changes of the velocity to compare one change of force
+        return holds(f"{len(path)} samples are too few", "")
+    gained = can.mass * np.diff(path.velocity, axis=0) / np.diff(path.time)[:, None]
+    weight = np.array((0.0, 0.0, can.mass * gravity))
+    misfit = np.linalg.norm(gained - path.contact_force[:-1] + weight, axis=1)
+    change = np.linalg.norm(np.diff(path.contact_force, axis=0), axis=1)
+    # root mean squares, so that one step in which the force happens to rest does not decide
+    ratio = float(np.sqrt(np.mean(misfit**2) / np.mean(change**2)))
+    worst = float(misfit.max()) / (can.mass * gravity)
+    detail = f"misfit over the change of the force; at most {worst:.1g} of the weight"
+    return within(ratio, NEWTON, "1", detail)
+
+
+@clause("same instant", "The contact point is the lowest point of the rim of the same state.")
+def same_instant(bench: Fixture) -> ClauseResult:
+    """Compare the contact point of each sample with the lowest point of the rim."""
+    path = bench.trajectory(bench.case(bench.gentle, FINE))
+    low = contact_point(bench.gentle.can, path.position, path.quaternion)
+    single = (path.contact_count == 1)[:-1]
+    if not single.any():
+        return holds("no sample touches in one point", "")
+    off = np.linalg.norm((path.contact_point - low)[:-1, :2], axis=1)[single]
+    way = np.linalg.norm(np.diff(low[:, :2], axis=0), axis=1)[single]
+    ratio = float(np.sqrt(np.mean(off**2) / np.mean(way**2)))
+    worst = float(off.max()) / bench.gentle.can.radius
+    detail = f"distance over the way between samples; at most {worst:.1g} of the radius"
+    return within(ratio, SAME, "1", detail)

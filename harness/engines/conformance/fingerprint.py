@@ -10,6 +10,8 @@ from dataclasses import fields
 
 from harness.core.simulation import Simulation
 from harness.core.trajectory import Trajectory
+from harness.engines.conformance.fixture import Fixture
+from harness.engines.registry import engine
 
 
 def fingerprint(simulation: Simulation) -> str:
@@ -23,10 +25,6 @@ def fingerprint(simulation: Simulation) -> str:
 
 def main(name: str) -> str:
     """Return the fingerprint of a registered engine's run of the brief release."""
-    # imported here, since the bench and the checks import this module
-    from harness.engines.conformance.fixture import Fixture  # noqa: PLC0415
-    from harness.engines.registry import engine  # noqa: PLC0415
-
     bench = Fixture(engine(name))
     return fingerprint(bench.run(bench.case(bench.brief)))
 

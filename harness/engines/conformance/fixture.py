@@ -1,9 +1,8 @@
-"""Where an engine is tried: the scenes and cases of the suite, and runs that checks share.
+"""The scenes, cases and shared runs of the suite, and the clauses of the contract.
 
-Everything is the release `gentle-rock` of the catalogue: for 20 ms, of which every timestep is
-recorded; through its bounce; or thrown so that it flies.
-
-What a check is, and what it says: passed, failed or not applicable, and by which number.
+Every scene is the release `gentle-rock` of the catalogue: for 20 ms, of which every timestep is
+recorded; through its bounce; or thrown so that it flies. A clause passes, fails or does not apply,
+and says by which number.
 """
 
 from collections.abc import Callable
@@ -108,13 +107,13 @@ class ClauseStatus(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClauseResult:
-    """What one check found.
+    """The result of one check.
 
     Parameters
     ----------
     name, sentence : str
-        Of the check.
-    result : Result
+        Of the check; empty until `conform` puts them in.
+    result : ClauseStatus
     number, allowed : float or None
         What was measured, and the most that passes; None where the answer is yes or no.
     unit : str
@@ -122,19 +121,8 @@ class ClauseResult:
         What was looked at, or what was wrong.
     """
 
-    name: str
-    sentence: str
-    result: ClauseStatus
-    number: float | None = None
-    allowed: float | None = None
-    unit: str = ""
-    detail: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ClauseEvidence:
-    """What a check's function hands back, before it is put under the check's name."""
-
+    name: str = ""
+    sentence: str = ""
     result: ClauseStatus
     number: float | None = None
     allowed: float | None = None
@@ -160,22 +148,38 @@ class Check:
 
     name: str
     sentence: str
-    look: Callable[[Fixture], ClauseEvidence]
+    look: Callable[[Fixture], ClauseResult]
     needs_run: bool = True
 
 
-def within(number: float, allowed: float, unit: str, detail: str) -> ClauseEvidence:
+CHECKS: list[Check] = []
+"""Every clause, in the order in which the modules of the suite define them."""
+
+_Look = Callable[[Fixture], ClauseResult]
+
+
+def clause(name: str, sentence: str, *, needs_run: bool = True) -> Callable[[_Look], _Look]:
+    """Return a decorator that enters a function into the contract."""
+
+    def enter(look: _Look) -> _Look:
+        CHECKS.append(Check(name=name, sentence=sentence, look=look, needs_run=needs_run))
+        return look
+
+    return enter
+
+
+def within(number: float, allowed: float, unit: str, detail: str) -> ClauseResult:
     """Return passed if a number is at most what is allowed; a number that is none fails."""
     result = ClauseStatus.PASSED if number <= allowed else ClauseStatus.FAILED
-    return ClauseEvidence(result=result, number=number, allowed=allowed, unit=unit, detail=detail)
+    return ClauseResult(result=result, number=number, allowed=allowed, unit=unit, detail=detail)
 
 
-def holds(wrong: str, detail: str) -> ClauseEvidence:
+def holds(wrong: str, detail: str) -> ClauseResult:
     """Return failed with what is wrong, or passed with what was looked at if nothing is."""
     result = ClauseStatus.FAILED if wrong else ClauseStatus.PASSED
-    return ClauseEvidence(result=result, detail=wrong or detail)
+    return ClauseResult(result=result, detail=wrong or detail)
 
 
-def not_applicable(why: str) -> ClauseEvidence:
+def not_applicable(why: str) -> ClauseResult:
     """Return that a check does not apply."""
-    return ClauseEvidence(result=ClauseStatus.NOT_APPLICABLE, detail=why)
+    return ClauseResult(result=ClauseStatus.NOT_APPLICABLE, detail=why)

@@ -1,18 +1,16 @@
 """MuJoCo as an engine: compile, compare, settle, then step in C and record by angle.
 
 `mujoco.rollout` steps in C and returns the state after each step and the sensors of the state
-before it; both are put at the same instant here. Forces and the locus come from MuJoCo's contact
+before it; the engine puts both at the same instant. Forces and the locus come from MuJoCo's contact
 sensors.
 
-MuJoCo's settings that are worth a price, and how to write them into a model of one's own.
+The variants are settings worth a price, each one change to `matched`. A time constant of solref
+held while the timestep shrinks keeps the can soft; tied to the timestep, as in `matched`, the
+softness vanishes.
 
-Each is one change to `matched`. A time constant of solref held while the timestep shrinks keeps the
-can soft; tied to it, as in `matched`, the softness vanishes.
-
-What separates MuJoCo as it ships from the matched one, and how hard its solver can try.
-
-The gaps in the order in which they are closed: the contact first, since friction and solver act
-through it, the timestep last, since a matched contact is tied to it.
+The differences between MuJoCo as shipped and matched are in the order in which they are removed:
+the contact first, since friction and solver act through it, the timestep last, since a matched
+contact is tied to it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +21,16 @@ from mujoco import rollout
 
 from harness.core.case import Case, Value
 from harness.core.simulation import Simulation
-from harness.engines.base import TIMESTEP, Capabilities, Chunk, Effort, Floats, Gap
+from harness.engines.base import (
+    COMMON,
+    TIMESTEP,
+    Capabilities,
+    Chunk,
+    Floats,
+    ModelDifference,
+    SolverEffort,
+    Variant,
+)
 from harness.engines.mujoco.settings import (
     DEFAULT_TIMESTEP,
     FAINTEST,
@@ -48,7 +55,6 @@ from harness.engines.mujoco.world import MujocoWorld, alike
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import MOST, PhysicsEngine
 from harness.engines.stepping.schedule import Fixed, Schedule, Stage
-from harness.engines.stepping.variants import COMMON, Variant
 from models.mjcf_contact import pair, surface
 
 SHIPPED_SOLREF = 0.02
@@ -104,14 +110,14 @@ def counted_step(world: "MujocoWorld") -> int:
 
 _ADAPTIVE = """\
 <!-- The timestep follows the motion. Before each mj_step of a can with these measures:
-from harness.engines import Adaptive  # schedule = Adaptive(can, largest={largest!r}, ...)
+from harness.engines import Adaptive           # schedule = Adaptive(can, largest={largest!r}, ...)
 model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
 model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
 -->
 """
 
 
-def paste(case: Case) -> str:
+def export_settings(case: Case) -> str:
     """Return the settings of a case as MJCF: `option`, and `default` for the geoms of the contact.
 
     Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
@@ -141,23 +147,23 @@ def _spelled(attributes: dict[str, str]) -> str:
     return " ".join(f'{name}="{value}"' for name, value in attributes.items())
 
 
-GAPS = (
-    Gap(
+MODEL_DIFFERENCES = (
+    ModelDifference(
         name="compliance",
         settings=("solref", "solimp"),
         sentence="The contact yields with a time constant of 0.02 s, so that the can sinks in.",
     ),
-    Gap(
+    ModelDifference(
         name="friction regularisation",
         settings=("cone", "impratio"),
         sentence="Friction is as soft as the normal, its cone a pyramid, and the rim creeps.",
     ),
-    Gap(
+    ModelDifference(
         name="solver",
         settings=("tolerance", "jacobian", "build"),
         sentence="The solver stops at an improvement of 1e-8, and idle stages run.",
     ),
-    Gap(
+    ModelDifference(
         name="timestep",
         settings=(TIMESTEP,),
         sentence="Steps of 2 ms are long beside the bounce.",
@@ -167,13 +173,13 @@ GAPS = (
 # below 1e-15 the solver's own cost is round-off; 200 iterations are reached by none of its solves
 _CONVERGED = (("tolerance", 1e-15), ("iterations", 200), ("ls_iterations", 200))
 
-EFFORTS = (
-    Effort(name="1 iteration", settings=(("tolerance", 1e-15), ("iterations", 1))),
-    Effort(name="2 iterations", settings=(("tolerance", 1e-15), ("iterations", 2))),
-    Effort(name="3 iterations", settings=(("tolerance", 1e-15), ("iterations", 3))),
-    Effort(name="tolerance 1e-4", settings=(("tolerance", 1e-4),)),
-    Effort(name="tolerance 1e-8, as shipped", settings=(("tolerance", 1e-8),)),
-    Effort(name="converged", settings=_CONVERGED),
+SOLVER_EFFORTS = (
+    SolverEffort(name="1 iteration", settings=(("tolerance", 1e-15), ("iterations", 1))),
+    SolverEffort(name="2 iterations", settings=(("tolerance", 1e-15), ("iterations", 2))),
+    SolverEffort(name="3 iterations", settings=(("tolerance", 1e-15), ("iterations", 3))),
+    SolverEffort(name="tolerance 1e-4", settings=(("tolerance", 1e-4),)),
+    SolverEffort(name="tolerance 1e-8, as shipped", settings=(("tolerance", 1e-8),)),
+    SolverEffort(name="converged", settings=_CONVERGED),
 )
 
 
@@ -184,10 +190,10 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     settings = SETTINGS
     default_timestep = DEFAULT_TIMESTEP
     matched_timestep = MATCHED_TIMESTEP
-    gaps = GAPS
-    efforts = EFFORTS
+    model_differences = MODEL_DIFFERENCES
+    solver_efforts = SOLVER_EFFORTS
     variants = VARIANTS
-    paste = staticmethod(paste)
+    export_settings = staticmethod(export_settings)
     counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
         honours=frozenset(
@@ -252,7 +258,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
                 stage = _next(schedule, state) if count < size else None
             yield chunk_of(world, _joined(times), _joined(befores), _joined(sensors))
 
-    def leanest(self, world: MujocoWorld, steps: int) -> None:
+    def bare_loop(self, world: MujocoWorld, steps: int) -> None:
         """Step so many times in C and do nothing else: no sensor, no reading, no record.
 
         Under forces that change, states are kept: MuJoCo takes those in its batched loop alone.
@@ -267,7 +273,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         mujoco.mj_getState(world.model, world.data, state, STATE)
         rollout.rollout(world.model, world.data, state[None], **told)
 
-    def keeping(self, world: MujocoWorld, steps: int) -> None:
+    def recording_loop(self, world: MujocoWorld, steps: int) -> None:
         """Step so many times in C and keep each state and the sensors of its contact."""
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)

@@ -36,135 +36,105 @@ _SWITCH = ("enable", "disable")
 
 OPTIONS = (
     Setting(
-        name="integrator",
-        default="Euler",
-        matched="Euler",
+        "integrator",
+        "Euler",
+        "Euler",
+        "Time stepping; Euler and RK4 treat the gyroscopic term explicitly.",
         choices=("Euler", "RK4", "implicit", "implicitfast", "discrete"),
-        meaning="Time stepping; Euler and RK4 treat the gyroscopic term explicitly.",
     ),
     Setting(
-        name="cone",
-        default="pyramidal",
-        matched="elliptic",
+        "cone",
+        "pyramidal",
+        "elliptic",
+        "Shape of the friction cone; a pyramid mixes normal force and friction.",
         choices=("pyramidal", "elliptic"),
-        meaning="Shape of the friction cone; a pyramid mixes normal force and friction.",
     ),
     Setting(
-        name="impratio",
-        default=1.0,
-        matched=100.0,
+        "impratio",
+        1.0,
+        100.0,
+        "Hardness of friction over that of the normal; slip creep goes with its inverse.",
         positive=True,
-        meaning="Hardness of friction over that of the normal; slip creep goes with its inverse.",
     ),
     Setting(
-        name="jacobian",
-        default="auto",
-        matched="dense",
+        "jacobian",
+        "auto",
+        "dense",
+        "Storage of the constraint Jacobian; changes round-off and time only.",
         choices=("dense", "sparse", "auto"),
-        meaning="Storage of the constraint Jacobian; changes round-off and time only.",
     ),
     Setting(
-        name="solver",
-        default="Newton",
-        matched="Newton",
+        "solver",
+        "Newton",
+        "Newton",
+        "Algorithm that finds the contact forces.",
         choices=("PGS", "CG", "Newton"),
-        meaning="Algorithm that finds the contact forces.",
     ),
+    Setting("iterations", 100, 100, "Most iterations of the solver in a step."),
+    Setting("tolerance", 1e-8, 1e-12, "Scaled improvement below which the solver stops."),
+    Setting("ls_iterations", 50, 50, "Most iterations of the line search."),
+    Setting("ls_tolerance", 0.01, 0.01, "Slope at which the line search stops."),
     Setting(
-        name="iterations",
-        default=100,
-        matched=100,
-        meaning="Most iterations of the solver in a step.",
+        "noslip_iterations",
+        0,
+        0,
+        "Iterations of the solver that suppresses slip after the main one.",
     ),
-    Setting(
-        name="tolerance",
-        default=1e-8,
-        matched=1e-12,
-        meaning="Scaled improvement below which the solver stops.",
-    ),
-    Setting(
-        name="ls_iterations",
-        default=50,
-        matched=50,
-        meaning="Most iterations of the line search.",
-    ),
-    Setting(
-        name="ls_tolerance",
-        default=0.01,
-        matched=0.01,
-        meaning="Slope at which the line search stops.",
-    ),
-    Setting(
-        name="noslip_iterations",
-        default=0,
-        matched=0,
-        meaning="Iterations of the solver that suppresses slip after the main one.",
-    ),
-    Setting(
-        name="noslip_tolerance",
-        default=1e-6,
-        matched=1e-6,
-        meaning="Improvement below which the noslip solver stops.",
-    ),
+    Setting("noslip_tolerance", 1e-6, 1e-6, "Improvement below which the noslip solver stops."),
 )
 
 GEOM = (
     Setting(
-        name="solref",
-        default=(0.02, 1.0),
-        matched=matched_solref,
-        meaning="Time constant (s) and damping ratio of the soft contact.",
+        "solref",
+        (0.02, 1.0),
+        matched_solref,
+        "Time constant (s) and damping ratio of the soft contact.",
     ),
     Setting(
-        name="solimp",
-        default=(0.9, 0.95, 0.001, 0.5, 2.0),
-        matched=(0.9, 0.9, 0.001, 0.5, 2.0),
-        meaning="Impedance against depth; constant, and 0.9: at 0.99 the contact chatters.",
+        "solimp",
+        (0.9, 0.95, 0.001, 0.5, 2.0),
+        (0.9, 0.9, 0.001, 0.5, 2.0),
+        "Impedance against depth; constant, and 0.9: at 0.99 the contact chatters.",
     ),
     Setting(
-        name="condim",
-        default=3,
-        matched=3,
-        meaning="Dimensions of the contact force: 1 normal, 3 friction, 4 torsion, 6 rolling.",
+        "condim",
+        3,
+        3,
+        "Dimensions of the contact force: 1 normal, 3 friction, 4 torsion, 6 rolling.",
     ),
-    Setting(
-        name="margin",
-        default=0.0,
-        matched=0.0,
-        meaning="Distance at which a contact becomes active, m.",
-    ),
+    Setting("margin", 0.0, 0.0, "Distance at which a contact becomes active, m."),
 )
 
 FLAGS = (
     Setting(
-        name="refsafe",
-        default="enable",
-        matched="enable",
+        "refsafe",
+        "enable",
+        "enable",
+        "Keeps the time constant of solref at two timesteps or more.",
         choices=_SWITCH,
-        meaning="Keeps the time constant of solref at two timesteps or more.",
     ),
     Setting(
-        name="warmstart",
-        default="enable",
-        matched="enable",
+        "warmstart",
+        "enable",
+        "enable",
+        "Starts the solver at the last step's forces.",
         choices=_SWITCH,
-        meaning="Starts the solver at the last step's forces.",
     ),
     Setting(
-        name="eulerdamp",
-        default="enable",
-        matched="enable",
+        "eulerdamp",
+        "enable",
+        "enable",
+        "Implicit treatment of joint damping in Euler; the can has none.",
         choices=_SWITCH,
-        meaning="Implicit treatment of joint damping in Euler; the can has none.",
     ),
 )
 
 BUILD = Setting(
-    name="build",
-    default="shipped",
-    matched="lean",
+    "build",
+    "shipped",
+    "lean",
+    "Stages and sensors: MuJoCo's own, those that the scene needs, or all there are.",
     choices=("shipped", "lean", "everything"),
-    meaning="Stages and sensors: MuJoCo's own, those that the scene needs, or all there are.",
 )
 """The harness's own word, in no file of MuJoCo: which stages of a step are compiled in."""
 
@@ -203,9 +173,7 @@ def for_effects(case: Case, timestep: float) -> dict[str, Value]:
 
 def in_force(case: Case, timestep: float) -> dict[str, Value]:
     """Return every setting in force for a case: an option, else what an effect asks for."""
-    own, asked = dict(case.options), for_effects(case, timestep)
-    asked = {name: value for name, value in asked.items() if name not in own}
-    return resolve(case, SETTINGS, timestep) | asked
+    return resolve(case, SETTINGS, timestep, for_effects(case, timestep))
 
 
 def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:

@@ -1,19 +1,16 @@
-"""What MuJoCo returns of consecutive steps, as a chunk.
+"""Steps of MuJoCo as chunks: each step read, steps between looks unread, or many releases at once.
 
-`mujoco.rollout` gives the state after each step and the sensors of the state before it; whoever
-calls has put both at the same instant.
+`mujoco.rollout` gives the state after each step and the sensors of the state before it; the caller
+has put both at the same instant.
 
-Steps of a slow motion, read only where the recorder needs it: the same steps, fewer numbers.
+At a fine timestep hundreds of steps pass between two samples, and `mujoco.rollout` writes the state
+and the sensors of each. For a slow motion MuJoCo therefore steps from look to look in C and writes
+nothing, with its sensors off, which no step depends on: the same steps, fewer numbers.
 
-At a fine timestep hundreds of steps pass between two samples. `mujoco.rollout` writes the state and
-the sensors of each; here MuJoCo steps from look to look in C and writes nothing, with its sensors
-off, which no step depends on.
-
-Many releases of one model at once: MuJoCo steps them in C, in one call.
-
-A batch gives bit for bit what its cases give one by one: the same model, each release at its own
-static penetration, each run in one piece from a cold start. It holds every step in memory, so it is
-for short runs; a case that has not ended when the batch has is run again by itself.
+A batch of releases of one model is stepped in one call. It gives bit for bit what its cases give
+alone: the same model, each release at its own static penetration, each run in one piece from a cold
+start. A batch holds every step in memory, so it is for short runs; a case that has not ended when
+the batch has is run again alone.
 """
 
 import time

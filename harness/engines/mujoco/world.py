@@ -180,7 +180,7 @@ class MujocoWorld:
             count=int(count[0]),
         )
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
         mujoco.mj_kinematics(self.model, self.data)
         return float(mujoco.mj_geomDistance(self.model, self.data, *self._geoms, _FAR, None))

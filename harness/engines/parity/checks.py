@@ -9,16 +9,16 @@ probes know a `World` and no engine.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from typing import Protocol
 
 import numpy as np
 
 from harness.core.simulation import ParityRow
-from harness.engines.base import Floats, World
+from harness.engines.base import Floats, World, signed_distance
 from harness.engines.parity.contact import contact_laws
-from harness.engines.parity.free_flight import free_flight, shaken_flight
-from harness.engines.parity.row import ParityFinding
+from harness.engines.parity.free_flight import compare, free_flight, shaken_flight
 from models.effects import NO_SLIP_FRICTION
 from models.kinematics import quaternion
 from models.mass import body
@@ -53,7 +53,7 @@ def parity(
         Quantities in which this engine in this profile is known to go its own way: a difference
         there is "imposed" and reported; any other is a "mismatch", and the run does not start.
     """
-    findings = [
+    rows = [
         *_mass_properties(world, scene),
         *free_flight(world, scene, timestep),
         *(() if scene.effects.shake is None else shaken_flight(world, scene)),  # type: ignore[arg-type]
@@ -61,21 +61,12 @@ def parity(
         _friction(world, scene, timestep),
         *contact_laws(world, scene, timestep),
     ]
-    rows = []
-    for finding in findings:
-        equal = abs(finding.found - finding.declared) <= finding.tolerance
-        other = "imposed" if finding.quantity in imposed else "mismatch"
-        rows.append(
-            ParityRow(
-                quantity=finding.quantity,
-                unit=finding.unit,
-                declared=finding.declared,
-                found=finding.found,
-                how=finding.how,
-                verdict="equal" if equal else other,
-            )
-        )
-    return tuple(rows)
+    return tuple(
+        replace(row, verdict="imposed")
+        if row.verdict == "mismatch" and row.quantity in imposed
+        else row
+        for row in rows
+    )
 
 
 class WeighedWorld(World, Protocol):
@@ -92,7 +83,7 @@ class WeighedWorld(World, Protocol):
         ...
 
 
-def _mass_properties(world: World, scene: Scene) -> Iterator[ParityFinding]:
+def _mass_properties(world: World, scene: Scene) -> Iterator[ParityRow]:
     """Read mass and moments back."""
     can, found_mass = scene.can, ("mass", "kg", body(scene).mass, world.mass)
     if scene.effects.point_mass is not None:
@@ -108,14 +99,7 @@ def _mass_properties(world: World, scene: Scene) -> Iterator[ParityFinding]:
     # decimal text and a change of frame cost a few roundings
     scales = {"kg": can.mass, "m": can.bounding_radius, "kg m^2": can.transverse_inertia}
     for quantity, unit, declared, found in rows:
-        yield ParityFinding(
-            quantity=quantity,
-            unit=unit,
-            declared=declared,
-            found=float(found),
-            tolerance=1e-12 * scales[unit],
-            how="read back",
-        )
+        yield compare(quantity, unit, declared, float(found), 1e-12 * scales[unit], "read back")
 
 
 def _off_centre(world: WeighedWorld, scene: Scene) -> Iterator[tuple[str, str, float, float]]:
@@ -129,7 +113,7 @@ def _off_centre(world: WeighedWorld, scene: Scene) -> Iterator[tuple[str, str, f
         yield name, "kg m^2", declared, float(tensor[row, column])
 
 
-def _collider(world: World, scene: Scene) -> Iterator[ParityFinding]:
+def _collider(world: World, scene: Scene) -> Iterator[ParityRow]:
     """Probe the rim: how low the collider reaches below the centre at each tilt."""
     can = scene.can
     still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
@@ -145,7 +129,7 @@ def _collider(world: World, scene: Scene) -> Iterator[ParityFinding]:
             # an arc takes r (sin + cos - 1) off the reach of a sharp rim
             blunt = 1.0 - math.sin(phi) - math.cos(phi)
             sines.append((math.sin(phi), math.cos(phi), blunt)[: 2 if rim is None else 3])
-            reach.append(low + lift - world.gap())
+            reach.append(low + lift - signed_distance(world))
             ideal.append(low + arc * blunt)
     (radius, half_height, *found_arc), *_ = np.linalg.lstsq(
         np.array(sines), np.array(reach), rcond=None
@@ -157,14 +141,14 @@ def _collider(world: World, scene: Scene) -> Iterator[ParityFinding]:
         ("rim deviation", 0.0, worst, "largest distance from the ideal rim over all tilts"),
         *(("radius of the rim's arc", arc, float(each), "the same fit") for each in found_arc),
     ):
-        yield ParityFinding(
-            quantity=quantity,
-            unit="m",
-            declared=declared,
-            found=found,
+        yield compare(
+            quantity,
+            "m",
+            declared,
+            found,
             # the distances are differences of lengths of the can's size
-            tolerance=1e-12 * can.bounding_radius + 1e-15,
-            how=how,
+            1e-12 * can.bounding_radius + 1e-15,
+            how,
         )
 
 
@@ -173,7 +157,7 @@ def contact_turns_freely(scene: Scene) -> bool:
     return scene.effects.drilling is None and scene.effects.rolling_resistance is None
 
 
-def _friction(world: World, scene: Scene, timestep: float) -> ParityFinding:
+def _friction(world: World, scene: Scene, timestep: float) -> ParityRow:
     """Probe the friction of the pair: a can that slides fast takes all of it."""
     slip = scene.effects.slip
     declared = NO_SLIP_FRICTION if slip is None else slip.mu
@@ -186,7 +170,7 @@ def _friction(world: World, scene: Scene, timestep: float) -> ParityFinding:
     speed = max(_SLIDING, 2.0 * declared * mobility * scene.gravity * timestep)
     still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
     world.place(Pose(position=np.array((0.0, 0.0, low)), quaternion=tilted), still)
-    touching = low - world.gap()  # where this collider touches
+    touching = low - signed_distance(world)  # where this collider touches
     tolerance = max(declared, 1e-3) * (1e-6 if contact_turns_freely(scene) else 1e-2)
 
     # in small steps: just past an engine's slop, since a force that stops the can within the step
@@ -215,13 +199,13 @@ def _friction(world: World, scene: Scene, timestep: float) -> ParityFinding:
             break
         speed *= 10.0
         found = slid(speed)
-    return ParityFinding(
-        quantity="friction of the pair",
-        unit="1",
-        declared=declared,
-        found=found,
+    return compare(
+        "friction of the pair",
+        "1",
+        declared,
+        found,
         # solvers stop at a tolerance of this size or less; where the contact resists turning too,
         # the moment may share the cone with the force: the force is short by half its share squared
-        tolerance=tolerance,
-        how=f"force ratio of a can that slides at {speed:g} m/s, balanced on its rim",
+        tolerance,
+        f"force ratio of a can that slides at {speed:g} m/s, balanced on its rim",
     )

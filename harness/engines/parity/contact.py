@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.engines.base import Contact, Floats, World
-from harness.engines.parity.row import ParityFinding
+from harness.core.simulation import ParityRow
+from harness.engines.base import Contact, Floats, World, signed_distance
+from harness.engines.parity.free_flight import compare
 from harness.engines.stepping.horizon import natural_time
 from models.gravity import gravity_vector, shaking
 from models.kinematics import quaternion, to_body
@@ -96,7 +97,7 @@ class _Stand:
         return momentum + np.cross(centre - about, self.whole.mass * velocity)
 
 
-def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[ParityFinding]:
+def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[ParityRow]:
     """Probe each law of the contact that the scene declares."""
     effects = scene.effects
     if not {"compliance", "restitution", "drilling", "rolling_resistance"}.intersection(
@@ -122,7 +123,7 @@ def _stand(world: World, scene: Scene, timestep: float) -> _Stand:
     tilted = quaternion(can.balancing_angle, 0.0, 0.0)
     pose = Pose(position=-offset[2] * _UP, quaternion=tilted)
     world.place(pose, Twist(velocity=_NOTHING, angular_velocity=_NOTHING))
-    touching = Pose(position=pose.position - world.gap() * _UP, quaternion=tilted)
+    touching = Pose(position=pose.position - signed_distance(world) * _UP, quaternion=tilted)
     return _Stand(
         world=world,
         scene=scene,
@@ -133,7 +134,7 @@ def _stand(world: World, scene: Scene, timestep: float) -> _Stand:
     )
 
 
-def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[ParityFinding]:
+def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[ParityRow]:
     """Read stiffness and damping from the force at rest and sinking."""
     depth = stand.whole.mass * stand.scene.gravity / stiffness
     # it needs a depth, gravity or not, at which the rim is in the plane and the can is not
@@ -147,25 +148,25 @@ def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[ParityF
     step = stiffness * stand.timestep
     fallen = step * stand.timestep / stand.whole.mass
     how = "force of one step on a can balanced on its rim"
-    yield ParityFinding(
-        quantity="contact stiffness",
-        unit="N/m",
-        declared=stiffness,
-        found=float(held.force[2]) / depth,
-        tolerance=stiffness * (1e-3 + 3.0 * fallen),
-        how=f"{how}, at rest",
+    yield compare(
+        "contact stiffness",
+        "N/m",
+        stiffness,
+        float(held.force[2]) / depth,
+        stiffness * (1e-3 + 3.0 * fallen),
+        f"{how}, at rest",
     )
-    yield ParityFinding(
-        quantity="contact damping",
-        unit="N s/m",
-        declared=damping,
-        found=float(sinking.force[2] - held.force[2]) / speed,
-        tolerance=1e-3 * damping + 1.1 * step + 6.0 * fallen * (damping + step) + 1e-6 * step,
-        how=f"{how}, that sinks at {speed:.2g} m/s",
+    yield compare(
+        "contact damping",
+        "N s/m",
+        damping,
+        float(sinking.force[2] - held.force[2]) / speed,
+        1e-3 * damping + 1.1 * step + 6.0 * fallen * (damping + step) + 1e-6 * step,
+        f"{how}, that sinks at {speed:.2g} m/s",
     )
 
 
-def _resistance(stand: _Stand, quantity: str, length: float, axis: Floats) -> ParityFinding:
+def _resistance(stand: _Stand, quantity: str, length: float, axis: Floats) -> ParityRow:
     """Read the arm of a moment that turning about an axis meets."""
     moments = np.linalg.eigvalsh(stand.whole.inertia)
     stopped = length * stand.whole.mass * max(stand.scene.gravity, 1.0) * stand.timestep
@@ -174,20 +175,20 @@ def _resistance(stand: _Stand, quantity: str, length: float, axis: Floats) -> Pa
         (abs(float(moment[2])) if axis is _UP else math.hypot(moment[0], moment[1])) / normal
         for moment, normal in stand.moments(spin)
     ]
-    return ParityFinding(
-        quantity=quantity,
-        unit="m",
-        declared=length,
+    return compare(
+        quantity,
+        "m",
+        length,
         # pressed lightly, the friction that keeps a turning can on the spot has a large share of a
         # cone that the moment shares with it; pressed hard, a soft one holds back less than it may
-        found=max(arms, default=math.nan),
+        max(arms, default=math.nan),
         # a cone that is shared with sliding is short of what the spin slides within the step
-        tolerance=length * (1e-3 + 50.0 * (stand.timestep / natural_time(stand.scene)) ** 2),
-        how="moment over the normal force, in one step of turning on the spot, at the best load",
+        length * (1e-3 + 50.0 * (stand.timestep / natural_time(stand.scene)) ** 2),
+        "moment over the normal force, in one step of turning on the spot, at the best load",
     )
 
 
-def _impact(stand: _Stand, coefficient: float) -> ParityFinding:
+def _impact(stand: _Stand, coefficient: float) -> ParityRow:
     """Read what an impact gives back of the speed of the contact."""
     world, timestep = stand.world, stand.timestep
     above = 2.5 * _FALLING * timestep
@@ -205,13 +206,13 @@ def _impact(stand: _Stand, coefficient: float) -> ParityFinding:
         before = after
     # gravity acts in the step of the impact too
     slack = stand.scene.gravity * timestep / _FALLING
-    return ParityFinding(
-        quantity="restitution",
-        unit="1",
-        declared=coefficient,
-        found=-after / before,
-        tolerance=1e-6 + 2.0 * slack,
-        how=f"an impact at {_FALLING:g} m/s, balanced on its rim",
+    return compare(
+        "restitution",
+        "1",
+        coefficient,
+        -after / before,
+        1e-6 + 2.0 * slack,
+        f"an impact at {_FALLING:g} m/s, balanced on its rim",
     )
 
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from harness.core.simulation import ParityRow
 from harness.engines.base import Floats, World
-from harness.engines.parity.row import ParityFinding
 from harness.engines.stepping.generic_stepping import SteeredWorld
 from models.gravity import gravity_vector, plane_velocity, shaking
 from models.mass import body
@@ -29,7 +29,33 @@ _IN_A_PERIOD = 16
 """Steps in a period of the shaking: enough to tell it from another frequency or phase."""
 
 
-def free_flight(world: World, scene: Scene, timestep: float) -> Iterator[ParityFinding]:
+def compare(  # noqa: PLR0917 - the columns of a table, in their order
+    quantity: str, unit: str, declared: float, found: float, tolerance: float, how: str
+) -> ParityRow:
+    """Return a row of the parity table, "equal" where both values are within the tolerance.
+
+    Parameters
+    ----------
+    quantity, unit : str
+    declared, found : float
+        The value of the scene, and the value of the compiled engine.
+    tolerance : float
+        In the unit: what reading the value back, or probing it, may cost.
+    how : str
+        Where the value was found.
+    """
+    equal = abs(found - declared) <= tolerance
+    return ParityRow(
+        quantity=quantity,
+        unit=unit,
+        declared=declared,
+        found=found,
+        how=how,
+        verdict="equal" if equal else "mismatch",
+    )
+
+
+def free_flight(world: World, scene: Scene, timestep: float) -> Iterator[ParityRow]:
     """Probe gravity, time, damping and clamps in single steps of flight without contact."""
     damping = scene.effects.damping
     linear, angular = (0.0, 0.0) if damping is None else (damping.linear, damping.angular)
@@ -42,27 +68,20 @@ def free_flight(world: World, scene: Scene, timestep: float) -> Iterator[ParityF
     left = float(thrown.velocity[0] - rest.velocity[0])
     # engines advance with the new velocity
     advance = float(after.position[0] - fallen.position[0]) / left if left else math.nan
-    yield ParityFinding(
-        quantity="timestep",
-        unit="s",
-        declared=timestep,
-        found=advance,
-        tolerance=1e-9 * timestep + 1e-15,
-        how=_HOW,
-    )
+    yield compare("timestep", "s", timestep, advance, 1e-9 * timestep + 1e-15, _HOW)
     yield from _gravity(scene, rest.velocity / timestep, timestep, ulp + linear * scene.gravity)
     spin = float(spun.angular_velocity @ axis)
     for quantity, rate, kept in (
         ("linear damping", linear, left),
         ("angular damping", angular, spin),
     ):
-        yield ParityFinding(
-            quantity=quantity,
-            unit="1/s",
-            declared=rate,
-            found=-math.log(kept) / timestep if kept > 0.0 else math.inf,
-            tolerance=ulp + rate**2 * timestep,
-            how=_HOW,
+        yield compare(
+            quantity,
+            "1/s",
+            rate,
+            -math.log(kept) / timestep if kept > 0.0 else math.inf,
+            ulp + rate**2 * timestep,
+            _HOW,
         )
     fast, _ = _flown(world, scene, velocity=_FAST * _X)
     racing, _ = _flown(world, scene, spin=_FAST * axis)
@@ -70,34 +89,34 @@ def free_flight(world: World, scene: Scene, timestep: float) -> Iterator[ParityF
         ("speed kept", "m/s", linear, float(fast.velocity[0] - rest.velocity[0])),
         ("spin kept", "rad/s", angular, float(racing.angular_velocity @ axis)),
     ):
-        yield ParityFinding(
-            quantity=quantity,
-            unit=unit,
-            declared=_FAST * math.exp(-rate * timestep),
-            found=found,
-            tolerance=_FAST * (1e-9 + (rate * timestep) ** 2),
-            how="one step of free flight at this rate",
+        yield compare(
+            quantity,
+            unit,
+            _FAST * math.exp(-rate * timestep),
+            found,
+            _FAST * (1e-9 + (rate * timestep) ** 2),
+            "one step of free flight at this rate",
         )
 
 
-def _gravity(scene: Scene, found: Floats, timestep: float, ulp: float) -> Iterator[ParityFinding]:
+def _gravity(scene: Scene, found: Floats, timestep: float, ulp: float) -> Iterator[ParityRow]:
     """Compare what a step of fall gains, shape (3,), m/s^2, with the scene's gravity."""
     declared = gravity_vector(scene) + shaking(scene, 0.0, timestep)
     directions = [("gravity", -_Z)]
     if scene.effects.tilt is not None or scene.effects.shake is not None:
         directions += [("gravity along x", _X), ("gravity along y", _Y)]
     for quantity, direction in directions:
-        yield ParityFinding(
-            quantity=quantity,
-            unit="m/s^2",
-            declared=float(declared @ direction),
-            found=float(found @ direction),
-            tolerance=1e-9 * scene.gravity + ulp,
-            how=_HOW,
+        yield compare(
+            quantity,
+            "m/s^2",
+            float(declared @ direction),
+            float(found @ direction),
+            1e-9 * scene.gravity + ulp,
+            _HOW,
         )
 
 
-def shaken_flight(world: SteeredWorld, scene: Scene) -> Iterator[ParityFinding]:
+def shaken_flight(world: SteeredWorld, scene: Scene) -> Iterator[ParityRow]:
     """Probe the shaking over a period: what the plane's velocity loses a can aloft gains."""
     shake, own = scene.effects.shake, world.timestep
     if shake is None:
@@ -124,21 +143,21 @@ def shaken_flight(world: SteeredWorld, scene: Scene) -> Iterator[ParityFinding]:
         ("horizontal shaking", across, shake.horizontal),
         ("vertical shaking", _Z, shake.vertical),
     ):
-        yield ParityFinding(
-            quantity=quantity,
-            unit="m",
-            declared=amplitude,
-            found=float(shape @ (found @ direction)) / float(shape @ shape) / rate,
-            tolerance=tolerance / rate,
-            how="fit to the velocity gained in a period of free flight",
+        yield compare(
+            quantity,
+            "m",
+            amplitude,
+            float(shape @ (found @ direction)) / float(shape @ shape) / rate,
+            tolerance / rate,
+            "fit to the velocity gained in a period of free flight",
         )
-    yield ParityFinding(
-        quantity="misfit of the shaking",
-        unit="m/s",
-        declared=0.0,
-        found=float(np.abs(found - expected).max()),
-        tolerance=tolerance,
-        how="largest over the same period",
+    yield compare(
+        "misfit of the shaking",
+        "m/s",
+        0.0,
+        float(np.abs(found - expected).max()),
+        tolerance,
+        "largest over the same period",
     )
 
 

@@ -111,6 +111,14 @@ class ProbeFinding:
     how: str
 
 
+def findings(effect: str, how: str, *rows: tuple[str, str, float, float]) -> Iterator[ProbeFinding]:
+    """Yield the findings of a probe, each given as quantity, unit, value and expected value."""
+    for quantity, unit, value, expected in rows:
+        yield ProbeFinding(
+            effect=effect, quantity=quantity, unit=unit, value=value, expected=expected, how=how
+        )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
     """One imposed effect as a curve, y against x, each of shape (n,), labels with units."""

@@ -1,6 +1,6 @@
-"""All probes of an engine, one after the other, each in a world of its own.
+"""The survey of an engine: every probe in turn, each in a world of its own.
 
-Which engines are probed with which settings: as they ship, and matched, each once.
+Engines are probed as they ship and matched, each profile once.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -9,17 +9,15 @@ from typing import TypeGuard
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Engine
-from harness.engines.probes.contact_point import creep, points, rim
-from harness.engines.probes.contact_stiffness import compliance, stabilisation
+from harness.engines.base import Engine, features_of
+from harness.engines.probes.contact import compliance, creep, points, rim, stabilisation
 from harness.engines.probes.fixture import Evidence, Measurement, Opener, ProbeFinding, Trace
-from harness.engines.probes.free_flight import clamp, damping, turn
-from harness.engines.probes.gyroscopic import gyroscopic
+from harness.engines.probes.flight import clamp, damping, gyroscopic, turn
 from harness.engines.registry import engine
 from models.catalogue import load
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Probe:
     """One effect, the question that isolates it, and what answers it."""
 
@@ -29,58 +27,26 @@ class Probe:
 
 
 PROBES = (
+    Probe("compliance", "How deep does the rim sink under the can's weight?", compliance),
     Probe(
-        effect="compliance",
-        question="How deep does the rim sink under the can's weight?",
-        measure=compliance,
+        "friction compliance",
+        "How fast does the rim creep under a force that true friction would hold?",
+        creep,
     ),
-    Probe(
-        effect="friction compliance",
-        question="How fast does the rim creep under a force that true friction would hold?",
-        measure=creep,
-    ),
-    Probe(
-        effect="rim",
-        question="How far is the collider from a sharp circle?",
-        measure=rim,
-    ),
-    Probe(
-        effect="contact points",
-        question="Below which tilt does the rim touch in several points?",
-        measure=points,
-    ),
-    Probe(
-        effect="damping",
-        question="What does free flight lose?",
-        measure=damping,
-    ),
-    Probe(
-        effect="velocity clamp",
-        question="Which velocities does a step let pass?",
-        measure=clamp,
-    ),
-    Probe(
-        effect="orientation update",
-        question="How far can a step turn the can?",
-        measure=turn,
-    ),
-    Probe(
-        effect="gyroscopic term",
-        question="What does a spinning can, free of torque, gain or lose?",
-        measure=gyroscopic,
-    ),
-    Probe(
-        effect="stabilisation",
-        question="What motion does the engine make of an overlap?",
-        measure=stabilisation,
-    ),
+    Probe("rim", "How far is the collider from a sharp circle?", rim),
+    Probe("contact points", "Below which tilt does the rim touch in several points?", points),
+    Probe("damping", "What does free flight lose?", damping),
+    Probe("velocity clamp", "Which velocities does a step let pass?", clamp),
+    Probe("orientation update", "How far can a step turn the can?", turn),
+    Probe("gyroscopic term", "What does a spinning can, free of torque, gain or lose?", gyroscopic),
+    Probe("stabilisation", "What motion does the engine make of an overlap?", stabilisation),
 )
 """Every probe, in the order of the report."""
 
 
 def opens_worlds(candidate: Engine) -> TypeGuard[Opener]:
     """Whether an engine compiles cases into worlds, which probes need."""
-    return callable(getattr(candidate, "open", None))
+    return features_of(candidate).open is not None
 
 
 def measure(case: Case) -> Measurement:

@@ -3,15 +3,13 @@
 There is no batched stepping: each step is a call, and so is each of the three readings, so that
 states are read no oftener than the recorder needs them.
 
-PyBullet's settings that are worth a price, and how to write them into a program of one's own.
+The variants are settings worth a price, each one change to `matched`. A margin makes another rim
+than the scene's, which only profile `default` lets pass: so that variant is the engine as shipped
+with all differences removed but this.
 
-Each is one change to `matched`. A margin makes another rim than the scene's, which only profile
-`default` lets pass: so that variant is the shipped engine with all gaps closed but this.
-
-What separates PyBullet as it ships from the matched one, and how hard its solver can try.
-
-The gaps in the order in which they are closed: the body first (its rim, its moments), then what
-acts on a body in flight, then the contact and its solver, the timestep last.
+The differences between PyBullet as shipped and matched are in the order in which they are removed:
+the body first (its rim, its moments), then what acts on a body in flight, then the contact and its
+solver, the timestep last.
 """
 
 from collections.abc import Iterator
@@ -22,7 +20,15 @@ import numpy as np
 import pybullet
 
 from harness.core.case import Case, Value
-from harness.engines.base import TIMESTEP, Capabilities, Chunk, Effort, Gap
+from harness.engines.base import (
+    COMMON,
+    TIMESTEP,
+    Capabilities,
+    Chunk,
+    ModelDifference,
+    SolverEffort,
+    Variant,
+)
 from harness.engines.pybullet.settings import (
     DEFAULT_TIMESTEP,
     DYNAMICS,
@@ -39,7 +45,6 @@ from harness.engines.pybullet.world import PybulletWorld
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import PhysicsEngine
 from harness.engines.stepping.schedule import Schedule, Stage
-from harness.engines.stepping.variants import COMMON, Variant
 
 _ALL_BUT_THE_MARGIN = tuple(
     (setting.name, setting.matched)
@@ -99,7 +104,7 @@ _ADAPTIVE = """\
 """
 
 
-def paste(case: Case) -> str:
+def export_settings(case: Case) -> str:
     """Return the settings of a case as calls, for a world that is connected and a file can.urdf."""
     chosen = engine(case.engine)
     timestep = chosen.timestep(case)
@@ -133,38 +138,38 @@ def _arguments(settings: dict[str, Any]) -> str:
     return ", ".join(f"{name}={value}" for name, value in told.items())
 
 
-GAPS = (
-    Gap(
+MODEL_DIFFERENCES = (
+    ModelDifference(
         name="rim shape",
         settings=("URDF_USE_IMPLICIT_CYLINDER", "collisionMargin"),
         sentence="The rim is a polygon with 32 corners inside a margin of 1 mm.",
     ),
-    Gap(
+    ModelDifference(
         name="inertia",
         settings=("URDF_USE_INERTIA_FROM_FILE",),
         sentence="The moments are those of the collision shape, not the declared ones.",
     ),
-    Gap(
+    ModelDifference(
         name="damping",
         settings=("linearDamping", "angularDamping"),
         sentence="Velocities decay at 0.04 per second.",
     ),
-    Gap(
+    ModelDifference(
         name="velocity clamp",
         settings=("maxJointVelocity",),
         sentence="No component of velocity exceeds 100 m/s or rad/s.",
     ),
-    Gap(
+    ModelDifference(
         name="stabilisation",
         settings=("contactERP", "contactSlop"),
         sentence="A slop of 0.01 mm is left alone and what is deeper taken away at 8 % a step.",
     ),
-    Gap(
+    ModelDifference(
         name="solver",
         settings=("solverResidualThreshold", "enableConeFriction"),
         sentence="The sweeps stop at a squared residual of 1e-7.",
     ),
-    Gap(
+    ModelDifference(
         name="timestep",
         settings=(TIMESTEP,),
         sentence="Steps of 1/240 s are long beside the bounce.",
@@ -174,13 +179,13 @@ GAPS = (
 # a squared residual of 1e-30 is round-off of velocities of 1 m/s; sweeps end there before 1000
 _RESIDUAL = ("solverResidualThreshold", 1e-30)
 
-EFFORTS = (
-    Effort(name="1 sweep", settings=(_RESIDUAL, ("numSolverIterations", 1))),
-    Effort(name="2 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 2))),
-    Effort(name="5 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 5))),
-    Effort(name="10 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 10))),
-    Effort(name="residual 1e-7, as shipped", settings=(("solverResidualThreshold", 1e-7),)),
-    Effort(name="converged", settings=(_RESIDUAL, ("numSolverIterations", 1000))),
+SOLVER_EFFORTS = (
+    SolverEffort(name="1 sweep", settings=(_RESIDUAL, ("numSolverIterations", 1))),
+    SolverEffort(name="2 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 2))),
+    SolverEffort(name="5 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 5))),
+    SolverEffort(name="10 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 10))),
+    SolverEffort(name="residual 1e-7, as shipped", settings=(("solverResidualThreshold", 1e-7),)),
+    SolverEffort(name="converged", settings=(_RESIDUAL, ("numSolverIterations", 1000))),
 )
 
 
@@ -191,10 +196,10 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     settings = SETTINGS
     default_timestep = DEFAULT_TIMESTEP
     matched_timestep = MATCHED_TIMESTEP
-    gaps = GAPS
-    efforts = EFFORTS
+    model_differences = MODEL_DIFFERENCES
+    solver_efforts = SOLVER_EFFORTS
     variants = VARIANTS
-    paste = staticmethod(paste)
+    export_settings = staticmethod(export_settings)
     counted_step = staticmethod(counted_step)
     capabilities = Capabilities(
         honours=frozenset(
@@ -246,14 +251,14 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
                 stage = None if steps.reach(size) else _next(schedule, world)
             yield steps.chunk()
 
-    def leanest(self, world: PybulletWorld, steps: int) -> None:
+    def bare_loop(self, world: PybulletWorld, steps: int) -> None:
         """Step so many times and do nothing else: no reading, no record."""
         times = np.arange(steps) * np.float64(world.timestep)
         step, client = world.stepper(times), world.client
         for _ in range(steps):
             step(client)
 
-    def keeping(self, world: PybulletWorld, steps: int) -> None:
+    def recording_loop(self, world: PybulletWorld, steps: int) -> None:
         """Step so many times and keep what PyBullet says of each state and contact, as it is."""
         step = world.stepper(np.arange(steps) * np.float64(world.timestep))
         can, ground, client = world.can, world.ground, world.client

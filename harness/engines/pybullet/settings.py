@@ -30,25 +30,25 @@ SEQUENTIAL_IMPULSE = "CONSTRAINT_SOLVER_LCP_SI"
 
 URDF_FLAGS = (
     Setting(
-        name="URDF_USE_IMPLICIT_CYLINDER",
+        "URDF_USE_IMPLICIT_CYLINDER",
         default=False,
         matched=True,
         meaning="A true cylinder; else a prism with 32 sides that rolls on its corners.",
     ),
     Setting(
-        name="URDF_USE_INERTIA_FROM_FILE",
+        "URDF_USE_INERTIA_FROM_FILE",
         default=False,
         matched=True,
         meaning="The declared moments; else those of the shape, of its bounding box for a prism.",
     ),
     Setting(
-        name="URDF_ENABLE_SLEEPING",
+        "URDF_ENABLE_SLEEPING",
         default=False,
         matched=False,
         meaning="A can that has been slow for two seconds is put to sleep and stands still.",
     ),
     Setting(
-        name="useMaximalCoordinates",
+        "useMaximalCoordinates",
         default=False,
         matched=False,
         meaning="btRigidBody with an implicit gyroscopic term; else btMultiBody, explicit.",
@@ -57,120 +57,85 @@ URDF_FLAGS = (
 
 SOLVER = (
     Setting(
-        name="numSubSteps",
-        default=0,
-        matched=0,
-        meaning="Parts that a timestep is stepped in, of 2 or more; forces are the last one's.",
+        "numSubSteps",
+        0,
+        0,
+        "Parts that a timestep is stepped in, of 2 or more; forces are the last one's.",
     ),
     Setting(
-        name="constraintSolverType",
-        default=SEQUENTIAL_IMPULSE,
-        matched=SEQUENTIAL_IMPULSE,
-        choices=(
-            SEQUENTIAL_IMPULSE,
-            "CONSTRAINT_SOLVER_LCP_PGS",
-            "CONSTRAINT_SOLVER_LCP_DANTZIG",
-        ),
-        meaning="Algorithm that finds the contact impulses.",
+        "constraintSolverType",
+        SEQUENTIAL_IMPULSE,
+        SEQUENTIAL_IMPULSE,
+        "Algorithm that finds the contact impulses.",
+        choices=(SEQUENTIAL_IMPULSE, "CONSTRAINT_SOLVER_LCP_PGS", "CONSTRAINT_SOLVER_LCP_DANTZIG"),
     ),
     Setting(
-        name="useSplitImpulse",
-        default=0,
-        matched=0,
-        meaning="Pushes a deep penetration out without speed (1); of maximal coordinates alone.",
+        "useSplitImpulse",
+        0,
+        0,
+        "Pushes a deep penetration out without speed (1); of maximal coordinates alone.",
     ),
     Setting(
-        name="splitImpulsePenetrationThreshold",
-        default=None,
-        matched=None,
-        meaning="Distance below which an impulse is split, m, negative.",
+        "splitImpulsePenetrationThreshold",
+        None,
+        None,
+        "Distance below which an impulse is split, m, negative.",
     ),
     Setting(
-        name="numSolverIterations",
-        default=50,
-        matched=50,
-        meaning="Most sweeps of the sequential impulse solver in a step.",
+        "numSolverIterations", 50, 50, "Most sweeps of the sequential impulse solver in a step."
     ),
     Setting(
-        name="solverResidualThreshold",
-        default=1e-7,
-        matched=1e-14,
-        meaning="Squared velocity residual at which the sweeps stop.",
+        "solverResidualThreshold",
+        1e-7,
+        1e-14,
+        "Squared velocity residual at which the sweeps stop.",
+    ),
+    Setting("contactERP", None, 0.8, "Share of the penetration taken away in a step."),
+    Setting(
+        "frictionERP", None, None, "Share of the slip taken back in a step, with friction anchors."
+    ),
+    Setting("globalCFM", None, None, "Softness mixed into every constraint."),
+    Setting("contactSlop", None, 0.0, "Penetration that is left alone, m."),
+    Setting(
+        "contactBreakingThreshold",
+        None,
+        None,
+        "Distance beyond which a cached contact is dropped, relative to the can's size.",
     ),
     Setting(
-        name="contactERP",
-        default=None,
-        matched=0.8,
-        meaning="Share of the penetration taken away in a step.",
+        "warmStartingFactor",
+        None,
+        None,
+        "Share of the last step's impulses that the solver starts from.",
     ),
     Setting(
-        name="frictionERP",
-        default=None,
-        matched=None,
-        meaning="Share of the slip taken back in a step, with friction anchors.",
+        "enableConeFriction",
+        None,
+        1,
+        "Circular friction cone (1) or two independent directions (0).",
     ),
     Setting(
-        name="globalCFM",
-        default=None,
-        matched=None,
-        meaning="Softness mixed into every constraint.",
-    ),
-    Setting(
-        name="contactSlop",
-        default=None,
-        matched=0.0,
-        meaning="Penetration that is left alone, m.",
-    ),
-    Setting(
-        name="contactBreakingThreshold",
-        default=None,
-        matched=None,
-        meaning="Distance beyond which a cached contact is dropped, relative to the can's size.",
-    ),
-    Setting(
-        name="warmStartingFactor",
-        default=None,
-        matched=None,
-        meaning="Share of the last step's impulses that the solver starts from.",
-    ),
-    Setting(
-        name="enableConeFriction",
-        default=None,
-        matched=1,
-        meaning="Circular friction cone (1) or two independent directions (0).",
-    ),
-    Setting(
-        name="restitutionVelocityThreshold",
-        default=None,
-        matched=None,
-        meaning="Speed below which an impact gives nothing back, m/s.",
+        "restitutionVelocityThreshold",
+        None,
+        None,
+        "Speed below which an impact gives nothing back, m/s.",
     ),
 )
 
 DYNAMICS = (
+    Setting("collisionMargin", None, 0.0, "Radius of the fillet that rounds the rim, m."),
     Setting(
-        name="collisionMargin",
-        default=None,
-        matched=0.0,
-        meaning="Radius of the fillet that rounds the rim, m.",
+        "linearDamping",
+        None,
+        0.0,
+        "Rate at which velocity is lost, 1/s, and again with its square.",
     ),
+    Setting("angularDamping", None, 0.0, "Rate at which angular velocity is lost, 1/s."),
     Setting(
-        name="linearDamping",
-        default=None,
-        matched=0.0,
-        meaning="Rate at which velocity is lost, 1/s, and again with its square.",
-    ),
-    Setting(
-        name="angularDamping",
-        default=None,
-        matched=0.0,
-        meaning="Rate at which angular velocity is lost, 1/s.",
-    ),
-    Setting(
-        name="maxJointVelocity",
-        default=None,
-        matched=OUT_OF_REACH,
-        meaning="Clamp on each component of velocity and angular velocity.",
+        "maxJointVelocity",
+        None,
+        OUT_OF_REACH,
+        "Clamp on each component of velocity and angular velocity.",
     ),
 )
 
@@ -206,9 +171,7 @@ SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)
 
 def in_force(case: Case, timestep: float) -> dict[str, Value]:
     """Return every setting in force for a case: an option, else what an effect asks for."""
-    own, asked = dict(case.options), for_effects(case.scene)
-    asked = {name: value for name, value in asked.items() if name not in own}
-    return resolve(case, SETTINGS, timestep) | asked
+    return resolve(case, SETTINGS, timestep, for_effects(case.scene))
 
 
 SHIPPED_VALUES = {

@@ -1,17 +1,32 @@
 """A PyBullet world of a scene that can be placed, stepped and read.
 
-The contact points that a step leaves behind belong to the state before it. Quaternions are scalar
-last in PyBullet and scalar first here; `getBaseVelocity` is in world coordinates already. What
-PyBullet moves is the centre of mass; what is handed over is the centre of the can. The shaking of a
-plane is a gravity that is set anew before each step. Every call names its client, so that worlds do
-not meet. Of a timestep in parts PyBullet hands over the impulse of the last one, divided by the
-whole timestep.
+The contact points that a step leaves behind belong to the state before the step. Quaternions are
+scalar last in PyBullet and scalar first in the harness; `getBaseVelocity` is in world coordinates
+already. The shaking of a plane is a gravity that is set anew before each step. Every call names its
+client, so that worlds do not meet. Of a timestep in parts PyBullet hands over the impulse of the
+last part, divided by the whole timestep.
+
+PyBullet moves the principal axes at the centre of mass, while the harness reads the centre of the
+can and its axes. Without a point mass the axes are the same; with one they are turned and off the
+centre:
+
+    R_WB = R_WI R_IB,    p = p_com - R_WB c,    v = v_com - omega x R_WB c
+
+with c the centre of mass from the can's centre in the can's axes.
+
+PyBullet prints a line on standard error, from C, when it is imported, and on standard output when
+it changes its solver. A command whose output is one JSON object, or whose standard error holds one
+message, must not contain these lines, so the descriptors point elsewhere meanwhile.
 """
 
+import ctypes
 import math
+import os
+import sys
 import tempfile
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -21,7 +36,6 @@ import pybullet
 from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
 from harness.engines.base import Contact, Floats
-from harness.engines.pybullet.contact_frames import Frames, Reading, State
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -29,10 +43,138 @@ from harness.engines.pybullet.settings import (
     SOLVER,
     URDF_FLAGS,
 )
-from harness.engines.pybullet.suppress_output import silence
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """Let nothing be printed, by C either, which keeps what it prints until it is told."""
+    said = ctypes.CDLL(None).fflush
+    sys.stdout.flush()
+    sys.stderr.flush()
+    said(None)
+    kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        for descriptor in kept:
+            os.dup2(nowhere, descriptor)
+        yield
+        said(None)
+    finally:
+        for descriptor, copy in kept.items():
+            os.dup2(copy, descriptor)
+            os.close(copy)
+        os.close(nowhere)
+
+
+def load() -> None:
+    """Import `pybullet` for the first time."""
+    if "pybullet" in sys.modules:
+        return
+    with silence():
+        import pybullet  # noqa: F401, PLC0415 - the import is the point
+
+
+load()
+
+
+Numbers: TypeAlias = Sequence[float]
+State: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
+"""Position, quaternion (scalar last), velocity, angular velocity, in world coordinates."""
+
+
+_UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+class Frames:
+    """Where PyBullet's frame lies in a can.
+
+    Parameters
+    ----------
+    centre : sequence of 3 floats
+        The centre of mass in the can's axes, from the can's centre, m.
+    axes : sequence of 4 floats
+        Quaternion from PyBullet's frame to the can's, scalar last.
+    """
+
+    def __init__(self, centre: Numbers, axes: Numbers) -> None:
+        x, y, z, w = axes
+        self.centre = (centre[0], centre[1], centre[2])
+        self._axes, self._back = (x, y, z, w), (-x, -y, -z, w)
+
+    @property
+    def rotation(self) -> Floats:
+        """The principal axes as columns in the can's axes, shape (3, 3)."""
+        columns: Floats = np.array([_turned(self._axes, unit) for unit in _UNITS]).T
+        return columns
+
+    def can(
+        self, position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers
+    ) -> State:
+        """Return the state of the can's own frame, given that of PyBullet's."""
+        turned = _product(quaternion, self._back)
+        return self._shifted(-1.0, turned, position, velocity, spin, turned)
+
+    def principal(
+        self, position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers
+    ) -> State:
+        """Return the state of PyBullet's frame, given that of the can's."""
+        turned = _product(quaternion, self._axes)
+        return self._shifted(1.0, quaternion, position, velocity, spin, turned)
+
+    def _shifted(  # noqa: PLR0917 - a state, and whose axes to shift it in
+        self,
+        sign: float,
+        body: Numbers,
+        position: Numbers,
+        velocity: Numbers,
+        spin: Numbers,
+        quaternion: Numbers,
+    ) -> State:
+        x, y, z = _turned(body, self.centre)
+        x, y, z = sign * x, sign * y, sign * z
+        o_x, o_y, o_z = spin
+        return (
+            (position[0] + x, position[1] + y, position[2] + z),
+            quaternion,
+            (
+                velocity[0] + o_y * z - o_z * y,
+                velocity[1] + o_z * x - o_x * z,
+                velocity[2] + o_x * y - o_y * x,
+            ),
+            spin,
+        )
+
+
+Reading: TypeAlias = Callable[[Numbers, Numbers, Numbers, Numbers], State]
+"""Turns a state as PyBullet says it into that of the can."""
+
+
+def _product(first: Numbers, second: Numbers) -> tuple[float, float, float, float]:
+    """Return the product of two quaternions, scalar last: the second turn, then the first."""
+    x, y, z, w = first
+    a, b, c, d = second
+    return (
+        w * a + x * d + y * c - z * b,
+        w * b - x * c + y * d + z * a,
+        w * c + x * b - y * a + z * d,
+        w * d - x * a - y * b - z * c,
+    )
+
+
+def _turned(quaternion: Numbers, vector: Numbers) -> tuple[float, float, float]:
+    """Return a vector turned by a quaternion, scalar last."""
+    x, y, z, w = quaternion
+    a, b, c = vector
+    t_x, t_y, t_z = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return (
+        a + w * t_x + y * t_z - z * t_y,
+        b + w * t_y + z * t_x - x * t_z,
+        c + w * t_z + x * t_y - y * t_x,
+    )
+
 
 ContactPoint: TypeAlias = tuple[Any, ...]
 Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
@@ -224,7 +366,7 @@ class PybulletWorld:
             count=int(count),
         )
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
         points = pybullet.getClosestPoints(
             self.can, self.ground, _REACH, physicsClientId=self.client

@@ -1,11 +1,13 @@
-"""What is said of an exact motion beside its numbers: broken assumptions, and when copies part."""
+"""Checks of an exact motion: whether a scene has one, its assumptions, and when copies part."""
 
 import math
 from dataclasses import dataclass
 from functools import lru_cache
 
+from harness.core.errors import InvalidSettingError, UnsupportedEffectError
 from harness.engines.reference.to_reference_problem import problem, refusal
 from harness.engines.reference.truth import Truth, sample_truth, truth
+from harness.engines.registry import check_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
 from reference import Finding, Outcome, divergence, examine
@@ -119,3 +121,37 @@ def divergence_of(scene: Scene) -> Divergence | None:
         parted=found.parted * T,
         chaotic=found.chaotic,
     )
+
+
+def check_exact(scene: Scene) -> None:
+    """Refuse a scene of which no run has an error: the reference does not carry it, or it is chaos.
+
+    Raises
+    ------
+    InvalidSettingError
+        Says which scenes have an exact motion.
+    """
+    if not _carried(scene):
+        allowed = (
+            "a scene under gravity with no effects but those that the reference carries: another "
+            "has no exact motion"
+        )
+        raise InvalidSettingError("SCENE", scene.name, allowed)
+    chaos = divergence_of(scene)
+    if chaos is not None and chaos.chaotic:
+        allowed = (
+            "a scene that is not chaotic: of another what differs in the end is no error, and "
+            "`run` says when it parts"
+        )
+        raise InvalidSettingError("SCENE", scene.name, allowed)
+
+
+def _carried(scene: Scene) -> bool:
+    """Whether the reference carries a scene with all its effects."""
+    if refusal(scene):
+        return False
+    try:
+        check_effects("reference", scene)
+    except UnsupportedEffectError:
+        return False
+    return True

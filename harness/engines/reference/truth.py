@@ -1,11 +1,8 @@
-"""The exact motion of a scene, which knows its state at any instant.
+"""The exact motion of a scene, which knows its state at any instant, and the reference's settings.
 
-The last exact motions that were solved: not twice in a process.
-
-A scene with friction may take seconds, and is asked for as an engine's answer, as the truth that
-it is held to, and by the command that prints it, from the same samples. All are the same bits.
-
-The choices of the reference, and the ways to solve a scene that are worth a row in a study.
+A scene with friction may take seconds to solve, and its motion is asked for as an engine's answer,
+as the truth that runs are compared with, and by the command that prints it. So the last motions are
+kept in the process, and all three have the same bits.
 """
 
 from collections import OrderedDict
@@ -20,10 +17,9 @@ from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.trajectory import Trajectory
-from harness.engines.base import Floats, Setting, resolve
+from harness.engines.base import Floats, Setting, Variant, resolve
 from harness.engines.reference.to_reference_problem import problem
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.variants import Variant
 from models.kinematics import angular_velocity, quaternion
 from models.rim import contact_offset
 from models.scene import Scene
@@ -73,23 +69,12 @@ def _meant(model: str, problem: Problem) -> str:
 
 SETTINGS = (
     Setting(
-        name="model",
-        default="auto",
-        matched="auto",
-        meaning="Which equations; auto takes the smallest that carries the scene.",
+        "model", "auto", "auto", "Which equations; auto takes the smallest that carries the scene."
     ),
     Setting(
-        name="method",
-        default="auto",
-        matched="auto",
-        meaning="How they are integrated; auto takes the model's own method.",
+        "method", "auto", "auto", "How they are integrated; auto takes the model's own method."
     ),
-    Setting(
-        name="rtol",
-        default=1e-12,
-        matched=1e-12,
-        meaning="Relative tolerance of the integrator.",
-    ),
+    Setting("rtol", 1e-12, 1e-12, "Relative tolerance of the integrator."),
 )
 
 _TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -1,14 +1,12 @@
-"""What all stepping engines do alike: refuse, compare, settle, step, record.
+"""The part that all stepping engines share: refuse, compare, settle, step, record.
 
-A physics engine says how to open a world and how to step it in chunks; the order of things, and
-what is written down of them, is here, once.
+A physics engine says how to open a world and how to step it in chunks; the order of the run, and
+what is recorded of it, is here.
 
-How long to step before looking at the horizon again.
-
-A look costs as much as a hundred steps and steps past the end are in vain. Where the end will be is
-not known, but rocking is symmetric in time: a rise takes about as long as the fall before it, and a
-run ends soon after a can has risen, or at a time that is given. What is foreseen here decides how a
-run is cut into chunks, and nothing else.
+A look at the horizon costs as much as a hundred steps, and steps past the end are wasted. The end
+is not known beforehand, but rocking is symmetric in time: a rise takes about as long as the fall
+before it, and a run ends soon after a can has risen, or at a time that is given. `Foresight`
+predicts the end from this; the prediction decides how a run is cut into chunks, and nothing else.
 """
 
 import time
@@ -22,7 +20,15 @@ import numpy as np
 from harness.core.case import Case, Value
 from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.core.trajectory import Trajectory
-from harness.engines.base import Capabilities, Chunk, Effort, Gap, Setting, World, resolve
+from harness.engines.base import (
+    Capabilities,
+    Chunk,
+    ModelDifference,
+    Setting,
+    SolverEffort,
+    World,
+    resolve,
+)
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.horizon import countable, longest_time, natural_time
 from harness.engines.stepping.recording import SAMPLES_IN_TIME, Looks, record
@@ -114,8 +120,8 @@ class PhysicsEngine(ABC, Generic[W]):
     default_timestep: float
     matched_timestep: float
     imposed_by_default: frozenset[str]
-    gaps: tuple[Gap, ...] = ()
-    efforts: tuple[Effort, ...] = ()
+    model_differences: tuple[ModelDifference, ...] = ()
+    solver_efforts: tuple[SolverEffort, ...] = ()
 
     @property
     @abstractmethod
@@ -205,12 +211,12 @@ class PhysicsEngine(ABC, Generic[W]):
         """Run cases, with the same results as one by one; an engine may know a faster way."""
         return [self.simulate(case) for case in cases]
 
-    def leanest(self, world: W, steps: int) -> None:
+    def bare_loop(self, world: W, steps: int) -> None:
         """Step so many times and do nothing else: no reading, no record."""
         for _ in range(steps):
             world.step()
 
-    def keeping(self, world: W, steps: int) -> None:
+    def recording_loop(self, world: W, steps: int) -> None:
         """Step so many times and keep each state and contact: the leanest loop with a record."""
         kept = []
         for _ in range(steps):

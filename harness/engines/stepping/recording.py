@@ -1,22 +1,15 @@
-"""Recording by angle, not by time: dense where the can races round its rim, sparse elsewhere.
+"""Recording by angle: dense where the can races round its rim, sparse elsewhere.
 
 A sample is kept whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by its
-own share, since the last one. The path is summed over every step of the engine, so the choice does
+share, since the last sample. The path is summed over every step of the engine, so the choice does
 not depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
 
-From chunks to a simulation: record, watch, count, and stop where the run is over.
-
-After how many steps to look again, where a look costs more than a step.
-
-The recorder keeps a sample whenever the path of the angles has grown by `ANGLE_STEP`, or time by
-its own share. From a state alone follows how fast that path grows, so an engine that pays for each
-reading need not read every step of a slow motion: `LOOKS` times between two samples are enough, and
-where the can races round its rim that is every step.
-
-What the rate may do in between. Near the flat state the path grows with 1/phi^2, so a pause also
-ends before phi has changed by `CHANGE`; a contact that is lost or made changes the rates
-themselves, by what a fall gives, sqrt(g/R), and a pause ends before that could have changed phi by
-as much.
+How fast the path grows follows from a state alone, so an engine that pays for each reading need not
+read every step of a slow motion: `LOOKS` readings between two samples are enough, and where the can
+races round its rim that is every step. The rate may change in between. Near the flat state the path
+grows with 1/phi^2, so a pause also ends before phi has changed by `CHANGE`; a contact that is lost
+or made changes the rates themselves, by what a fall gives, sqrt(g/R), and a pause ends before that
+could have changed phi by as much.
 """
 
 import math

@@ -46,12 +46,12 @@ LEAST = 0.01
 """Of ETA, however fast a can spins."""
 
 ETA_SETTING = Setting(
-    name="eta",
-    default=None,
-    matched=None,
+    "eta",
+    None,
+    None,
+    "Adaptive only: share of its way that the tilt moves in a step, rad of turn likewise.",
     adaptive=ETA,
     positive=True,
-    meaning="Adaptive only: share of its way that the tilt moves in a step, rad of turn likewise.",
 )
 """The one setting of adaptive stepping, the same in all engines."""
 

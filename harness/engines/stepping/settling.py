@@ -9,7 +9,7 @@ the contact then bears just the load that rolling puts on it.
 import numpy as np
 from scipy.optimize import brentq
 
-from harness.engines.base import Floats, World
+from harness.engines.base import Floats, World, signed_distance
 from models.kinematics import angles
 from models.rim import arc_of, contact_offset
 from models.scene import Scene
@@ -44,7 +44,9 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     if scene.release.height != 0.0:
         return 0.0, pose
     world.place(pose, twist)
-    pose = _lowered(pose, world.gap())  # a collider larger than the can would start deep inside
+    pose = _lowered(
+        pose, signed_distance(world)
+    )  # a collider larger than the can would start deep inside
     phi, psi, _ = angles(pose.quaternion)
     offset = contact_offset(scene.can, phi, psi, arc=arc_of(scene.effects))
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s

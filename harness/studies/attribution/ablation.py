@@ -22,8 +22,8 @@ from dataclasses import dataclass
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import TIMESTEP, Engine, Gap, Setting
-from harness.engines.reference.support import check_exact
+from harness.engines.base import TIMESTEP, Engine, ModelDifference, Setting, features_of
+from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.registry import engine, timestep_of
 from models.scene import Scene
 
@@ -39,7 +39,7 @@ class AblationPath:
     ----------
     scene : Scene
     engine : str
-    gaps : tuple of Gap
+    gaps : tuple of ModelDifference
         In the order in which they are closed.
     timestep : float or None
         Of the matched end as it was asked for, s; None is the profile's own.
@@ -51,7 +51,7 @@ class AblationPath:
 
     scene: Scene
     engine: str
-    gaps: tuple[Gap, ...]
+    gaps: tuple[ModelDifference, ...]
     timestep: float | None
     settings: tuple[Setting, ...]
     shipped_timestep: float
@@ -120,24 +120,28 @@ def ablation_path(
     )
 
 
-def all_gaps(chosen: Engine) -> tuple[Gap, ...]:
+def all_gaps(chosen: Engine) -> tuple[ModelDifference, ...]:
     """Return the gaps that an engine declares, and one more for each difference left over.
 
     So that all of them closed is profile `matched`, whatever the engine forgot to declare.
     """
-    declared: tuple[Gap, ...] = getattr(chosen, "gaps", ())
+    declared = features_of(chosen).model_differences
     covered = {name for gap in declared for name in gap.settings}
     others = tuple(
-        Gap(name=setting.name, settings=(setting.name,), sentence=setting.meaning)
+        ModelDifference(name=setting.name, settings=(setting.name,), sentence=setting.meaning)
         for setting in chosen.settings
         if setting.name not in covered
         and (callable(setting.matched) or setting.matched != setting.default)
     )
-    last = Gap(name="timestep", settings=(TIMESTEP,), sentence="The timestep as shipped is longer.")
+    last = ModelDifference(
+        name="timestep", settings=(TIMESTEP,), sentence="The timestep as shipped is longer."
+    )
     return declared + others + (() if TIMESTEP in covered else (last,))
 
 
-def _ordered(gaps: tuple[Gap, ...], first: Sequence[str]) -> tuple[Gap, ...]:
+def _ordered(
+    gaps: tuple[ModelDifference, ...], first: Sequence[str]
+) -> tuple[ModelDifference, ...]:
     """Return the gaps with some of them put first."""
     known = {gap.name: gap for gap in gaps}
     for name in first:

@@ -24,14 +24,13 @@ from scipy.stats import t as student
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import TIMESTEP
-from harness.engines.reference.support import check_exact
+from harness.engines.base import COMMON, TIMESTEP, Variant, features_of
+from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.to_reference_problem import carried
 from harness.engines.reference.truth import truth
-from harness.engines.registry import engine, timestep_of
+from harness.engines.registry import engine, timestep_of, variants
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import ETA
-from harness.engines.stepping.variants import COMMON, Variant, variants
 from harness.studies.attribution.ablation import AblationPath, ablation_path
 from harness.studies.attribution.ablation import case as closed_case
 from harness.studies.cost.points import Family, family, timesteps
@@ -234,7 +233,9 @@ def plan_cost(
             family(tuning_scene, n, v, "tuning") for n in stepping for v in priced(n, suite)
         ),
         ways=tuple(
-            ablation_path(scene, n, finest) for n in stepping if getattr(engine(n), "gaps", ())
+            ablation_path(scene, n, finest)
+            for n in stepping
+            if features_of(engine(n)).model_differences
         ),
         hardness=() if hard_scene is None else tuple(_hardness(hard_scene, stepping, suite)),
     )

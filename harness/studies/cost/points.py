@@ -11,10 +11,10 @@ from typing import Any
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
+from harness.engines.base import Variant
 from harness.engines.reference.truth import truth
 from harness.engines.registry import timestep_of
 from harness.engines.stepping.schedule import ETA
-from harness.engines.stepping.variants import Variant
 from models.scene import Scene
 
 _A_TURN = 5.0

@@ -7,7 +7,7 @@ The fairness contract: the rules that every price was measured under, published 
 
 from harness.core.report_model import Artefact, Prose
 from harness.core.simulation import Outcome
-from harness.engines.stepping.variants import export_settings
+from harness.engines.registry import export_settings
 from harness.evaluation.timing import FEWEST
 from harness.studies.cost.design import priced
 from harness.studies.cost.figures import hardness_figure, work_precision

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Effort, Engine
-from harness.engines.reference.support import check_exact
+from harness.engines.base import Engine, SolverEffort, features_of
+from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of
 from harness.studies.shared.perturbation import MEMBERS, SIZES, perturbed
@@ -52,7 +52,7 @@ class ErrorsPlan:
         The first is the one that the ensemble is run on.
     timesteps : tuple of float
         s, from coarse to fine.
-    efforts : tuple of Effort
+    efforts : tuple of SolverEffort
         The last is the converged solve; empty if the engine declares none.
     """
 
@@ -61,7 +61,7 @@ class ErrorsPlan:
     profile: str
     ways: tuple[Way, ...]
     timesteps: tuple[float, ...]
-    efforts: tuple[Effort, ...]
+    efforts: tuple[SolverEffort, ...]
 
     @property
     def probe(self) -> float:
@@ -72,7 +72,7 @@ class ErrorsPlan:
         """Return the case of a rung, with the solver converged."""
         return self.tried(way, self.efforts[-1] if self.efforts else None, timestep)
 
-    def tried(self, way: Way, effort: Effort | None, timestep: float | None = None) -> Case:
+    def tried(self, way: Way, effort: SolverEffort | None, timestep: float | None = None) -> Case:
         """Return the case with the solver at an effort, as it is set if that is None."""
         settings = () if effort is None else effort.settings
         return Case(
@@ -137,7 +137,7 @@ def plan_errors(
         profile=profile,
         ways=_ways(chosen, profile, options),
         timesteps=tuple(coarsest / 2.0**rung for rung in range(RUNGS)),
-        efforts=getattr(chosen, "efforts", ()),
+        efforts=features_of(chosen).solver_efforts,
     )
 
 

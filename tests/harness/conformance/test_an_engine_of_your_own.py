@@ -25,8 +25,8 @@ from harness.engines.conformance import conform
 from harness.engines.probes import measure
 from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.engines.registry import engine, names
-from harness.execution.isolated_pool import local_executor
 from harness.evaluation.evaluate import run_cases
+from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.studies.comparison import comparison_report
 from models import load
 
@@ -44,7 +44,7 @@ if __name__ == "__main__":
         for name in ("strict", "mujoco")
         for profile, timestep in (("default", None), ("matched", 1e-3), ("matched", 5e-4))
     ]
-    with local_executor(2) as executor:
+    with IsolatedProcessPool(2) as executor:
         evaluations = run_cases(cases, executor)
     found["outcomes"] = [e.simulation.outcome.name for e in evaluations]
     found["artefacts"] = {a.name: getattr(a, "text", "") for a in comparison_report(evaluations)}

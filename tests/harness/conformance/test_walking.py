@@ -82,7 +82,7 @@ class Breaking:
         """Return none."""
         return Contact(point=np.full(3, np.nan), force=np.zeros(3), penetration=np.nan, count=0)
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         """Return a gap."""
         return 1.0
 

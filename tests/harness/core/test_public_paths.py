@@ -3,12 +3,14 @@
 import importlib
 import importlib.util
 import sys
+from types import SimpleNamespace
 
 import pytest
 
 import harness
 import harness.engines
 from harness.core.deprecated_paths import MOVED
+from harness.engines import base
 
 
 @pytest.mark.parametrize("package", [harness, harness.engines])
@@ -47,3 +49,27 @@ def test_the_engine_that_steps_worlds_warns_at_its_old_path() -> None:
 
 def test_no_old_path_is_a_module_of_its_own() -> None:
     assert [old for old in MOVED if importlib.util.find_spec(old.rpartition(".")[0]) is None] == []
+
+
+def test_names_of_the_previous_release_are_accepted_with_a_warning() -> None:
+    difference = base.ModelDifference(name="rim", settings=("margin",), sentence="It is round.")
+    engine = SimpleNamespace(
+        name="older", model_differences=(), gaps=(difference,), leanest=print, paste=str
+    )
+    with pytest.warns(
+        DeprecationWarning, match=r"`(gaps|leanest|paste)` of older is now"
+    ) as warned:
+        features = base.features_of(engine)  # type: ignore[arg-type]
+    assert features == base.EngineFeatures(
+        model_differences=(difference,), bare_loop=print, export_settings=str
+    )
+    assert len(warned) == 3
+    world = SimpleNamespace(gap=lambda: 0.5)
+    with pytest.warns(DeprecationWarning, match="`gap` of SimpleNamespace is now"):
+        assert base.signed_distance(world) == 0.5  # type: ignore[arg-type]
+    with pytest.warns(DeprecationWarning, match="is now `SolverEffort`"):
+        assert base.Effort is base.SolverEffort
+
+
+def test_an_engine_with_nothing_optional_has_the_defaults() -> None:
+    assert base.features_of(SimpleNamespace(name="bare")) == base.EngineFeatures()  # type: ignore[arg-type]

@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 from harness.core.errors import InvalidSettingError
-from harness.engines.reference import support
-from harness.engines.reference.assumption_checks import Divergence
-from harness.engines.reference.support import check_exact
+from harness.engines.reference import assumption_checks
+from harness.engines.reference.assumption_checks import Divergence, check_exact
 from harness.studies.cost.design import plan_cost
 from models import Compliance, Effects, Horizon, Restitution, Scene, Slip, Tilt, load
 
@@ -35,7 +34,7 @@ def test_a_chaotic_one_is_refused(
 ) -> None:
     # the search for chaos itself is tested where it is made; of twenty bounces it takes seconds
     found = Divergence(growth=1e9, lyapunov_time=0.4, parted=5.0, chaotic=chaotic)
-    monkeypatch.setattr(support, "divergence_of", lambda _: found)
+    monkeypatch.setattr(assumption_checks, "divergence_of", lambda _: found)
     tilted = replace(brief, effects=Effects(tilt=Tilt(angle=0.1)))
     if not chaotic:
         check_exact(tilted)

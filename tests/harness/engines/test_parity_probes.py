@@ -39,7 +39,7 @@ class Toy:
     def place(self, pose: Pose, twist: Twist) -> None:
         self._pose, self._twist = pose, twist
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         phi, _, theta = angles(self._pose.quaternion)
         radius = self.fault("radius", self.scene.can.radius)
         margin = self.fault("margin", 0.0)
@@ -55,7 +55,7 @@ class Toy:
         velocity = np.array(self._twist.velocity)
         spin = np.array(self._twist.angular_velocity)
         self._force = np.zeros(3)
-        if -self.gap() > self.fault("slop", 0.0):
+        if -self.signed_distance() > self.fault("slop", 0.0):
             normal, mu = 1.0, self.fault("mu", NO_SLIP_FRICTION)
             self._force = normal * np.array((0.0, -mu, 1.0))
         velocity[2] -= self.fault("gravity", self.scene.gravity) * DT

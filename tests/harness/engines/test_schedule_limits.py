@@ -195,11 +195,11 @@ class Floor:
         self.placed += 1
         self._pose, self._twist = pose, twist
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         return float(contact_point(self.scene.can, self._pose.position, self._pose.quaternion)[2])
 
     def step(self) -> None:
-        upward = self.rise(-self.gap())  # type: ignore[operator]
+        upward = self.rise(-self.signed_distance())  # type: ignore[operator]
         self._twist = Twist(velocity=np.array((0.0, 0.0, upward)), angular_velocity=np.zeros(3))
 
     def twist(self) -> Twist:

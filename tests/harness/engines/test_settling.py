@@ -23,12 +23,12 @@ class Spring:
     def place(self, pose: Pose, twist: Twist) -> None:
         self._pose, self._twist = pose, twist
 
-    def gap(self) -> float:
+    def signed_distance(self) -> float:
         low = contact_point(self.scene.can, self._pose.position, self._pose.quaternion)
         return float(low[2]) - self.height
 
     def step(self) -> None:
-        push = self.stiffness * max(0.0, -self.gap()) / self.mass - self.scene.gravity
+        push = self.stiffness * max(0.0, -self.signed_distance()) / self.mass - self.scene.gravity
         velocity = self._twist.velocity + np.array((0.0, 0.0, push * self.timestep))
         self._twist = Twist(velocity=velocity, angular_velocity=self._twist.angular_velocity)
 

@@ -10,7 +10,7 @@ import pytest
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
 from harness.engines.probes.fixture import ProbeFinding
-from harness.engines.probes.gyroscopic import DURATION, SPIN
+from harness.engines.probes.flight import DURATION, SPIN
 from harness.engines.probes.survey import PROBES, measure
 from harness.engines.registry import engine
 from harness.execution.isolated_pool import local_executor

@@ -9,7 +9,6 @@ import pytest
 
 from harness.core.case import PROFILES, Case
 from harness.engines.base import Setting, resolve
-from harness.engines.conformance.settings_table import ENGINES, FILE, settings_table
 from harness.engines.mujoco.settings import FLAGS, GEOM, OPTIONS
 from harness.engines.mujoco.settings import SETTINGS as MUJOCO
 from harness.engines.probes.fixture import ProbeFinding
@@ -17,6 +16,7 @@ from harness.engines.probes.survey import measure
 from harness.engines.pybullet.settings import SETTINGS as PYBULLET
 from harness.engines.pybullet.settings import SHIPPED_VALUES
 from harness.engines.registry import engine
+from harness.engines.settings_table import ENGINES, FILE, settings_table
 from models import load, release_state
 
 BARE = """
@@ -161,7 +161,7 @@ def test_handing_over_the_default_changes_nothing(name: str) -> None:
 
 def test_the_table_is_that_of_the_code() -> None:
     assert FILE.read_text(encoding="utf-8") == settings_table(), (
-        "run: python -m harness.engines.conformance.settings_table"
+        "run: python -m harness.engines.settings_table"
     )
 
 

@@ -51,10 +51,10 @@ def test_all_gaps_closed_is_matched_setting_by_setting(name: str, gentle: Scene)
 @pytest.mark.parametrize("name", ENGINES)
 def test_an_engine_declares_each_difference_once_and_knows_each_name(name: str) -> None:
     chosen = engine(name)
-    declared = [setting for gap in chosen.gaps for setting in gap.settings]  # type: ignore[attr-defined]
+    declared = [setting for gap in chosen.model_differences for setting in gap.settings]  # type: ignore[attr-defined]
     assert set(Counter(declared).values()) == {1}
     assert set(declared) <= {setting.name for setting in chosen.settings} | {TIMESTEP}
-    assert all_gaps(chosen) == chosen.gaps  # type: ignore[attr-defined]
+    assert all_gaps(chosen) == chosen.model_differences  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("name", ENGINES)

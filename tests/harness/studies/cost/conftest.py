@@ -10,9 +10,8 @@ import pytest
 from harness.core.case import Case, Value
 from harness.core.simulation import Outcome, Simulation
 from harness.engines import registry
-from harness.engines.base import Capabilities, Setting, resolve
+from harness.engines.base import Capabilities, Setting, Variant, resolve
 from harness.engines.reference.truth import sample_truth, truth
-from harness.engines.stepping.variants import Variant
 from harness.evaluation import timing
 from harness.evaluation.case_record import lost_errors, measured
 from harness.evaluation.timed_tasks import records, run_timed_tasks

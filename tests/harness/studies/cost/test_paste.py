@@ -10,7 +10,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.engines.mujoco.settings import matched_solref
-from harness.engines.stepping.variants import export_settings, variants
+from harness.engines.registry import export_settings, variants
 from models import Damping, Effects, Slip, load
 from models.mjcf_contact import spring
 from models.urdf import urdf

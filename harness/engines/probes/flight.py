@@ -1,13 +1,18 @@
-"""The gyroscopic term: a spinning can, free of torque, against its closed form.
+"""Probes of free flight: damping, velocity clamps, the turn in a step, and the gyroscopic term.
 
-Without torque the angular momentum L and the energy E are kept. For a can with moments A, A, C the
-spin n about its axis is kept too, so with w the rest of the angular velocity
+Without gravity and contact a velocity v is kept for ever. What one step of dt takes from it,
+(v - v')/(v dt), is the rate of a damping; a law k_1 + k_2 |v| is linear and quadratic damping. The
+spin about the symmetry axis, a principal axis, is kept likewise, and turns the can in a step by
+omega dt, however much that is.
+
+Without torque the angular momentum L and the energy E are kept too. For a can with moments A, A, C
+the spin n about its axis is kept, so with w the rest of the angular velocity
 
     L = A w + C n axis,        axis' = omega x axis = (L / A) x axis
 
 and the axis goes round L at the constant rate |L|/A, at a constant angle: Euler's top. In the frame
 of the body w turns at k = n (A - C)/A. An explicit step of dt multiplies it by sqrt(1 + (k dt)^2),
-so |w|^2 grows at the rate k^2 dt; an implicit one shrinks it at the same rate.
+so |w|^2 grows at the rate k^2 dt; an implicit step shrinks it at the same rate.
 
 A spin about the axis alone has no gyroscopic term. What such a flight loses is damping, and it is
 divided out of the energy of the other.
@@ -28,13 +33,98 @@ from harness.engines.probes.fixture import (
     UPRIGHT,
     Evidence,
     Opener,
-    ProbeFinding,
     Trace,
     aloft,
+    findings,
 )
 from harness.engines.stepping.horizon import natural_time
-from models.kinematics import to_body
+from models.kinematics import half_angles, to_body
 from models.state import Pose, Twist
+
+RATES = (1.0, 3.0, 10.0, 30.0)
+"""m/s and rad/s: below every clamp known."""
+
+FAST = 1e4
+"""m/s and rad/s: beyond what a scene of a metre reaches short of 1 mm cans."""
+
+LADDER = tuple(FAST * share for share in (0.003, 0.01, 0.03, 0.1, 0.3, 1.0))
+"""m/s and rad/s: a strong damping takes the greatest away in one step, a clamp does not."""
+
+TURNS = (0.1, 0.3, 0.5, 0.7, 0.8, 1.0, 1.5, 2.0, 3.0)
+"""rad in one step; past pi a turn cannot be told from its complement."""
+
+_EXACT = 1e-9
+"""Relative error up to which a turn counts as exact: round-off is 1e-15, a law of second order at
+a tenth of a radian 1e-3."""
+
+_KINDS = (("velocity", "m/s", "1/m"), ("spin", "rad/s", "1/rad"))
+
+
+def damping(engine: Opener, case: Case) -> Iterator[Evidence]:
+    """Yield the rates of linear and quadratic damping of velocity and of spin."""
+    world, dt = aloft(engine, case), engine.timestep(case)
+    for kind, unit, per in _KINDS:
+        rates = [(given - _after(world, kind, given)) / (given * dt) for given in RATES]
+        quadratic, linear = np.polyfit(RATES, rates, 1)
+        # a rate is known to an ulp of the velocity over the timestep
+        noise = 8.0 * 2.0**-52 / dt
+        how = f"loss in one step of free flight at 1 to 30 {unit}"
+        for law, rate, in_unit in (("linear", linear, "1/s"), ("quadratic", quadratic, per)):
+            known = 0.0 if abs(rate) <= noise else float(rate)
+            yield from findings("damping", how, (f"{law} damping of {kind}", in_unit, known, 0.0))
+
+
+def clamp(engine: Opener, case: Case) -> Iterator[Evidence]:
+    """Yield the greatest velocity and the greatest spin that a step leaves."""
+    world = aloft(engine, case)
+    for kind, unit, _ in _KINDS:
+        greatest = max(abs(_after(world, kind, given)) for given in LADDER)
+        how = f"one step of free flight at 30 to 10,000 {unit}"
+        row = (f"greatest {kind} left by a step", unit, greatest, FAST)
+        yield from findings("velocity clamp", how, row)
+
+
+def turn(engine: Opener, case: Case) -> Iterator[Evidence]:
+    """Yield how far a step turns the can that should turn it far."""
+    world, dt = aloft(engine, case), engine.timestep(case)
+    asked, turned = [], []
+    for angle in TURNS:
+        spin = _after(world, "spin", angle / dt)
+        phi, sigma, _ = half_angles(world.pose().quaternion)
+        # both halves of the quaternion are in sigma while the can is upright
+        turned.append(float(sigma) % (2.0 * math.pi) if phi < 1.0 else math.nan)
+        asked.append(spin * dt)
+    largest = int(np.argmax(asked))
+    exact = [a for a, t in zip(asked, turned, strict=True) if abs(t / a - 1.0) <= _EXACT]
+    greatest = max(exact, default=0.0)
+    yield from findings(
+        "orientation update",
+        "one step of free flight at a spin that the engine lets pass",
+        ("turn of the orientation in a step", "rad", turned[largest], asked[largest]),
+        ("largest turn in a step that is exact", "rad", greatest, asked[largest]),
+    )
+    yield Trace(
+        effect="orientation update",
+        x_label="spin times timestep [rad]",
+        y_label="turn of the orientation [rad]",
+        x=np.array(asked),
+        y=np.array(turned),
+    )
+
+
+def _after(world: World, kind: str, given: float) -> float:
+    """Return what one step of free flight leaves of a velocity (m/s) or of a spin (rad/s)."""
+    axis = np.array((1.0, 0.0, 0.0)) if kind == "velocity" else np.array((0.0, 0.0, 1.0))
+    moving, nothing = given * axis, np.zeros(3)
+    velocity, spin = (moving, nothing) if kind == "velocity" else (nothing, moving)
+    world.place(
+        Pose(position=np.array((0.0, 0.0, ALOFT)), quaternion=UPRIGHT),
+        Twist(velocity=velocity, angular_velocity=spin),
+    )
+    world.step()
+    after = world.twist()
+    return float((after.velocity if kind == "velocity" else after.angular_velocity) @ axis)
+
 
 SPIN = (0.3, 0.0, 2.0)
 """Angular velocity at first, in the body's frame, over the natural rate sqrt(g/R)."""
@@ -120,13 +210,14 @@ def gyroscopic(engine: Opener, case: Case) -> Iterator[Evidence]:
     """Yield what a torque-free flight gains, and with which other settings it gains otherwise."""
     base = _beyond_damping(aloft(engine, case), case)
     how = f"free flight for {base.time[-1]:.3g} s at a spin of 2 and a wobble of 0.3 sqrt(g/R)"
-    for quantity, unit, values in (
-        ("energy gained", "1", base.energy),
-        ("angular momentum gained", "1", base.momentum),
-        ("turn of the angular momentum", "rad", base.tilt_of_momentum),
-        ("angle of the axis to the closed form", "rad", base.axis),
-    ):
-        yield _finding(quantity, unit, float(values[-1]), how)
+    yield from findings(
+        _EFFECT,
+        how,
+        ("energy gained", "1", float(base.energy[-1]), 0.0),
+        ("angular momentum gained", "1", float(base.momentum[-1]), 0.0),
+        ("turn of the angular momentum", "rad", float(base.tilt_of_momentum[-1]), 0.0),
+        ("angle of the axis to the closed form", "rad", float(base.axis[-1]), 0.0),
+    )
     yield Trace(
         effect=_EFFECT,
         x_label="time [s]",
@@ -142,8 +233,9 @@ def gyroscopic(engine: Opener, case: Case) -> Iterator[Evidence]:
             continue
         changed = _beyond_damping(world, case)
         if not np.array_equal(changed.energy, base.energy):
-            quantity = f"energy gained with {name}={value}"
-            yield _finding(quantity, "1", float(changed.energy[-1]), how)
+            gained = float(changed.energy[-1])
+            row = (f"energy gained with {name}={value}", "1", gained, 0.0)
+            yield from findings(_EFFECT, how, row)
 
 
 def _beyond_damping(world: World, case: Case) -> Flight:
@@ -169,12 +261,6 @@ def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[st
             values = (False, True)
         for value in values:
             yield setting.name, value
-
-
-def _finding(quantity: str, unit: str, value: float, how: str) -> ProbeFinding:
-    return ProbeFinding(
-        effect=_EFFECT, quantity=quantity, unit=unit, value=value, expected=0.0, how=how
-    )
 
 
 def _to_world(pose: Pose, vector: Floats) -> Floats:
