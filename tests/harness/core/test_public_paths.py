@@ -59,17 +59,17 @@ def test_names_of_the_previous_release_are_accepted_with_a_warning() -> None:
     with pytest.warns(
         DeprecationWarning, match=r"`(gaps|leanest|paste)` of older is now"
     ) as warned:
-        features = base.features_of(engine)  # type: ignore[arg-type]
+        features = base.features_of(engine)
     assert features == base.EngineFeatures(
         model_differences=(difference,), bare_loop=print, export_settings=str
     )
     assert len(warned) == 3
     world = SimpleNamespace(gap=lambda: 0.5)
     with pytest.warns(DeprecationWarning, match="`gap` of SimpleNamespace is now"):
-        assert base.signed_distance(world) == 0.5  # type: ignore[arg-type]
+        assert base.signed_distance(world) == 0.5
     with pytest.warns(DeprecationWarning, match="is now `SolverEffort`"):
         assert base.Effort is base.SolverEffort
 
 
 def test_an_engine_with_nothing_optional_has_the_defaults() -> None:
-    assert base.features_of(SimpleNamespace(name="bare")) == base.EngineFeatures()  # type: ignore[arg-type]
+    assert base.features_of(SimpleNamespace(name="bare")) == base.EngineFeatures()
