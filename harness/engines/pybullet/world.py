@@ -31,7 +31,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-import pybullet
 
 from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
@@ -69,15 +68,8 @@ def silence() -> Iterator[None]:
         os.close(nowhere)
 
 
-def load() -> None:
-    """Import `pybullet` for the first time."""
-    if "pybullet" in sys.modules:
-        return
-    with silence():
-        import pybullet  # noqa: F401, PLC0415 - the import is the point
-
-
-load()
+with silence():  # the import prints a line
+    import pybullet
 
 
 Numbers: TypeAlias = Sequence[float]
