@@ -16,7 +16,7 @@ MOVED = MappingProxyType(
         "harness.artefact": "harness.core.report_model",
         "harness.bounce": "harness.core.bounce",
         "harness.case": "harness.core.case",
-        "harness.engines.chunk": "harness.engines.base",
+        "harness.engines.chunk": "harness.engines.stepping.recording",
         "harness.engines.horizon": "harness.engines.stepping.horizon",
         "harness.engines.schedule": "harness.engines.stepping.schedule",
         "harness.engines.settling": "harness.engines.stepping.settling",

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from harness.core.trajectory import Trajectory
     from harness.engines.base import (
         Capabilities,
-        Chunk,
         Contact,
         Engine,
         EngineFeatures,
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     )
     from harness.engines.stepping.generic_stepping import walk
     from harness.engines.stepping.physics_engine import PhysicsEngine
+    from harness.engines.stepping.recording import Chunk
     from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
 
 __all__ = [
@@ -73,11 +73,11 @@ __getattr__, __dir__ = lazy_exports(
         "Trajectory": "harness.core.trajectory",
         "PhysicsEngine": f"{_STEPPING}.physics_engine",
         "walk": f"{_STEPPING}.generic_stepping",
+        "Chunk": f"{_STEPPING}.recording",
     }
     | dict.fromkeys(
         (
             "Capabilities",
-            "Chunk",
             "Contact",
             "Engine",
             "EngineFeatures",

@@ -3,15 +3,13 @@
 `Engine` is the role that everything that moves a can plays. `World` is the smaller role of a
 compiled engine model that can be placed, stepped and read; the probes of parity and the search for
 the static penetration are written once, against it.
-
-A run comes in chunks of consecutive steps, raw until somebody wants to look at a state.
 """
 
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +17,10 @@ from numpy.typing import NDArray
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError, UnknownSettingError
 from harness.core.simulation import Simulation
-from harness.core.trajectory import Floats as Floats_trajectory
-from harness.core.trajectory import Integers, Trajectory
 from models.state import Pose, Twist
+
+if TYPE_CHECKING:
+    from harness.engines.stepping.recording import Chunk
 
 Floats = NDArray[np.float64]
 
@@ -277,38 +276,6 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Chunk:
-    """Consecutive steps: the states before them with the contacts that they solved.
-
-    An engine that pays for each reading may look at some of the steps only; each of those then
-    stands for the steps up to the next.
-
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        Of the states that were read, each before its step, s.
-    quaternions : ndarray, shape (m, 4)
-        Of the first m states, scalar first; fewer than n if the engine's numbers broke.
-    constraint_rows : ndarray of int, shape (n,)
-        Rows that each of those steps solved for.
-    sound : bool
-        False if the engine's numbers broke within or right after these steps.
-    read : callable
-        Takes indices of the first m states and returns those states as a trajectory: most steps of
-        a run are never looked at again.
-    spans : ndarray of int, shape (n,), or None
-        Steps that each reading stands for, its own the first; None where every step was read.
-    """
-
-    times: Floats_trajectory
-    quaternions: Floats_trajectory
-    constraint_rows: Integers
-    sound: bool
-    read: Callable[[Integers], Trajectory]
-    spans: Integers | None = None
-
-
 Options = tuple[tuple[str, Value], ...]
 
 
@@ -383,7 +350,7 @@ class EngineFeatures:
     counted_step: Callable[[World], int] | None = None
     simulate_many: Callable[[Sequence[Case]], Sequence[Simulation]] | None = None
     open: Callable[[Case], World] | None = None
-    chunks: Callable[[Any, Any, int], Iterator[Chunk]] | None = None
+    chunks: Callable[[Any, Any, int], Iterator["Chunk"]] | None = None
     bare_loop: Callable[[Any, int], None] | None = None
 
 

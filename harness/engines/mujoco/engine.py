@@ -25,7 +25,6 @@ from harness.engines.base import (
     COMMON,
     TIMESTEP,
     Capabilities,
-    Chunk,
     Floats,
     ModelDifference,
     SolverEffort,
@@ -54,6 +53,7 @@ from harness.engines.mujoco.stepping import (
 from harness.engines.mujoco.world import MujocoWorld, alike
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import MOST, PhysicsEngine
+from harness.engines.stepping.recording import Chunk
 from harness.engines.stepping.schedule import Fixed, Schedule, Stage
 from models.mjcf_contact import pair, surface
 

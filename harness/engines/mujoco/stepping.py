@@ -25,9 +25,9 @@ from mujoco import rollout
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Integers, Trajectory
-from harness.engines.base import Chunk, Floats
+from harness.engines.base import Floats
 from harness.engines.mujoco.world import MujocoWorld, from_body
-from harness.engines.stepping.recording import Looks, record
+from harness.engines.stepping.recording import Chunk, Looks, record
 from harness.engines.stepping.schedule import Fixed, Schedule, Stage
 from harness.engines.stepping.settling import settle
 from models.rim import released

@@ -24,7 +24,6 @@ from harness.engines.base import (
     COMMON,
     TIMESTEP,
     Capabilities,
-    Chunk,
     ModelDifference,
     SolverEffort,
     Variant,
@@ -44,6 +43,7 @@ from harness.engines.pybullet.stepping import Steps
 from harness.engines.pybullet.world import PybulletWorld
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import PhysicsEngine
+from harness.engines.stepping.recording import Chunk
 from harness.engines.stepping.schedule import Schedule, Stage
 
 _ALL_BUT_THE_MARGIN = tuple(

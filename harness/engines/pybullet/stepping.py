@@ -14,9 +14,8 @@ import numpy as np
 import pybullet
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.base import Chunk
 from harness.engines.pybullet.world import ContactPoint, PybulletWorld, resultant
-from harness.engines.stepping.recording import Looks
+from harness.engines.stepping.recording import Chunk, Looks
 from harness.engines.stepping.schedule import Stage
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction

@@ -19,18 +19,15 @@ it changes its solver. A command whose output is one JSON object, or whose stand
 message, must not contain these lines, so the descriptors point elsewhere meanwhile.
 """
 
-import ctypes
 import math
-import os
-import sys
 import tempfile
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
+import pybullet
 
 from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
@@ -42,35 +39,10 @@ from harness.engines.pybullet.settings import (
     SOLVER,
     URDF_FLAGS,
 )
+from harness.engines.pybullet.suppress_output import silence
 from models.gravity import gravity_vector, shaking
 from models.state import Pose, Twist
 from models.urdf import ground_urdf, urdf
-
-
-@contextmanager
-def silence() -> Iterator[None]:
-    """Let nothing be printed, by C either, which keeps what it prints until it is told."""
-    said = ctypes.CDLL(None).fflush
-    sys.stdout.flush()
-    sys.stderr.flush()
-    said(None)
-    kept = {descriptor: os.dup(descriptor) for descriptor in (1, 2)}
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for descriptor in kept:
-            os.dup2(nowhere, descriptor)
-        yield
-        said(None)
-    finally:
-        for descriptor, copy in kept.items():
-            os.dup2(copy, descriptor)
-            os.close(copy)
-        os.close(nowhere)
-
-
-with silence():  # the import prints a line
-    import pybullet
-
 
 Numbers: TypeAlias = Sequence[float]
 State: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]

@@ -11,7 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.base import Chunk, World
+from harness.engines.base import World
+from harness.engines.stepping.recording import Chunk
 from harness.engines.stepping.schedule import Schedule, Stage
 from models.errors import InvalidValueError
 

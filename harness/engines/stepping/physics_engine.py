@@ -22,7 +22,6 @@ from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.core.trajectory import Trajectory
 from harness.engines.base import (
     Capabilities,
-    Chunk,
     ModelDifference,
     Setting,
     SolverEffort,
@@ -31,7 +30,7 @@ from harness.engines.base import (
 )
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.horizon import countable, longest_time, natural_time
-from harness.engines.stepping.recording import SAMPLES_IN_TIME, Looks, record
+from harness.engines.stepping.recording import SAMPLES_IN_TIME, Chunk, Looks, record
 from harness.engines.stepping.schedule import (
     LARGEST_SHARE,
     SMALLEST_SHARE,

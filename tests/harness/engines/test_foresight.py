@@ -8,10 +8,10 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.trajectory import Trajectory
-from harness.engines.base import Chunk
 from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.physics_engine import SHORTEST, Foresight
+from harness.engines.stepping.recording import Chunk
 from models import Horizon, load, quaternion
 
 GENTLE = load("gentle-rock")

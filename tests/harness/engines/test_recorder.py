@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.core.trajectory import Trajectory, take
-from harness.engines.base import Chunk
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.recording import ANGLE_STEP, SAMPLES_IN_TIME, Recorder
+from harness.engines.stepping.recording import ANGLE_STEP, SAMPLES_IN_TIME, Chunk, Recorder
 from models import Scene, load, quaternion
 
 GENTLE = load("gentle-rock")

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case
-from harness.engines.base import Chunk
 from harness.engines.registry import engine
+from harness.engines.stepping.recording import Chunk
 from harness.engines.stepping.schedule import (
     ETA_SETTING,
     Adaptive,
