@@ -35,6 +35,7 @@ __all__ = [
     "Truth",
     "apart",
     "beside",
+    "cancelled",
     "carried",
     "findings",
     "guard",

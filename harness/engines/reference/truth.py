@@ -30,6 +30,7 @@ from reference import (
     smallest,
     solve,
 )
+from reference.conditioning import lost_of_force
 from reference.contact import contact_force_in_world
 
 
@@ -230,6 +231,15 @@ def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
 def sampled(motion: Truth) -> Trajectory:
     """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
     return motion.at(motion.grid())
+
+
+def cancelled(motion: Truth) -> float:
+    """Return the share of the force on phi that cancellation takes at the extrema of a motion."""
+    own = motion.solution
+    if own.model != "rolling":
+        return 0.0
+    extrema = own.at(np.concatenate([own.maxima, own.minima]))
+    return float(lost_of_force(extrema, own.problem).max(initial=0.0))
 
 
 def apart(one: Truth, other: Truth) -> float:

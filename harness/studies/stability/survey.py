@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.case import Case
 from harness.engines.horizon import natural_time
-from harness.engines.reference import Truth, apart, beside, refusal, solved, truth
+from harness.engines.reference import Truth, apart, beside, cancelled, refusal, solved, truth
 from harness.metrics.conservation import energy
 from harness.metrics.error import rotation_between
 from harness.studies.stability.signs import spendable
@@ -144,6 +144,10 @@ def compared(scene: Scene, one: Truth, other: Truth) -> Finding:
     # a formula has the digits of the motion; a second integration may lose some that are its own
     ulp = _of_an_ulp(one if one.solution.model in _FORMULAS else other)
     if not (ulp > ALLOWED and off <= ULPS * ulp):
+        lost = cancelled(other)
+        if ALLOWED < off <= lost:
+            reason = f"An integration loses {lost:.0e} of the force on phi, whose terms cancel."
+            return Finding(scene=scene.name, refusal=reason, conditioning=lost)
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
     reason = f"One ulp of the release or of the can {does}: a double cannot hold it."
