@@ -17,7 +17,16 @@ from harness.engines.reference.guarding import (
 )
 from harness.engines.reference.posing import carried, refusal
 from harness.engines.reference.settings import SETTINGS, VARIANTS, WITHOUT_LOCUS
-from harness.engines.reference.truth import Phase, Truth, apart, beside, sampled, solved, truth
+from harness.engines.reference.truth import (
+    Phase,
+    Truth,
+    apart,
+    beside,
+    cancelled,
+    sampled,
+    solved,
+    truth,
+)
 from reference import ENDING, Agreement, Finding
 
 __all__ = [

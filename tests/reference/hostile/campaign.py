@@ -25,8 +25,8 @@ from tests.reference.hostile.truth import (
 
 # Relative, of the period and phi_min: what is promised of hard releases.
 AGREED = 1e-9
-# A bounce takes a hundred evaluations of some tens of rounded operations each, of which a share adds
-# up: a thousand, on numbers each known to half an ulp.
+# A bounce takes a hundred evaluations of some tens of rounded operations each, of which a share
+# adds up: a thousand, on numbers each known to half an ulp.
 ROUNDINGS = 1000.0
 # s of the processor, for one scene.
 LONGEST = 5.0
