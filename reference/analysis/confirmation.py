@@ -33,6 +33,7 @@ import numpy as np
 from reference.analysis.agreement import ENDING, USEFUL, Agreement
 from reference.analysis.bounces import measure_bounces
 from reference.analysis.conditioning import EPS, PROMISED, lost_of_force, neighbours
+from reference.integrable.cycle import exact_bounces
 from reference.integrable.exact_motion import ExactPath, exact_path, until_horizon
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
@@ -125,6 +126,9 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
             return Confirmed(motion=whole, closed=False, agreement=agreement)
         integrated = whole if problem == short else _integrated(short, locus=locus)
         apart = {ENDING: np.inf}
+        if path is Outcome.UNRESOLVED:
+            # the history has lost its digits, but the integrals of a period may have kept theirs
+            apart = _from_integrals(integrated)
     else:
         closed = _closed(short, path)
         integrated = _integrated(short, locus=locus)
@@ -202,9 +206,42 @@ def _measured(problem: Problem, run: Run) -> Motion:
 
 
 def _ends_as(ending: Outcome, motion: Motion) -> bool:
-    """Whether a motion is one without a bounce, ends as foretold or has not ended yet."""
-    foretold = ending is not Outcome.UNRESOLVED and not motion.bounces
+    """Whether a motion is one without a bounce, ends as foretold or has not ended yet.
+
+    A release that falls may bounce once before it goes over the top.
+    """
+    most = 1 if ending is Outcome.OVERTURNED and motion.problem.phi_dot < 0 else 0
+    foretold = ending is not Outcome.UNRESOLVED and len(motion.bounces) <= most
     return foretold and motion.run.track.outcome in {ending, Outcome.FINISHED}
+
+
+def _from_integrals(integrated: Motion) -> dict[str, float]:
+    """Return by how much a motion differs from the integrals of its period, relative."""
+    p, bounces = integrated.problem, integrated.bounces
+    cycle = exact_bounces(
+        a=p.parameters.a,
+        c=p.parameters.c,
+        h=p.parameters.h,
+        phi=p.phi,
+        phi_dot=p.phi_dot,
+        psi_dot=p.psi_dot,
+        theta_dot=p.theta_dot,
+    )
+    if not cycle.bounced[0] or not bounces:
+        same = cycle.outcome(0) is integrated.run.track.outcome
+        return {ENDING: 0.0 if same else np.inf}
+    last, period = bounces[-1], float(np.diff(integrated.maxima)[-1])
+    pairs = {
+        "period": (cycle.period, period, period),
+        "least phi": (cycle.phi_min, last.phi_min, last.phi_min),
+        "angle of turn": (cycle.angle_of_turn, last.angle_of_turn, 1.0),
+        "rotation": (cycle.rotation_turn, last.rotation_turn, 1.0),
+        "peak precession rate": (cycle.peak_psi_dot, last.peak_psi_dot, 0.0),
+    }
+    return {
+        name: float(abs(value[0] - known) / max(scale, abs(known)))
+        for name, (value, known, scale) in pairs.items()
+    }
 
 
 def _apart(one: Motion, other: Motion) -> dict[str, float]:

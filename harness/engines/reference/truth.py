@@ -36,6 +36,7 @@ from reference import (
     smallest,
     solve,
 )
+from reference.analysis.conditioning import lost_of_force
 from reference.equations.reaction_force import contact_force_in_world
 
 T = TypeVar("T")
@@ -305,6 +306,15 @@ def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
 def sample_truth(motion: Truth) -> Trajectory:
     """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
     return motion.at(motion.grid())
+
+
+def cancelled(motion: Truth) -> float:
+    """Return the share of the force on phi that cancellation takes at the extrema of a motion."""
+    own = motion.solution
+    if own.model != "rolling":
+        return 0.0
+    extrema = own.at(np.concatenate([own.maxima, own.minima]))
+    return float(lost_of_force(extrema, own.problem).max(initial=0.0))
 
 
 def apart(one: Truth, other: Truth) -> float:

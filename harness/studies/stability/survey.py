@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.engines.reference.to_reference_problem import refusal
-from harness.engines.reference.truth import Truth, apart, beside, solve_case, truth
+from harness.engines.reference.truth import Truth, apart, beside, cancelled, solve_case, truth
 from harness.engines.stepping.horizon import natural_time
 from harness.metrics.energy import energy
 from harness.metrics.error import rotation_between
@@ -145,6 +145,10 @@ def compared(scene: Scene, one: Truth, other: Truth) -> ReferenceCheck:
     # a formula has the digits of the motion; a second integration may lose some that are its own
     ulp = _of_an_ulp(one if one.solution.model in _FORMULAS else other)
     if not (ulp > ALLOWED and off <= ULPS * ulp):
+        lost = cancelled(other)
+        if ALLOWED < off <= lost:
+            reason = f"An integration loses {lost:.0e} of the force on phi, whose terms cancel."
+            return Finding(scene=scene.name, refusal=reason, conditioning=lost)
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
     reason = f"One ulp of the release or of the can {does}: a double cannot hold it."

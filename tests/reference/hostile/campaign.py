@@ -19,8 +19,9 @@ from tests.reference.hostile.truth import Truth, conditioning, moved_by_an_ulp, 
 
 # Relative, of the period and phi_min: what is promised of hard releases.
 AGREED = 1e-9
-# A motion is the result of some hundred rounded operations, on numbers each known to half an ulp.
-ROUNDINGS = 200.0
+# A bounce takes a hundred evaluations of some tens of rounded operations each, of which a share
+# adds up: a thousand, on numbers each known to half an ulp.
+ROUNDINGS = 1000.0
 # s of the processor, for one scene.
 LONGEST = 5.0
 # Releases solved in one batch, and kept in one file.
