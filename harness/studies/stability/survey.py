@@ -148,7 +148,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> ReferenceCheck:
         lost = cancelled(other)
         if ALLOWED < off <= lost:
             reason = f"An integration loses {lost:.0e} of the force on phi, whose terms cancel."
-            return Finding(scene=scene.name, refusal=reason, conditioning=lost)
+            return ReferenceCheck(scene=scene.name, refusal=reason, conditioning=lost)
         return replace(finding, conditioning=ulp)
     does = "decides how this motion ends" if math.isinf(ulp) else f"moves this motion by {ulp:.0e}"
     reason = f"One ulp of the release or of the can {does}: a double cannot hold it."
