@@ -3,9 +3,9 @@
 A figure is data and the wish how to look at it; which library draws it is the report's business.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -157,6 +157,70 @@ class Table:
     scene: str = ""
     verdicts: Mapping[str, str] = field(default_factory=dict)
     cases: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table, declared once; frame, dictionary, page, terminal and JSON follow.
+
+    Parameters
+    ----------
+    name : str
+        Words joined by underscores, the unit last: "angle_of_turn_deg".
+    meaning : str
+        One sentence for the dictionary of columns.
+    value : callable, optional
+        From the record of a row to its cell; if left out, the record's attribute or key `name`.
+    shown : bool
+        Whether the page and the terminal show it; files have every column.
+    """
+
+    name: str
+    meaning: str
+    value: Callable[[Any], object] | None = None
+    shown: bool = True
+
+    def cell(self, record: object) -> object:
+        """Return the cell of a record; None if a mapping has no such key."""
+        if self.value is not None:
+            return self.value(record)
+        if isinstance(record, Mapping):
+            return record.get(self.name)
+        return getattr(record, self.name)
+
+
+def table_of(
+    name: str,
+    title: str,
+    columns: Sequence[Column],
+    records: Iterable[object],
+    **fields: Any,  # noqa: ANN401 - as `Table` has them
+) -> Table:
+    """Return a table with a row for each record.
+
+    Parameters
+    ----------
+    name, title : str
+    columns : sequence of Column
+    records : iterable
+        Whatever the columns read their cells from.
+    **fields
+        Further fields of `Table`: scene, verdicts, cases.
+    """
+    rows = [[column.cell(record) for column in columns] for record in records]
+    return Table(
+        name=name,
+        title=title,
+        frame=pd.DataFrame(rows, columns=[column.name for column in columns]),
+        columns={column.name: column.meaning for column in columns},
+        shown=tuple(column.name for column in columns if column.shown),
+        **fields,
+    )
+
+
+def rows_of(columns: Sequence[Column], records: Iterable[object]) -> list[dict[str, Any]]:
+    """Return each record as a dictionary by column name, as `--json` prints it."""
+    return [{column.name: column.cell(record) for column in columns} for record in records]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
