@@ -12,6 +12,7 @@ from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import PhysicsEngine
 from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import recorded_turn_error
 from models.catalogue import load
 from models.rim import released
 from models.state import Pose, Release
@@ -139,7 +140,6 @@ def _adaptive(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
 
 
 def _turn_error(e: Evaluation) -> float:
-    """Return the error of the first angle of turn, deg."""
-    if e.errors is None or not e.errors.angle_of_turn:
-        return math.inf
-    return abs(math.degrees(e.errors.angle_of_turn[0]))
+    """Return the size of the error of the first angle of turn as recorded, deg."""
+    error = recorded_turn_error(e)
+    return math.inf if error is None else abs(error)

@@ -23,11 +23,23 @@ from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import SMALLEST_SHARE, Adaptive
 from harness.evaluation.evaluate import evaluate_case, failed_evaluation
-from harness.evaluation.evaluation import Evaluation
 from harness.evaluation.timed_tasks import Record
 from harness.execution.worker import LostTaskError
 from harness.metrics.motion import shares
+from harness.metrics.quantities import QUANTITIES, finite
 from models.state import Pose, Twist
+
+RECORDED = {
+    "turn_deg": QUANTITIES["turn_error_deg"],
+    "phi_rms_rad": QUANTITIES["phi_rms_rad"],
+    "phi_max_rad": QUANTITIES["phi_max_rad"],
+    "bounce_time_s": QUANTITIES["bounce_time_error_s"],
+    "contact_locus_rms_m": QUANTITIES["contact_locus_rms_m"],
+    "peak_friction_ratio": QUANTITIES["peak_friction_ratio_error"],
+    "energy_drift": QUANTITIES["energy_drift"],
+    "rotation_rms_deg": QUANTITIES["rotation_rms_deg"],
+}
+"""The errors of a record by their names in it."""
 
 _INSTANTS = 100
 """Over a run: the mean is known to a tenth of its spread."""
@@ -115,7 +127,7 @@ def measured(case: Case) -> Record:
     """
     evaluation = evaluate_case(case)
     simulation = evaluation.simulation
-    found: dict[str, float | None] = _of_evaluation(evaluation)
+    found = {name: quantity.of_run(evaluation) for name, quantity in RECORDED.items()}
     simulated = None if evaluation.motion is None else float(evaluation.motion.time[-1])
     cpu = simulation.cpu_s
     if case.engine == "reference" and simulation.outcome.name == "FINISHED":
@@ -134,7 +146,7 @@ def measured(case: Case) -> Record:
         "simulated_s": simulated,
         "cpu_s": cpu,
         "setup_s": simulation.setup_s,
-        "errors": {name: _finite(value) for name, value in found.items()},
+        "errors": {name: finite(value) for name, value in found.items()},
         "command": _command(simulation),
     }
 
@@ -172,28 +184,6 @@ def _command(simulation: Simulation) -> str:
     return case.command()
 
 
-def _of_evaluation(e: Evaluation) -> dict[str, float | None]:
-    """Return the errors of a recorded motion; the turn only where it can be counted."""
-    found: dict[str, float | None] = {"energy_drift": e.energy_drift}
-    if e.errors is None:
-        return found
-    errors = e.errors
-    found |= {
-        "phi_rms_rad": errors.phi_rms,
-        "phi_max_rad": errors.phi_max,
-        "rotation_rms_deg": math.degrees(errors.rotation_rms),
-        "contact_locus_rms_m": errors.contact_locus_rms,
-    }
-    if errors.angle_of_turn:
-        turn = math.degrees(errors.angle_of_turn[0])
-        found |= {
-            "turn_deg": turn if e.bounces[0].resolved else None,
-            "bounce_time_s": errors.time_of_bounce[0],
-            "peak_friction_ratio": errors.peak_friction_ratio[0],
-        }
-    return found
-
-
 def _of_solution(own: Truth, exact: Truth) -> dict[str, float | None]:
     """Return the errors of a solution that knows its bounces and its angles at any instant."""
     T, end = natural_time(own.scene), min(own.ends, exact.ends)
@@ -220,7 +210,3 @@ def _iterations(simulation: Simulation) -> float | None:
         return None
     each = iterations(simulation)
     return None if each is None else each * simulation.steps
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

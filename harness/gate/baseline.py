@@ -15,8 +15,9 @@ from types import MappingProxyType
 from typing import Any
 
 from harness.core.errors import HarnessError, OutputError
-from harness.gate.scores import Number, Score, Scores, told_identity
+from harness.gate.scores import Score, Scores, told_identity
 from harness.gate.spread import SIZES
+from harness.metrics.quantities import Number
 
 
 class BaselineError(HarnessError, ValueError):

@@ -14,11 +14,11 @@ from harness.gate.scores import (
     QUANTITIES,
     CaseIdentity,
     GatedQuantity,
-    Number,
     QuantityKind,
     Score,
     Scores,
 )
+from harness.metrics.quantities import Number
 
 SPREADS = 4.0
 """Spreads in a tolerance: with few members the largest departure seen is not the largest there is.

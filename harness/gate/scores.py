@@ -23,6 +23,8 @@ from typing import Any
 from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES as REGISTRY
+from harness.metrics.quantities import Number
 from harness.studies.comparison.results import results
 from models.scene import Scene
 
@@ -112,22 +114,19 @@ class GatedQuantity:
     """A column of the table of results, and how it is held against an accepted one."""
 
     column: str
-    words: str
-    unit: str
     kind: QuantityKind
     floor: float
 
+    @property
+    def words(self) -> str:
+        """Return what it is called in a sentence."""
+        label = REGISTRY[self.column].label
+        return f"error of the {label}" if self.kind is QuantityKind.ERROR else label
 
-def _error(column: str, words: str, unit: str, floor: float) -> GatedQuantity:
-    return GatedQuantity(
-        column=column, words=words, unit=unit, kind=QuantityKind.ERROR, floor=floor
-    )
-
-
-def _contact(column: str, words: str, unit: str, floor: float) -> GatedQuantity:
-    return GatedQuantity(
-        column=column, words=words, unit=unit, kind=QuantityKind.CONTACT, floor=floor
-    )
+    @property
+    def unit(self) -> str:
+        """Return its unit; empty for a ratio or a count."""
+        return REGISTRY[self.column].unit
 
 
 _RAD = 1e-12
@@ -148,45 +147,42 @@ _SHARE = 1e-4
 _ROWS = 16.0
 """Rows of one step with four points and a pyramid each: the last step may fall on either side."""
 
-QUANTITIES = (
-    _error("angle_of_turn_error_deg", "error of the angle of turn", "deg", _DEG),
-    _error("bounce_time_error_s", "error of the time of the bounce", "s", 1e-13),
-    _error("peak_friction_ratio_error", "error of the peak friction ratio", "", 1e-10),
-    _error("phi_rms_rad", "rms error of phi", "rad", _RAD),
-    _error("phi_max_rad", "largest error of phi", "rad", _RAD),
-    _error("psi_rms_rad", "rms error of psi", "rad", 10.0 * _RAD),  # psi runs through many turns
-    _error("theta_rms_rad", "rms error of theta", "rad", 10.0 * _RAD),  # and so does theta
-    _error("rotation_rms_rad", "rms error of the orientation", "rad", 10.0 * _RAD),
-    _error("contact_locus_rms_m", "rms error of the contact locus", "m", _M),
-    _error("contact_locus_hausdorff_m", "distance of the contact loci as curves", "m", _M),
-    _contact("energy_drift", "energy drift", "m g R", _RAD),
-    _contact("max_penetration_m", "deepest penetration", "m", _TOUCH_M),
-    _contact("max_slip_m_s", "fastest slip", "m/s", _TOUCH_M),  # a nanometre a second
-    _contact("lift_off_fraction", "time without contact", "of the time", _SHARE),
-    _contact("multi_contact_fraction", "time with several contacts", "of the time", _SHARE),
-    GatedQuantity(
-        column="steps", words="steps", unit="", kind=QuantityKind.COST, floor=1.0
-    ),  # the last one
-    GatedQuantity(
-        column="constraint_rows",
-        words="constraint rows",
-        unit="",
-        kind=QuantityKind.COST,
-        floor=_ROWS,
-    ),
-    GatedQuantity(
-        column="wall_s", words="time by the clock", unit="s", kind=QuantityKind.TIME, floor=0.0
-    ),
-    GatedQuantity(
-        column="cpu_s", words="time of the processor", unit="s", kind=QuantityKind.TIME, floor=0.0
-    ),
+QUANTITIES = tuple(
+    GatedQuantity(column=column, kind=kind, floor=floor)
+    for kind, floors in (
+        (
+            QuantityKind.ERROR,
+            {
+                "angle_of_turn_error_deg": _DEG,
+                "bounce_time_error_s": 1e-13,
+                "peak_friction_ratio_error": 1e-10,
+                "phi_rms_rad": _RAD,
+                "phi_max_rad": _RAD,
+                "psi_rms_rad": 10.0 * _RAD,  # psi runs through many turns
+                "theta_rms_rad": 10.0 * _RAD,  # and so does theta
+                "rotation_rms_rad": 10.0 * _RAD,
+                "contact_locus_rms_m": _M,
+                "contact_locus_hausdorff_m": _M,
+            },
+        ),
+        (
+            QuantityKind.CONTACT,
+            {
+                "energy_drift": _RAD,
+                "max_penetration_m": _TOUCH_M,
+                "max_slip_m_s": _TOUCH_M,  # a nanometre a second
+                "lift_off_fraction": _SHARE,
+                "multi_contact_fraction": _SHARE,
+            },
+        ),
+        (QuantityKind.COST, {"steps": 1.0, "constraint_rows": _ROWS}),  # one step: the last
+        (QuantityKind.TIME, {"wall_s": 0.0, "cpu_s": 0.0}),
+    )
+    for column, floor in floors.items()
 )
 """In the order in which they are named where several have changed."""
 
 BY_COLUMN = {quantity.column: quantity for quantity in QUANTITIES}
-
-
-Number = float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

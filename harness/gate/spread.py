@@ -17,7 +17,8 @@ from types import MappingProxyType
 
 from harness.core.case import Case
 from harness.evaluation.evaluate import run_cases
-from harness.gate.scores import QUANTITIES, Number, QuantityKind, Score, scored
+from harness.gate.scores import QUANTITIES, QuantityKind, Score, scored
+from harness.metrics.quantities import Number
 from harness.studies.shared.perturbation import perturbed
 
 SIZES = (1e-9, 1e-13, 1e-11, 1e-12, 1e-10)

@@ -6,7 +6,7 @@ from harness.sweep.parameters import PARAMETERS, Parameter
 from harness.sweep.partition import Partition, compute
 from harness.sweep.plan import SweepPlan, plan_sweep
 from harness.sweep.plan_file import PlanMismatchError
-from harness.sweep.quantities import DEFAULT, QUANTITIES, SweepQuantity
+from harness.sweep.quantities import DEFAULT, QUANTITIES
 from harness.sweep.run import run_sweep
 
 __all__ = [
@@ -20,7 +20,6 @@ __all__ = [
     "Partition",
     "PlanMismatchError",
     "SweepPlan",
-    "SweepQuantity",
     "compute",
     "opened",
     "plan_sweep",

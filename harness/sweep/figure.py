@@ -131,13 +131,13 @@ def maps(plan: SweepPlan, cells: Cells) -> Figure:
         signed = bool(there.size and there.min() < 0.0 < there.max())
         panels.append(
             Panel(
-                title=known.label.partition(" [")[0],
+                title=known.label,
                 x_label=across.label,
                 y_label=up.label,
                 series=(),
                 log_x=across.log,
                 log_y=up.log,
-                heat=Heatmap(label=known.label, x=x, y=y, z=z, signed=signed),
+                heat=Heatmap(label=known.axis, x=x, y=y, z=z, signed=signed),
             )
         )
     return Figure(
@@ -152,7 +152,7 @@ def maps(plan: SweepPlan, cells: Cells) -> Figure:
 def curves(plan: SweepPlan, points: Points, against: str | None) -> Figure:
     """Return the curve of each quantity over the parameter, or against another quantity."""
     axis = plan.axes[0]
-    label = QUANTITIES[against].label if against else axis.label
+    label = QUANTITIES[against].axis if against else axis.label
     panels = []
     for name in [name for name in plan.quantities if name != against][:MOST_PANELS]:
         known, (x, y) = QUANTITIES[name], points.curve(name)
@@ -165,9 +165,9 @@ def curves(plan: SweepPlan, points: Points, against: str | None) -> Figure:
         )
         panels.append(
             Panel(
-                title=known.label.partition(" [")[0],
+                title=known.label,
                 x_label=label,
-                y_label=known.label,
+                y_label=known.axis,
                 series=(series,),
                 log_x=axis.log if against is None else _wide(x),
                 log_y=_wide(y),

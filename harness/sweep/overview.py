@@ -159,6 +159,6 @@ def _words(found: Overview) -> str:
     sentences = [f"{plan.rows} scenes like {plan.scene.name}, over {over}, by {how}."]
     sentences += [f"{count}: {outcome}." for outcome, count in list(found.outcomes.items())[:5]]
     for name, extent in list(found.extents.items())[:1]:
-        label = QUANTITIES[name].label
+        label = QUANTITIES[name].axis
         sentences.append(f"The {label} lies between {extent.low:.6g} and {extent.high:.6g}.")
     return " ".join(sentences)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from harness.sweep.exact import solved_exactly
 from harness.sweep.parameters import PARAMETERS, Floats, scene_at
 from harness.sweep.plan import SweepPlan
-from harness.sweep.quantities import QUANTITIES, SweepValues
+from harness.sweep.quantities import SOURCES, SweepValues
 from harness.sweep.simulated import ERRORS, run_each
 from models.errors import InvalidValueError, ModelError
 from models.scene import Scene
@@ -146,7 +146,7 @@ def _exact(plan: SweepPlan, index: int, rows: range) -> dict[str, Floats]:
     Of the whole partition, whichever rows: of other companions they might differ by round-off.
     """
     wanted = ["epsilon"] if "epsilon" in plan.quantities else []
-    if any(QUANTITIES[name].source == "error" for name in plan.quantities):
+    if any(SOURCES[name] == "error" for name in plan.quantities):
         wanted += ERRORS.values()
     if not wanted:
         return {}

@@ -23,7 +23,7 @@ from harness.evaluation.case_cache import code_fingerprint, engine_version
 from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, end_of
 from harness.sweep.parameters import Floats
-from harness.sweep.quantities import DEFAULT, QUANTITIES
+from harness.sweep.quantities import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
 
 MOST_ROWS = 1_000_000_000
@@ -176,19 +176,19 @@ def plan_sweep(
     for name in asked:
         if name not in QUANTITIES:
             raise InvalidSettingError("--quantity", name, ", ".join(QUANTITIES))
-        if engine == "reference" and QUANTITIES[name].source == "error":
+        if engine == "reference" and SOURCES[name] == "error":
             raise InvalidSettingError(
                 "--quantity", name, "of an engine's runs only: the reference has no such error"
             )
     ends = end_of(scene, axes)
     for name in asked:
-        if QUANTITIES[name].source == "error" and ends.effects.declared():
+        if SOURCES[name] == "error" and ends.effects.declared():
             raise InvalidSettingError("--quantity", name, "of scenes without effects only")
     case = Case(scene=ends, engine=engine, profile=profile, timestep=timestep, options=options)
     check_case(case)
     exact = (
         engine == "reference"
-        and all(QUANTITIES[name].source == "exact" for name in asked)
+        and all(SOURCES[name] == "exact" for name in asked)
         and set(case.options) <= {("model", "auto"), ("model", "exact")}
         and not ends.effects.declared()
         # the exact bounce is whole, whatever the horizon

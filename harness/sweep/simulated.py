@@ -144,15 +144,12 @@ def _first_bounce(case: Case, simulation: Simulation) -> Bounce | None:
     return next(iter(bounces(found, case.scene.can)), None)
 
 
+_OF_BOUNCE = ("period_s", "phi_min_rad", "peak_psi_dot_rad_s", "peak_friction_ratio")
+_TURNS = ("angle_of_turn_deg", "rotation_turn_deg")
+
+
 def _of_bounce(first: Bounce) -> Numbers:
     """Return what a bounce has; without the turns if they cannot be counted."""
-    found = {
-        "period_s": first.end - first.start,
-        "phi_min_rad": first.phi_min,
-        "peak_psi_dot_rad_s": first.peak_psi_dot,
-        "peak_friction_ratio": first.peak_friction_ratio,
-    }
-    if first.resolved:
-        found["angle_of_turn_deg"] = math.degrees(first.angle_of_turn)
-        found["rotation_turn_deg"] = math.degrees(first.rotation_turn)
-    return found
+    names = _OF_BOUNCE + (_TURNS if first.resolved else ())
+    values = {name: QUANTITIES[name].of_bounce(first) for name in names}
+    return {name: value for name, value in values.items() if value is not None}

@@ -16,6 +16,7 @@ from harness.core.case import Case
 from harness.core.report_model import Artefact, Figure, Panel, Prose, Series
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import Quantity
 from harness.studies.attribution.ablation import (
     AblationPath,
     Account,
@@ -25,8 +26,13 @@ from harness.studies.attribution.ablation import (
     case,
     total,
 )
-from harness.studies.attribution.quantities import QUANTITIES, AttributedQuantity, uncounted
-from harness.studies.attribution.tables import gap_table, interaction_table, run_table
+from harness.studies.attribution.tables import (
+    ATTRIBUTED,
+    gap_table,
+    interaction_table,
+    run_table,
+    uncounted,
+)
 
 _NOTHING = 1e-6
 """Share of the largest discrepancy on the way below which a gap takes away nothing."""
@@ -41,7 +47,7 @@ def sentences(
     """Return two sentences on the first quantity whose whole is known."""
     lost = uncounted(evaluations.values())
     doubt = _doubt(lost, len(evaluations), accounts) if lost else ""
-    for quantity in QUANTITIES:
+    for quantity in ATTRIBUTED:
         found = accounts[quantity.key]
         if found.whole is not None:
             return (
@@ -58,7 +64,7 @@ def sentences(
 
 def _doubt(lost: int, runs: int, accounts: Mapping[str, Account]) -> str:
     """Return in how many runs the turn is not known, and what is known of it all the same."""
-    quantity = QUANTITIES[0]
+    quantity = ATTRIBUTED[0]
     found = accounts[quantity.key]
     known = [
         (abs(value), name, value)
@@ -72,7 +78,7 @@ def _doubt(lost: int, runs: int, accounts: Mapping[str, Account]) -> str:
     return told + ")"
 
 
-def _in_order(way: AblationPath, quantity: AttributedQuantity, found: Account) -> str:
+def _in_order(way: AblationPath, quantity: Quantity, found: Account) -> str:
     """Return what each gap takes away, largest first."""
     parts = sorted(
         zip(way.names, found.in_order, strict=True),
@@ -87,13 +93,13 @@ def _in_order(way: AblationPath, quantity: AttributedQuantity, found: Account) -
     )
     return (
         f"As it ships, {way.engine} is off by {_amount(quantity, found.shipped)} in the "
-        f"{quantity.words} of {way.scene.name}, and matched, at a timestep of "
+        f"{quantity.label} of {way.scene.name}, and matched, at a timestep of "
         f"{way.matched_timestep:.2g} s, by {_amount(quantity, found.remains)}; closing the gaps in "
         f"the order {', '.join(way.names)} takes away, largest first: {told}"
     )
 
 
-def _together(way: AblationPath, quantity: AttributedQuantity, found: Account) -> str:
+def _together(way: AblationPath, quantity: Quantity, found: Account) -> str:
     """Return how far the gaps alone are from the whole, and which gap is behind it most."""
     whole, alone, interaction = found.whole, total(found.alone), found.interaction
     if whole is None or alone is None or interaction is None:
@@ -127,12 +133,18 @@ def _together(way: AblationPath, quantity: AttributedQuantity, found: Account) -
     )
 
 
-def _amount(quantity: AttributedQuantity, value: Level, *, unit: bool = True) -> str:
+def _amount(quantity: Quantity, value: Level, *, unit: bool = True) -> str:
     """Return a discrepancy in words; what is not known is said to be so."""
     if value is None:
         return "an unknown part"
-    number = f"{value * quantity.scale:+.3g}"
-    return f"{number} {quantity.unit}".rstrip() if unit else number
+    word, scale = _unit(quantity)
+    number = f"{value * scale:+.3g}"
+    return f"{number} {word}".rstrip() if unit else number
+
+
+def _unit(quantity: Quantity) -> tuple[str, float]:
+    """Return the unit in words and figures, and the factor from the unit of the column to it."""
+    return {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}.get(quantity.unit, (quantity.unit, 1.0))
 
 
 _PANELS = 4
@@ -144,7 +156,7 @@ def waterfall(
     """Return the waterfall of the first quantities that are known anywhere on the way."""
     drawn = [
         quantity
-        for quantity in QUANTITIES
+        for quantity in ATTRIBUTED
         if any(level is not None for level in accounts[quantity.key].levels)
     ]
     return Figure(
@@ -156,15 +168,16 @@ def waterfall(
     )
 
 
-def _panel(way: AblationPath, quantity: AttributedQuantity, found: Account) -> Panel:
+def _panel(way: AblationPath, quantity: Quantity, found: Account) -> Panel:
     """Return the waterfall of one quantity."""
     levels = _numbers(found.levels, quantity)
     alone = _numbers(found.alone, quantity)
     places = np.arange(1.0, len(way.names) + 1.0)
     amounts = [_told(value, quantity) for value in found.in_order]
-    unit = f" [{quantity.unit}]" if quantity.unit else ""
+    word, _ = _unit(quantity)
+    unit = f" [{word}]" if word else ""
     return Panel(
-        title=quantity.words.capitalize(),
+        title=quantity.label.capitalize(),
         x_label="gaps, closed from left to right",
         y_label=f"off by{unit}",
         x_names=("as shipped", *way.names, "matched"),
@@ -201,15 +214,16 @@ def _panel(way: AblationPath, quantity: AttributedQuantity, found: Account) -> P
     )
 
 
-def _numbers(values: Sequence[Level], quantity: AttributedQuantity) -> Floats:
+def _numbers(values: Sequence[Level], quantity: Quantity) -> Floats:
     """Return values in the unit of the axis, NaN where they are not known."""
-    return np.array([math.nan if value is None else value * quantity.scale for value in values])
+    _, scale = _unit(quantity)
+    return np.array([math.nan if value is None else value * scale for value in values])
 
 
-def _told(value: Level, quantity: AttributedQuantity) -> str:
+def _told(value: Level, quantity: Quantity) -> str:
     if value is None:
         return "not known"
-    return f"takes away {value * quantity.scale:+.3g} {quantity.unit}".rstrip()
+    return f"takes away {_amount(quantity, value)}"
 
 
 def _seen(way: AblationPath, evaluations: Mapping[Case, Evaluation]) -> str:
@@ -253,7 +267,7 @@ def attribution(way: AblationPath, evaluations: Sequence[Evaluation]) -> Attribu
     found = {e.simulation.case: e for e in evaluations}
     accounts = {
         quantity.key: account(way.names, partial(_level, way, found, quantity))
-        for quantity in QUANTITIES
+        for quantity in ATTRIBUTED
     }
     return Attribution(
         path=way,
@@ -266,11 +280,11 @@ def attribution(way: AblationPath, evaluations: Sequence[Evaluation]) -> Attribu
 def _level(
     way: AblationPath,
     found: Mapping[Case, Evaluation],
-    quantity: AttributedQuantity,
+    quantity: Quantity,
     closed: Closed,
 ) -> float | None:
     """Return a discrepancy with a set of gaps closed."""
-    return quantity.read(found[case(way, closed)])
+    return quantity.of_run(found[case(way, closed)])
 
 
 def attribution_report(found: Attribution) -> tuple[Artefact, ...]:

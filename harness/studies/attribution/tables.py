@@ -1,6 +1,6 @@
 """The attribution in tables: the gaps, how they interact, and every run with its command."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import pandas as pd
@@ -8,8 +8,30 @@ import pandas as pd
 from harness.core.case import Case
 from harness.core.report_model import Table
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
 from harness.studies.attribution.ablation import AblationPath, Account, Level, case, stops, total
-from harness.studies.attribution.quantities import QUANTITIES, turn_seen
+
+ATTRIBUTED = tuple(
+    QUANTITIES[key]
+    for key in (
+        "turn_error_deg",
+        "contact_locus_rms_m",
+        "phi_rms_rad",
+        "peak_friction_ratio_error",
+        "contact_locus_hausdorff_m",
+    )
+)
+"""The discrepancies that are attributed, in the order in which words and figures take them."""
+
+
+def uncounted(evaluations: Iterable[Evaluation]) -> int:
+    """Return in how many runs of a scene that ends with a bounce the turn is not known."""
+    return sum(
+        turn_error(e) is None
+        for e in evaluations
+        if e.simulation.case.scene.horizon.seconds is None
+    )
+
 
 _GAPS: Mapping[str, str] = {
     "scene": "Name of the scene.",
@@ -30,7 +52,7 @@ _GAPS: Mapping[str, str] = {
 def gap_table(way: AblationPath, accounts: Mapping[str, Account]) -> Table:
     """Return what each gap accounts for, a row a gap and quantity."""
     rows = []
-    for quantity in QUANTITIES:
+    for quantity in ATTRIBUTED:
         found = accounts[quantity.key]
         for place, gap in enumerate(way.gaps):
             in_order, alone = found.in_order[place], found.alone[place]
@@ -73,7 +95,7 @@ _INTERACTIONS: Mapping[str, str] = {
 def interaction_table(way: AblationPath, accounts: Mapping[str, Account]) -> Table:
     """Return the whole, the sums and the interaction, a row a quantity."""
     rows = []
-    for quantity in QUANTITIES:
+    for quantity in ATTRIBUTED:
         found = accounts[quantity.key]
         rows.append(
             {
@@ -101,10 +123,10 @@ _RUNS: Mapping[str, str] = {
     "gap": "Name of the gap.",
     "closed": "Gaps closed in this run.",
     "timestep_s": "Timestep of the engine, s.",
-    **{quantity.key: quantity.meaning for quantity in QUANTITIES},
+    **{quantity.key: quantity.meaning for quantity in ATTRIBUTED},
     "turn_error_seen_deg": "Error of the turn as recorded, right up to whole turns if unresolved.",
     "turn_resolved": "Whether the record is dense enough to count the turns of psi.",
-    **{f"takes_away_{q.key}": f"What this step takes away of {q.key}." for q in QUANTITIES},
+    **{f"takes_away_{q.key}": f"What this step takes away of {q.key}." for q in ATTRIBUTED},
     "outcome": "How the run ended.",
     "case": "Names the case in this version of its engine.",
     "command": "Runs the case again.",
@@ -126,15 +148,15 @@ def run_table(
             "gap": stop.gap,
             "closed": ", ".join(name for name in way.names if name in stop.closed),
             "timestep_s": e.simulation.timestep,
-            "turn_error_seen_deg": turn_seen(e),
+            "turn_error_seen_deg": recorded_turn_error(e),
             "turn_resolved": e.bounces[0].resolved if e.bounces else None,
             "outcome": e.simulation.outcome.value,
             "case": chosen.digest(e.simulation.engine_version),
             "command": chosen.command(),
         }
-        for quantity in QUANTITIES:
+        for quantity in ATTRIBUTED:
             found = accounts[quantity.key]
-            row[quantity.key] = quantity.read(e)
+            row[quantity.key] = quantity.of_run(e)
             if stop.gap:
                 effects = {"in order": found.in_order, "alone": found.alone}
                 parts = effects.get(stop.step, found.left_open)
@@ -146,7 +168,7 @@ def run_table(
         "Every run of the attribution",
         rows,
         _RUNS,
-        skipped=("scene", "engine", *(f"takes_away_{q.key}" for q in QUANTITIES[1:])),
+        skipped=("scene", "engine", *(f"takes_away_{q.key}" for q in ATTRIBUTED[1:])),
     )
 
 

@@ -8,12 +8,13 @@ The comparison in one table: a row a scene and engine, as it ships beside the be
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from harness.core.report_model import Table
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
+from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
 from harness.studies.comparison.results import CASE, Row, frame, key
 from harness.studies.comparison.selection import ended, finest
 from harness.studies.comparison.suite import Unsupported
@@ -79,8 +80,7 @@ def _row(scene: str, engine: str, shipped: Evaluation | None, best: Evaluation |
         row[f"{prefix}_verdict"] = scorecard_verdict(e)
         if e.errors is not None:
             row[f"{prefix}_phi_rms_rad"] = e.errors.phi_rms
-            if e.errors.angle_of_turn and e.bounces[0].resolved:
-                row[f"{prefix}_turn_error_deg"] = math.degrees(e.errors.angle_of_turn[0])
+            row[f"{prefix}_turn_error_deg"] = turn_error(e)
     if best is not None:
         simulation = best.simulation
         row["best_run"] = f"{simulation.case.profile}, {simulation.timestep:.2g} s"
@@ -114,7 +114,10 @@ def excess(e: Evaluation) -> float:
     """Return the worst error of a run over what agrees: of any turn, or of phi over the run."""
     if e.errors is None or e.truth is None:
         return math.inf
-    turns = [abs(math.degrees(turn)) / AGREES_TURN for turn in e.errors.angle_of_turn]
+    turns = [
+        abs(recorded_turn_error(e, place) or 0.0) / AGREES_TURN
+        for place in range(len(e.errors.angle_of_turn))
+    ]
     largest = float(e.truth.angles.phi.max())
     return max(*turns, e.errors.phi_rms / (AGREES_PHI * largest), 0.0)
 
@@ -184,7 +187,7 @@ def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupporte
     """Return the verdicts on each profile of each engine, at its smallest timestep."""
     rows: list[Row] = []
     for e in finest(evaluations):
-        for quantity in QUANTITIES:
+        for quantity in JUDGED:
             value, allowed = quantity.value(e), _allowed(quantity, e)
             rows.append(
                 {
@@ -206,7 +209,7 @@ def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupporte
             "verdict": one.verdict,
         }
         for one in unsupported
-        for quantity in QUANTITIES
+        for quantity in JUDGED
     ]
     return Table(
         name="fidelity",
@@ -255,33 +258,23 @@ def _allowed(quantity: FidelityQuantity, e: Evaluation) -> float | None:
     return quantity.allowed(e) if e.truth is not None else None
 
 
-def _largest(values: Iterator[float]) -> float | None:
+def _largest(values: Iterable[float | None]) -> float | None:
     """Return the number of largest size with its sign; None of none."""
-    known = [value for value in values if math.isfinite(value)]
+    known = [value for value in values if value is not None and math.isfinite(value)]
     return max(known, key=abs) if known else None
 
 
 def _turn(e: Evaluation) -> float | None:
-    turns = e.errors.angle_of_turn if e.errors else ()
-    pairs = zip(turns, e.bounces, strict=False)
-    return _largest(math.degrees(turn) for turn, bounce in pairs if bounce.resolved)
-
-
-def _locus(e: Evaluation) -> float | None:
-    return _known(e.errors.contact_locus_hausdorff) if e.errors else None
+    return _largest(turn_error(e, place) for place in range(len(e.bounces)))
 
 
 def _friction(e: Evaluation) -> float | None:
-    return _largest(iter(e.errors.peak_friction_ratio)) if e.errors else None
+    return _largest(e.errors.peak_friction_ratio) if e.errors else None
 
 
 def _asked(e: Evaluation) -> float:
     """Return the least peak of |F|/N that the exact bounces ask for."""
     return min((b.peak_friction_ratio for b in e.true_bounces), default=math.nan)
-
-
-def _known(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
 
 
 def _clearance(e: Evaluation) -> float:
@@ -316,12 +309,12 @@ _TURN = "turn_error_deg"
 _SLIP = "slip_m_s"
 _ENERGY = "energy_drift"
 
-QUANTITIES = (
+JUDGED = (
     # a tenth of a degree: what a protractor on the table would not show
     FidelityQuantity(key=_TURN, value=_turn, allowed=lambda _: AGREES_TURN, bounces=True),
     FidelityQuantity(
         key="contact_locus_m",
-        value=_locus,
+        value=QUANTITIES["contact_locus_hausdorff_m"].of_run,
         allowed=lambda e: _SEEN * e.simulation.case.scene.can.radius,
     ),
     FidelityQuantity(
@@ -333,24 +326,24 @@ QUANTITIES = (
     # against the fastest that the centre goes: creeping at a hundredth of it looks like rolling
     FidelityQuantity(
         key=_SLIP,
-        value=lambda e: _known(e.contact.max_slip) if e.contact else None,
+        value=QUANTITIES["max_slip_m_s"].of_run,
         allowed=lambda e: _SEEN * _speed(e),
     ),
     # deeper, and the far rim touches the plane where the exact can clears it: another motion
     FidelityQuantity(
         key="penetration_m",
-        value=lambda e: _known(e.contact.max_penetration) if e.contact else None,
+        value=QUANTITIES["max_penetration_m"].of_run,
         allowed=_clearance,
     ),
     FidelityQuantity(
         key="lift_off_fraction",
-        value=lambda e: _known(e.contact.lift_off_fraction) if e.contact else None,
+        value=QUANTITIES["lift_off_fraction"].of_run,
         allowed=lambda _: _SEEN,
     ),
     # of what the can has to spend: phi follows it in proportion
     FidelityQuantity(
         key=_ENERGY,
-        value=lambda e: _known(e.energy_drift),
+        value=QUANTITIES["energy_drift"].of_run,
         allowed=lambda e: _SEEN * _spendable(e),
         rolls=False,
     ),

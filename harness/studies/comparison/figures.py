@@ -14,6 +14,7 @@ from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
 from harness.metrics.motion import Motion
+from harness.metrics.quantities import recorded_turn_error
 from harness.studies.comparison.bounce_figure import bounce_figure, first_bounce, in_bounce
 from harness.studies.comparison.selection import (
     MM,
@@ -97,10 +98,9 @@ def _order(ladder: Sequence[Evaluation]) -> float:
 
 
 def _turn(e: Evaluation) -> float:
-    """Return the error of the first angle of turn, deg."""
-    if e.errors is None or not e.errors.angle_of_turn:
-        return math.nan
-    return math.degrees(e.errors.angle_of_turn[0])
+    """Return the error of the first angle of turn as recorded, deg."""
+    error = recorded_turn_error(e)
+    return math.nan if error is None else error
 
 
 def _convergence_figure_phi(e: Evaluation) -> float:

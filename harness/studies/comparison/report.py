@@ -1,11 +1,11 @@
 """From evaluations to artefacts: figures first, then tables, then words."""
 
-import math
 from collections.abc import Sequence
 
 from harness.core.report_model import Artefact, Prose
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import turn_error
 from harness.studies.comparison.fidelity import fidelity, scorecard
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.replay import replay
@@ -75,13 +75,11 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
             ("adaptive", "with steps that follow the motion"),
         ):
             turned = [
-                (abs(math.degrees(e.errors.angle_of_turn[0])), e)
+                (abs(error), e)
                 for e in evaluations
                 if e.simulation.case.engine == engine
                 and e.simulation.case.profile == profile
-                and e.errors is not None
-                and e.errors.angle_of_turn
-                and e.bounces[0].resolved
+                and (error := turn_error(e)) is not None
                 and e.simulation.outcome is Outcome.FINISHED
                 and not e.truth_pulls
             ]

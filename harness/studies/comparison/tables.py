@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from harness.core.report_model import Table
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
+from harness.metrics.quantities import turn_error
 from harness.studies.comparison.results import CASE, LINK, frame, key, link
 
 _BOUNCES: Mapping[str, str] = {
@@ -108,7 +109,7 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
         steps = [e.simulation.timestep or math.nan for e in ladder]
         for quantity, errors in (
             ("phi_rms_rad", [e.errors.phi_rms if e.errors else math.nan for e in ladder]),
-            ("angle_of_turn_deg", [_turn_error(e) for e in ladder]),
+            ("angle_of_turn_deg", [_number(turn_error(e)) for e in ladder]),
         ):
             order = observed_order(steps, [_weighty(errors, error) for error in errors])
             if order.points > 1:
@@ -138,8 +139,5 @@ _ROUND_OFF = 1e-12
 """rad or deg: below it an error is the sum of roundings, which has no order."""
 
 
-def _turn_error(e: Evaluation) -> float:
-    """Return the error of the first angle of turn, deg, where there is one to be trusted."""
-    if e.errors is None or not e.errors.angle_of_turn or not e.bounces[0].resolved:
-        return math.nan
-    return math.degrees(e.errors.angle_of_turn[0])
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value

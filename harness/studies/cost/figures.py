@@ -6,9 +6,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from harness.core.report_model import Figure, Panel, Series
+from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import pareto_front
 from harness.studies.cost.hard_tables import exponents, hard_rows
-from harness.studies.cost.plateaus import COST_HIGH, COST_LOW, QUANTITIES, CostQuantity
+from harness.studies.cost.plateaus import AXES, COST_HIGH, COST_LOW
 from harness.studies.cost.points import Family, Point
 from harness.studies.cost.results import Cost
 
@@ -24,10 +25,9 @@ _SHOWN = (
 
 def work_precision(cost: Cost) -> Figure:
     """Return the work-precision diagram: a mark a run, hover shows its setting."""
-    target = next(q for q in QUANTITIES if q.key == cost.plan.target)
-    shown = [target, *(q for q in QUANTITIES if q.key in _SHOWN)]
+    target = cost.plan.target
     known = cost.points
-    front = pareto_front([p.cost for p in known], [p.error(target.key) for p in known])
+    front = pareto_front([p.cost for p in known], [p.error(target) for p in known])
     engines = list(dict.fromkeys(known[place].case.engine for place in front))
     return Figure(
         name=f"{cost.plan.scene.name}-cost",
@@ -37,12 +37,13 @@ def work_precision(cost: Cost) -> Figure:
             "it is level, a plateau, more cost brings nothing. On the front, beaten by nothing "
             f"that is lower or further left: {len(front)} runs of {', '.join(engines)}."
         ),
-        panels=tuple(_panel(cost, quantity) for quantity in shown),
+        panels=tuple(_panel(cost, key) for key in (target, *_SHOWN)),
         scene=cost.plan.scene.name,
     )
 
 
-def _panel(cost: Cost, quantity: CostQuantity) -> Panel:
+def _panel(cost: Cost, key: str) -> Panel:
+    quantity, (low, high) = RECORDED[key], AXES[key]
     series = []
     for group, ladders in _groups(cost).items():
         x: list[float] = []
@@ -50,11 +51,11 @@ def _panel(cost: Cost, quantity: CostQuantity) -> Panel:
         hover: list[str] = []
         for family, ladder in ladders:
             for point in ladder:
-                error = point.error(quantity.key)
+                error = point.error(key)
                 seen = math.isfinite(error) and math.isfinite(point.cost)
                 x.append(point.cost if seen else math.nan)
                 # what is exact to round-off is drawn at the foot
-                y.append(max(error, 1.3 * quantity.low) if seen else math.nan)
+                y.append(max(error, 1.3 * low) if seen else math.nan)
                 hover.append(f"{family.name}, {_size(point)}: {point.command}")
             x.append(math.nan)
             y.append(math.nan)
@@ -72,14 +73,14 @@ def _panel(cost: Cost, quantity: CostQuantity) -> Panel:
                 )
             )
     return Panel(
-        title=quantity.title,
+        title=quantity.label.capitalize(),
         x_label="processor seconds per simulated second",
-        y_label=quantity.label,
+        y_label=f"error: {quantity.axis}",
         series=tuple(series),
         log_x=True,
         log_y=True,
         x_range=(COST_LOW, COST_HIGH),
-        y_range=(quantity.low, quantity.high),
+        y_range=(low, high),
     )
 
 

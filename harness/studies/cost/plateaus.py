@@ -4,7 +4,7 @@ A ladder of one change to `matched` owes its plateau to that change if the match
 it at the same timestep. That of the engine as it ships is taken apart by its gaps, all at the
 finest timestep: the one to blame is the gap that by itself, all others closed, leaves the most.
 
-The errors that the study names: what they are, in which unit, and the axes that show them.
+The ends of the axes that show the errors.
 """
 
 from collections.abc import Sequence
@@ -119,97 +119,17 @@ def _size(record: Record | None, quantity: str) -> float | None:
     return None if value is None else abs(value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CostQuantity:
-    """One error.
-
-    Parameters
-    ----------
-    key : str
-        As in the records, with the unit as the suffix.
-    title, label : str
-        Of the panel and of its axis.
-    meaning : str
-    low, high : float
-        Ends of the axis, the same for all scenes.
-    """
-
-    key: str
-    title: str
-    label: str
-    meaning: str
-    low: float
-    high: float
-
-
-TURN = CostQuantity(
-    key="turn_deg",
-    title="Angle of turn",
-    label="error of the turn [deg]",
-    meaning="First angle of turn, engine minus truth; empty where the record cannot count turns.",
-    low=1e-8,
-    high=1e3,
-)
-
-QUANTITIES = (
-    TURN,
-    CostQuantity(
-        key="phi_rms_rad",
-        title="Nutation",
-        label="phi, rms [rad]",
-        meaning="Root mean square error of phi over the run.",
-        low=1e-12,
-        high=1.0,
-    ),
-    CostQuantity(
-        key="phi_max_rad",
-        title="Nutation, at worst",
-        label="phi, largest [rad]",
-        meaning="Largest error of phi over the run.",
-        low=1e-12,
-        high=1.0,
-    ),
-    CostQuantity(
-        key="bounce_time_s",
-        title="Time of the bounce",
-        label="time of the bounce [s]",
-        meaning="Time of the first minimum of phi, engine minus truth.",
-        low=1e-12,
-        high=1.0,
-    ),
-    CostQuantity(
-        key="contact_locus_rms_m",
-        title="Contact locus",
-        label="contact locus, rms [m]",
-        meaning="Distance of the contact points at the same instant, rms; not of the reference.",
-        low=1e-9,
-        high=1e-1,
-    ),
-    CostQuantity(
-        key="peak_friction_ratio",
-        title="Peak friction ratio",
-        label="peak |F|/N [1]",
-        meaning="Largest |F|/N of the first bounce, engine minus truth.",
-        low=1e-10,
-        high=1e2,
-    ),
-    CostQuantity(
-        key="energy_drift",
-        title="Energy",
-        label="energy drift over m g R [1]",
-        meaning="Largest departure of the energy from its first value, over m g R.",
-        low=1e-12,
-        high=1e2,
-    ),
-    CostQuantity(
-        key="rotation_rms_deg",
-        title="Orientation",
-        label="rotation, rms [deg]",
-        meaning="Angle between the true and the engine's orientation, root mean square.",
-        low=1e-8,
-        high=1e3,
-    ),
-)
+AXES = {
+    "turn_deg": (1e-8, 1e3),
+    "phi_rms_rad": (1e-12, 1.0),
+    "phi_max_rad": (1e-12, 1.0),
+    "bounce_time_s": (1e-12, 1.0),
+    "contact_locus_rms_m": (1e-9, 1e-1),
+    "peak_friction_ratio": (1e-10, 1e2),
+    "energy_drift": (1e-12, 1e2),
+    "rotation_rms_deg": (1e-8, 1e3),
+}
+"""Ends of the axis of each error of `RECORDED`, the same for all scenes."""
 
 COST_LOW, COST_HIGH = 1e-3, 1e3
 """Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping
 import pandas as pd
 
 from harness.core.report_model import Table
+from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import pareto_front
-from harness.studies.cost.plateaus import QUANTITIES, Fall
+from harness.studies.cost.plateaus import Fall
 from harness.studies.cost.points import Point
 from harness.studies.cost.prices import TARGETS, Offer, tied
 from harness.studies.cost.results import CHOICES, Cost
@@ -36,7 +37,7 @@ _POINTS: Mapping[str, str] = {
     "profile": "default: as it ships; matched: what the scene declares; adaptive: and own steps.",
     "timestep_s": "Timestep, s; the largest of an adaptive run; none if the solver chooses.",
     "outcome": "How the run ended.",
-    **{f"{q.key}": q.meaning for q in QUANTITIES},
+    **{name: quantity.meaning for name, quantity in RECORDED.items()},
     "cost_s_s": "Processor seconds per simulated second, minimum of the repeats.",
     "cost_median_s_s": "The same, median.",
     "repeats": "How many times it was timed.",
@@ -197,7 +198,7 @@ def _point(p: Point, *, on_front: bool) -> dict[str, object]:
         "profile": p.case.profile,
         "timestep_s": p.timestep,
         "outcome": p.outcome.value + (f" ({p.note})" if p.note else ""),
-        **{q.key: p.errors.get(q.key) for q in QUANTITIES},
+        **{name: p.errors.get(name) for name in RECORDED},
         "cost_s_s": _known(p.cost),
         "cost_median_s_s": _known(p.median),
         "repeats": len(p.cpu),

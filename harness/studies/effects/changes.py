@@ -3,115 +3,29 @@
 What including an effect costs: counts of work, and processor time measured alone.
 """
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.core.case import Case
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES
 from harness.studies.effects.plan import EffectsPlan, Subset, case
 
+COUNTS = {
+    "turn_deg": 1.0,
+    "bounce_time_s": 1e-3,
+    "peak_friction_ratio": 0.1,
+    "phi_end_rad": 0.01,
+    "x_end_m": 1e-3,
+    "y_end_m": 1e-3,
+}
+"""Change of each quantity that counts, for each degree of turn that counts.
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EffectQuantity:
-    """One number of a motion.
+In the order in which words and figures take them.
+"""
 
-    Parameters
-    ----------
-    key : str
-        Column name, with the unit as the suffix.
-    words : str
-    counts : float
-        Change that counts, for each degree of turn that counts.
-    meaning : str
-    read : callable
-        None where a motion does not have it.
-    """
-
-    key: str
-    words: str
-    counts: float
-    meaning: str
-    read: Callable[[Evaluation], float | None]
-
-
-def _turn(e: Evaluation) -> float | None:
-    """Return the first angle of turn, deg, where the record can count it."""
-    if not e.bounces or not e.bounces[0].resolved:
-        return None
-    return math.degrees(e.bounces[0].angle_of_turn)
-
-
-def _friction(e: Evaluation) -> float | None:
-    if not e.bounces:
-        return None
-    ratio = e.bounces[0].peak_friction_ratio
-    return ratio if math.isfinite(ratio) else None
-
-
-def _last(e: Evaluation) -> float | None:
-    """Return phi at the end, where the end is a time: where it is a maximum, time tells."""
-    if e.motion is None or e.simulation.case.scene.horizon.seconds is None:
-        return None
-    return float(e.motion.angles.phi[-1])
-
-
-def _place(axis: int) -> Callable[[Evaluation], float | None]:
-    def read(e: Evaluation) -> float | None:
-        if e.motion is None:
-            return None
-        value = float(e.motion.trajectory.position[-1, axis])
-        return value if math.isfinite(value) else None
-
-    return read
-
-
-QUANTITIES = (
-    EffectQuantity(
-        key="turn_deg",
-        words="angle of turn",
-        counts=1.0,
-        meaning="First angle of turn.",
-        read=_turn,
-    ),
-    EffectQuantity(
-        key="bounce_time_s",
-        words="time of the bounce",
-        counts=1e-3,
-        meaning="Time of the first minimum of phi.",
-        read=lambda e: e.bounces[0].time if e.bounces else None,
-    ),
-    EffectQuantity(
-        key="peak_friction_ratio",
-        words="peak friction ratio",
-        counts=0.1,
-        meaning="Largest |F|/N of the first bounce.",
-        read=_friction,
-    ),
-    EffectQuantity(
-        key="phi_end_rad",
-        words="nutation at the end",
-        counts=0.01,
-        meaning="phi at the end of a run of given time.",
-        read=_last,
-    ),
-    EffectQuantity(
-        key="x_end_m",
-        words="place at the end (x)",
-        counts=1e-3,
-        meaning="x of the can's centre at the end.",
-        read=_place(0),
-    ),
-    EffectQuantity(
-        key="y_end_m",
-        words="place at the end (y)",
-        counts=1e-3,
-        meaning="y of the can's centre at the end.",
-        read=_place(1),
-    ),
-)
-"""In the order in which words and figures take them; `counts` is for a tolerance of one degree."""
-
+CHANGED = tuple(QUANTITIES[key] for key in COUNTS)
+"""What an effect may change."""
 
 Times = Mapping[Case, Mapping[str, object]]
 """By case, what `harness.evaluation.timing.time_alone` measured."""

@@ -17,6 +17,7 @@ from harness.core.report_model import Figure, Panel, Series, Table
 from harness.core.trajectory import Floats
 from harness.engines.registry import check_effects
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES
 from models.contact_effects import Slip
 from models.errors import ModelError
 from models.scene import Scene
@@ -128,9 +129,8 @@ def friction(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Figure, Ta
 
 def _turn(e: Evaluation) -> float:
     """Return the first angle of turn, deg; NaN where there is none to count."""
-    if not e.bounces or not e.bounces[0].resolved:
-        return math.nan
-    return math.degrees(e.bounces[0].angle_of_turn)
+    turn = QUANTITIES["turn_deg"].of_run(e)
+    return math.nan if turn is None else turn
 
 
 def _sliding(e: Evaluation) -> tuple[Floats, np.ndarray[tuple[int], np.dtype[np.bool_]]]:

@@ -14,7 +14,7 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Figure, Panel, Prose, Series
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.effects.changes import QUANTITIES, EffectCost, Times, price
+from harness.studies.effects.changes import CHANGED, EffectCost, Times, price
 from harness.studies.effects.plan import EffectsPlan
 from harness.studies.effects.tables import effect_table, factor_table, run_table
 from harness.studies.effects.verdict import Effect, EffectStatus, effect, threshold
@@ -131,7 +131,7 @@ def _height(made: EffectsPlan, found: Mapping[Case, Evaluation], one: Effect) ->
     """Return the largest change of an effect over what counts; NaN where none is known."""
     shares = [
         abs(value) / threshold(made, found, one.mover, quantity.key)
-        for quantity in QUANTITIES
+        for quantity in CHANGED
         if (value := one.changes.get(quantity.key)) is not None
     ]
     return max(*shares, _LEAST) if shares else math.nan

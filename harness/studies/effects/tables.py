@@ -8,7 +8,7 @@ import pandas as pd
 from harness.core.case import Case
 from harness.core.report_model import Table
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.effects.changes import QUANTITIES, EffectCost
+from harness.studies.effects.changes import CHANGED, EffectCost
 from harness.studies.effects.plan import EffectsPlan, case, subsets
 from harness.studies.effects.verdict import Effect
 
@@ -29,7 +29,7 @@ _EFFECTS: Mapping[str, str] = {
     "cpu_spread": "Longest over shortest processor time of the repeats of the noisier run.",
     **{
         f"change_{q.key}": f"{q.meaning} With the effect less without it, others as declared."
-        for q in QUANTITIES
+        for q in CHANGED
     },
     "case": "Names the case with the effect in this version of its engine.",
     "command": "Runs it again, where it is a scene that has a file.",
@@ -62,7 +62,7 @@ def effect_table(
                 "constraint_rows_ratio": cost.constraint_rows,
                 "cpu_ratio": cost.cpu,
                 "cpu_spread": cost.cpu_spread,
-                **{f"change_{q.key}": one.changes.get(q.key) for q in QUANTITIES},
+                **{f"change_{q.key}": one.changes.get(q.key) for q in CHANGED},
                 "case": "" if chosen is None else chosen.digest(version),
                 "command": "" if chosen is None else chosen.command(),
             }
@@ -86,7 +86,7 @@ def factor_table(made: EffectsPlan, effects: tuple[Effect, ...]) -> Table | None
     """Return how the declared effects act together; None if the scene declares none."""
     rows = []
     for one in effects:
-        for quantity in QUANTITIES if one.declared else ():
+        for quantity in CHANGED if one.declared else ():
             alone, late = one.alone.get(quantity.key), one.changes.get(quantity.key)
             rows.append(
                 {
@@ -110,7 +110,7 @@ _RUNS: Mapping[str, str] = {
     "engine": "Name of the engine.",
     "model": "What was solved.",
     "effects": "Effects in force.",
-    **{q.key: q.meaning for q in QUANTITIES},
+    **{q.key: q.meaning for q in CHANGED},
     "steps": "Steps of the run.",
     "constraint_rows": "Constraint rows, summed over the steps.",
     "outcome": "How the run ended.",
@@ -139,7 +139,7 @@ def run_table(made: EffectsPlan, found: Mapping[Case, Evaluation]) -> Table:
                 "note": simulation.note,
                 "case": chosen.digest(simulation.engine_version),
             }
-            rows.append(row | {q.key: q.read(found[chosen]) for q in QUANTITIES})
+            rows.append(row | {q.key: q.of_run(found[chosen]) for q in CHANGED})
     return _table(made, "runs", "Every run of the study", rows, _RUNS)
 
 

@@ -8,7 +8,8 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.engines.registry import engine
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.effects.changes import QUANTITIES
+from harness.metrics.quantities import QUANTITIES
+from harness.studies.effects.changes import CHANGED, COUNTS
 from harness.studies.effects.plan import EffectsPlan, Subset, case
 
 
@@ -94,7 +95,7 @@ def change(
     one, other = (evaluation(made, found, mover, subset) for subset in (with_it, without))
     if one is None or other is None:
         return {}
-    pairs = ((q.key, q.read(one), q.read(other)) for q in QUANTITIES)
+    pairs = ((q.key, q.of_run(one), q.of_run(other)) for q in CHANGED)
     return {key: None if a is None or b is None else a - b for key, a, b in pairs}
 
 
@@ -107,7 +108,7 @@ def _mean(made: EffectsPlan, found: Evaluations, mover: str, name: str) -> dict[
     ]
     each = [change(made, found, mover, rest | {name}, rest) for rest in rests]
     means: dict[str, float | None] = {}
-    for quantity in QUANTITIES:
+    for quantity in CHANGED:
         known = [value for one in each if (value := one.get(quantity.key)) is not None]
         means[quantity.key] = sum(known) / len(known) if len(known) == len(each) else None
     return means
@@ -156,7 +157,7 @@ def _weighed(
     if ends[0] is not ends[-1]:
         return matters, f"With it the run is {_short(ends[0])}, without it {_short(ends[-1])}."
     over, worst = 0.0, "It changes nothing that is known."
-    for quantity in QUANTITIES:
+    for quantity in CHANGED:
         value = changes[quantity.key]
         if value is None:
             continue
@@ -164,7 +165,7 @@ def _weighed(
         if abs(value) / least > over:
             over = abs(value) / least
             worst = (
-                f"It changes the {quantity.words} by {value:.3g} ({quantity.key}); "
+                f"It changes the {quantity.label} by {value:.3g} ({quantity.key}); "
                 f"what counts is {least:.2g}."
             )
     return (matters if over > 1.0 else EffectStatus.HARMLESS), worst
@@ -172,8 +173,8 @@ def _weighed(
 
 def threshold(made: EffectsPlan, found: Evaluations, mover: str, key: str) -> float:
     """Return the change of a quantity that counts: no less than the engine's own error."""
-    quantity = next(quantity for quantity in QUANTITIES if quantity.key == key)
-    least = quantity.counts * made.tolerance
+    quantity = QUANTITIES[key]
+    least = COUNTS[key] * made.tolerance
     mine, exact = (
         (evaluation(made, found, one, made.declared) for one in (mover, "reference"))
         if "reference" in made.engines
@@ -181,7 +182,7 @@ def threshold(made: EffectsPlan, found: Evaluations, mover: str, key: str) -> fl
     )
     if mine is None or exact is None:
         return least
-    a, b = quantity.read(mine), quantity.read(exact)
+    a, b = quantity.of_run(mine), quantity.of_run(exact)
     return least if a is None or b is None else max(least, abs(a - b))
 
 

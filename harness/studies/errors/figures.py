@@ -9,8 +9,8 @@ from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import Number, Quantity
 from harness.studies.errors.plan import ErrorsPlan
-from harness.studies.errors.quantities import ErrorQuantity, Number
 from harness.studies.errors.split import Split, Spread
 from harness.studies.shared.perturbation import SIZES
 
@@ -19,7 +19,7 @@ def ladder_figure(
     plan: ErrorsPlan,
     evaluations: Mapping[Case, Evaluation],
     splits: Mapping[tuple[str, str], Split],
-    known: Sequence[ErrorQuantity],
+    known: Sequence[Quantity],
 ) -> Figure:
     """Return the errors against the timestep: from the truth, and from the engine's own limit."""
     x = np.array(plan.timesteps)
@@ -28,7 +28,7 @@ def ladder_figure(
         series = []
         for way in plan.ways:
             found = splits[way.name, quantity.key]
-            values = [quantity.found(evaluations[plan.on_ladder(way, h)]) for h in plan.timesteps]
+            values = [quantity.of_run(evaluations[plan.on_ladder(way, h)]) for h in plan.timesteps]
             for told, level in (
                 ("truth", found.true),
                 ("limit", None if found.limit is None else found.limit.value),
@@ -58,7 +58,7 @@ def ladder_figure(
 
 
 def effort_figure(
-    plan: ErrorsPlan, evaluations: Mapping[Case, Evaluation], known: Sequence[ErrorQuantity]
+    plan: ErrorsPlan, evaluations: Mapping[Case, Evaluation], known: Sequence[Quantity]
 ) -> Figure | None:
     """Return the solver error against the effort, or None if the engine declares none."""
     lesser = plan.efforts[:-1]
@@ -68,8 +68,8 @@ def effort_figure(
     for quantity in known:
         series = []
         for way in plan.ways:
-            values = [quantity.found(evaluations[plan.tried(way, effort)]) for effort in lesser]
-            converged = quantity.found(evaluations[plan.on_ladder(way, plan.probe)])
+            values = [quantity.of_run(evaluations[plan.tried(way, effort)]) for effort in lesser]
+            converged = quantity.of_run(evaluations[plan.on_ladder(way, plan.probe)])
             series.append(
                 Series(
                     label=way.name,
@@ -100,7 +100,7 @@ def effort_figure(
 
 
 def ensemble_figure(
-    plan: ErrorsPlan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[ErrorQuantity]
+    plan: ErrorsPlan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[Quantity]
 ) -> Figure:
     """Return how far slightly perturbed releases spread."""
     x = np.array(SIZES)
@@ -138,7 +138,7 @@ def ensemble_figure(
 
 
 def _panel(
-    quantity: ErrorQuantity,
+    quantity: Quantity,
     x_label: str,
     series: tuple[Series, ...],
     *,
@@ -147,7 +147,7 @@ def _panel(
 ) -> Panel:
     unit = f" [{quantity.unit}]" if quantity.unit else ""
     return Panel(
-        title=quantity.words.capitalize(),
+        title=quantity.label.capitalize(),
         x_label=x_label,
         y_label=f"off by{unit}",
         series=series,

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Prose
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES, Number, Quantity
 from harness.studies.errors.extrapolation import limit
 from harness.studies.errors.figures import effort_figure, ensemble_figure, ladder_figure
 from harness.studies.errors.plan import ErrorsPlan, Way
-from harness.studies.errors.quantities import ErrorQuantity, Number, quantities
 from harness.studies.errors.split import Split, Spread, split, spread
 from harness.studies.errors.tables import effort_table, ensemble_table, ladder_table, split_table
 from harness.studies.shared.perturbation import MEMBERS, SIZES
@@ -28,7 +28,7 @@ def sentences(
     quantity = next(
         (
             q
-            for q in quantities(plan.scene)
+            for q in _quantities(plan)
             if all(splits[way.name, q.key].total is not None for way in plan.ways)
         ),
         None,
@@ -45,7 +45,17 @@ def sentences(
     return tuple(told)
 
 
-def _way(plan: ErrorsPlan, name: str, quantity: ErrorQuantity, found: Split) -> list[str]:
+_OF_THE_BOUNCE = ("turn_deg", "bounce_time_s", "phi_min_rad", "peak_friction_ratio")
+_OF_THE_END = ("psi_end_deg", "phi_end_deg")
+
+
+def _quantities(plan: ErrorsPlan) -> tuple[Quantity, ...]:
+    """Return the numbers of a run that have a limit: of its first bounce, or of its end."""
+    keys = _OF_THE_BOUNCE if plan.scene.horizon.seconds is None else _OF_THE_END
+    return tuple(QUANTITIES[key] for key in keys)
+
+
+def _way(plan: ErrorsPlan, name: str, quantity: Quantity, found: Split) -> list[str]:
     """Return the three errors on one way."""
     parts = [
         f"model form {_amount(quantity, found.model_form)}"
@@ -58,7 +68,7 @@ def _way(plan: ErrorsPlan, name: str, quantity: ErrorQuantity, found: Split) -> 
         f"solver {_amount(quantity, found.solver)}",
     ]
     opening = (
-        f"{plan.engine}, {name}, at a timestep of {plan.probe:.2g} s: the {quantity.words} of "
+        f"{plan.engine}, {name}, at a timestep of {plan.probe:.2g} s: the {quantity.label} of "
         f"{plan.scene.name} is off by {_amount(quantity, found.total)}, of which "
         f"{', '.join(parts)}."
     )
@@ -85,11 +95,11 @@ def _give_or_take(found: Split) -> str:
     return "" if spread is None else f", give or take {spread:.2f}"
 
 
-def _undecidable(quantity: ErrorQuantity, spreads: Mapping[tuple[str, float], Spread]) -> str:
+def _undecidable(quantity: Quantity, spreads: Mapping[tuple[str, float], Spread]) -> str:
     """Return how far releases spread that no one can tell apart."""
     small, large = spreads[quantity.key, SIZES[0]], spreads[quantity.key, SIZES[-1]]
     return (
-        f"Releases that differ by {SIZES[-1]:.0e} spread the {quantity.words} by "
+        f"Releases that differ by {SIZES[-1]:.0e} spread the {quantity.label} by "
         f"{_amount(quantity, large.of_truth, sign=False)} in the exact motion and by "
         f"{_amount(quantity, large.of_engine, sign=False)} in the engine (by "
         f"{_amount(quantity, small.of_truth, sign=False)} and "
@@ -98,7 +108,7 @@ def _undecidable(quantity: ErrorQuantity, spreads: Mapping[tuple[str, float], Sp
     )
 
 
-def _amount(quantity: ErrorQuantity, value: Number, *, sign: bool = True) -> str:
+def _amount(quantity: Quantity, value: Number, *, sign: bool = True) -> str:
     if value is None:
         return "an unknown amount"
     number = f"{value:+.2g}" if sign else f"{value:.2g}"
@@ -130,7 +140,7 @@ class ThreeErrors:
 def three_errors(plan: ErrorsPlan, evaluations: Sequence[Evaluation]) -> ThreeErrors:
     """Return the three errors, from the evaluations of the plan's cases in any order."""
     found = {e.simulation.case: e for e in evaluations}
-    known = quantities(plan.scene)
+    known = _quantities(plan)
     spreads = {(q.key, size): _spread(plan, found, q, size) for q in known for size in SIZES}
     splits = {
         (way.name, q.key): _split(plan, found, way, q, spreads) for way in plan.ways for q in known
@@ -145,7 +155,7 @@ def three_errors(plan: ErrorsPlan, evaluations: Sequence[Evaluation]) -> ThreeEr
 
 
 def _spread(
-    plan: ErrorsPlan, found: Mapping[Case, Evaluation], quantity: ErrorQuantity, size: float
+    plan: ErrorsPlan, found: Mapping[Case, Evaluation], quantity: Quantity, size: float
 ) -> Spread:
     """Return how far perturbed releases of one size spread."""
     members = [found[plan.member(size, number)] for number in range(MEMBERS)]
@@ -155,24 +165,24 @@ def _spread(
     )
 
 
-def _both(e: Evaluation, quantity: ErrorQuantity) -> tuple[Number, Number]:
-    return quantity.found(e), quantity.true(e)
+def _both(e: Evaluation, quantity: Quantity) -> tuple[Number, Number]:
+    return quantity.of_run(e), quantity.of_truth(e)
 
 
 def _split(
     plan: ErrorsPlan,
     found: Mapping[Case, Evaluation],
     way: Way,
-    quantity: ErrorQuantity,
+    quantity: Quantity,
     spreads: Mapping[tuple[str, float], Spread],
 ) -> Split:
     """Return the three errors of one quantity on one way."""
-    ladder = [quantity.found(found[plan.on_ladder(way, step)]) for step in plan.timesteps]
+    ladder = [quantity.of_run(found[plan.on_ladder(way, step)]) for step in plan.timesteps]
     own = found[plan.tried(way, None)]
     return split(
-        true=quantity.true(own),
-        value=quantity.found(own),
-        converged=quantity.found(found[plan.on_ladder(way, plan.probe)]),
+        true=quantity.of_truth(own),
+        value=quantity.of_run(own),
+        converged=quantity.of_run(found[plan.on_ladder(way, plan.probe)]),
         # releases that differ by no more than a few roundings show how much of a value is noise
         limit=limit(plan.timesteps, ladder, noise=spreads[quantity.key, SIZES[0]].of_error or 0.0),
         band=spreads[quantity.key, SIZES[-1]].band,
@@ -181,7 +191,7 @@ def _split(
 
 def errors_report(found: ThreeErrors) -> tuple[Artefact, ...]:
     """Return the artefacts: words, figures, tables."""
-    plan, known = found.plan, quantities(found.plan.scene)
+    plan, known = found.plan, _quantities(found.plan)
     figures = (
         ladder_figure(plan, found.evaluations, found.splits, known),
         effort_figure(plan, found.evaluations, known),

@@ -12,8 +12,8 @@ How far the members of an ensemble spread about the run that is not perturbed.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from harness.metrics.quantities import Number
 from harness.studies.errors.extrapolation import ExtrapolatedLimit
-from harness.studies.errors.quantities import Number
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

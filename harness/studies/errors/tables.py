@@ -8,8 +8,8 @@ import pandas as pd
 from harness.core.case import Case
 from harness.core.report_model import Table
 from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import Number, Quantity
 from harness.studies.errors.plan import ErrorsPlan
-from harness.studies.errors.quantities import ErrorQuantity, Number
 from harness.studies.errors.split import Split, Spread
 from harness.studies.shared.perturbation import SIZES
 
@@ -43,7 +43,7 @@ _SPLIT: Mapping[str, str] = {
 
 
 def split_table(
-    plan: ErrorsPlan, splits: Mapping[tuple[str, str], Split], known: Sequence[ErrorQuantity]
+    plan: ErrorsPlan, splits: Mapping[tuple[str, str], Split], known: Sequence[Quantity]
 ) -> Table:
     """Return the three errors, a row a way and quantity."""
     rows = []
@@ -93,7 +93,7 @@ def ladder_table(
     plan: ErrorsPlan,
     evaluations: Mapping[Case, Evaluation],
     splits: Mapping[tuple[str, str], Split],
-    known: Sequence[ErrorQuantity],
+    known: Sequence[Quantity],
 ) -> Table:
     """Return every rung of every ladder."""
     rows = []
@@ -102,7 +102,7 @@ def ladder_table(
             found = splits[way.name, quantity.key]
             for step in plan.timesteps:
                 case = plan.on_ladder(way, step)
-                value = quantity.found(evaluations[case])
+                value = quantity.of_run(evaluations[case])
                 rows.append(
                     _head(plan)
                     | {
@@ -135,16 +135,16 @@ _EFFORTS: Mapping[str, str] = {
 
 
 def effort_table(
-    plan: ErrorsPlan, evaluations: Mapping[Case, Evaluation], known: Sequence[ErrorQuantity]
+    plan: ErrorsPlan, evaluations: Mapping[Case, Evaluation], known: Sequence[Quantity]
 ) -> Table:
     """Return the solver at every effort, at one timestep."""
     rows = []
     for way in plan.ways:
         for quantity in known:
-            converged = quantity.found(evaluations[plan.on_ladder(way, plan.probe)])
+            converged = quantity.of_run(evaluations[plan.on_ladder(way, plan.probe)])
             for effort in (None, *plan.efforts):
                 case = plan.tried(way, effort)
-                value = quantity.found(evaluations[case])
+                value = quantity.of_run(evaluations[case])
                 rows.append(
                     _head(plan)
                     | {
@@ -173,7 +173,7 @@ _ENSEMBLE: Mapping[str, str] = {
 
 
 def ensemble_table(
-    plan: ErrorsPlan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[ErrorQuantity]
+    plan: ErrorsPlan, spreads: Mapping[tuple[str, float], Spread], known: Sequence[Quantity]
 ) -> Table:
     """Return how far perturbed releases spread."""
     rows = [

@@ -27,10 +27,10 @@ def test_a_regression_is_named(score: Make, scores: MakeAll) -> None:
     assert [one.quantity for one in regressions(found)] == [PHI, SLIP]
     text = " ".join(sentences(found, accepted, run, GATE))
     assert (
-        "Worse: gentle-rock in mujoco (matched, 0.001 s), rms error of phi "
+        "Worse: gentle-rock in mujoco (matched, 0.001 s), error of the nutation phi (rms) "
         "0.0001 rad -> 0.0005 rad (5 times) and 1 more."
     ) in text
-    assert "Better: petals in mujoco (matched, 0.001 s), rms error of phi" in text
+    assert "Better: petals in mujoco (matched, 0.001 s), error of the nutation phi (rms)" in text
     assert "New: wobble in mujoco" in text
     assert "mujoco 4.0.0 accepted, 4.0.1 found" in text
     assert "found has set: mujoco.impratio = 1" in text

@@ -7,13 +7,13 @@ import pytest
 from harness.core.report_model import Figure
 from harness.evaluation.evaluate import run_cases
 from harness.studies.attribution.ablation import Account, ablation_path, account, attribution_cases
-from harness.studies.attribution.quantities import QUANTITIES
 from harness.studies.attribution.report import (
     Attribution,
     attribution,
     attribution_report,
     sentences,
 )
+from harness.studies.attribution.tables import ATTRIBUTED
 from models import Horizon, Scene, load
 
 
@@ -34,9 +34,9 @@ def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
 
     accounts: dict[str, Account] = {
         q.key: account(
-            way.names, turn if q is QUANTITIES[0] else lambda closed: -float(len(closed))
+            way.names, turn if q is ATTRIBUTED[0] else lambda closed: -float(len(closed))
         )
-        for q in QUANTITIES
+        for q in ATTRIBUTED
     }
     return sentences(way, {}, accounts)
 
