@@ -7,8 +7,8 @@ import typer
 
 from harness.cli import terminal
 from harness.cli.attribution import attribute
-from harness.cli.benchmark import benchmark, faults
 from harness.cli.cache import app as store
+from harness.cli.checkout_programs import PASSED_ON, benchmark, faults
 from harness.cli.cost import cost
 from harness.cli.effects import effects
 from harness.cli.engines import check, engines_answer, print_engine, print_engines
@@ -52,15 +52,15 @@ for command in (
     check,
     audit,
     gallery,
-    benchmark,
     cost,
     diff,
     effects,
     stability,
     sweep,
-    faults,
 ):
     app.command()(command)
+for command in (benchmark, faults):
+    app.command(context_settings=PASSED_ON)(command)
 
 app.add_typer(store, name="store")
 

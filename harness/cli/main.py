@@ -73,17 +73,24 @@ INTERRUPTED = 130
 Show = Callable[[Warning | str, type[Warning], str, int, TextIO | None, str | None], None]
 
 
-def main() -> None:
-    """Run the command line and leave with its exit code."""
+def main(program: typer.Typer = app, name: str = "rockingcan") -> None:
+    """Run a command line and leave with its exit code.
+
+    Parameters
+    ----------
+    program : typer.Typer
+    name : str
+        As it is typed.
+    """
     arguments = sys.argv[1:]
     try:
         handle_signals()
         keep_for_answers()
-        code = code_of(arguments)
+        code = code_of(arguments, program, name)
         end_background_worker()
         exit_on_signal("")  # all is said and done
     except Interrupted as error:  # between the command and here
-        code = _complain(_stopped(error, arguments), error.exit_code)
+        code = _complain(_stopped(error, name, arguments), error.exit_code)
         end_background_worker()
     if code >= INTERRUPTED:
         # nothing is left to clean up, and a signal more would end the interpreter's own untidily
@@ -93,20 +100,20 @@ def main() -> None:
     sys.exit(code)
 
 
-def code_of(arguments: list[str]) -> int:
+def code_of(arguments: list[str], program: typer.Typer = app, name: str = "rockingcan") -> int:
     """Run a command and return its exit code."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", CacheWarning)
         warnings.showwarning = _shown(warnings.showwarning)  # type: ignore[assignment]
-        return _code_of(arguments)
+        return _code_of(arguments, program, name)
 
 
-def _code_of(arguments: list[str]) -> int:
+def _code_of(arguments: list[str], program: typer.Typer, name: str) -> int:
     try:
-        code = app(arguments, prog_name="rockingcan", standalone_mode=False)
+        code = program(arguments, prog_name=name, standalone_mode=False)
         sys.stdout.flush()  # what cannot be said is to be known before the code is
     except Interrupted as error:
-        return _complain(_stopped(error, arguments), error.exit_code)
+        return _complain(_stopped(error, name, arguments), error.exit_code)
     except (HarnessError, ModelError, TyperException) as error:
         return _refused(error)
     except typer.Exit as left:
@@ -132,10 +139,10 @@ def _refused(error: Exception) -> int:
     return _complain(told, GATE_FAILED if failed else WRONG_USE)
 
 
-def _stopped(error: Interrupted, arguments: Sequence[str]) -> str:
+def _stopped(error: Interrupted, name: str, arguments: Sequence[str]) -> str:
     """Return what is done when a run is stopped, and the command that goes on with it."""
     # what --fresh was to replace is replaced as far as the run came
-    again = shlex.join(["rockingcan", *(word for word in arguments if word != "--fresh")])
+    again = shlex.join([*name.split(), *(word for word in arguments if word != "--fresh")])
     notes = _notes(error)
     told = ["interrupted; nothing half-written is left behind.", *notes]
     return " ".join([*told, f"To go on: {again}" if notes else f"To start again: {again}"])

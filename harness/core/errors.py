@@ -27,6 +27,17 @@ class MissingPackageError(HarnessError, ImportError):
         )
 
 
+class MissingCheckoutError(HarnessError, ImportError):
+    """A program that only the source checkout has is asked of an installed package."""
+
+    def __init__(self, folder: str) -> None:
+        super().__init__(
+            f"this needs '{folder}' of the source checkout, which an installed package does not "
+            "have; get the checkout from where the package is developed, and in it run: "
+            f"make test, then .venv/bin/python -m {folder.replace('/', '.')}"
+        )
+
+
 class BrokenEngineError(MissingPackageError):
     """The package behind an engine is there, but no engine can be made of it."""
 

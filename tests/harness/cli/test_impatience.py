@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.execution.cache import JOURNAL
-from harness.faults.programs import left_behind
+from tests.faults.programs import left_behind
 
 ROOT = Path(__file__).parents[3]
 WORDS = ("attribute", "gentle-rock", "--engine", "pybullet", "--jobs", "2")

@@ -7,7 +7,7 @@ import pytest
 from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
 from harness.execution.dask_cluster import DaskExecutor, check_cluster_address, dask_executor
 from harness.execution.limits import NO_LIMITS
-from harness.faults.workers import lost_worker
+from tests.faults.workers import lost_worker
 
 
 def test_without_a_scheduler_it_says_how_to_start_one(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,8 +7,8 @@ from harness.core.case import Case
 from harness.evaluation.evaluate import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import SerialExecutor, local_executor
-from harness.faults.journal_check import differing, ledger, whole
 from models import Scene
+from tests.faults.journal_check import differing, ledger, whole
 
 
 def test_here_in_threads_and_in_processes(brief: Scene, tmp_path: Path) -> None:

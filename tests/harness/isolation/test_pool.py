@@ -21,7 +21,7 @@ from harness.execution.isolated_pool import (
 )
 from harness.execution.limits import Limits
 from harness.execution.worker import Loss, LostTaskError
-from harness.faults.programs import left_behind, living
+from tests.faults.programs import left_behind, living
 
 if TYPE_CHECKING:
     from concurrent.futures import Future

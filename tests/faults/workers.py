@@ -19,9 +19,9 @@ from harness.execution.cache import CacheFolder
 from harness.execution.dask_cluster import dask_executor
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.limits import default_limits
-from harness.faults.journal_check import differing, whole
-from harness.faults.programs import ProgramRun, cases_of, left_behind, register, started
-from harness.faults.trial import Trial
+from tests.faults.journal_check import differing, whole
+from tests.faults.programs import ProgramRun, cases_of, left_behind, register, started
+from tests.faults.trial import Trial
 
 _WORKERS = 3
 

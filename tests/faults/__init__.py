@@ -3,7 +3,7 @@
 And of what must stay quick: sweeps of a million releases.
 """
 
-from harness.faults.trial import Trial
-from harness.faults.trials import TRIALS, Demands
+from tests.faults.trial import Trial
+from tests.faults.trials import TRIALS, Demands
 
 __all__ = ["TRIALS", "Demands", "Trial"]

@@ -6,13 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.benchmark.lean import GAIN, PIECE, TOLERANCE, between, in_mujoco, in_reference
 from harness.core.case import Case
 from harness.core.trajectory import Trajectory
 from harness.engines.reference.to_reference_problem import problem
 from harness.engines.registry import engine
 from models import Horizon, Scene, load
 from reference import solve
+from tests.benchmarks.lean import GAIN, PIECE, TOLERANCE, between, in_mujoco, in_reference
+
+
+@pytest.fixture
+def gentle() -> Scene:
+    """Return the gentle release, one bounce."""
+    return load("gentle-rock")
 
 
 def _path(scene: Scene, build: str, timestep: float = 1e-3) -> Trajectory:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.faults.interruptions import SUITE, disk, kills, signals
-from harness.faults.journal_check import differing_tables
-from harness.faults.sweeps import Sizes, _Part, sweeps
-from harness.faults.trial import Trial
-from harness.faults.workers import deadly
+from tests.faults.interruptions import SUITE, disk, kills, signals
+from tests.faults.journal_check import differing_tables
+from tests.faults.sweeps import Sizes, _Part, sweeps
+from tests.faults.trial import Trial
+from tests.faults.workers import deadly
 
 pytestmark = pytest.mark.slow  # programs that are started dozens of times
 
@@ -105,12 +105,12 @@ def test_a_command_that_takes_too_long_or_too_much_or_fails_does_not_pass(
     passed: bool,
 ) -> None:
     monkeypatch.setattr(
-        "harness.faults.sweeps._PROGRAM", f"{_SLOW}\nos._exit({code})" if code else _SLOW
+        "tests.faults.sweeps._PROGRAM", f"{_SLOW}\nos._exit({code})" if code else _SLOW
     )
-    monkeypatch.setattr("harness.faults.sweeps._SECONDS", seconds)
-    monkeypatch.setattr("harness.faults.sweeps._MEMORY", megabytes * 1e6)
-    monkeypatch.setattr("harness.faults.sweeps._cost", lambda *_: _Part(words="", passed=True))
-    monkeypatch.setattr("harness.faults.sweeps._scaling", lambda *_: _Part(words="", passed=True))
+    monkeypatch.setattr("tests.faults.sweeps._SECONDS", seconds)
+    monkeypatch.setattr("tests.faults.sweeps._MEMORY", megabytes * 1e6)
+    monkeypatch.setattr("tests.faults.sweeps._cost", lambda *_: _Part(words="", passed=True))
+    monkeypatch.setattr("tests.faults.sweeps._scaling", lambda *_: _Part(words="", passed=True))
     found = sweeps(TINY, tmp_path, lambda _: None)
     assert found.passed is passed, found.found
     held = float(found.found[0].split("at most ")[1].split(" MB")[0])
@@ -122,8 +122,8 @@ def test_ratios_are_judged_where_they_tell(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, telling: bool
 ) -> None:
     fine = _Part(words="", passed=True)
-    monkeypatch.setattr("harness.faults.sweeps._whole_command", lambda *_: fine)
-    monkeypatch.setattr("harness.faults.sweeps._FLAT", 0.0)
-    monkeypatch.setattr("harness.faults.sweeps._scaling", lambda *_: fine)
+    monkeypatch.setattr("tests.faults.sweeps._whole_command", lambda *_: fine)
+    monkeypatch.setattr("tests.faults.sweeps._FLAT", 0.0)
+    monkeypatch.setattr("tests.faults.sweeps._scaling", lambda *_: fine)
     found = sweeps(replace(TINY, telling=telling), tmp_path, lambda _: None)
     assert found.passed is not telling

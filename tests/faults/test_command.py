@@ -2,14 +2,21 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from harness.faults.trial import Trial
-from harness.faults.trials import TRIALS, Demands
+from harness.cli.main import code_of
+from tests.faults.__main__ import app
+from tests.faults.trial import Trial
+from tests.faults.trials import TRIALS, Demands
 
-Command = Callable[..., Any]
+Command = Callable[..., int]
+
+
+@pytest.fixture
+def told() -> Command:
+    """Return a function that runs the program in this process and returns its exit code."""
+    return lambda *words: code_of(list(words), app, "rockingcan faults")
 
 
 @pytest.fixture
@@ -27,30 +34,31 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return trial
 
-    monkeypatch.setattr("harness.cli.benchmark.TRIALS", {name: of(name) for name in TRIALS})
+    monkeypatch.setattr("tests.faults.__main__.TRIALS", {name: of(name) for name in TRIALS})
     return names
 
 
 def test_one_trial_alone_writes_no_report(told: Command, tried: list[str], tmp_path: Path) -> None:
     out = tmp_path / "reports"
-    assert told("faults", "--only", "disk", "--out", str(out)).code == 0
+    assert told("--only", "disk", "--out", str(out)) == 0
     assert tried == ["disk"]
-    assert told("faults", "--only", "sweeps", "--only", "kills", "--out", str(out)).code == 1
+    assert told("--only", "sweeps", "--only", "kills", "--out", str(out)) == 1
     assert tried == ["disk", "sweeps", "kills"]
     assert not out.exists()
 
 
 def test_all_trials_write_the_report(told: Command, tried: list[str], tmp_path: Path) -> None:
-    assert told("faults", "--out", str(tmp_path / "reports")).code == 1
+    assert told("--out", str(tmp_path / "reports")) == 1
     assert tried == list(TRIALS)
     page = (tmp_path / "reports" / "faults.md").read_text(encoding="utf-8")
     assert "| sweeps | FAILED |" in page
     assert "| kills | passed |" in page
 
 
-def test_a_trial_that_is_none_is_refused(told: Command, tried: list[str], tmp_path: Path) -> None:
-    answer = told("faults", "--only", "floods", "--out", str(tmp_path / "reports"))
-    assert answer.code == 2
-    assert ", ".join(TRIALS) in answer.err
+def test_a_trial_that_is_none_is_refused(
+    told: Command, tried: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert told("--only", "floods", "--out", str(tmp_path / "reports")) == 2
+    assert ", ".join(TRIALS) in capsys.readouterr().err
     assert not tried
     assert not (tmp_path / "reports").exists()

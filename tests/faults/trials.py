@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-from harness.faults.interruptions import disk, kills, signals
-from harness.faults.sweeps import Sizes, sweeps
-from harness.faults.trial import Trial
-from harness.faults.workers import deadly, lost_worker
+from tests.faults.interruptions import disk, kills, signals
+from tests.faults.sweeps import Sizes, sweeps
+from tests.faults.trial import Trial
+from tests.faults.workers import deadly, lost_worker
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,77 +1,25 @@
-"""How fast it is: the project's claims about speed, measured.
-
-Try what must not lose work, and write down how it went.
-"""
+"""Try what must not lose work, and write down how it went: ``rockingcan faults``."""
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import pandas as pd
 import typer
 
-from harness import api
-from harness.benchmark.engines import engine_ratios
-from harness.benchmark.lean import lean_ratios
-from harness.benchmark.reference import reference_ratios
 from harness.cli import terminal
-from harness.cli.json_output import to_json
+from harness.cli.main import main
 from harness.cli.terminal import write_text
 from harness.core.errors import InvalidSettingError, OutputError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table
-from harness.faults.programs import end_all
-from harness.faults.trial import Trial
-from harness.faults.trials import TRIALS, Demands
 from harness.report.tables import csv_text
+from tests.faults.programs import end_all
+from tests.faults.trial import Trial
+from tests.faults.trials import TRIALS, Demands
 
-_RATIO = ("what", "ratio", "claim", "holds", "first_s", "second_s", "note")
-
-_LEAN = (
-    *("scene", "who", "model", "ratio", "claim", "holds"),
-    *("quantity", "difference", "tolerance", "lean_s", "everything_s"),
-)
-
-
-def benchmark(
-    engine: Annotated[
-        list[str] | None, typer.Option(help="An engine to measure; repeat it. All if left out.")
-    ] = None,
-    json: Annotated[  # noqa: FBT002 - a switch of the command line
-        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
-    ] = False,
-) -> None:
-    """Measure what the project claims about speed, as ratios in one run; some three minutes.
-
-    Leaves with code 1 if a claim does not hold on this machine.
-    """
-    ratios = []
-    with terminal.progress_bar() as bar:
-        task = bar.add_task("the reference", total=None)
-        chosen = api.stepping_engines(engine)
-        for part in (reference_ratios(), engine_ratios(chosen)):
-            for ratio in part:
-                ratios.append(ratio)
-                bar.update(task, advance=1, description=ratio.what)
-        lean = []
-        for one in lean_ratios(chosen):
-            lean.append(one)
-            bar.update(task, advance=1, description=f"{one.who}: {one.scene}, lean")
-    if json:
-        told = {"ratios": [asdict(one) for one in ratios], "lean": [asdict(one) for one in lean]}
-        typer.echo(to_json(told))
-    else:
-        for title, columns, measured in (
-            ("Speed", _RATIO, ratios),
-            ("Only the effects a scene calls for", _LEAN, lean),
-        ):
-            rows = [[getattr(one, column) for column in columns] for one in measured]
-            terminal.stdout_console().print(terminal.table(title, columns, rows))
-    if not (all(ratio.holds for ratio in ratios) and all(one.holds for one in lean)):
-        raise typer.Exit(1)
-
+app = typer.Typer(add_completion=False)
 
 _COLUMNS = {
     "trial": "What is tried",
@@ -83,6 +31,7 @@ _COLUMNS = {
 }
 
 
+@app.command()
 def faults(
     kills: Annotated[int, typer.Option(min=1, help="How many times the program is killed.")] = 50,
     only: Annotated[
@@ -181,3 +130,7 @@ def _markdown(found: list[Trial]) -> str:
             *(f"- Found: {part.rstrip('.')}." for part in trial.found),
         ]
     return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main(app, "rockingcan faults")

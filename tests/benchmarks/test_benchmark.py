@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from harness.benchmark.clock import Ratio, in_turns, seconds
-from harness.benchmark.reference import _batch, _by_scipy, _releases
+from tests.benchmarks.clock import Ratio, in_turns, seconds
+from tests.benchmarks.reference import _batch, _by_scipy, _releases
 
 
 def _work(rounds: int) -> int:

@@ -10,13 +10,13 @@ from pathlib import Path
 from threading import Event, Thread
 
 from harness.execution.isolated_pool import SerialExecutor, local_executor
-from harness.faults.programs import Program, begin, resident
-from harness.faults.trial import Trial
 from harness.sweep.axes import read_axis
 from harness.sweep.folder import opened
 from harness.sweep.plan import SweepPlan, plan_sweep
 from harness.sweep.run import run_sweep
 from models.catalogue import load
+from tests.faults.programs import Program, begin, resident
+from tests.faults.trial import Trial
 
 _SECONDS, _MEMORY = 60.0, 500e6
 """Allowed for the largest map, the whole command: s, and bytes of all its processes together."""

@@ -19,7 +19,6 @@ from statistics import median
 
 import numpy as np
 
-from harness.benchmark.clock import seconds
 from harness.core.case import Case
 from harness.core.simulation import Simulation
 from harness.core.trajectory import Floats, Trajectory
@@ -33,6 +32,7 @@ from harness.metrics.motion import motion
 from models.catalogue import load, names
 from models.scene import Horizon, Scene
 from reference import Bounce, Solution, divergence, examine, smallest, solve
+from tests.benchmarks.clock import seconds
 
 TIMESTEP = 1e-4
 PIECE = 0.4

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.benchmark.clock import Ratio, in_turns, seconds
 from harness.core.case import Case
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import PhysicsEngine
@@ -16,6 +15,7 @@ from harness.metrics.quantities import recorded_turn_error
 from models.catalogue import load
 from models.rim import released
 from models.state import Pose, Release
+from tests.benchmarks.clock import Ratio, in_turns, seconds
 
 OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
 """Largest ratio of an adapter's loop to its engine's own loop, in C where the engine has one and

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from harness.execution.cache import JOURNAL, CacheFolder
-from harness.faults.journal_check import broken, differing, differing_tables, ledger, whole
-from harness.faults.programs import (
+from tests.faults.journal_check import broken, differing, differing_tables, ledger, whole
+from tests.faults.programs import (
     Program,
     ProgramRun,
     begin,
@@ -28,7 +28,7 @@ from harness.faults.programs import (
     living,
     started,
 )
-from harness.faults.trial import Trial
+from tests.faults.trial import Trial
 
 _SEED = 20_230_208
 

@@ -1,0 +1,51 @@
+"""Commands whose program is in the source checkout: its options, its codes, or where to get it."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Command = Callable[..., Any]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("faults", "--help"), 0, "--kills"),
+        (("benchmark", "--help"), 0, "--engine"),
+        (("faults", "--only", "floods"), 2, "sweeps, kills, engines, disk, signals, worker"),
+        (("benchmark", "--engine", "none-such"), 2, "unknown engine 'none-such'"),
+        (("benchmark", "--floods"), 2, "No such option"),
+    ],
+)
+def test_options_and_codes_are_those_of_the_program(
+    words: tuple[str, ...], code: int, said: str, tmp_path: Path
+) -> None:
+    # in a folder that has tests of its own, which are not meant
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "__init__.py").touch()
+    done = subprocess.run(  # noqa: S603 - our own program
+        [sys.executable, "-c", "from harness.__main__ import main; main()", *words],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == code, done.stderr
+    assert said in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("name", ["faults", "benchmark"])
+def test_an_installed_package_says_where_the_program_is(
+    told: Command, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("harness.cli.checkout_programs._CHECKOUT", tmp_path)
+    answer = told(name)
+    assert answer.code == 2
+    assert len(answer.err.splitlines()) == 1
+    assert "source checkout" in answer.err
