@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from harness.core.simulation import Outcome, Simulation
     from harness.engines.registry import names as engine_names
     from harness.evaluation.evaluation import Evaluation
+    from harness.studies.study import run_study
     from models.catalogue import load as load_scene
     from models.catalogue import names as scene_names
     from models.scene import Scene
@@ -26,6 +27,7 @@ __all__ = [
     "compare",
     "engine_names",
     "load_scene",
+    "run_study",
     "scene_names",
     "simulate",
     "validate",
@@ -45,6 +47,7 @@ __getattr__, __dir__ = lazy_exports(
         "compare": "harness.api",
         "engine_names": "harness.engines.registry:names",
         "load_scene": "models.catalogue:load",
+        "run_study": "harness.studies.study",
         "scene_names": "models.catalogue:names",
         "simulate": "harness.api",
         "validate": "harness.api",

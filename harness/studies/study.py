@@ -1,0 +1,336 @@
+"""A study: the jobs that it asks for, round after round, and the report on their results.
+
+A study is an object that any caller runs: Python, the command line, a gate, a test. It designs jobs
+and reads results; `run_study` alone runs, keeps and resumes them.
+"""
+
+import time
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any, Generic, Protocol, TypeVar
+
+from harness.core.case import Case
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact
+from harness.core.simulation import Simulation
+from harness.evaluation.case_cache import case_key, case_metadata, evaluation_cache
+from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
+from harness.evaluation.evaluation import Evaluation
+from harness.evaluation.timing import single_thread_executor, time_alone, untimed
+from harness.execution.cache import CacheFolder
+from harness.execution.cache_entry import EntryContent
+from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.tasks import ProgressListener, ResultCache, run_tasks
+from harness.execution.worker import LostTaskError
+
+Task = TypeVar("Task", bound=Hashable)
+Result = TypeVar("Result")
+
+Record = dict[str, Any]
+"""What JSON can hold."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Work(Generic[Task, Result]):
+    """A kind of job: what is done with a task, and where its result is kept.
+
+    Parameters
+    ----------
+    name : str
+        What progress calls it, such as "timing alone".
+    call : callable
+        A function of a module, so that it can be sent to a process.
+    lost : callable
+        Returns the result of a task that took its process with it, or was stopped.
+    label : callable
+        Returns what progress calls a task.
+    cache : callable
+        Returns where the results are kept in a folder.
+    check : callable
+        Raises if a task is wrong use; called before anything of its round runs.
+    alone : bool
+        Nothing else may run on this machine meanwhile, for times are measured.
+    effort : callable, optional
+        Returns how much work a task is, in a unit that all tasks of this kind share: the longest
+        begins first, and the time that is left is estimated. All tasks count alike if left out.
+    manifest : callable, optional
+        Returns the entry of a run in the manifest of a report; no entry if left out.
+    """
+
+    name: str
+    call: Callable[[Task], Result]
+    lost: Callable[[Task, LostTaskError], Result]
+    label: Callable[[Task], str]
+    cache: Callable[[CacheFolder], ResultCache[Task, Result]]
+    check: Callable[[Task], None] = lambda _: None
+    alone: bool = False
+    effort: Callable[[Task], float] | None = None
+    manifest: Callable[[Task, Result], Mapping[str, Any]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Job(Generic[Task, Result]):
+    """A task and what is done with it: a case to evaluate, or to time alone, or scenes to check."""
+
+    work: Work[Task, Result]
+    task: Task
+
+
+class Results:
+    """The results of jobs, by kind of work and task.
+
+    Parameters
+    ----------
+    results : mapping, optional
+        By work, the results by task.
+    """
+
+    def __init__(self, results: Mapping[Work[Any, Any], Mapping[Any, Any]] | None = None) -> None:
+        self._results = {work: dict(of_work) for work, of_work in (results or {}).items()}
+
+    def __contains__(self, job: Job[Any, Any]) -> bool:
+        """Whether a job is done."""
+        return job.task in self._results.get(job.work, {})
+
+    def of(self, work: Work[Task, Result]) -> dict[Task, Result]:
+        """Return the results of one kind of work by task, in the order in which they were asked."""
+        return self._results.get(work, {})
+
+    def joined(self, work: Work[Task, Result], results: Mapping[Task, Result]) -> "Results":
+        """Return these results and further ones."""
+        return Results({**self._results, work: {**self.of(work), **results}})
+
+    def manifest(self) -> list[Mapping[str, Any]]:
+        """Return the entry of each run in the manifest of a report."""
+        return [
+            work.manifest(task, result)
+            for work, results in self._results.items()
+            if work.manifest is not None
+            for task, result in results.items()
+        ]
+
+
+class Study(Protocol):
+    """What a study is: it designs jobs, and turns their results into artefacts."""
+
+    @property
+    def name(self) -> str:
+        """Title of the study, in a few words."""
+        ...
+
+    def next_jobs(self, done: Results) -> Iterable[Job[Any, Any]]:
+        """Return the jobs wanted, given the results so far; jobs that are done may be among them.
+
+        A study ends when all that it wants is done: so bisection and refinement are studies too.
+        """
+        ...
+
+    def report(self, done: Results) -> Sequence[Artefact]:
+        """Return tables, figures and prose of the results."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyProgress:
+    """How far the jobs of one kind in one round are.
+
+    Parameters
+    ----------
+    work : str
+        Name of the kind.
+    label : str
+        Of the task that is done; empty before the first.
+    done, total : int
+    kept : int
+        How many results were there before.
+    remaining_s : float or None
+        Estimate of what the rest will take, s; None before the first task was run.
+    """
+
+    work: str
+    label: str
+    done: int
+    total: int
+    kept: int
+    remaining_s: float | None
+
+
+Listener = Callable[[StudyProgress], None]
+Timer = Callable[[], AbstractContextManager[Executor]]
+
+
+def run_study(
+    study: Study,
+    *,
+    executor: Executor | None = None,
+    cache: CacheFolder | None = None,
+    on_progress: Listener | None = None,
+    timer: Timer = single_thread_executor,
+) -> Results:
+    """Run the jobs of a study until it wants no more, each once.
+
+    Parameters
+    ----------
+    study : Study
+    executor : Executor, optional
+        Where jobs run; here and one by one if left out.
+    cache : CacheFolder, optional
+        Where results are kept. What is there is not run again.
+    on_progress : callable, optional
+        Is told of the start of each kind of work in a round, and of each result.
+    timer : callable
+        Gives the executor of jobs that are timed alone.
+
+    Returns
+    -------
+    Results
+        For the study's own `report`.
+
+    Raises
+    ------
+    HarnessError
+        Before anything of a round runs, if one of its jobs is wrong use.
+    """
+    results = Results()
+    usual = SerialExecutor() if executor is None else executor
+    while wanted := [j for j in dict.fromkeys(study.next_jobs(results)) if j not in results]:
+        for job in wanted:
+            job.work.check(job.task)
+        for work in dict.fromkeys(job.work for job in wanted):
+            tasks = [job.task for job in wanted if job.work is work]
+            with timer() if work.alone else nullcontext(usual) as chosen:
+                results = results.joined(work, _done(work, tasks, chosen, cache, on_progress))
+    return results
+
+
+def _done(
+    work: Work[Task, Result],
+    tasks: Sequence[Task],
+    executor: Executor,
+    cache: CacheFolder | None,
+    on_progress: Listener | None,
+) -> dict[Task, Result]:
+    """Return the results of tasks of one kind, in their order."""
+    progress = _Progress(work, tasks, on_progress or (lambda _: None))
+    # the longest first, so that no worker is left with it at the end
+    order = sorted(tasks, key=progress.efforts.__getitem__, reverse=True)
+    found = run_tasks(
+        order,
+        work.call,
+        executor,
+        lost=work.lost,
+        shelf=None if cache is None else work.cache(cache),
+        listener=ProgressListener(kept=progress.begin, done=progress.step),
+    )
+    results = dict(zip(order, found, strict=True))
+    return {task: results[task] for task in tasks}
+
+
+class _Progress(Generic[Task, Result]):
+    """Counts what is done, and estimates what is left from what as much work took so far."""
+
+    def __init__(self, work: Work[Task, Result], tasks: Sequence[Task], listener: Listener) -> None:
+        self.efforts = {task: 1.0 if work.effort is None else work.effort(task) for task in tasks}
+        self._work, self._listener, self._total = work, listener, len(tasks)
+        self._left, self._spent = sum(self.efforts.values()), 0.0
+        self._kept = self._done = 0
+        self._began = time.perf_counter()
+
+    def begin(self, kept: int, _: int) -> None:
+        self._kept = kept
+        self._tell("", None)
+
+    def step(self, task: Task, _: Result) -> None:
+        self._done += 1
+        self._left -= self.efforts[task]
+        if self._done > self._kept:  # kept results take no time, and are read in between
+            self._spent += self.efforts[task]
+        elapsed = time.perf_counter() - self._began
+        rest = max(self._left, 0.0) * elapsed / self._spent if self._spent else None
+        self._tell(self._work.label(task), rest)
+
+    def _tell(self, label: str, remaining_s: float | None) -> None:
+        self._listener(
+            StudyProgress(
+                work=self._work.name,
+                label=label,
+                done=self._done,
+                total=self._total,
+                kept=self._kept,
+                remaining_s=remaining_s,
+            )
+        )
+
+
+def case_record(simulation: Simulation) -> Record:
+    """Return the entry of a run in the manifest of a report."""
+    case = simulation.case
+    return {
+        "digest": case.digest(simulation.engine_version),
+        "label": case.label(),
+        "command": case.command(),
+        "engine": case.engine,
+        "engine_version": simulation.engine_version,
+        "outcome": simulation.outcome.value,
+        "settings": dict(simulation.settings),
+    }
+
+
+def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[Case, Record]]:
+    """Return what gives the cache of one kind of records of cases.
+
+    Parameters
+    ----------
+    kind : str
+    module : str
+        Name of the module that makes them: when its sources change, they are made again.
+    """
+
+    def cache(store: CacheFolder) -> ResultCache[Case, Record]:
+        return ResultCache(
+            store=store,
+            kind=kind,
+            key=lambda case: case_key(case, module),
+            about=lambda case: case_metadata(case, module),
+            pack=lambda record: EntryContent(record=record),
+            unpack=lambda _, content: dict(content.record),
+        )
+
+    return cache
+
+
+def _timing_cache(store: CacheFolder) -> ResultCache[Case, Record]:
+    # times of one processor say nothing of another
+    machine = sha256(provenance().processor.encode()).hexdigest()[:8]
+    return record_cache(f"times-{machine}", time_alone.__module__)(store)
+
+
+EVALUATION: Work[Case, Evaluation] = Work(
+    name="simulating",
+    call=evaluate_case,
+    lost=failed_evaluation,
+    label=Case.label,
+    cache=evaluation_cache,
+    check=check_case,
+    manifest=lambda _, evaluation: case_record(evaluation.simulation),
+)
+"""Run a case and hold it against the exact motion."""
+
+TIMING: Work[Case, Record] = Work(
+    name="timing alone",
+    call=time_alone,
+    lost=untimed,
+    label=Case.label,
+    cache=_timing_cache,
+    check=check_case,
+    alone=True,
+)
+"""Time repeated runs of a case while nothing else runs: see `harness.evaluation.timing`."""
+
+
+def evaluation_jobs(cases: Iterable[Case]) -> list[Job[Case, Evaluation]]:
+    """Return the jobs that evaluate cases."""
+    return [Job(EVALUATION, case) for case in cases]
