@@ -197,6 +197,11 @@ def to_body(quaternion: ArrayLike, vector: ArrayLike) -> Floats:
     return turned
 
 
+def to_world(quaternion: ArrayLike, vector: ArrayLike) -> Floats:
+    """Return a vector of the body in world coordinates, shape (..., 3); see `to_body`."""
+    return to_body(np.asarray(quaternion) * np.array((1.0, -1.0, -1.0, -1.0)), vector)
+
+
 def cross(first: Floats, second: Floats) -> Floats:
     """Return the cross product of vectors, shapes (..., 3); a fraction of the cost of numpy's."""
     a, b, c = first[..., 0], first[..., 1], first[..., 2]

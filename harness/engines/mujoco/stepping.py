@@ -26,10 +26,11 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Integers, Trajectory
 from harness.engines.base import Floats
-from harness.engines.mujoco.world import MujocoWorld, from_body
+from harness.engines.mujoco.world import MujocoWorld
 from harness.engines.stepping.recording import Chunk, Looks, record
 from harness.engines.stepping.schedule import Fixed, Schedule, Stage
 from harness.engines.stepping.settling import settle
+from models.kinematics import to_world
 from models.rim import released
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -104,7 +105,7 @@ def _read(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) ->
         position=states[:, 1:4],
         quaternion=quaternion,
         velocity=states[:, 8:11],
-        angular_velocity=from_body(quaternion, states[:, 11:14]),
+        angular_velocity=to_world(quaternion, states[:, 11:14]),
         contact_point=point,
         contact_force=force,
         penetration=penetration,

@@ -18,7 +18,7 @@ from harness.core.errors import RefusedModelError
 from harness.engines.base import Contact, Floats
 from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
 from models.gravity import shaking
-from models.kinematics import to_body
+from models.kinematics import to_body, to_world
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
 from models.mjcf_contact import friction_solref
 from models.state import Pose, Release, Twist
@@ -167,7 +167,7 @@ class MujocoWorld:
         """Return how the can moves."""
         return Twist(
             velocity=self.data.qvel[:3],
-            angular_velocity=from_body(self.data.qpos[3:], self.data.qvel[3:]),
+            angular_velocity=to_world(self.data.qpos[3:], self.data.qvel[3:]),
         )
 
     def contact(self) -> Contact:
@@ -210,11 +210,6 @@ def alike(case: Case) -> Case:
     the model file. Compiled from this, every release has one and the same model, to the bit.
     """
     return replace(case, scene=replace(case.scene, name="can", cite="", release=_RELEASE))
-
-
-def from_body(quaternion: Floats, vector: Floats) -> Floats:
-    """Return vectors (..., 3) given in the body's frame in world coordinates."""
-    return to_body(quaternion * np.array((1.0, -1.0, -1.0, -1.0)), vector)
 
 
 def _ignore(message: str) -> None:

@@ -1,40 +1,51 @@
 """Model parity: is the can in the engine the can of the scene? Asked before any trajectory.
 
 Every property is read back from the compiled engine or probed in it: mass and moments are read;
-gravity, timestep, damping and velocity clamps are probed in free flight; radius, height and the
-roundness of the rim by distance queries at several tilts, as the collider sees them; the friction
-of the pair by a can that slides, and every other law of the contact that is declared likewise. The
+gravity, timestep, damping, velocity clamps and the shaking of the plane are probed in free flight;
+radius, height and the roundness of the rim by distance queries at several tilts, as the collider
+sees them; friction and every other law of the contact as `harness.engines.parity.contact` says. The
 probes know a `World` and no engine.
+
+Free flight. A can aloft at rest gains gravity in one step; thrown, it keeps its velocity; spun
+about a principal axis with its centre of mass at rest, it keeps its spin. What damping takes away
+in one step of dt is the declared rate to the first order in dt.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
-from itertools import product
 from typing import Protocol
 
 import numpy as np
 
 from harness.core.simulation import ParityRow
-from harness.engines.base import Floats, World, signed_distance
-from harness.engines.parity.contact import contact_laws
-from harness.engines.parity.free_flight import compare, free_flight, shaken_flight
-from models.effects import NO_SLIP_FRICTION
-from models.kinematics import quaternion
+from harness.engines.base import Floats, World
+from harness.engines.parity.contact import Compared, contact_laws, friction
+from harness.engines.stepping.generic_stepping import SteeredWorld
+from harness.engines.stepping.placement import (
+    AT_REST,
+    LIFT,
+    UP,
+    ZERO,
+    X,
+    Y,
+    above_origin,
+    hovering_distance,
+    low_point,
+    moving,
+    stepped,
+)
+from models import Pose, Scene, Twist
+from models.gravity import gravity_vector, plane_velocity, shaking
 from models.mass import body
-from models.rim import contact_offset
-from models.scene import Scene
-from models.state import Pose, Twist
 
-_FASTER = 2
-"""Times that a can which slides is made to slide ten times as fast."""
-
-_SLIDING = 10.0  # m/s, at least
 _TILTS = (0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5)  # rad
-_SHALLOW, _DEEPER = 1e-6, 1.2  # of the radius, and from one depth to the next
-_DEEP = 1e-3  # of the radius, and at least _SLOP
-_SLOP = 5e-5  # m: engines leave less than this alone, however small the can
 _SPINS = (0.0, 0.05, 0.1, 1.0)  # rad: corners of a polygon with 32 sides lie 0.2 rad apart
+_ALOFT = 10.0  # m, and as many reaches of the can: no contact within any engine's reach
+_FAST = 1e4  # rad/s and m/s: beyond what a scene of a metre reaches short of 1 mm cans
+_HOW = "one step of free flight"
+
+_IN_A_PERIOD = 16
+"""Steps in a period of the shaking: enough to tell it from another frequency or phase."""
 
 
 def parity(
@@ -53,20 +64,30 @@ def parity(
         Quantities in which this engine in this profile is known to go its own way: a difference
         there is "imposed" and reported; any other is a "mismatch", and the run does not start.
     """
-    rows = [
+    compared = (
         *_mass_properties(world, scene),
-        *free_flight(world, scene, timestep),
-        *(() if scene.effects.shake is None else shaken_flight(world, scene)),  # type: ignore[arg-type]
+        *_free_flight(world, scene, timestep),
+        *_shaken_flight(world, scene),  # type: ignore[arg-type] # of engines that honour it
         *_collider(world, scene),
-        _friction(world, scene, timestep),
+        friction(world, scene, timestep),
         *contact_laws(world, scene, timestep),
-    ]
-    return tuple(
-        replace(row, verdict="imposed")
-        if row.verdict == "mismatch" and row.quantity in imposed
-        else row
-        for row in rows
     )
+    rows = []
+    for quantity, unit, declared, found, tolerance, how in compared:
+        verdict = "imposed" if quantity in imposed else "mismatch"
+        if abs(found - declared) <= tolerance:
+            verdict = "equal"
+        rows.append(
+            ParityRow(
+                quantity=quantity,
+                unit=unit,
+                declared=declared,
+                found=found,
+                how=how,
+                verdict=verdict,
+            )
+        )
+    return tuple(rows)
 
 
 class WeighedWorld(World, Protocol):
@@ -83,15 +104,15 @@ class WeighedWorld(World, Protocol):
         ...
 
 
-def _mass_properties(world: World, scene: Scene) -> Iterator[ParityRow]:
+def _mass_properties(world: World, scene: Scene) -> Iterator[Compared]:
     """Read mass and moments back."""
-    can, found_mass = scene.can, ("mass", "kg", body(scene).mass, world.mass)
+    can = scene.can
+    rows = [("mass", "kg", body(scene).mass, world.mass)]
     if scene.effects.point_mass is not None:
-        rows = [found_mass, *_off_centre(world, scene)]  # type: ignore[arg-type]
+        rows += _off_centre(world, scene)  # type: ignore[arg-type] # of engines that honour it
     else:
         A1, A2, C = world.inertia
-        rows = [
-            found_mass,
+        rows += [
             ("transverse inertia A", "kg m^2", can.transverse_inertia, (A1 + A2) / 2.0),
             ("inertia asymmetry", "kg m^2", 0.0, A1 - A2),
             ("axial inertia C", "kg m^2", can.axial_inertia, C),
@@ -99,113 +120,122 @@ def _mass_properties(world: World, scene: Scene) -> Iterator[ParityRow]:
     # decimal text and a change of frame cost a few roundings
     scales = {"kg": can.mass, "m": can.bounding_radius, "kg m^2": can.transverse_inertia}
     for quantity, unit, declared, found in rows:
-        yield compare(quantity, unit, declared, float(found), 1e-12 * scales[unit], "read back")
+        yield quantity, unit, declared, float(found), 1e-12 * scales[unit], "read back"
 
 
 def _off_centre(world: WeighedWorld, scene: Scene) -> Iterator[tuple[str, str, float, float]]:
     """Yield where the centre of mass lies, and the six moments about it."""
     whole, centre, tensor = body(scene), world.centre_of_mass, world.inertia_tensor
     for place, axis in enumerate("xyz"):
-        yield (f"centre of mass {axis}", "m", float(whole.centre[place]), float(centre[place]))
+        yield f"centre of mass {axis}", "m", float(whole.centre[place]), float(centre[place])
     for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
-        name = f"inertia {'xyz'[row]}{'xyz'[column]}"
-        declared = float(whole.inertia[row, column])
+        name, declared = f"inertia {'xyz'[row]}{'xyz'[column]}", float(whole.inertia[row, column])
         yield name, "kg m^2", declared, float(tensor[row, column])
 
 
-def _collider(world: World, scene: Scene) -> Iterator[ParityRow]:
+def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[Compared]:
+    """Probe gravity, time, damping and clamps in single steps of flight without contact."""
+    damping, whole = scene.effects.damping, body(scene)
+    axis = whole.principal()[1][:, 2]
+
+    def flown(velocity: Floats = ZERO, spin: Floats = ZERO) -> tuple[Twist, Pose]:
+        thrown = velocity - np.cross(spin, whole.centre)  # so that the centre of mass has it
+        after = stepped(world, _aloft(scene), moving(thrown, spin))
+        return after.twist(), after.pose()
+
+    linear, angular = (0.0, 0.0) if damping is None else (damping.linear, damping.angular)
+    rest, fallen = flown()
+    thrown, after = flown(velocity=X)
+    # a velocity of 1 is known to an ulp, 2e-16, and a position of 0 likewise once it has moved
+    ulp = 4.0 * 2.0**-52 / timestep
+    left = float(thrown.velocity[0] - rest.velocity[0])
+    # engines advance with the new velocity
+    advance = float(after.position[0] - fallen.position[0]) / left if left else math.nan
+    yield "timestep", "s", timestep, advance, 1e-9 * timestep + 1e-15, _HOW
+    gravity, gained = (
+        gravity_vector(scene) + shaking(scene, 0.0, timestep),
+        rest.velocity / timestep,
+    )
+    directions = [("gravity", -UP)]
+    if scene.effects.tilt is not None or scene.effects.shake is not None:
+        directions += [("gravity along x", X), ("gravity along y", Y)]
+    tolerance = 1e-9 * scene.gravity + (ulp + linear * scene.gravity)
+    for quantity, direction in directions:
+        declared, found = float(gravity @ direction), float(gained @ direction)
+        yield quantity, "m/s^2", declared, found, tolerance, _HOW
+    spin = float(flown(spin=axis)[0].angular_velocity @ axis)
+    for quantity, rate, kept in (("linear", linear, left), ("angular", angular, spin)):
+        found = -math.log(kept) / timestep if kept > 0.0 else math.inf
+        yield f"{quantity} damping", "1/s", rate, found, ulp + rate**2 * timestep, _HOW
+    speed = float(flown(velocity=_FAST * X)[0].velocity[0] - rest.velocity[0])
+    spin = float(flown(spin=_FAST * axis)[0].angular_velocity @ axis)
+    for quantity, unit, rate, found in (
+        ("speed kept", "m/s", linear, speed),
+        ("spin kept", "rad/s", angular, spin),
+    ):
+        declared, tolerance = math.exp(-rate * timestep), 1e-9 + (rate * timestep) ** 2
+        yield quantity, unit, _FAST * declared, found, _FAST * tolerance, f"{_HOW} at this rate"
+
+
+def _shaken_flight(world: SteeredWorld, scene: Scene) -> Iterator[Compared]:
+    """Probe the shaking over a period: what the plane's velocity loses a can aloft gains."""
+    shake = scene.effects.shake
+    if shake is None:
+        return
+    own, period, gained = world.timestep, 1.0 / shake.frequency, []
+    world.place(_aloft(scene), AT_REST)
+    world.set_timestep(period / _IN_A_PERIOD)
+    for _ in range(_IN_A_PERIOD):
+        world.step()
+        gained.append(world.twist().velocity)
+    world.set_timestep(own)
+    times = period / _IN_A_PERIOD * np.arange(1, _IN_A_PERIOD + 1)
+    found = np.array(gained) - np.outer(times, gravity_vector(scene))
+    expected = plane_velocity(scene, 0.0) - plane_velocity(scene, times)
+    damping = scene.effects.damping
+    size = float(np.abs(expected).max()) + scene.gravity * period
+    # decimal text, and drag over the period where there is any
+    tolerance = size * (1e-9 + period * (0.0 if damping is None else damping.linear))
+    across = np.array((math.cos(shake.direction), math.sin(shake.direction), 0.0))
+    rate = 2.0 * math.pi * shake.frequency
+    shape = math.cos(shake.phase) - np.cos(rate * times + shake.phase)
+    how = "fit to the velocity gained in a period of free flight"
+    for quantity, direction, amplitude in (
+        ("horizontal shaking", across, shake.horizontal),
+        ("vertical shaking", UP, shake.vertical),
+    ):
+        fitted = float(shape @ (found @ direction)) / float(shape @ shape) / rate
+        yield quantity, "m", amplitude, fitted, tolerance / rate, how
+    misfit = float(np.abs(found - expected).max())
+    yield "misfit of the shaking", "m/s", 0.0, misfit, tolerance, "largest over the same period"
+
+
+def _aloft(scene: Scene) -> Pose:
+    return above_origin(_ALOFT * (1.0 + scene.can.bounding_radius))
+
+
+def _collider(world: World, scene: Scene) -> Iterator[Compared]:
     """Probe the rim: how low the collider reaches below the centre at each tilt."""
-    can = scene.can
-    still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
-    lift = 1e-3 * can.radius  # within every engine's reach and out of contact
-    rim = scene.effects.rim
+    can, rim = scene.can, scene.effects.rim
     arc = 0.0 if rim is None else rim.radius
     sines, reach, ideal = [], [], []
     for phi in _TILTS:
+        # an arc takes r (sin + cos - 1) off the reach of a sharp rim
+        low, blunt = low_point(can, phi), 1.0 - math.sin(phi) - math.cos(phi)
         for theta in _SPINS:
-            low = -float(contact_offset(can, phi, 0.0)[2])
-            position = np.array((0.0, 0.0, low + lift))
-            world.place(Pose(position=position, quaternion=quaternion(phi, 0.0, theta)), still)
-            # an arc takes r (sin + cos - 1) off the reach of a sharp rim
-            blunt = 1.0 - math.sin(phi) - math.cos(phi)
             sines.append((math.sin(phi), math.cos(phi), blunt)[: 2 if rim is None else 3])
-            reach.append(low + lift - signed_distance(world))
+            reach.append(low + LIFT * can.radius - hovering_distance(world, can, phi, theta))
             ideal.append(low + arc * blunt)
     (radius, half_height, *found_arc), *_ = np.linalg.lstsq(
         np.array(sines), np.array(reach), rcond=None
     )
     worst = float(np.max(np.abs(np.array(reach) - np.array(ideal))))
+    # the distances are differences of lengths of the can's size
+    tolerance = 1e-12 * can.bounding_radius + 1e-15
     for quantity, declared, found, how in (
-        ("radius R", can.radius, float(radius), "fit to distances at tilts of 0.02 to 1.5 rad"),
-        ("half height H", can.half_height, float(half_height), "the same fit"),
+        ("radius R", can.radius, radius, "fit to distances at tilts of 0.02 to 1.5 rad"),
+        ("half height H", can.half_height, half_height, "the same fit"),
         ("rim deviation", 0.0, worst, "largest distance from the ideal rim over all tilts"),
-        *(("radius of the rim's arc", arc, float(each), "the same fit") for each in found_arc),
+        *(("radius of the rim's arc", arc, each, "the same fit") for each in found_arc),
     ):
-        yield compare(
-            quantity,
-            "m",
-            declared,
-            found,
-            # the distances are differences of lengths of the can's size
-            1e-12 * can.bounding_radius + 1e-15,
-            how,
-        )
-
-
-def contact_turns_freely(scene: Scene) -> bool:
-    """Whether the plane resists neither drilling nor rolling."""
-    return scene.effects.drilling is None and scene.effects.rolling_resistance is None
-
-
-def _friction(world: World, scene: Scene, timestep: float) -> ParityRow:
-    """Probe the friction of the pair: a can that slides fast takes all of it."""
-    slip = scene.effects.slip
-    declared = NO_SLIP_FRICTION if slip is None else slip.mu
-    can, phi = scene.can, scene.can.balancing_angle
-    low = -float(contact_offset(can, phi, 0.0)[2])
-    tilted = quaternion(phi, 0.0, 0.0)
-    # along the lean friction turns the can about a transverse axis only, whose moment is never
-    # small; and twice as fast as the friction of one step under gravity can stop
-    mobility = 1.0 + can.mass * low**2 / can.transverse_inertia
-    speed = max(_SLIDING, 2.0 * declared * mobility * scene.gravity * timestep)
-    still = Twist(velocity=np.zeros(3), angular_velocity=np.zeros(3))
-    world.place(Pose(position=np.array((0.0, 0.0, low)), quaternion=tilted), still)
-    touching = low - signed_distance(world)  # where this collider touches
-    tolerance = max(declared, 1e-3) * (1e-6 if contact_turns_freely(scene) else 1e-2)
-
-    # in small steps: just past an engine's slop, since a force that stops the can within the step
-    # needs less friction than there is
-    deepest = max(_DEEP * can.radius, _SLOP)
-    count = math.ceil(math.log(deepest / (_SHALLOW * can.radius), _DEEPER)) + 1
-    depths = _SHALLOW * can.radius * _DEEPER ** np.arange(count)
-
-    def slid(speed: float) -> float:
-        # beside a heavy point mass friction along the lean may lift the rim, or jam it (Painleve):
-        # then friction across tells
-        for way, depth in product(np.eye(3)[:2], depths):
-            position = np.array((0.0, 0.0, touching - depth))
-            sliding = Twist(velocity=speed * way, angular_velocity=np.zeros(3))
-            world.place(Pose(position=position, quaternion=tilted), sliding)
-            world.step()
-            force = world.contact().force
-            if force[2] > 0.0:
-                return math.hypot(force[0], force[1]) / float(force[2])
-        return math.nan
-
-    found = slid(speed)
-    # friction that is soft takes all of its cone from a speed on that grows with the load
-    for _ in range(_FASTER):
-        if found >= declared - tolerance or math.isnan(found):
-            break
-        speed *= 10.0
-        found = slid(speed)
-    return compare(
-        "friction of the pair",
-        "1",
-        declared,
-        found,
-        # solvers stop at a tolerance of this size or less; where the contact resists turning too,
-        # the moment may share the cone with the force: the force is short by half its share squared
-        tolerance,
-        f"force ratio of a can that slides at {speed:g} m/s, balanced on its rim",
-    )
+        yield quantity, "m", declared, float(found), tolerance, how

@@ -1,31 +1,47 @@
-"""Parity at the contact: what a declared spring, impact or resistance does, by one step each.
+"""Parity at the contact: what declared friction, spring, impact or resistance does, step by step.
 
-The can is balanced on its rim, the contact below its centre. A spring and a damper are read from
-the force on a can at rest, and on one that sinks. A can that drills or rolls on the spot feels a
-moment about the contact point; what its angular momentum loses in a step, less what gravity does,
-is that moment, and over the normal force an arm. A can that falls on its rim leaves it at the speed
-that the impact gives back. The probes know a `World` and no engine.
+The can is balanced on its rim, the contact below its centre. Friction is told by a can that slides.
+A spring and a damper are read from the force on a can at rest, and on one that sinks. A can that
+drills or rolls on the spot feels a moment about the contact point; what its angular momentum loses
+in a step, less what gravity does, is that moment, and over the normal force an arm. A can that
+falls on its rim leaves it at the speed that the impact gives back. The probes know a `World` and no
+engine.
 """
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 
-from harness.core.simulation import ParityRow
-from harness.engines.base import Contact, Floats, World, signed_distance
-from harness.engines.parity.free_flight import compare
+from harness.engines.base import Contact, Floats, World
 from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.placement import (
+    AT_REST,
+    UP,
+    X,
+    Y,
+    low_point,
+    lowered,
+    moving,
+    stepped,
+    touching_pose,
+)
+from models import NO_SLIP_FRICTION, Pose, Scene, Twist, contact_offset, to_body
 from models.gravity import gravity_vector, shaking
-from models.kinematics import quaternion, to_body
+from models.kinematics import to_world
 from models.mass import Body, body
-from models.rim import arc_of, contact_offset
-from models.scene import Scene
-from models.state import Pose, Twist
+from models.rim import arc_of
 
-_UP = np.array((0.0, 0.0, 1.0))
-_NOTHING = np.zeros(3)
+Compared: TypeAlias = tuple[str, str, float, float, float, str]
+"""Quantity, unit, the scene's value, the engine's, what reading or probing it may cost, and how."""
+
+_SHALLOW, _DEEPER = 1e-6, 1.2  # of the radius, and from one depth to the next
+_DEEP = 1e-3  # of the radius, and at least _SLOP
+_SLOP = 5e-5  # m: engines leave less than this alone, however small the can
+_SLIDING = 10.0  # m/s, at least
 
 _DEPTHS = tuple(1e-7 * 1.6**step for step in range(28))
 """Of the radius: to just past an engine's slop."""
@@ -37,6 +53,47 @@ _FALLING = 10.0  # m/s: what gravity adds in a few steps is little beside it
 _FEW = 40  # steps of a fall and an impact
 _LIGHT = 0.01  # of the weight: with less, what a step misses is no longer small beside the arm
 _SLOW = 20.0  # times the rate that the resistance could stop in one step
+
+
+def friction(world: World, scene: Scene, timestep: float) -> Compared:
+    """Probe the friction of the pair: a can that slides fast takes all of it."""
+    can, slip = scene.can, scene.effects.slip
+    declared = NO_SLIP_FRICTION if slip is None else slip.mu
+    # along the lean friction turns the can about a transverse axis only, whose moment is never
+    # small; and twice as fast as the friction of one step under gravity can stop
+    mobility = 1.0 + can.mass * low_point(can, can.balancing_angle) ** 2 / can.transverse_inertia
+    speed = max(_SLIDING, 2.0 * declared * mobility * scene.gravity * timestep)
+    touching = touching_pose(world, can, can.balancing_angle)
+    # solvers stop at a tolerance of this size or less; where the contact resists turning too, the
+    # moment may share the cone with the force: the force is short by half its share squared
+    tolerance = max(declared, 1e-3) * (1e-6 if contact_turns_freely(scene) else 1e-2)
+    # in small steps: just past an engine's slop, since a force that stops the can within the step
+    # needs less friction than there is
+    deepest = max(_DEEP * can.radius, _SLOP)
+    count = math.ceil(math.log(deepest / (_SHALLOW * can.radius), _DEEPER)) + 1
+    depths = _SHALLOW * can.radius * _DEEPER ** np.arange(count)
+
+    def slid(speed: float) -> float:
+        # beside a heavy point mass friction along the lean may lift the rim, or jam it (Painleve):
+        # then friction across tells
+        for way, depth in product((X, Y), depths.tolist()):
+            force = stepped(world, lowered(touching, depth), moving(speed * way)).contact().force
+            if force[2] > 0.0:
+                return math.hypot(force[0], force[1]) / float(force[2])
+        return math.nan
+
+    # friction that is soft takes all of its cone from a speed on that grows with the load
+    for faster in (speed, speed * 10.0, speed * 10.0 * 10.0):
+        found = slid(faster)
+        if found >= declared - tolerance or math.isnan(found):
+            break
+    how = f"force ratio of a can that slides at {faster:g} m/s, balanced on its rim"
+    return "friction of the pair", "1", declared, found, tolerance, how
+
+
+def contact_turns_freely(scene: Scene) -> bool:
+    """Whether the plane resists neither drilling nor rolling."""
+    return scene.effects.drilling is None and scene.effects.rolling_resistance is None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,10 +109,7 @@ class _Stand:
 
     def press(self, depth: float, twist: Twist) -> Contact:
         """Return the contact that a step solves at a depth, m, from a motion."""
-        position = self.touching.position - depth * _UP
-        self.world.place(Pose(position=position, quaternion=self.touching.quaternion), twist)
-        self.world.step()
-        return self.world.contact()
+        return stepped(self.world, lowered(self.touching, depth), twist).contact()
 
     def moments(self, spin: Floats) -> Iterator[tuple[Floats, float]]:
         """Yield the plane's moment about the contact and the normal force, spun on the spot.
@@ -63,7 +117,7 @@ class _Stand:
         Pressed harder and harder, up to the weight or as hard as the engine lets the can be.
         """
         weight = self.whole.mass * max(self.scene.gravity, 1.0)
-        twist = Twist(velocity=-np.cross(spin, self.offset), angular_velocity=spin)
+        twist = moving(-np.cross(spin, self.offset), spin)
         for share in _DEPTHS:
             depth = share * self.scene.can.radius
             normal = float(self.press(depth, twist).force[2])
@@ -74,9 +128,7 @@ class _Stand:
 
     def _moment(self, depth: float, twist: Twist) -> Floats:
         """Return the plane's moment about the contact in the step that was just taken, N m."""
-        start = Pose(
-            position=self.touching.position - depth * _UP, quaternion=self.touching.quaternion
-        )
+        start = lowered(self.touching, depth)
         point = start.position + self.offset
         gained = self._momentum(self.world.pose(), self.world.twist(), point)
         gained = (gained - self._momentum(start, twist, point)) / self.timestep
@@ -85,7 +137,7 @@ class _Stand:
         return moment
 
     def _centre(self, pose: Pose) -> Floats:
-        centre: Floats = pose.position + _in_world(pose, self.whole.centre)
+        centre: Floats = pose.position + to_world(pose.quaternion, self.whole.centre)
         return centre
 
     def _momentum(self, pose: Pose, twist: Twist, about: Floats) -> Floats:
@@ -93,109 +145,83 @@ class _Stand:
         centre = self._centre(pose)
         velocity = twist.velocity + np.cross(twist.angular_velocity, centre - pose.position)
         spin = self.whole.inertia @ to_body(pose.quaternion, twist.angular_velocity)
-        momentum: Floats = _in_world(pose, spin)
+        momentum: Floats = to_world(pose.quaternion, spin)
         return momentum + np.cross(centre - about, self.whole.mass * velocity)
 
 
-def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[ParityRow]:
+def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[Compared]:
     """Probe each law of the contact that the scene declares."""
-    effects = scene.effects
-    if not {"compliance", "restitution", "drilling", "rolling_resistance"}.intersection(
-        effects.declared()
-    ):
+    effects, can = scene.effects, scene.can
+    laws = {"compliance", "restitution", "drilling", "rolling_resistance"}
+    if not laws.intersection(effects.declared()):
         return
-    stand = _stand(world, scene, timestep)
+    stand = _Stand(
+        world=world,
+        scene=scene,
+        whole=body(scene),
+        timestep=timestep,
+        touching=touching_pose(world, can, can.balancing_angle, arc_of(effects)),
+        offset=contact_offset(can, can.balancing_angle, 0.0, arc=arc_of(effects)),
+    )
     if effects.compliance is not None:
         yield from _spring(stand, effects.compliance.stiffness, effects.compliance.damping)
     if effects.restitution is not None:
         yield _impact(stand, effects.restitution.coefficient)
     if effects.drilling is not None:
-        yield _resistance(stand, "arm of drilling", effects.drilling.length, _UP)
+        yield _resistance(stand, "drilling", effects.drilling.length, UP)
     if effects.rolling_resistance is not None:
         length = effects.rolling_resistance.length
-        yield _resistance(stand, "arm of rolling resistance", length, _OBLIQUE)
+        yield _resistance(stand, "rolling resistance", length, _OBLIQUE)
 
 
-def _stand(world: World, scene: Scene, timestep: float) -> _Stand:
-    """Return a can balanced on its rim, lowered to where this collider touches."""
-    can = scene.can
-    offset = contact_offset(can, can.balancing_angle, 0.0, arc=arc_of(scene.effects))
-    tilted = quaternion(can.balancing_angle, 0.0, 0.0)
-    pose = Pose(position=-offset[2] * _UP, quaternion=tilted)
-    world.place(pose, Twist(velocity=_NOTHING, angular_velocity=_NOTHING))
-    touching = Pose(position=pose.position - signed_distance(world) * _UP, quaternion=tilted)
-    return _Stand(
-        world=world,
-        scene=scene,
-        whole=body(scene),
-        timestep=timestep,
-        touching=touching,
-        offset=offset,
-    )
-
-
-def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[ParityRow]:
+def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[Compared]:
     """Read stiffness and damping from the force at rest and sinking."""
     depth = stand.whole.mass * stand.scene.gravity / stiffness
     # it needs a depth, gravity or not, at which the rim is in the plane and the can is not
     depth = min(max(depth, 1e-9 * stand.scene.can.radius), 0.1 * stand.scene.can.radius)
-    still = Twist(velocity=_NOTHING, angular_velocity=_NOTHING)
-    held = stand.press(depth, still)
     speed = 0.01 * depth / stand.timestep
-    sinking = stand.press(depth, Twist(velocity=-speed * _UP, angular_velocity=_NOTHING))
+    held = float(stand.press(depth, AT_REST).force[2])
+    sinking = float(stand.press(depth, moving(-speed * UP)).force[2])
     # an engine that takes the spring at the end of the step has it damp by k dt as well, and feels
     # what the can has fallen by then; a soft constraint misses the law by its impedance, 1e-4
     step = stiffness * stand.timestep
     fallen = step * stand.timestep / stand.whole.mass
-    how = "force of one step on a can balanced on its rim"
-    yield compare(
+    how, tolerance = "force of one step on a can balanced on its rim", 1e-3 + 3.0 * fallen
+    yield (
         "contact stiffness",
         "N/m",
         stiffness,
-        float(held.force[2]) / depth,
-        stiffness * (1e-3 + 3.0 * fallen),
+        held / depth,
+        stiffness * tolerance,
         f"{how}, at rest",
     )
-    yield compare(
-        "contact damping",
-        "N s/m",
-        damping,
-        float(sinking.force[2] - held.force[2]) / speed,
-        1e-3 * damping + 1.1 * step + 6.0 * fallen * (damping + step) + 1e-6 * step,
-        f"{how}, that sinks at {speed:.2g} m/s",
-    )
+    found, how = (sinking - held) / speed, f"{how}, that sinks at {speed:.2g} m/s"
+    tolerance = 1e-3 * damping + 1.1 * step + 6.0 * fallen * (damping + step) + 1e-6 * step
+    yield "contact damping", "N s/m", damping, found, tolerance, how
 
 
-def _resistance(stand: _Stand, quantity: str, length: float, axis: Floats) -> ParityRow:
+def _resistance(stand: _Stand, name: str, length: float, axis: Floats) -> Compared:
     """Read the arm of a moment that turning about an axis meets."""
     moments = np.linalg.eigvalsh(stand.whole.inertia)
     stopped = length * stand.whole.mass * max(stand.scene.gravity, 1.0) * stand.timestep
     spin = (1.0 + _SLOW * stopped / moments[0]) * axis
     arms = [
-        (abs(float(moment[2])) if axis is _UP else math.hypot(moment[0], moment[1])) / normal
+        (abs(float(moment[2])) if axis is UP else math.hypot(moment[0], moment[1])) / normal
         for moment, normal in stand.moments(spin)
     ]
-    return compare(
-        quantity,
-        "m",
-        length,
-        # pressed lightly, the friction that keeps a turning can on the spot has a large share of a
-        # cone that the moment shares with it; pressed hard, a soft one holds back less than it may
-        max(arms, default=math.nan),
-        # a cone that is shared with sliding is short of what the spin slides within the step
-        length * (1e-3 + 50.0 * (stand.timestep / natural_time(stand.scene)) ** 2),
-        "moment over the normal force, in one step of turning on the spot, at the best load",
-    )
+    # pressed lightly, the friction that keeps a turning can on the spot has a large share of a cone
+    # that the moment shares with it; pressed hard, a soft one holds back less than it may
+    best = max(arms, default=math.nan)
+    # a cone that is shared with sliding is short of what the spin slides within the step
+    tolerance = length * (1e-3 + 50.0 * (stand.timestep / natural_time(stand.scene)) ** 2)
+    how = "moment over the normal force, in one step of turning on the spot, at the best load"
+    return f"arm of {name}", "m", length, best, tolerance, how
 
 
-def _impact(stand: _Stand, coefficient: float) -> ParityRow:
+def _impact(stand: _Stand, coefficient: float) -> Compared:
     """Read what an impact gives back of the speed of the contact."""
     world, timestep = stand.world, stand.timestep
-    above = 2.5 * _FALLING * timestep
-    world.place(
-        Pose(position=stand.touching.position + above * _UP, quaternion=stand.touching.quaternion),
-        Twist(velocity=-_FALLING * _UP, angular_velocity=_NOTHING),
-    )
+    world.place(lowered(stand.touching, -2.5 * _FALLING * timestep), moving(-_FALLING * UP))
     before = after = -_FALLING
     for _ in range(_FEW):
         world.step()
@@ -205,17 +231,6 @@ def _impact(stand: _Stand, coefficient: float) -> ParityRow:
             break
         before = after
     # gravity acts in the step of the impact too
-    slack = stand.scene.gravity * timestep / _FALLING
-    return compare(
-        "restitution",
-        "1",
-        coefficient,
-        -after / before,
-        1e-6 + 2.0 * slack,
-        f"an impact at {_FALLING:g} m/s, balanced on its rim",
-    )
-
-
-def _in_world(pose: Pose, vector: Floats) -> Floats:
-    back = pose.quaternion * np.array((1.0, -1.0, -1.0, -1.0))
-    return to_body(back, vector)
+    tolerance = 1e-6 + 2.0 * (stand.scene.gravity * timestep / _FALLING)
+    how = f"an impact at {_FALLING:g} m/s, balanced on its rim"
+    return "restitution", "1", coefficient, -after / before, tolerance, how

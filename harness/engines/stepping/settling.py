@@ -9,11 +9,10 @@ the contact then bears just the load that rolling puts on it.
 import numpy as np
 from scipy.optimize import brentq
 
-from harness.engines.base import Floats, World, signed_distance
-from models.kinematics import angles
-from models.rim import arc_of, contact_offset
-from models.scene import Scene
-from models.state import Pose, Twist
+from harness.engines.base import World, signed_distance
+from harness.engines.stepping.placement import lowered, stepped
+from models import Pose, Scene, Twist, angles, contact_offset
+from models.rim import arc_of
 
 _FIRST = 1e-13
 """m: first depth tried; the static penetration of a stiff contact at a timestep of 1e-8 s."""
@@ -44,15 +43,16 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     if scene.release.height != 0.0:
         return 0.0, pose
     world.place(pose, twist)
-    pose = _lowered(
-        pose, signed_distance(world)
-    )  # a collider larger than the can would start deep inside
+    # a collider larger than the can would start deep inside
+    pose = lowered(pose, signed_distance(world))
     phi, psi, _ = angles(pose.quaternion)
     offset = contact_offset(scene.can, phi, psi, arc=arc_of(scene.effects))
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s
 
     def rise(depth: float) -> float:
-        return _rise_after_a_step(world, _lowered(pose, depth), twist, offset)
+        """Return the upward velocity that a step gives to the material point that touches, m/s."""
+        after = stepped(world, lowered(pose, depth), twist).twist()
+        return float((after.velocity + np.cross(after.angular_velocity, offset))[2])
 
     # a velocity of round-off size beside that of the release or of one step is rest
     rest = 1e-12 * float(np.linalg.norm(twist.velocity)) + 1e-9 * load
@@ -64,17 +64,4 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
             return 0.0, pose
         upper = min(4.0 * upper, deepest)
     depth = float(brentq(rise, 0.0, upper, xtol=1e-6 * upper))
-    return depth, _lowered(pose, depth)
-
-
-def _rise_after_a_step(world: World, pose: Pose, twist: Twist, offset: Floats) -> float:
-    """Return the upward velocity that a step gives to the material point that touches, m/s."""
-    world.place(pose, twist)
-    world.step()
-    after = world.twist()
-    return float((after.velocity + np.cross(after.angular_velocity, offset))[2])
-
-
-def _lowered(pose: Pose, depth: float) -> Pose:
-    """Return the pose, lower by a depth in m."""
-    return Pose(position=pose.position - np.array((0.0, 0.0, depth)), quaternion=pose.quaternion)
+    return depth, lowered(pose, depth)
