@@ -13,8 +13,7 @@ from harness.core.errors import MissingPackageError
 from harness.engines.base import Setting
 from harness.engines.conformance.fixture import ClauseResult, ClauseStatus
 from harness.engines.conformance.suite import conform
-from harness.engines.probes.fixture import Measurement
-from harness.engines.probes.survey import design, measure
+from harness.engines.probes import Measurement, design, measure
 from harness.engines.registry import engine, names
 
 _STYLES = {

@@ -20,26 +20,20 @@ divided out of the energy of the other.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
 from harness.core.trajectory import Floats
 from harness.engines.base import Setting, World
-from harness.engines.probes.fixture import (
-    ALOFT,
-    UPRIGHT,
-    Evidence,
-    Opener,
-    Trace,
-    aloft,
-    findings,
-)
+from harness.engines.probes.fixture import ALOFT, Opener, Reading, aloft
 from harness.engines.stepping.horizon import natural_time
-from models.kinematics import half_angles, to_body
-from models.state import Pose, Twist
+from harness.engines.stepping.placement import UP, X, above_origin, moving, stepped
+from models import to_body
+from models.kinematics import half_angles, to_world
 
 RATES = (1.0, 3.0, 10.0, 30.0)
 """m/s and rad/s: below every clamp known."""
@@ -60,7 +54,7 @@ a tenth of a radian 1e-3."""
 _KINDS = (("velocity", "m/s", "1/m"), ("spin", "rad/s", "1/rad"))
 
 
-def damping(engine: Opener, case: Case) -> Iterator[Evidence]:
+def damping(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the rates of linear and quadratic damping of velocity and of spin."""
     world, dt = aloft(engine, case), engine.timestep(case)
     for kind, unit, per in _KINDS:
@@ -71,59 +65,40 @@ def damping(engine: Opener, case: Case) -> Iterator[Evidence]:
         how = f"loss in one step of free flight at 1 to 30 {unit}"
         for law, rate, in_unit in (("linear", linear, "1/s"), ("quadratic", quadratic, per)):
             known = 0.0 if abs(rate) <= noise else float(rate)
-            yield from findings("damping", how, (f"{law} damping of {kind}", in_unit, known, 0.0))
+            yield f"{law} damping of {kind}", in_unit, known, 0.0, how
 
 
-def clamp(engine: Opener, case: Case) -> Iterator[Evidence]:
+def clamp(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the greatest velocity and the greatest spin that a step leaves."""
     world = aloft(engine, case)
     for kind, unit, _ in _KINDS:
         greatest = max(abs(_after(world, kind, given)) for given in LADDER)
         how = f"one step of free flight at 30 to 10,000 {unit}"
-        row = (f"greatest {kind} left by a step", unit, greatest, FAST)
-        yield from findings("velocity clamp", how, row)
+        yield f"greatest {kind} left by a step", unit, greatest, FAST, how
 
 
-def turn(engine: Opener, case: Case) -> Iterator[Evidence]:
+def turn(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield how far a step turns the can that should turn it far."""
     world, dt = aloft(engine, case), engine.timestep(case)
     asked, turned = [], []
     for angle in TURNS:
-        spin = _after(world, "spin", angle / dt)
+        asked.append(_after(world, "spin", angle / dt) * dt)
         phi, sigma, _ = half_angles(world.pose().quaternion)
         # both halves of the quaternion are in sigma while the can is upright
         turned.append(float(sigma) % (2.0 * math.pi) if phi < 1.0 else math.nan)
-        asked.append(spin * dt)
     largest = int(np.argmax(asked))
     exact = [a for a, t in zip(asked, turned, strict=True) if abs(t / a - 1.0) <= _EXACT]
+    how = "one step of free flight at a spin that the engine lets pass"
+    yield "turn of the orientation in a step", "rad", turned[largest], asked[largest], how
     greatest = max(exact, default=0.0)
-    yield from findings(
-        "orientation update",
-        "one step of free flight at a spin that the engine lets pass",
-        ("turn of the orientation in a step", "rad", turned[largest], asked[largest]),
-        ("largest turn in a step that is exact", "rad", greatest, asked[largest]),
-    )
-    yield Trace(
-        effect="orientation update",
-        x_label="spin times timestep [rad]",
-        y_label="turn of the orientation [rad]",
-        x=np.array(asked),
-        y=np.array(turned),
-    )
+    yield "largest turn in a step that is exact", "rad", greatest, asked[largest], how
 
 
 def _after(world: World, kind: str, given: float) -> float:
     """Return what one step of free flight leaves of a velocity (m/s) or of a spin (rad/s)."""
-    axis = np.array((1.0, 0.0, 0.0)) if kind == "velocity" else np.array((0.0, 0.0, 1.0))
-    moving, nothing = given * axis, np.zeros(3)
-    velocity, spin = (moving, nothing) if kind == "velocity" else (nothing, moving)
-    world.place(
-        Pose(position=np.array((0.0, 0.0, ALOFT)), quaternion=UPRIGHT),
-        Twist(velocity=velocity, angular_velocity=spin),
-    )
-    world.step()
-    after = world.twist()
-    return float((after.velocity if kind == "velocity" else after.angular_velocity) @ axis)
+    motion = moving(velocity=given * X) if kind == "velocity" else moving(spin=given * UP)
+    after = stepped(world, above_origin(ALOFT), motion).twist()
+    return float(after.velocity @ X if kind == "velocity" else after.angular_velocity @ UP)
 
 
 SPIN = (0.3, 0.0, 2.0)
@@ -137,33 +112,8 @@ _MOST_STEPS = 100_000
 
 _SAMPLES = 200
 
-_EFFECT = "gyroscopic term"
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Flight:
-    """A torque-free flight against its closed form; every array has n samples.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        s.
-    energy, momentum : ndarray, shape (n,)
-        Gain of the energy and of |L|, relative.
-    tilt_of_momentum : ndarray, shape (n,)
-        Angle of L to what it was, rad.
-    axis : ndarray, shape (n,)
-        Angle of the axis to the closed form, rad.
-    """
-
-    time: Floats
-    energy: Floats
-    momentum: Floats
-    tilt_of_momentum: Floats
-    axis: Floats
-
-
-def flight(world: World, spin: Floats, duration: float) -> Flight:
+def flight(world: World, spin: Floats, duration: float) -> Floats:
     """Return the flight of a spinning can in a world without gravity.
 
     Parameters
@@ -173,82 +123,67 @@ def flight(world: World, spin: Floats, duration: float) -> Flight:
         Angular velocity at first, in the body's frame, rad/s.
     duration : float
         s.
+
+    Returns
+    -------
+    ndarray, shape (n, 5)
+        Of each sample the time (s), the gain of the energy and of |L|, relative, the angle of L to
+        what it was, and the angle of the axis to the closed form (rad).
     """
     moments = np.asarray(world.inertia, dtype=np.float64)  # the engine's own, whatever they are
-    world.place(
-        Pose(position=np.array((0.0, 0.0, ALOFT)), quaternion=UPRIGHT),
-        Twist(velocity=np.zeros(3), angular_velocity=spin),
-    )
+    world.place(above_origin(ALOFT), moving(spin=spin))
     steps = min(_MOST_STEPS, max(1, round(duration / world.timestep)))
     stride = max(1, steps // _SAMPLES)
     # the body's frame is the world's at first
     L_0, E_0 = moments * spin, 0.5 * float(moments @ spin**2)
-    precession = float(np.linalg.norm(L_0)) / float((moments[0] + moments[1]) / 2.0)
+    size = float(np.linalg.norm(L_0))
+    precession = L_0 / size * (size / float((moments[0] + moments[1]) / 2.0))
     rows = []
     for step in range(0, steps + 1, stride):
         pose, twist = world.pose(), world.twist()
-        omega = to_body(pose.quaternion, twist.angular_velocity)
-        L = _to_world(pose, moments * omega)
-        closed = _turned(np.array((0.0, 0.0, 1.0)), L_0, precession * step * world.timestep)
-        axis = _to_world(pose, np.array((0.0, 0.0, 1.0)))
-        rows.append(
-            (
-                step * world.timestep,
-                0.5 * float(moments @ omega**2) / E_0 - 1.0,
-                float(np.linalg.norm(L) / np.linalg.norm(L_0)) - 1.0,
-                _angle(L, L_0),
-                _angle(axis, closed),
-            )
-        )
+        omega, time = to_body(pose.quaternion, twist.angular_velocity), step * world.timestep
+        L, axis = (to_world(pose.quaternion, vector) for vector in (moments * omega, UP))
+        closed = Rotation.from_rotvec(precession * time).apply(UP)
+        energy = 0.5 * float(moments @ omega**2) / E_0 - 1.0
+        momentum = float(np.linalg.norm(L) / size) - 1.0
+        rows.append((time, energy, momentum, _angle(L, L_0), _angle(axis, closed)))
         for _ in range(min(stride, steps - step)):
             world.step()
-    time, energy, momentum, tilt, off = np.array(rows).T
-    return Flight(time=time, energy=energy, momentum=momentum, tilt_of_momentum=tilt, axis=off)
+    return np.array(rows)
 
 
-def gyroscopic(engine: Opener, case: Case) -> Iterator[Evidence]:
+def gyroscopic(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield what a torque-free flight gains, and with which other settings it gains otherwise."""
     base = _beyond_damping(aloft(engine, case), case)
-    how = f"free flight for {base.time[-1]:.3g} s at a spin of 2 and a wobble of 0.3 sqrt(g/R)"
-    yield from findings(
-        _EFFECT,
-        how,
-        ("energy gained", "1", float(base.energy[-1]), 0.0),
-        ("angular momentum gained", "1", float(base.momentum[-1]), 0.0),
-        ("turn of the angular momentum", "rad", float(base.tilt_of_momentum[-1]), 0.0),
-        ("angle of the axis to the closed form", "rad", float(base.axis[-1]), 0.0),
+    time, *last = base[-1].tolist()
+    how = f"free flight for {time:.3g} s at a spin of 2 and a wobble of 0.3 sqrt(g/R)"
+    quantities = (
+        ("energy gained", "1"),
+        ("angular momentum gained", "1"),
+        ("turn of the angular momentum", "rad"),
+        ("angle of the axis to the closed form", "rad"),
     )
-    yield Trace(
-        effect=_EFFECT,
-        x_label="time [s]",
-        y_label="energy gained [1]",
-        x=base.time,
-        y=base.energy,
-    )
+    for (quantity, unit), value in zip(quantities, last, strict=True):
+        yield quantity, unit, value, 0.0, how
     for name, value in alternatives(engine.settings, case):
         other = replace(case, options=(*case.options, (name, value)))
         try:
             world = aloft(engine, other)
         except RefusedModelError:  # the engine does not take this value with the others
             continue
-        changed = _beyond_damping(world, case)
-        if not np.array_equal(changed.energy, base.energy):
-            gained = float(changed.energy[-1])
-            row = (f"energy gained with {name}={value}", "1", gained, 0.0)
-            yield from findings(_EFFECT, how, row)
+        energy = _beyond_damping(world, case)[:, 1]
+        if not np.array_equal(energy, base[:, 1]):
+            yield f"energy gained with {name}={value}", "1", float(energy[-1]), 0.0, how
 
 
-def _beyond_damping(world: World, case: Case) -> Flight:
+def _beyond_damping(world: World, case: Case) -> Floats:
     """Return the flight of `SPIN`, its gains over those of a spin as fast about the axis alone."""
     T = natural_time(case.scene)
     spin = np.array(SPIN) / T
     free = flight(world, spin, DURATION * T)
-    plain = flight(world, np.array((0.0, 0.0, np.linalg.norm(spin))), DURATION * T)
-    return replace(
-        free,
-        energy=(1.0 + free.energy) / (1.0 + plain.energy) - 1.0,
-        momentum=(1.0 + free.momentum) / (1.0 + plain.momentum) - 1.0,
-    )
+    plain = flight(world, np.linalg.norm(spin) * UP, DURATION * T)
+    free[:, 1:3] = (1.0 + free[:, 1:3]) / (1.0 + plain[:, 1:3]) - 1.0
+    return free
 
 
 def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[str, Value]]:
@@ -261,22 +196,6 @@ def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[st
             values = (False, True)
         for value in values:
             yield setting.name, value
-
-
-def _to_world(pose: Pose, vector: Floats) -> Floats:
-    """Return a vector of the body in world coordinates."""
-    return to_body(pose.quaternion * np.array((1.0, -1.0, -1.0, -1.0)), vector)
-
-
-def _turned(vector: Floats, about: Floats, angle: float) -> Floats:
-    """Return a vector turned about another by an angle (Rodrigues)."""
-    e = about / np.linalg.norm(about)
-    turned: Floats = (
-        vector * math.cos(angle)
-        + np.cross(e, vector) * math.sin(angle)
-        + e * float(e @ vector) * (1.0 - math.cos(angle))
-    )
-    return turned
 
 
 def _angle(one: Floats, other: Floats) -> float:

@@ -11,10 +11,35 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.base import Engine, features_of
 from harness.engines.probes.contact import compliance, creep, points, rim, stabilisation
-from harness.engines.probes.fixture import Evidence, Measurement, Opener, ProbeFinding, Trace
+from harness.engines.probes.fixture import Opener, Reading
 from harness.engines.probes.flight import clamp, damping, gyroscopic, turn
 from harness.engines.registry import engine
-from models.catalogue import load
+from models import load
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeFinding:
+    """One imposed effect in one number.
+
+    Parameters
+    ----------
+    effect : str
+        Such as "compliance" or "damping".
+    quantity, unit : str
+    value : float
+        As measured in the engine.
+    expected : float
+        What the ideal can has, or the closed form of rigid-body mechanics.
+    how : str
+        One sentence: what was done.
+    """
+
+    effect: str
+    quantity: str
+    unit: str
+    value: float
+    expected: float
+    how: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +48,39 @@ class Probe:
 
     effect: str
     question: str
-    measure: Callable[[Opener, Case], Iterator[Evidence]]
+    readings: Callable[[Opener, Case], Iterator[Reading]]
+
+    def measure(self, chosen: Opener, case: Case) -> Iterator[ProbeFinding]:
+        """Yield what the probe finds in an engine, with the settings of a case."""
+        for quantity, unit, value, expected, how in self.readings(chosen, case):
+            yield ProbeFinding(
+                effect=self.effect,
+                quantity=quantity,
+                unit=unit,
+                value=value,
+                expected=expected,
+                how=how,
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Measurement:
+    """All that the probes found in one engine with one choice of settings.
+
+    Parameters
+    ----------
+    case : Case
+        Its can, gravity, profile, timestep and options were probed; its release was not.
+    engine_version : str
+    timestep : float
+        s.
+    findings : tuple of ProbeFinding
+    """
+
+    case: Case
+    engine_version: str
+    timestep: float
+    findings: tuple[ProbeFinding, ...]
 
 
 PROBES = (
@@ -72,13 +129,11 @@ def measure(case: Case) -> Measurement:
         raise InvalidSettingError("gravity", 0.0, "greater than zero, to load the can")
     # said outright, since a timestep that goes with gravity would change with the load
     stated = replace(case, timestep=chosen.timestep(case))
-    evidence = [each for probe in PROBES for each in probe.measure(chosen, stated)]
     return Measurement(
         case=case,
         engine_version=chosen.version,
         timestep=chosen.timestep(case),
-        findings=tuple(each for each in evidence if isinstance(each, ProbeFinding)),
-        traces=tuple(each for each in evidence if isinstance(each, Trace)),
+        findings=tuple(found for probe in PROBES for found in probe.measure(chosen, stated)),
     )
 
 

@@ -11,8 +11,7 @@ from harness.core.case import PROFILES, Case
 from harness.engines.base import Setting, resolve
 from harness.engines.mujoco.settings import FLAGS, GEOM, OPTIONS
 from harness.engines.mujoco.settings import SETTINGS as MUJOCO
-from harness.engines.probes.fixture import ProbeFinding
-from harness.engines.probes.survey import measure
+from harness.engines.probes import ProbeFinding, measure
 from harness.engines.pybullet.settings import SETTINGS as PYBULLET
 from harness.engines.pybullet.settings import SHIPPED_VALUES
 from harness.engines.registry import engine
