@@ -10,8 +10,13 @@ from harness.cli import terminal
 from harness.cli.json_output import to_json
 from harness.cli.run_options import STORE, store_folder
 from harness.evaluation.case_cache import is_current
-from harness.execution.cache import CacheFolder, CacheWarning
-from harness.execution.cache_inspection import EntryState, inspect_cache, prune_cache
+from harness.execution.cache import (
+    CacheFolder,
+    CacheWarning,
+    EntryState,
+    inspect_cache,
+    prune_cache,
+)
 
 app = typer.Typer(no_args_is_help=True, help="What is kept of runs: list it, verify it, prune it.")
 
@@ -86,10 +91,10 @@ def _rows(store: CacheFolder, *, thoroughly: bool) -> list[tuple[object, ...]]:
             found.kind,
             found.key,
             found.state.value,
-            None if found.about is None else found.about.label,
+            None if found.metadata is None else found.metadata.label,
             found.size,
-            None if found.about is None else found.about.kept,
-            None if found.about is None else found.about.command,
+            None if found.metadata is None else found.metadata.kept,
+            None if found.metadata is None else found.metadata.command,
         )
         for found in inspect_cache(store, thoroughly=thoroughly)
     ]

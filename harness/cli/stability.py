@@ -134,7 +134,7 @@ def judged_runs(
             _judged,
             work.executor,
             lost=_lost,
-            shelf=None if store is None else classified_cache(store),
+            cache=None if store is None else classified_cache(store),
             listener=ProgressListener(
                 kept=work.running.kept, done=lambda case, _: work.told(case.label(), 1)
             ),
@@ -160,7 +160,7 @@ def examined(chosen: Sequence[Scene], work: Work) -> list[ReferenceCheck]:
         _examined,
         work.executor,
         lost=_unexamined,
-        shelf=None if store is None else reference_check_cache(store),
+        cache=None if store is None else reference_check_cache(store),
         listener=ProgressListener(
             kept=work.running.kept, done=lambda part, _: work.told("the reference", len(part))
         ),

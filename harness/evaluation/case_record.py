@@ -11,11 +11,12 @@ starts from the forces of the second, is counted. An instant stands for the step
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.simulation import Simulation
+from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Trajectory
 from harness.engines.base import World, features_of
 from harness.engines.reference.truth import Truth, solve_case, truth
@@ -126,14 +127,23 @@ def measured(case: Case) -> Record:
         For wrong use, as `attempt` does.
     """
     evaluation = evaluate_case(case)
-    simulation = evaluation.simulation
     found = {name: quantity.of_run(evaluation) for name, quantity in RECORDED.items()}
     simulated = None if evaluation.motion is None else float(evaluation.motion.time[-1])
-    cpu = simulation.cpu_s
-    if case.engine == "reference" and simulation.outcome.name == "FINISHED":
+    if case.engine == "reference" and evaluation.simulation.outcome is Outcome.FINISHED:
         own, exact = solve_case(case), truth(case.scene)
         found |= _of_solution(own, exact)
         simulated = own.ends
+    return _record(evaluation.simulation, simulated, found)
+
+
+def lost_errors(case: Case, error: LostTaskError) -> Record:
+    """Return what is known of a case whose process died or was stopped: why."""
+    return _record(failed_evaluation(case, error).simulation, None, {})
+
+
+def _record(
+    simulation: Simulation, simulated: float | None, found: Mapping[str, float | None]
+) -> Record:
     return {
         "outcome": simulation.outcome.name,
         "note": simulation.note,
@@ -144,30 +154,10 @@ def measured(case: Case) -> Record:
         "constraint_rows": simulation.constraint_rows,
         "solver_iterations": _iterations(simulation),
         "simulated_s": simulated,
-        "cpu_s": cpu,
+        "cpu_s": simulation.cpu_s,
         "setup_s": simulation.setup_s,
         "errors": {name: finite(value) for name, value in found.items()},
         "command": _command(simulation),
-    }
-
-
-def lost_errors(case: Case, error: LostTaskError) -> Record:
-    """Return what is known of a case whose process died or was stopped: why."""
-    simulation = failed_evaluation(case, error).simulation
-    return {
-        "outcome": simulation.outcome.name,
-        "note": simulation.note,
-        "version": simulation.engine_version,
-        "model": simulation.model,
-        "timestep_s": simulation.timestep,
-        "steps": 0,
-        "constraint_rows": 0,
-        "solver_iterations": None,
-        "simulated_s": None,
-        "cpu_s": 0.0,
-        "setup_s": 0.0,
-        "errors": {},
-        "command": case.command(),
     }
 
 

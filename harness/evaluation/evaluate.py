@@ -8,7 +8,6 @@ import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from harness.core.errors import BrokenEngineError, HarnessError, TrajectoryError
 from harness.core.scene_limits import check_scene_limits
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import take
-from harness.engines.base import Engine, resolve
+from harness.engines.base import resolve
 from harness.engines.contract import contract_violation, describe_exception
 from harness.engines.reference.assumption_checks import PARTED, divergence_of, findings
 from harness.engines.reference.to_reference_problem import refusal
@@ -46,8 +45,10 @@ __all__ = [
     "evaluate_case",
     "evaluate_without_truth",
     "failed_evaluation",
+    "failed_simulation",
     "measure_simulation",
     "run_cases",
+    "simulate_case",
 ]
 
 
@@ -77,7 +78,7 @@ def evaluate(case: Case) -> Evaluation:
         raises anything else or returns what is no simulation.
     """
     check_case(case)
-    return measure_simulation(_simulated(case))
+    return measure_simulation(simulate_case(case))
 
 
 def evaluate_case(case: Case) -> Evaluation:
@@ -93,24 +94,22 @@ def evaluate_case(case: Case) -> Evaluation:
         check_case(case)
         chosen = engine(case.engine)
     except BrokenEngineError as error:  # it could be made, and did answer, when the run was planned
-        return Evaluation(simulation=_broken(case, str(error), "unknown"))
+        return Evaluation(simulation=failed_simulation(case, str(error)))
     if is_ours(chosen):
         try:
-            return measure_simulation(_simulated(case))
+            return measure_simulation(simulate_case(case))
         except HarnessError as error:
             error.add_note(f"It is of the case '{case.label()}'.")
             raise
     verb = "simulate"
     try:
-        simulation = _simulated(case)
+        simulation = simulate_case(case)
         verb = "pickle"
         simulation = pickle.loads(pickle.dumps(simulation))  # noqa: S301 - just made
         verb = "measure"
         return measure_simulation(simulation)
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
-        return Evaluation(
-            simulation=_broken(case, describe_exception(error, verb), _version(chosen))
-        )
+        return Evaluation(simulation=failed_simulation(case, describe_exception(error, verb)))
 
 
 def evaluate_without_truth(case: Case) -> Evaluation:
@@ -122,7 +121,7 @@ def evaluate_without_truth(case: Case) -> Evaluation:
         As `evaluate` does.
     """
     check_case(case)
-    simulation = _simulated(case)
+    simulation = simulate_case(case)
     scene, trajectory = case.scene, simulation.trajectory
     return Evaluation(
         simulation=simulation,
@@ -132,8 +131,14 @@ def evaluate_without_truth(case: Case) -> Evaluation:
     )
 
 
-def _simulated(case: Case) -> Simulation:
-    """Return an engine's answer to a case, or in what its adapter broke its contract."""
+def simulate_case(case: Case) -> Simulation:
+    """Return an engine's answer to a case, or in what its adapter broke its contract.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use that only the engine finds when it compiles the case.
+    """
     chosen = engine(case.engine)
     try:
         answer = chosen.simulate(case)
@@ -144,31 +149,23 @@ def _simulated(case: Case) -> Simulation:
         raise
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
         reason = describe_exception(error)
-    return _broken(case, reason, _version(chosen)) if reason else answer
+    return failed_simulation(case, reason) if reason else answer
 
 
-def _broken(case: Case, reason: str, version: str) -> Simulation:
+def failed_simulation(case: Case, reason: str, outcome: Outcome = Outcome.BROKEN) -> Simulation:
     """Return that a case came to nothing, and why."""
     step = None
     with suppress(Exception):  # an adapter that broke its contract once may do it again
         step = timestep_of(case)
     return Simulation(
         case=case,
-        outcome=Outcome.BROKEN,
+        outcome=outcome,
         note=reason,
         trajectory=None,
-        engine_version=version,
+        engine_version=engine_version(case.engine),
         model=case.engine,
         timestep=step,
     )
-
-
-def _version(chosen: Engine) -> str:
-    """Return the version of an engine, or "unknown" if its adapter cannot tell."""
-    with suppress(Exception):
-        version: object = chosen.version
-        return version if isinstance(version, str) else "unknown"
-    return "unknown"
 
 
 def measure_simulation(simulation: Simulation) -> Evaluation:
@@ -270,7 +267,7 @@ def run_cases(
             evaluate_case,
             SerialExecutor() if executor is None else executor,
             lost=failed_evaluation,
-            shelf=None if store is None else evaluation_cache(store),
+            cache=None if store is None else evaluation_cache(store),
             listener=listener,
         )
     )
@@ -286,5 +283,4 @@ _OUTCOMES = {
 
 def failed_evaluation(case: Case, error: LostTaskError) -> Evaluation:
     """Return what came of a case whose process died or was stopped."""
-    nothing = _broken(case, error.reason, engine_version(case.engine))
-    return Evaluation(simulation=replace(nothing, outcome=_OUTCOMES[error.loss]))
+    return Evaluation(simulation=failed_simulation(case, error.reason, _OUTCOMES[error.loss]))

@@ -13,16 +13,14 @@ from typing import Any
 from harness.core.case import Case
 from harness.evaluation.case_cache import case_key, case_metadata
 from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import EntryContent
-from harness.execution.tasks import ProgressListener, ResultCache
-from harness.execution.tasks import run_tasks as carry_out
+from harness.execution.tasks import ProgressListener, ResultCache, run_tasks
 from harness.execution.worker import LostTaskError
 
 Record = dict[str, Any]
 """What JSON can hold."""
 
-Timed = tuple[Record, float | None]
-"""A record, and the seconds that it took by the clock; None if it was kept before."""
+Timed = tuple[Record, float]
+"""A record, and the seconds that it took by the clock."""
 
 
 def records(store: CacheFolder, kind: str, module: str) -> ResultCache[Case, Timed]:
@@ -30,7 +28,7 @@ def records(store: CacheFolder, kind: str, module: str) -> ResultCache[Case, Tim
 
     Parameters
     ----------
-    store : Store
+    store : CacheFolder
     kind : str
     module : str
         Name of the module that makes them: when its sources change, they are made again.
@@ -38,15 +36,9 @@ def records(store: CacheFolder, kind: str, module: str) -> ResultCache[Case, Tim
     return ResultCache(
         store=store,
         kind=kind,
-        key=partial(_key, module),
-        about=lambda case: case_metadata(case, module),
-        pack=lambda timed: EntryContent(record=timed[0]),
-        unpack=lambda _, content: (dict(content.record), None),
+        key=lambda case: case_key(case, module),
+        metadata=lambda case: case_metadata(case, module),
     )
-
-
-def _key(module: str, case: Case) -> str:
-    return case_key(case, module)
 
 
 Work = Callable[[Case], Record]
@@ -75,7 +67,7 @@ class TaskProgress:
 def run_timed_tasks(
     cases: Sequence[Case],
     work: Work,
-    shelf: ResultCache[Case, Timed] | None,
+    cache: ResultCache[Case, Timed] | None,
     executor: Executor,
     *,
     lost: Callable[[Case, LostTaskError], Record],
@@ -91,7 +83,7 @@ def run_timed_tasks(
     cases : sequence of Case
     work : callable
         A function of a module, so that it can be sent to a process.
-    shelf : Shelf or None
+    cache : ResultCache or None
         Where records are kept.
     executor : Executor
     lost : callable
@@ -109,28 +101,24 @@ def run_timed_tasks(
     # the longest first, so that no worker is left with it at the end
     order = sorted(work_of, key=work_of.__getitem__, reverse=True)
     spent = Spent(work_of, workers)
-    done = 0
+
+    def read(case: Case, timed: Timed) -> None:
+        del timed
+        spent.skip(case)
 
     def told(case: Case, timed: Timed) -> None:
-        nonlocal done
-        done += 1
-        seconds = timed[1]
-        if seconds is None:
-            spent.skip(case)
-            return
-        spent.add(case, seconds)
+        spent.add(case, timed[1])
         if on_done is not None:
-            on_done(
-                TaskProgress(case=case, done=done, total=len(order), remaining_s=spent.remaining())
-            )
+            done, left = len(order) - spent.left, spent.remaining()
+            on_done(TaskProgress(case=case, done=done, total=len(order), remaining_s=left))
 
-    found = carry_out(
+    found = run_tasks(
         order,
         partial(_timed, work),
         executor,
         lost=lambda case, error: (lost(case, error), 0.0),
-        shelf=shelf,
-        listener=ProgressListener(kept=on_kept or (lambda *_: None), done=told),
+        cache=cache,
+        listener=ProgressListener(kept=on_kept or (lambda *_: None), done=told, read=read),
     )
     records = {case: record for case, (record, _) in zip(order, found, strict=True)}
     return {case: records[case] for case in work_of}
@@ -154,6 +142,11 @@ class Spent:
         self._workers = workers
         self._seconds: dict[str, float] = {}
         self._work: dict[str, float] = {}
+
+    @property
+    def left(self) -> int:
+        """How many are not done."""
+        return len(self._left)
 
     def add(self, case: Case, seconds: float) -> None:
         """Take a case that is done into account."""

@@ -1,35 +1,32 @@
-"""A folder of entries, several processes at once: written whole, checked when read.
+"""A folder of results, several processes at once: written whole, checked when read.
 
-    KIND/KK/KEY.json            the record; an entry is there once this is
-    KIND/KK/KEY-CHECK.parquet   its arrays, written before; their checksum is part of the name
-    drafts/                     what is being written; a program that was killed leaves its draft
-    aside/                      entries that were found broken
-    journal.jsonl               a line when a case is begun, and when it is kept: names a store
+    KIND/KK/KEY.result    a result with where it comes from and its arrays: `cache_entry`
+    drafts/               what is being written; a program that was killed leaves its draft
+    aside/                entries that were found broken
+    journal.jsonl         a line when a case is begun, and when it is kept: names a store
 
-A file is written as a draft, flushed to the disk and renamed, so that none is ever half there
-under its own name. Writers need no lock: those of one case write the same, and the last one counts.
+Writers need no lock: those of one case write the same, and the last one counts.
 """
 
 import json
 import os
 import re
+import shutil
 import uuid
 import warnings
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from enum import Enum
 from pathlib import Path
+from typing import Any
+
+import psutil
 
 from harness.core.errors import OutputError, StoreError
-from harness.execution.cache_entry import (
-    EntryContent,
-    EntryRecord,
-    Metadata,
-    checksum,
-    read_arrays,
-    read_record,
-    write_arrays,
-    write_record,
-)
+from harness.execution.atomic_write import write_atomically
+from harness.execution.cache_entry import Entry, Metadata, read_entry, write_entry
 from harness.execution.signals import delay_signals
 
 DRAFTS, ASIDE, JOURNAL = "drafts", "aside", "journal.jsonl"
@@ -38,12 +35,13 @@ _FIRST = 5
 """Lines of a journal that are looked at; one may be cut short by a full disk."""
 
 _KEY = "[0-9a-f]{32}"
-_DRAWN = "[0-9a-f]{8}"
+_SUFFIX = r"(-[0-9a-f]{12})?\.(result|json|parquet)"
+"""Of results, and of what releases before this one kept: those two files are removed by pruning."""
 
-RECORD = re.compile(rf"(?P<key>{_KEY})\.json")
-ARRAYS = re.compile(rf"(?P<key>{_KEY})-[0-9a-f]{{12}}\.parquet")
-DRAFT = re.compile(rf"(?P<process>\d+)-{_DRAWN}-{_KEY}(-[0-9a-f]{{12}})?\.(json|parquet)")
-SET_ASIDE = re.compile(rf".+-{_KEY}(-[0-9a-f]{{12}})?-{_DRAWN}\.(json|parquet)")
+_RESULT = re.compile(rf"(?P<key>{_KEY})\.result")
+_OLD = re.compile(rf"(?P<key>{_KEY})(-[0-9a-f]{{12}})?\.(json|parquet)")
+_DRAFT = re.compile(rf"(?P<process>\d+)-[0-9a-f]{{8}}-{_KEY}{_SUFFIX}")
+_SET_ASIDE = re.compile(rf".+-{_KEY}(-[0-9a-f]{{12}})?-[0-9a-f]{{8}}\.(result|json|parquet)")
 """The names that are given here: whatever has another is somebody else's."""
 
 
@@ -80,53 +78,40 @@ class CacheFolder:
         """Whether there is an entry; `get` may still find it broken."""
         return not self.fresh and self.path(kind, key).exists()
 
-    def get(self, kind: str, key: str) -> EntryContent | None:
+    def get(self, kind: str, key: str) -> Any:  # noqa: ANN401 - whatever was kept
         """Return what is kept, or None if nothing is.
 
-        An entry that is not what was written is set aside, with a `StoreWarning`.
+        An entry that is not what was written is set aside, with a `CacheWarning`.
         """
         if self.fresh:
             return None
         try:
-            return self.read(kind, key)
+            return self.read(kind, key).value()
         except FileNotFoundError:
             return None
         except StoreError as error:
             self.reject(kind, key, str(error))
             return None
 
-    def read(self, kind: str, key: str) -> EntryContent:
-        """Return what is kept.
+    def read(self, kind: str, key: str) -> Entry:
+        """Return an entry; its `value` is what is kept.
 
         Raises
         ------
         FileNotFoundError
-            If there is no entry.
+            If there is none.
         StoreError
             If it is not what was written.
         """
-        record = self.record(kind, key)
-        if record.arrays_file is None:
-            return EntryContent(record=record.record)
-        try:
-            arrays = self.path(kind, key).with_name(record.arrays_file).read_bytes()
-        except OSError as error:
-            raise StoreError(f"its arrays cannot be read: {error.strerror}") from error
-        if checksum(arrays) != record.arrays_sha256:
-            raise StoreError("the checksum of its arrays is not that of their file")
-        return EntryContent(record=record.record, arrays=read_arrays(arrays, record.widths))
-
-    def record(self, kind: str, key: str) -> EntryRecord:
-        """Return the record of an entry, its arrays unseen; raises as `read` does."""
         try:
             content = self.path(kind, key).read_bytes()
         except FileNotFoundError:
             raise
         except OSError as error:
             raise StoreError(f"it cannot be read: {error.strerror}") from error
-        return read_record(content, kind, key)
+        return read_entry(content, kind, key)
 
-    def put(self, kind: str, key: str, about: Metadata, content: EntryContent) -> None:
+    def put(self, kind: str, key: str, metadata: Metadata, value: object) -> None:
         """Keep a result; a signal that comes meanwhile waits.
 
         Raises
@@ -134,17 +119,15 @@ class CacheFolder:
         OutputError
             If the folder cannot be written to. What was there before is still there.
         """
-        path = self.path(kind, key)
+        path, drafts = self.path(kind, key), self.folder / DRAFTS
+        draft = drafts / f"{os.getpid()}-{uuid.uuid4().hex[:8]}-{path.name}"
         try:
             with delay_signals():
-                self._make_way(kind, key)
-                file = None
-                if content.arrays:
-                    arrays = write_arrays(content.arrays)
-                    digest = checksum(arrays)
-                    file = (f"{key}-{digest[:12]}.parquet", digest)
-                    self._write(path.with_name(file[0]), arrays)
-                self._write(path, write_record(kind, key, about, content, file))
+                if path.is_dir():  # which no file can replace
+                    self.reject(kind, key, "a folder is where a file of it belongs")
+                for folder in (drafts, path.parent):
+                    folder.mkdir(parents=True, exist_ok=True)
+                write_atomically(path, write_entry(kind, key, metadata, value), draft=draft)
                 self.note("kept", kind, key)
         except OSError as error:
             raise self._full(error) from error
@@ -154,7 +137,7 @@ class CacheFolder:
 
         Raises
         ------
-        NoStoreError
+        NoCacheError
             If it is none, or is not there.
         """
         try:
@@ -193,14 +176,11 @@ class CacheFolder:
             raise self._full(error) from error
 
     def reject(self, kind: str, key: str, reason: str) -> None:
-        """Set a broken entry aside, with a `StoreWarning` that says why."""
+        """Set a broken entry aside, with a `CacheWarning` that says why."""
         path, place = self.path(kind, key), self.folder / ASIDE
         place.mkdir(parents=True, exist_ok=True)
-        for file in (path, *path.parent.glob(f"{key}-*.parquet")):
-            try:
-                file.rename(place / f"{kind}-{file.stem}-{uuid.uuid4().hex[:8]}{file.suffix}")
-            except FileNotFoundError:  # another process was faster
-                continue
+        with suppress(FileNotFoundError):  # another process was faster
+            path.rename(place / f"{kind}-{key}-{uuid.uuid4().hex[:8]}{path.suffix}")
         self.note("aside", kind, key)
         warnings.warn(
             f"{path}: {reason}; it is set aside in '{place}' and done again",
@@ -209,34 +189,8 @@ class CacheFolder:
         )
 
     def path(self, kind: str, key: str) -> Path:
-        """Return where the record of an entry is."""
-        return self.folder / kind / key[:2] / f"{key}.json"
-
-    def _make_way(self, kind: str, key: str) -> None:
-        """Set aside an entry in whose place is a folder, which no file can replace."""
-        path = self.path(kind, key)
-        if any(file.is_dir() for file in (path, *path.parent.glob(f"{key}-*.parquet"))):
-            self.reject(kind, key, "a folder is where a file of it belongs")
-
-    def _write(self, path: Path, content: bytes) -> None:
-        """Write a file so that it is there whole or not at all, after a power cut too."""
-        drafts = self.folder / DRAFTS
-        draft = drafts / f"{os.getpid()}-{uuid.uuid4().hex[:8]}-{path.name}"
-        drafts.mkdir(parents=True, exist_ok=True)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with draft.open("wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            draft.replace(path)
-        finally:
-            draft.unlink(missing_ok=True)
-        place = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(place)
-        finally:
-            os.close(place)
+        """Return where an entry is."""
+        return self.folder / kind / key[:2] / f"{key}.result"
 
     def _full(self, error: OSError) -> OutputError:
         """Return what to say of a folder that cannot be written to."""
@@ -256,3 +210,141 @@ def _is_ours(journal: Path) -> bool:
     except (FileNotFoundError, IsADirectoryError, UnicodeDecodeError):
         return False
     return not lines[0] or any(line.startswith('{"event": "') for line in lines)
+
+
+class EntryState(Enum):
+    """How an entry is."""
+
+    WHOLE = "whole"
+    BROKEN = "broken"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EntryStatus:
+    """An entry of a store.
+
+    Parameters
+    ----------
+    kind, key : str
+    state : EntryState
+    metadata : Metadata or None
+        None if the entry cannot be read.
+    size : int
+        Bytes.
+    reason : str
+        What is wrong with a broken one.
+    """
+
+    kind: str
+    key: str
+    state: EntryState
+    metadata: Metadata | None
+    size: int
+    reason: str = ""
+
+
+def inspect_cache(store: CacheFolder, *, thoroughly: bool = False) -> Iterator[EntryStatus]:
+    """Yield every entry; one that another program removes meanwhile is none.
+
+    Parameters
+    ----------
+    store : CacheFolder
+    thoroughly : bool
+        True to check the arrays too.
+    """
+    for path in _entries(store, _RESULT):
+        kind, key = path.parent.parent.name, path.stem
+        metadata, reason = None, ""
+        size = _size(path)
+        try:
+            entry = store.read(kind, key)
+            metadata = entry.metadata
+            if thoroughly:
+                entry.value()
+        except FileNotFoundError:
+            continue
+        except StoreError as error:
+            reason = str(error)
+        state = EntryState.BROKEN if reason else EntryState.WHOLE
+        yield EntryStatus(
+            kind=kind, key=key, state=state, metadata=metadata, size=size, reason=reason
+        )
+
+
+def prune_cache(store: CacheFolder, keep: Callable[[Metadata], bool]) -> tuple[int, int]:
+    """Remove what is not to be kept; return how many entries went, and how many bytes in all.
+
+    Broken entries go as well, and what programs left over that did not come to their end, or that
+    kept their results in another format. What is not a store's stays.
+
+    Parameters
+    ----------
+    store : CacheFolder
+    keep : callable
+        Whether an entry is kept, from where it comes from.
+
+    Raises
+    ------
+    StoreError
+        If the folder is no store.
+    """
+    store.check()
+    before = _bytes(store)
+    removed = 0
+    for entry in list(inspect_cache(store)):
+        if entry.metadata is None or not keep(entry.metadata):
+            _remove(store.path(entry.kind, entry.key))
+            removed += 1
+    for path in list(_entries(store, _OLD)):
+        _remove(path)
+    for path in _listed(store.folder / ASIDE):
+        if _SET_ASIDE.fullmatch(path.name):
+            _remove(path)
+    for path in _listed(store.folder / DRAFTS):
+        name = _DRAFT.fullmatch(path.name)
+        if name is not None and not psutil.pid_exists(int(name["process"])):
+            _remove(path)
+    with suppress(OSError):  # not empty, or not there
+        (store.folder / ASIDE).rmdir()
+    return removed, before - _bytes(store)
+
+
+def _remove(path: Path) -> None:
+    """Remove a file, or a folder that somebody put in its place; what is gone is gone."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _entries(store: CacheFolder, names: re.Pattern[str]) -> Iterator[Path]:
+    """Yield the files KIND/KK/KEY... of a pattern in order of their names."""
+    for kind in _listed(store.folder):
+        for shelf in _listed(kind):
+            for path in _listed(shelf):
+                name = names.fullmatch(path.name)
+                if name is not None and name["key"][:2] == shelf.name:
+                    yield path
+
+
+def _listed(place: Path) -> list[Path]:
+    """Return what is in a folder, sorted; nothing if it is none, or has gone meanwhile."""
+    try:
+        return sorted(place.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+
+
+def _size(path: Path) -> int:
+    """Return the bytes of a file; none if it has gone meanwhile."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
+
+
+def _bytes(store: CacheFolder) -> int:
+    # a walk passes over what goes meanwhile, as a glob does not
+    return sum(
+        _size(Path(root, name)) for root, _, names in os.walk(store.folder) for name in names
+    )

@@ -1,74 +1,154 @@
-"""What a store keeps under a key: a record, arrays of one length, and where they come from.
+"""File format of a cache entry: a line of JSON, then the bytes of the arrays, compressed.
 
-The record is JSON with the checksum of its own text in it. The arrays are a Parquet file beside it,
-which the record names together with its checksum: so the record is what counts, and it is written
-last.
+The line is strict JSON with the checksum of its own text in it, and that of the arrays. It holds
+where the result comes from and the result itself, encoded as follows.
 
-Values as strict JSON holds them, and back without loss.
-
-JSON has no tuples and no infinite numbers. Both are wrapped in an object of one key that no record
-of ours uses, so that what is read equals what was written, its types included. Floats are written
-with as many digits as they need to come back bit for bit.
+JSON has neither tuples, infinite numbers, dataclasses, enumerations nor arrays. Each is wrapped in
+an object of one key, so that what is read equals what was written, its types included. Floats are
+written with as many digits as they need to come back bit for bit, arrays as the bytes they are.
+The key of an entry holds a fingerprint of the sources, so a dataclass has the fields it had; no
+entry is read by another version of the program.
 """
 
 import hashlib
-import io
+import importlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from enum import Enum
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
-from pyarrow import parquet
 
 from harness.core.errors import StoreError
 
-_TUPLE, _FLOAT = "(tuple)", "(float)"
+FORMAT, VERSION = "rockingcan-store", 2
+
+_TUPLE, _FLOAT, _ARRAY, _CLASS, _SAME, _ENUM = (
+    *("(tuple)", "(float)", "(array)", "(class)"),
+    *("(same)", "(enum)"),
+)
+
+_PROGRAM = ("harness.", "models.", "reference.", "tests.")
+"""Modules whose classes an entry may name: nothing else is imported for what a file says."""
+
+_CODEC = "zstd"
 
 
-def encode(value: object) -> Any:  # noqa: ANN401 - JSON is of any type
-    """Return a value in JSON's own types.
+class Encoder:
+    """Turns values into JSON's own types; arrays and dataclasses that recur are kept once."""
 
-    Raises
-    ------
-    TypeError
-        If it is, or holds, something else than mappings, lists, tuples, text, numbers, truth values
-        and None.
+    def __init__(self) -> None:
+        self.arrays: list[NDArray[Any]] = []
+        self._known: dict[int, int] = {}
+        self._alive: list[object] = []  # so that no other object takes over an identity
+
+    def encode(self, value: object) -> Any:  # noqa: ANN401, PLR0911 - a line for each type
+        """Return a value in JSON's own types.
+
+        Raises
+        ------
+        TypeError
+            If it is, or holds, something else than dataclasses, members of enumerations, arrays of
+            numbers, mappings, lists, tuples, text, numbers, truth values and None.
+        """
+        if isinstance(value, np.generic):
+            value = value.item()
+        if isinstance(value, Enum):
+            return {_ENUM: [_name(type(value)), value.name]}
+        if value is None or isinstance(value, str | bool | int):
+            return value
+        if isinstance(value, float):
+            return value if math.isfinite(value) else {_FLOAT: repr(value)}
+        if isinstance(value, Mapping):
+            return {str(key): self.encode(inner) for key, inner in value.items()}
+        if isinstance(value, tuple):
+            return {_TUPLE: [self.encode(inner) for inner in value]}
+        if isinstance(value, list):
+            return [self.encode(inner) for inner in value]
+        if id(value) in self._known:
+            return {_SAME: self._known[id(value)]}
+        told = self._once(value)
+        self._known[id(value)] = len(self._alive)
+        self._alive.append(value)
+        return told
+
+    def _once(self, value: object) -> dict[str, Any]:
+        """Return an array or a dataclass that was not met before."""
+        if isinstance(value, np.ndarray) and value.dtype.kind in "bif":
+            self.arrays.append(value)
+            return {_ARRAY: [value.dtype.str, list(value.shape)]}
+        if is_dataclass(value) and not isinstance(value, type):
+            inner = {f.name: self.encode(getattr(value, f.name)) for f in fields(value) if f.init}
+            return {_CLASS: [_name(type(value)), inner]}
+        raise TypeError(f"a store keeps no {type(value).__name__}")
+
+
+class Decoder:
+    """Turns what an `Encoder` wrote into what it was given.
+
+    Parameters
+    ----------
+    content : bytes
+        Of all arrays, one after the other.
     """
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, Mapping):
-        return {str(key): encode(inner) for key, inner in value.items()}
-    if isinstance(value, tuple):
-        return {_TUPLE: [encode(inner) for inner in value]}
-    if isinstance(value, list):
-        return [encode(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return {_FLOAT: repr(value)}
-    if value is None or isinstance(value, str | bool | int | float):
-        return value
-    raise TypeError(f"a store keeps no {type(value).__name__}")
+
+    def __init__(self, content: bytes = b"") -> None:
+        self._content = content
+        self._read = 0
+        self._known: list[object] = []
+
+    def decode(self, value: Any) -> Any:  # noqa: ANN401, PLR0911 - as `encode`
+        """Return what `Encoder.encode` was given.
+
+        Raises
+        ------
+        ValueError, LookupError, TypeError, AttributeError, ImportError
+            If it is nothing that an encoder wrote.
+        """
+        if isinstance(value, list):
+            return [self.decode(inner) for inner in value]
+        if not isinstance(value, dict):
+            return value
+        name = next(iter(value)) if len(value) == 1 else None
+        if name == _TUPLE:
+            return tuple(self.decode(inner) for inner in value[_TUPLE])
+        if name == _FLOAT:
+            return float(value[_FLOAT])
+        if name == _ENUM:
+            return _class(value[_ENUM][0])[value[_ENUM][1]]
+        if name == _SAME:
+            return self._known[value[_SAME]]
+        if name not in {_ARRAY, _CLASS}:
+            return {key: self.decode(inner) for key, inner in value.items()}
+        found = self._array(*value[_ARRAY]) if name == _ARRAY else self._object(*value[_CLASS])
+        self._known.append(found)
+        return found
+
+    def _array(self, kind: str, shape: list[int]) -> NDArray[Any]:
+        dtype, count = np.dtype(kind), math.prod(shape)
+        size = count * dtype.itemsize
+        planes = np.frombuffer(self._content, np.uint8, size, self._read)
+        self._read += size
+        return np.frombuffer(planes.reshape(dtype.itemsize, count).T.tobytes(), dtype).reshape(shape)
+
+    def _object(self, kind: str, told: dict[str, Any]) -> object:
+        return _class(kind)(**{key: self.decode(inner) for key, inner in told.items()})
 
 
-def decode(value: Any) -> Any:  # noqa: ANN401 - JSON is of any type
-    """Return what `plain` was given."""
-    if isinstance(value, list):
-        return [decode(inner) for inner in value]
-    if not isinstance(value, dict):
-        return value
-    if set(value) == {_TUPLE}:
-        return tuple(decode(inner) for inner in value[_TUPLE])
-    if set(value) == {_FLOAT}:
-        return float(value[_FLOAT])
-    return {key: decode(inner) for key, inner in value.items()}
+def _name(kind: type) -> str:
+    return f"{kind.__module__}:{kind.__qualname__}"
 
 
-FORMAT, VERSION = "rockingcan-store", 1
-
-Array = NDArray[np.float64] | NDArray[np.int64]
+def _class(name: str) -> Any:  # noqa: ANN401 - a dataclass or an enumeration
+    module, _, kind = name.partition(":")
+    found = getattr(importlib.import_module(module), kind) if module.startswith(_PROGRAM) else None
+    if not (is_dataclass(found) or (isinstance(found, type) and issubclass(found, Enum))):
+        raise TypeError(f"no class of a result: {name}")
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,116 +183,105 @@ class Metadata:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EntryContent:
-    """What was found out: a record of what JSON can hold, tuples too, and arrays by name.
+class Entry:
+    """An entry as it was read: where it comes from checked, its arrays not yet.
 
     Parameters
     ----------
-    record : mapping
-    arrays : mapping of str to ndarray, shape (n,) or (n, k)
-        Of float64 or int64, the same n for all.
+    metadata : Metadata
+    encoded : JSON
+        The result.
+    arrays : bytes
+        Compressed.
+    arrays_size : int
+        Bytes when they are not.
+    arrays_sha256 : str
+        What their checksum has to be.
     """
 
-    record: Mapping[str, Any]
-    arrays: Mapping[str, Array] = field(default_factory=dict)
+    metadata: Metadata
+    encoded: Any
+    arrays: bytes = field(repr=False)
+    arrays_size: int
+    arrays_sha256: str
+
+    def value(self) -> Any:  # noqa: ANN401 - whatever was kept
+        """Return the result.
+
+        Raises
+        ------
+        StoreError
+            If it is not what was written.
+        """
+        if checksum(self.arrays) != self.arrays_sha256:
+            raise StoreError("the checksum of its arrays is not theirs")
+        try:
+            size = self.arrays_size
+            content = pa.decompress(self.arrays, size, _CODEC, asbytes=True) if size else b""
+            return Decoder(content).decode(self.encoded)
+        except (ValueError, LookupError, TypeError, AttributeError, ImportError) as error:
+            raise StoreError("it is no whole record") from error
 
 
-def write_arrays(arrays: Mapping[str, Array]) -> bytes:
-    """Return arrays as a Parquet file: a column for each column of each, every bit as it is."""
-    columns = {}
-    for name, array in arrays.items():
-        table = array.reshape(len(array), -1)
-        for number in range(table.shape[1]):
-            label = name if array.ndim == 1 else f"{name}_{number}"
-            columns[label] = pa.array(np.ascontiguousarray(table[:, number]))
-    file = io.BytesIO()
-    # neither dictionaries nor statistics: both treat numbers that compare equal as one
-    parquet.write_table(
-        pa.table(columns), file, compression="zstd", use_dictionary=False, write_statistics=False
-    )
-    return file.getvalue()
+def write_entry(kind: str, key: str, metadata: Metadata, value: object) -> bytes:
+    """Return the file of an entry.
 
-
-def read_arrays(content: bytes, widths: Mapping[str, int | None]) -> dict[str, Array]:
-    """Return the arrays of a Parquet file; None is the width of an array of one dimension."""
-    # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
-    with parquet.ParquetFile(pa.BufferReader(content), pre_buffer=False) as file:
-        table = file.read(use_threads=False)
-    found: dict[str, Array] = {}
-    for name, width in widths.items():
-        if width is None:
-            found[name] = table.column(name).to_numpy()
-        else:
-            found[name] = np.stack(
-                [table.column(f"{name}_{number}").to_numpy() for number in range(width)], axis=1
-            )
-    return found
-
-
-def write_record(
-    kind: str, key: str, about: Metadata, content: EntryContent, arrays_file: tuple[str, str] | None
-) -> bytes:
-    """Return the JSON file of an entry; `arrays_file` is name and checksum of its arrays."""
+    Raises
+    ------
+    TypeError
+        If the value is, or holds, what `Encoder.encode` does not know.
+    """
+    encoder = Encoder()
+    encoded = encoder.encode(value)
+    plain = b"".join(map(_planes, encoder.arrays))
+    arrays: bytes = pa.compress(plain, _CODEC, asbytes=True) if plain else b""
     told = {
         "format": FORMAT,
         "version": VERSION,
         "kind": kind,
         "key": key,
-        "about": encode(asdict(about)),
-        "record": encode(content.record),
-        "arrays": None
-        if arrays_file is None
-        else {
-            "file": arrays_file[0],
-            "sha256": arrays_file[1],
-            "widths": {
-                name: None if array.ndim == 1 else array.shape[1]
-                for name, array in content.arrays.items()
-            },
-        },
+        "about": Encoder().encode(asdict(metadata)),
+        "result": encoded,
+        "arrays": {"bytes": len(arrays), "size": len(plain), "sha256": checksum(arrays)},
     }
     told["sha256"] = checksum(_text(told))
-    return (json.dumps(told, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode()
+    return json.dumps(told, allow_nan=False, ensure_ascii=False).encode() + b"\n" + arrays
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EntryRecord:
-    """The JSON file of an entry, read and checked."""
-
-    about: Metadata
-    record: dict[str, Any]
-    arrays_file: str | None
-    arrays_sha256: str
-    widths: dict[str, int | None]
+def _planes(array: NDArray[Any]) -> bytes:
+    """Return the first bytes of all numbers, then the second ones: so they compress by a tenth."""
+    return np.frombuffer(array.tobytes(), np.uint8).reshape(-1, array.itemsize).T.tobytes()
 
 
-def read_record(content: bytes, kind: str, key: str) -> EntryRecord:
-    """Return the JSON file of an entry.
+def read_entry(content: bytes, kind: str, key: str) -> Entry:
+    """Return an entry from its file.
 
     Raises
     ------
     StoreError
         With what is wrong with it.
     """
+    line, newline, arrays = content.partition(b"\n")
     try:
-        told = json.loads(content)
+        told = json.loads(line)
         stated = told.pop("sha256")
         if told["format"] != FORMAT or told["version"] != VERSION:
             raise StoreError("it is of another format")
-        if checksum(_text(told)) != stated:
+        if checksum(_text(told)) != stated or not newline:
             raise StoreError("its checksum is not that of its content")
         if (told["kind"], told["key"]) != (kind, key):
             raise StoreError("it is the entry of another case")
-        arrays = told["arrays"] or {"file": None, "sha256": "", "widths": {}}
-        return EntryRecord(
-            about=Metadata(**decode(told["about"])),
-            record=decode(told["record"]),
-            arrays_file=arrays["file"],
-            arrays_sha256=arrays["sha256"],
-            widths=arrays["widths"],
+        if told["arrays"]["bytes"] != len(arrays):
+            raise StoreError("its arrays are cut short")
+        return Entry(
+            metadata=Metadata(**Decoder().decode(told["about"])),
+            encoded=told["result"],
+            arrays=arrays,
+            arrays_size=told["arrays"]["size"],
+            arrays_sha256=told["arrays"]["sha256"],
         )
     # too deep a nesting is a RecursionError
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, StoreError):
             raise
         raise StoreError("it is no whole record") from error

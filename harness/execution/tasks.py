@@ -12,10 +12,9 @@ from datetime import UTC, datetime
 from functools import cache
 from typing import Generic, TypeVar
 
-from harness.core.errors import StoreError
 from harness.core.provenance import provenance
 from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import EntryContent, Metadata
+from harness.execution.cache_entry import Metadata
 from harness.execution.signals import delay_signals
 from harness.execution.worker import Loss, LostTaskError
 
@@ -29,23 +28,19 @@ class ResultCache(Generic[T, R]):
 
     Parameters
     ----------
-    store : Store
+    store : CacheFolder
     kind : str
         One word.
     key : callable
         Returns what names a task: a digest of all that decides its result.
-    about : callable
+    metadata : callable
         Returns where a result comes from; when and on which machine is filled in.
-    pack, unpack : callable
-        Turn a result into what a store keeps, and for a task back.
     """
 
     store: CacheFolder
     kind: str
     key: Callable[[T], str]
-    about: Callable[[T], Metadata]
-    pack: Callable[[R], EntryContent]
-    unpack: Callable[[T, EntryContent], R]
+    metadata: Callable[[T], Metadata]
 
     def has(self, task: T) -> bool:
         """Whether the result of a task is kept."""
@@ -53,44 +48,89 @@ class ResultCache(Generic[T, R]):
 
     def get(self, task: T) -> R | None:
         """Return the result of a task, or None if there is none that can be read."""
-        key = self.key(task)
-        content = self.store.get(self.kind, key)
-        if content is None:
-            return None
-        try:
-            return self.unpack(task, content)
-        except StoreError as error:
-            self.store.reject(self.kind, key, str(error))
-            return None
+        found: R | None = self.store.get(self.kind, self.key(task))
+        return found
 
     def put(self, task: T, result: R) -> None:
         """Keep the result of a task."""
-        about = replace(
-            self.about(task),
-            kept=datetime.now(UTC).isoformat(timespec="seconds"),
-            machine=_machine(),
-        )
-        self.store.put(self.kind, self.key(task), about, self.pack(result))
+        when = datetime.now(UTC).isoformat(timespec="seconds")
+        metadata = replace(self.metadata(task), kept=when, machine=_machine())
+        self.store.put(self.kind, self.key(task), metadata, result)
 
     def begun(self, task: T) -> None:
         """Note that a task is handed out."""
         self.store.note("begun", self.kind, self.key(task))
 
 
+@cache
+def _machine() -> str:
+    """Return the processor of this machine."""
+    return provenance().processor
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProgressListener(Generic[T, R]):
-    """Who is told how a campaign goes.
+    """Who is told how tasks go.
 
     Parameters
     ----------
     kept : callable
         Is told before anything runs how many tasks are kept, and how many there are.
     done : callable
-        Is told of each task and its result: those kept before too.
+        Is told of each task and its result: those kept before too, unless `read` is.
+    read : callable, optional
+        Is told of each task whose result was kept before.
     """
 
     kept: Callable[[int, int], None] = field(default=lambda *_: None)
     done: Callable[[T, R], None] = field(default=lambda *_: None)
+    read: Callable[[T, R], None] | None = None
+
+
+def run_queue(
+    queue: deque[T],
+    submit: Callable[[T], Future[R]],
+    take: Callable[[T, Future[R]], None],
+    window: int,
+    meanwhile: Callable[[], bool] = lambda: False,
+) -> None:
+    """Hand out the tasks of a queue and take what comes of them, until nothing is left.
+
+    Parameters
+    ----------
+    queue : deque
+        Is emptied from the left; `take` and `meanwhile` may add to it.
+    submit : callable
+        Hands a task out.
+    take : callable
+        Is given each task and its future once that is done.
+    window : int
+        Tasks on their way at a time.
+    meanwhile : callable
+        Does something else while tasks run; returns whether there was anything to do.
+
+    Raises
+    ------
+    BaseException
+        What any of these raises, Ctrl-C too, after which nothing more is begun.
+    """
+    pending: dict[Future[R], T] = {}
+    try:
+        while True:
+            while queue and len(pending) < window:
+                task = queue.popleft()
+                pending[submit(task)] = task
+            busy = meanwhile()
+            if not (queue or pending or busy):
+                return
+            # while there is something else to do, do not wait
+            done, _ = wait(pending, 0.0 if busy else None, FIRST_COMPLETED)
+            for future in done:
+                take(pending.pop(future), future)
+    except BaseException:
+        for future in pending:
+            future.cancel()
+        raise
 
 
 def run_tasks(
@@ -99,7 +139,7 @@ def run_tasks(
     executor: Executor,
     *,
     lost: Callable[[T, LostTaskError], R],
-    shelf: ResultCache[T, R] | None = None,
+    cache: ResultCache[T, R] | None = None,
     listener: ProgressListener[T, R] | None = None,
 ) -> list[R]:
     """Return the results of tasks in their order: what is kept as it is, the rest done and kept.
@@ -115,100 +155,87 @@ def run_tasks(
     executor : Executor
     lost : callable
         Returns the result of a task that took its process with it, or was stopped.
-    shelf : Shelf, optional
-    listener : Listener, optional
+    cache : ResultCache, optional
+    listener : ProgressListener, optional
 
     Raises
     ------
     Exception
         What `work` raises, after which nothing more is begun. It says how much is kept.
     """
-    campaign = _Campaign(
+    run = _Run(
         tasks=tasks,
         work=work,
         executor=executor,
         lost=lost,
-        shelf=shelf,
+        cache=cache,
         listener=listener or ProgressListener(),
     )
     try:
-        return campaign.run()
+        run.find()
+        run_queue(run.left, run.submit, run.take, getattr(executor, "window", len(tasks)), run.read)
     except BaseException as error:  # Ctrl-C too
-        campaign.cancel()
-        error.add_note(campaign.account())
+        error.add_note(run.account())
         raise
+    return [run.results[index] for index in range(len(tasks))]
 
 
 @dataclass(slots=True, kw_only=True)
-class _Campaign(Generic[T, R]):
-    """The state of one call of `complete`."""
+class _Run(Generic[T, R]):
+    """The state of one call of `run_tasks`; tasks by their numbers."""
 
     tasks: Sequence[T]
     work: Callable[[T], R]
     executor: Executor
     lost: Callable[[T, LostTaskError], R]
-    shelf: ResultCache[T, R] | None
+    cache: ResultCache[T, R] | None
     listener: ProgressListener[T, R]
     results: dict[int, R] = field(default_factory=dict)
-    pending: dict[Future[R], int] = field(default_factory=dict)
     kept: deque[int] = field(default_factory=deque)
     left: deque[int] = field(default_factory=deque)
     safe: int = 0
 
-    def run(self) -> list[R]:
-        """Do what is left, read what is kept."""
+    def find(self) -> None:
+        """Tell what is kept from what is left."""
         for index, task in enumerate(self.tasks):
-            known = self.shelf is not None and self.shelf.has(task)
+            known = self.cache is not None and self.cache.has(task)
             (self.kept if known else self.left).append(index)
         self.listener.kept(len(self.kept), len(self.tasks))
-        window = getattr(self.executor, "window", len(self.tasks))
-        while self.left or self.pending or self.kept:
-            while self.left and len(self.pending) < window:
-                self._begin(self.left.popleft())
-            if self.kept:
-                self._read()
-            # while there is something to read, do not wait
-            done, _ = wait(self.pending, 0.0 if self.kept else None, FIRST_COMPLETED)
-            for future in done:
-                self._end(future, self.pending.pop(future))
-        return [self.results[index] for index in range(len(self.tasks))]
-
-    def cancel(self) -> None:
-        """Begin nothing more."""
-        for future in self.pending:
-            future.cancel()
 
     def account(self) -> str:
         """Return in a sentence how much is done, and where."""
-        if self.shelf is None:
+        if self.cache is None:
             return f"{len(self.results)} of {len(self.tasks)} were done, and nothing is kept."
         kept = self.safe + len(self.kept)
-        return f"{kept} of {len(self.tasks)} are done and kept in '{self.shelf.store.folder}'."
+        return f"{kept} of {len(self.tasks)} are done and kept in '{self.cache.store.folder}'."
 
-    def _begin(self, index: int) -> None:
+    def submit(self, index: int) -> Future[R]:
         """Hand out a task."""
-        task = self.tasks[index]
-        if self.shelf is not None:
-            self.shelf.begun(task)
+        if self.cache is not None:
+            self.cache.begun(self.tasks[index])
         try:
-            future = self.executor.submit(self.work, task)
+            return self.executor.submit(self.work, self.tasks[index])
         except BrokenExecutor as error:
-            future = Future()
+            future: Future[R] = Future()
             future.set_exception(error)
-        self.pending[future] = index
+            return future
 
-    def _read(self) -> None:
+    def read(self) -> bool:
         """Take the next result that is kept; one that cannot be read is done again."""
+        if not self.kept or self.cache is None:
+            return False
         with delay_signals():
             index = self.kept.popleft()
-            found = None if self.shelf is None else self.shelf.get(self.tasks[index])
+            found = self.cache.get(self.tasks[index])
             if found is None:
                 self.left.append(index)
-                return
+                return True
             self.safe += 1
-        self._finish(index, found)
+        self.results[index] = found
+        (self.listener.read or self.listener.done)(self.tasks[index], found)
+        return True
 
-    def _end(self, future: Future[R], index: int) -> None:
+    def take(self, index: int, future: Future[R]) -> None:
         """Keep what came of a task."""
         task, keep = self.tasks[index], True
         try:
@@ -220,21 +247,12 @@ class _Campaign(Generic[T, R]):
                 else LostTaskError(Loss.STOPPED, _WITH_ANOTHER.format(error))
             )
             result, keep = self.lost(task, loss), loss.loss is Loss.CRASHED
-        if self.shelf is not None and keep:
+        if self.cache is not None and keep:
             with delay_signals():  # what is kept is counted, whatever comes meanwhile
-                self.shelf.put(task, result)
+                self.cache.put(task, result)
                 self.safe += 1
-        self._finish(index, result)
-
-    def _finish(self, index: int, result: R) -> None:
         self.results[index] = result
-        self.listener.done(self.tasks[index], result)
+        self.listener.done(task, result)
 
 
 _WITH_ANOTHER = "its process died, or one beside it, before it was done: {}"
-
-
-@cache
-def _machine() -> str:
-    """Return the processor of this machine."""
-    return provenance().processor

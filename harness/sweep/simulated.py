@@ -11,10 +11,10 @@ from harness.core.case import Case
 from harness.core.errors import HarnessError
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import features_of
-from harness.engines.contract import contract_violation, describe_exception
+from harness.engines.contract import contract_violation
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine
-from harness.evaluation.case_cache import engine_version
+from harness.evaluation.evaluate import failed_simulation, simulate_case
 from harness.metrics.bounces import bounces
 from harness.metrics.energy import energy_drift
 from harness.metrics.motion import motion
@@ -95,26 +95,11 @@ def _family(cases: Sequence[Case]) -> Sequence[Simulation]:
 
 
 def _alone(case: Case) -> Simulation:
-    """Run one case; whatever its adapter raises or returns instead of a simulation is its note."""
-    chosen = engine(case.engine)
-    outcome, note = Outcome.BROKEN, ""
+    """Run one case; wrong use that only this scene's own values reveal is its outcome."""
     try:
-        answer = chosen.simulate(case)
-        note = contract_violation(answer, case)
-        if not note:
-            return answer
-    except HarnessError as error:  # wrong use that only this scene's own values reveal
-        outcome, note = Outcome.NO_SOLUTION, str(error)
-    except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
-        note = describe_exception(error)
-    return Simulation(
-        case=case,
-        outcome=outcome,
-        note=note,
-        trajectory=None,
-        engine_version=engine_version(case.engine),
-        model=case.engine,
-    )
+        return simulate_case(case)
+    except HarnessError as error:
+        return failed_simulation(case, str(error), Outcome.NO_SOLUTION)
 
 
 def _measured(case: Case, simulation: Simulation) -> tuple[Numbers, str]:

@@ -236,9 +236,9 @@ def _wait_for_kept(store: CacheFolder, process: Program) -> None:
         time.sleep(0.01)
 
 
-_SMALL, _LARGE = "600k", "64m"
+_SMALL, _LARGE = "900k", "64m"
 
-_FILE = 2**17
+_FILE = 2**18
 """Bytes of the largest file that may be written, where no file system can be mounted."""
 
 _CASES = tuple(

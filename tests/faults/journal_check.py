@@ -3,13 +3,13 @@
 import csv
 import json
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.execution.cache import ASIDE, JOURNAL, CacheFolder
-from harness.execution.cache_inspection import EntryState, inspect_cache
+from harness.evaluation.evaluation import Evaluation
+from harness.execution.cache import ASIDE, JOURNAL, CacheFolder, EntryState, inspect_cache
+from harness.execution.cache_entry import Encoder
 
 _TIMES = ("setup_s", "wall_s", "cpu_s")
 """Of a simulation: what a second run measures anew."""
@@ -100,15 +100,13 @@ def _told(table: Path) -> list[dict[str, str]] | None:
 
 
 def _bits(store: CacheFolder) -> dict[str, Any]:
-    """Return every entry as a text and the bytes of its arrays."""
+    """Return every entry as a text and the bytes of its arrays, times left out."""
     found = {}
     for entry in inspect_cache(store):
-        content = store.read(entry.kind, entry.key)
-        arrays = {name: array.tobytes() for name, array in content.arrays.items()}
-        found[f"{entry.kind} {entry.key}"] = (repr(_without_times(content.record)), arrays)
+        encoder, value = Encoder(), store.read(entry.kind, entry.key).value()
+        if isinstance(value, Evaluation):
+            timeless = replace(value.simulation, **dict.fromkeys(_TIMES, 0.0))
+            value = replace(value, simulation=timeless)
+        text = repr(encoder.encode(value))
+        found[f"{entry.kind} {entry.key}"] = (text, [a.tobytes() for a in encoder.arrays])
     return found
-
-
-def _without_times(record: Mapping[str, Any]) -> dict[str, Any]:
-    simulation = {k: v for k, v in record["simulation"].items() if k not in _TIMES}
-    return {**record, "simulation": simulation}

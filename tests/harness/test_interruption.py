@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import EntryContent, Metadata
+from harness.execution.cache_entry import Metadata
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.signals import SIGNALS, Interrupted, delay_signals, handle_signals
 from harness.execution.tasks import ResultCache, run_tasks
@@ -144,7 +144,7 @@ class Impatient(CacheFolder):
         if event == "kept" and key == "b":
             os.kill(os.getpid(), signal.SIGTERM)
 
-    def get(self, kind: str, key: str) -> EntryContent | None:
+    def get(self, kind: str, key: str) -> str | None:
         """Return what is kept."""
         found = super().get(kind, key)
         if key == "b":
@@ -157,9 +157,7 @@ def shelf(store: CacheFolder) -> ResultCache[str, str]:
         store=store,
         kind="letters",
         key=lambda task: task,
-        about=lambda task: Metadata(label=task),
-        pack=lambda result: EntryContent(record={"result": result}),
-        unpack=lambda _, content: str(content.record["result"]),
+        metadata=lambda task: Metadata(label=task),
     )
 
 
@@ -171,7 +169,7 @@ def account(tasks: Sequence[str], folder: Path) -> list[str]:
     """Return what a campaign says that is stopped."""
     with pytest.raises(Interrupted) as stopping:
         run_tasks(
-            tasks, str.upper, SerialExecutor(), lost=lost, shelf=shelf(Impatient(folder=folder))
+            tasks, str.upper, SerialExecutor(), lost=lost, cache=shelf(Impatient(folder=folder))
         )
     return list(stopping.value.__notes__)
 

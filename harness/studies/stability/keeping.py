@@ -1,20 +1,13 @@
 """Verdicts and findings as a store keeps them."""
 
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
 from harness.core.case import Case
-from harness.core.errors import StoreError
-from harness.evaluation.case_cache import (
-    case_key,
-    case_metadata,
-    decode_simulation,
-    encode_simulation,
-)
+from harness.evaluation.case_cache import case_key, case_metadata
 from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import EntryContent, Metadata, checksum
+from harness.execution.cache_entry import Metadata, checksum
 from harness.execution.tasks import ResultCache
-from harness.studies.stability.failure_criteria import ClassifiedRun, Sign, StabilityStatus
+from harness.studies.stability.failure_criteria import ClassifiedRun
 from harness.studies.stability.survey import ReferenceCheck
 from models.effects import IDEAL
 from models.scene import Scene
@@ -29,54 +22,13 @@ def classified_cache(store: CacheFolder) -> ResultCache[Case, ClassifiedRun]:
         store=store,
         kind="verdicts",
         key=lambda case: case_key(case, __name__),
-        about=lambda case: case_metadata(case, __name__),
-        pack=_content_of,
-        unpack=_judged_of,
+        metadata=lambda case: case_metadata(case, __name__),
     )
 
 
 def reference_check_cache(store: CacheFolder) -> ResultCache[Part, list[ReferenceCheck]]:
     """Return where it is kept how the reference fares."""
-    return ResultCache(
-        store=store,
-        kind="findings",
-        key=_key_of_part,
-        about=_about_part,
-        pack=lambda found: EntryContent(record={"findings": [asdict(each) for each in found]}),
-        unpack=_findings_of,
-    )
-
-
-def _content_of(judged: ClassifiedRun) -> EntryContent:
-    return EntryContent(
-        record={
-            "simulation": encode_simulation(judged.simulation),
-            "verdict": judged.verdict.name,
-            "sign": asdict(judged.sign),
-        }
-    )
-
-
-def _judged_of(case: Case, content: EntryContent) -> ClassifiedRun:
-    told = content.record
-    try:
-        return ClassifiedRun(
-            simulation=decode_simulation(case, told["simulation"], None),
-            verdict=StabilityStatus[told["verdict"]],
-            sign=Sign(**told["sign"]),
-        )
-    except (KeyError, TypeError) as error:
-        raise StoreError("it is no verdict") from error
-
-
-def _findings_of(part: Part, content: EntryContent) -> list[ReferenceCheck]:
-    try:
-        found: list[dict[str, Any]] = content.record["findings"]
-        if [each["scene"] for each in found] != [scene.name for scene in part]:
-            raise StoreError("its scenes are others")
-        return [ReferenceCheck(**each) for each in found]
-    except (KeyError, TypeError) as error:
-        raise StoreError("it is no finding") from error
+    return ResultCache(store=store, kind="findings", key=_key_of_part, metadata=_about_part)
 
 
 def _key_of_part(part: Part) -> str:

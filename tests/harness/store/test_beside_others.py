@@ -7,13 +7,23 @@ from pathlib import Path
 
 import pytest
 
-from harness.execution.cache import ASIDE, DRAFTS, CacheFolder, CacheWarning
-from harness.execution.cache_entry import EntryContent, EntryRecord, Metadata
-from harness.execution.cache_inspection import EntryState, inspect_cache, prune_cache
+from harness.execution.cache import (
+    ASIDE,
+    DRAFTS,
+    CacheFolder,
+    CacheWarning,
+    EntryState,
+    inspect_cache,
+    prune_cache,
+)
+from harness.execution.cache_entry import Entry
 from tests.harness.store.test_store import KEY, content, put
 
 OTHER = KEY[:-2] + "cd"
 """In the folder of `KEY`."""
+
+_ARRAYS = f"-{12 * 'a'}.parquet"
+"""Of a file that earlier releases kept."""
 
 
 @pytest.fixture
@@ -37,24 +47,19 @@ def test_an_entry_that_goes_before_it_is_looked_at_is_none(store: CacheFolder) -
     assert list(found) == []
 
 
-@pytest.mark.parametrize("moment", ["before its record is read", "before its arrays are"])
 def test_an_entry_that_goes_while_it_is_looked_at_is_none(
-    store: CacheFolder, monkeypatch: pytest.MonkeyPatch, moment: str
+    store: CacheFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(store)
     path = put(store, OTHER)
-    usual = CacheFolder.record
+    usual = CacheFolder.read
 
-    def record(self: CacheFolder, kind: str, key: str) -> EntryRecord:
-        if key == OTHER and moment == "before its record is read":
-            path.unlink()
-        found = usual(self, kind, key)
+    def read(self: CacheFolder, kind: str, key: str) -> Entry:
         if key == OTHER:
-            for file in path.parent.glob(f"{OTHER}*"):
-                file.unlink()
-        return found
+            path.unlink()
+        return usual(self, kind, key)
 
-    monkeypatch.setattr(CacheFolder, "record", record)
+    monkeypatch.setattr(CacheFolder, "read", read)
     assert [found.key for found in inspect_cache(store, thoroughly=True)] == [KEY]
 
 
@@ -67,12 +72,14 @@ def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(
     def others() -> None:
         place = store.folder / DRAFTS
         while not done.is_set():
-            passing = [place / f"999999999-{number:08x}-{KEY}.json" for number in range(20)]
+            passing = [place / f"999999999-{number:08x}-{KEY}.result" for number in range(20)]
             shelves = [store.folder / "things" / f"{number:02d}" for number in range(20)]
             for shelf in shelves:
                 shelf.mkdir(exist_ok=True)
                 key = f"{shelf.name}{KEY[2:]}"
-                passing += [shelf / f"{key}-{12 * name}.parquet" for name in "ab"]
+                passing += [
+                    shelf / f"{key}{end}" for end in (".result", ".json", f"-{12 * 'a'}.parquet")
+                ]
             for path in passing:
                 path.write_bytes(b"")
             for path in passing:
@@ -84,17 +91,17 @@ def test_a_survey_and_pruning_bear_with_a_program_that_writes_and_removes(
     thread.start()
     try:
         for _ in range(60):
-            assert [found.key for found in inspect_cache(store, thoroughly=True)] == [KEY]
-            assert prune_cache(store, lambda _: True)[0] == 0
+            found = [one for one in inspect_cache(store, thoroughly=True) if one.size]
+            assert [one.key for one in found] == [KEY]
+            prune_cache(store, lambda _: True)
+            assert store.has("things", KEY)
     finally:
         done.set()
         thread.join()
 
 
-@pytest.mark.parametrize("which", ["json", "parquet"])
-def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: CacheFolder, which: str) -> None:
-    path = put(store)
-    folder_in_place_of(next(path.parent.glob(f"*.{which}")))
+def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: CacheFolder) -> None:
+    folder_in_place_of(put(store))
     (found,) = inspect_cache(store, thoroughly=True)
     assert found.state is EntryState.BROKEN
     assert "Is a directory" in found.reason
@@ -103,34 +110,30 @@ def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: CacheFolder, which
     assert [place.read_text() for place in (store.folder / ASIDE).rglob("mine")] == ["kept"]
 
 
-@pytest.mark.parametrize("which", ["json", "parquet"])
-def test_what_is_kept_over_a_folder_sets_it_aside(store: CacheFolder, which: str) -> None:
-    path = put(store)
-    folder_in_place_of(next(path.parent.glob(f"*.{which}")))
+def test_what_is_kept_over_a_folder_sets_it_aside(store: CacheFolder) -> None:
+    folder_in_place_of(put(store))
     fresh = CacheFolder(folder=store.folder, fresh=True)  # which never looks at what is there
     with pytest.warns(CacheWarning, match="a folder is where a file of it belongs"):
         put(fresh)
     found = store.get("things", KEY)
     assert found is not None
-    assert found.arrays["count"].tobytes() == content().arrays["count"].tobytes()
+    assert found["count"].tobytes() == content()["count"].tobytes()
     assert [place.read_text() for place in (store.folder / ASIDE).rglob("mine")] == ["kept"]
 
 
-@pytest.mark.parametrize("where", ["record", "arrays", "draft"])
+@pytest.mark.parametrize("where", ["entry", "draft"])
 def test_pruning_removes_folders_in_place_of_files(store: CacheFolder, where: str) -> None:
     path = put(store)
-    draft = store.folder / DRAFTS / f"999999999-0dead000-{KEY}.json"
+    draft = store.folder / DRAFTS / f"999999999-0dead000-{KEY}.result"
     draft.write_text("half", encoding="utf-8")
-    place = {"record": path, "arrays": next(path.parent.glob("*.parquet")), "draft": draft}[where]
+    place = {"entry": path, "draft": draft}[where]
     folder_in_place_of(place)
     prune_cache(store, lambda about: where == "draft" and about.label == "a case")
     assert not place.exists()
 
 
 def test_reading_leaves_no_thread_that_could_outlive_the_program(store: CacheFolder) -> None:
-    store.put(
-        "things", KEY, Metadata(label="a case"), EntryContent(record={}, arrays=content().arrays)
-    )
+    put(store)
     program = f"""
 import sys
 from pathlib import Path
@@ -145,7 +148,7 @@ def threads():
 
 before = threads()
 found = CacheFolder(folder=Path({str(store.folder)!r})).get("things", {KEY!r})
-assert found is not None and len(found.arrays["count"]) == 50
+assert found is not None and len(found["count"]) == 50
 print(threads() - before)
 """
     done = subprocess.run(  # noqa: S603 - our own program

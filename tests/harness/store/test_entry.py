@@ -3,7 +3,7 @@
 import pytest
 
 from harness.core.errors import StoreError
-from harness.execution.cache_entry import read_record
+from harness.execution.cache_entry import read_entry
 
 _DEEP = 200_000
 """Levels: more than the interpreter follows."""
@@ -12,4 +12,4 @@ _DEEP = 200_000
 @pytest.mark.parametrize("content", [b"[" * _DEEP, b'{"a":' * _DEEP, b"[" * 900 + b"]" * 900])
 def test_nesting_without_end_is_no_record(content: bytes) -> None:
     with pytest.raises(StoreError, match="it is no whole record"):
-        read_record(content, "toys", "abcd")
+        read_entry(content, "toys", "abcd")

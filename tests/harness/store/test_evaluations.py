@@ -86,12 +86,12 @@ def test_what_is_said_of_the_truth_is_kept_bit_for_bit(
     case = Case(scene=brief, engine="mujoco", timestep=1e-3)
     made = replace(evaluate(case), findings=findings, divergence=chaos, parts_at=parts_at)
     shelf = evaluation_cache(CacheFolder(folder=tmp_path / "store"))
-    run_tasks([case], lambda _: made, SerialExecutor(), lost=failed_evaluation, shelf=shelf)
+    run_tasks([case], lambda _: made, SerialExecutor(), lost=failed_evaluation, cache=shelf)
 
     def runs_again(case: Case) -> Evaluation:
         raise AssertionError(case.label())
 
-    (kept,) = run_tasks([case], runs_again, SerialExecutor(), lost=failed_evaluation, shelf=shelf)
+    (kept,) = run_tasks([case], runs_again, SerialExecutor(), lost=failed_evaluation, cache=shelf)
     assert kept is not made
     assert same(kept, made)
 
@@ -113,7 +113,7 @@ def test_a_broken_one_is_run_again_and_the_rest_is_not(brief: Scene, tmp_path: P
     shelf = evaluation_cache(store)
     path = store.path(shelf.kind, shelf.key(wanted[1]))
     path.write_bytes(path.read_bytes()[:-20])
-    with pytest.warns(CacheWarning, match="no whole record"):
+    with pytest.warns(CacheWarning, match="arrays are cut short"):
         again = run_cases(wanted, store=store)
     assert same(made[0], again[0])
     assert same(made[2], again[2])
@@ -131,7 +131,7 @@ def test_crashes_are_kept_and_what_was_stopped_is_tried_again(
     def dies(case: Case) -> Evaluation:
         raise LostTaskError(loss, f"killed: {case.engine}")
 
-    found = run_tasks([case], dies, SerialExecutor(), lost=failed_evaluation, shelf=shelf)[0]
+    found = run_tasks([case], dies, SerialExecutor(), lost=failed_evaluation, cache=shelf)[0]
     assert found.simulation.outcome.name == loss.name
     assert found.simulation.note == "killed: mujoco"
     kept: list[int] = []
@@ -140,7 +140,7 @@ def test_crashes_are_kept_and_what_was_stopped_is_tried_again(
         evaluate,
         SerialExecutor(),
         lost=failed_evaluation,
-        shelf=shelf,
+        cache=shelf,
         listener=ProgressListener(kept=lambda count, _: kept.append(count)),
     )[0]
     crashed = loss is Loss.CRASHED

@@ -1,4 +1,4 @@
-"""Pruning removes what no record names, and nothing that is not a store's own."""
+"""Pruning removes nothing that is not a store's own."""
 
 import os
 from pathlib import Path
@@ -6,9 +6,16 @@ from pathlib import Path
 import pytest
 
 from harness.core.errors import StoreError
-from harness.execution.cache import ASIDE, DRAFTS, JOURNAL, CacheFolder, CacheWarning
-from harness.execution.cache_inspection import inspect_cache, prune_cache
-from tests.harness.store.test_store import KEY, content, cut, put
+from harness.execution.cache import (
+    ASIDE,
+    DRAFTS,
+    JOURNAL,
+    CacheFolder,
+    CacheWarning,
+    inspect_cache,
+    prune_cache,
+)
+from tests.harness.store.test_store import KEY, cut, put
 
 YESTERDAY = 86_400.0
 """s: by then no program is writing, or reading, what was written."""
@@ -27,22 +34,6 @@ def aged(*paths: Path) -> None:
         os.utime(path, (then, then))
 
 
-def test_the_arrays_of_an_entry_that_was_replaced_go(store: CacheFolder) -> None:
-    record = put(store)
-    (old,) = record.parent.glob("*.parquet")
-    put(store, seed=1)
-    (new,) = set(record.parent.glob("*.parquet")) - {old}
-    assert prune_cache(store, lambda _: True)[0] == 0
-    assert old.exists()  # a program may still read the record that names it
-    size = old.stat().st_size
-    aged(old, new, record)
-    assert prune_cache(store, lambda _: True) == (0, size)
-    assert sorted(record.parent.iterdir()) == sorted([record, new])
-    found = store.get("things", KEY)
-    assert found is not None
-    assert found.arrays["points"].tobytes() == content(1).arrays["points"].tobytes()
-
-
 def test_what_is_not_a_stores_own_stays(store: CacheFolder) -> None:
     cut(put(store))
     with pytest.warns(CacheWarning, match="set aside"):
@@ -50,10 +41,11 @@ def test_what_is_not_a_stores_own_stays(store: CacheFolder) -> None:
     mine = [
         store.folder / ASIDE / "thesis.txt",
         store.folder / DRAFTS / "chapter1.md",
-        store.folder / DRAFTS / "999999999-chapter.json",
-        store.folder / "proj" / "ab" / "abc.json",
+        store.folder / DRAFTS / "999999999-chapter.result",
+        store.folder / "proj" / "ab" / "abc.result",
         store.folder / "proj" / "ab" / "abc-1.parquet",
         store.folder / "proj" / "ab" / f"cd{KEY[2:]}.json",
+        store.folder / "proj" / "ab" / f"cd{KEY[2:]}.result",
     ]
     for path in mine:
         path.parent.mkdir(parents=True, exist_ok=True)
