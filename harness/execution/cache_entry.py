@@ -133,7 +133,9 @@ class Decoder:
         size = count * dtype.itemsize
         planes = np.frombuffer(self._content, np.uint8, size, self._read)
         self._read += size
-        return np.frombuffer(planes.reshape(dtype.itemsize, count).T.tobytes(), dtype).reshape(shape)
+        return np.frombuffer(planes.reshape(dtype.itemsize, count).T.tobytes(), dtype).reshape(
+            shape
+        )
 
     def _object(self, kind: str, told: dict[str, Any]) -> object:
         return _class(kind)(**{key: self.decode(inner) for key, inner in told.items()})

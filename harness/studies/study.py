@@ -21,7 +21,6 @@ from harness.evaluation.evaluate import check_case, evaluate_case, failed_evalua
 from harness.evaluation.evaluation import Evaluation
 from harness.evaluation.timing import single_thread_executor, time_alone, untimed
 from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import EntryContent
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, ResultCache, run_tasks
 from harness.execution.worker import LostTaskError
@@ -222,7 +221,7 @@ def _done(
         work.call,
         executor,
         lost=work.lost,
-        shelf=None if cache is None else work.cache(cache),
+        cache=None if cache is None else work.cache(cache),
         listener=ProgressListener(kept=progress.begin, done=progress.step),
     )
     results = dict(zip(order, found, strict=True))
@@ -294,9 +293,7 @@ def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[
             store=store,
             kind=kind,
             key=lambda case: case_key(case, module),
-            about=lambda case: case_metadata(case, module),
-            pack=lambda record: EntryContent(record=record),
-            unpack=lambda _, content: dict(content.record),
+            metadata=lambda case: case_metadata(case, module),
         )
 
     return cache

@@ -201,7 +201,7 @@ def _stopped(folder: Path, number: signal.Signals, *, whole: bool) -> tuple[str,
     _, complained = process.communicate(timeout=_PATIENCE)
     seconds = time.monotonic() - asked
     orphans = left_behind(process.pid)
-    kept = sum(1 for _ in store.folder.glob("evaluations/??/*.json"))
+    kept = sum(1 for _ in store.folder.glob("evaluations/??/*.result"))
     again = begin(_SIGNALS_PROGRAM, words, folder, ())
     _, said = again.communicate(timeout=_PATIENCE)
     book = ledger(store)

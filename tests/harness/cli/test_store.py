@@ -25,7 +25,7 @@ def test_a_second_run_does_nothing_and_says_so(told: Command, tmp_path: Path) ->
     assert all(entry["command"].startswith("rockingcan run gentle-rock") for entry in listed)
     assert f"{count} entries" in told("store", "list", *words).out
 
-    broken = next(tmp_path.glob("evaluations/??/*.parquet"))
+    broken = next(tmp_path.glob("evaluations/??/*.result"))
     broken.write_bytes(broken.read_bytes()[:-1])
     verified = told("store", "verify", *words)
     assert verified.code == 1

@@ -29,6 +29,6 @@ def test_here_in_threads_and_in_processes(brief: Scene, tmp_path: Path) -> None:
     book = ledger(first)
     assert (book.tasks, book.begun, book.again) == (len(cases), len(cases), 0)
     # the comparison sees a single bit, and an entry that is missing
-    record = next(first.folder.glob("evaluations/??/*.json"))
+    record = next(first.folder.glob("evaluations/??/*.result"))
     record.unlink()
     assert differing(first, others[0]) == 1

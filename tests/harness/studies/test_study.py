@@ -12,7 +12,7 @@ from harness.core.case import Case
 from harness.core.errors import UnknownEngineError
 from harness.core.report_model import Artefact, Prose
 from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import EntryContent, Metadata
+from harness.execution.cache_entry import Metadata
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ResultCache
 from harness.execution.worker import LostTaskError
@@ -43,11 +43,7 @@ def cache(store: CacheFolder) -> ResultCache[float, float]:
         store=store,
         kind="squares",
         key=lambda number: f"{number:.17g}".replace(".", "-"),
-        about=lambda _: Metadata(
-            label="", command="", engine="", engine_version="", code="", modules=()
-        ),
-        pack=lambda result: EntryContent(record={"square": result}),
-        unpack=lambda _, content: float(content.record["square"]),
+        metadata=lambda _: Metadata(label=""),
     )
 
 
