@@ -3,7 +3,7 @@
 What the full suite asks beyond the comparison: who is to blame, and which error it is.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +13,6 @@ from rich.markup import escape
 
 from harness import api
 from harness.cli import terminal
-from harness.cli.attribution import case_record, evaluations
 from harness.cli.gate import (
     BASELINE,
     COLUMNS,
@@ -25,10 +24,10 @@ from harness.cli.gate import (
 )
 from harness.cli.paper import joined_sections
 from harness.cli.run_options import RunOptions, engine_settings, settings_to_dict, with_run_options
-from harness.core.case import Case
+from harness.cli.studies import run_with_progress
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
-from harness.core.report_model import Artefact, Prose, Table
+from harness.core.report_model import Prose, Table
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Evaluation
@@ -37,8 +36,12 @@ from harness.gate.stored_scores import gate_keys
 from harness.report.atomic_folder import check_writable
 from harness.report.section import Section
 from harness.report.write import write_chapters
-from harness.studies import attribution, errors
+from harness.studies.attribution.study import AttributionStudy
 from harness.studies.comparison.suite import SUITES
+from harness.studies.errors.plan import plan_errors
+from harness.studies.errors.study import ErrorsStudy
+from harness.studies.shared.ablation import ablation_path
+from harness.studies.study import StudyGroup, case_record
 from models.catalogue import load
 
 _ATTRIBUTED = ("gentle-rock", "paper-release")
@@ -49,49 +52,35 @@ _SPLIT = ("gentle-rock",)
 def further(engines: Sequence[str] | None, running: RunOptions) -> list[Section]:
     """Return the attribution and the three errors of every engine, as chapters of a report."""
     names = api.stepping_engines(engines)
-    ways = [attribution.ablation_path(load(scene), name) for scene in _ATTRIBUTED for name in names]
-    plans = [errors.plan_errors(load(scene), name) for scene in _SPLIT for name in names]
-    designs = [attribution.attribution_cases(way) for way in ways]
-    ladders = [errors.errors_cases(plan) for plan in plans]
-    cases = tuple(dict.fromkeys(case for design in (*designs, *ladders) for case in design))
-    found = dict(zip(cases, evaluations(cases, running), strict=True))
-    return [
-        _chapter(
-            "Attribution",
-            [
-                attribution.attribution_report(
-                    attribution.attribution(way, [found[c] for c in design])
-                )
-                for way, design in zip(ways, designs, strict=True)
-            ],
-            [found[case] for case in _each(designs)],
+    groups = (
+        StudyGroup(
+            name="Attribution",
+            studies=tuple(
+                AttributionStudy(path=ablation_path(load(scene), name))
+                for scene in _ATTRIBUTED
+                for name in names
+            ),
         ),
-        _chapter(
-            "Three errors",
-            [
-                errors.errors_report(errors.three_errors(plan, [found[c] for c in ladder]))
-                for plan, ladder in zip(plans, ladders, strict=True)
-            ],
-            [found[case] for case in _each(ladders)],
+        StudyGroup(
+            name="Three errors",
+            studies=tuple(
+                ErrorsStudy(plan=plan_errors(load(scene), name))
+                for scene in _SPLIT
+                for name in names
+            ),
         ),
-    ]
-
-
-def _each(designs: Iterable[Iterable[Case]]) -> list[Case]:
-    return list(dict.fromkeys(case for design in designs for case in design))
-
-
-def _chapter(
-    title: str, parts: Sequence[Sequence[Artefact]], found: Sequence[Evaluation]
-) -> Section:
-    """Return a chapter with the words of all its parts first."""
-    artefacts = [artefact for part in parts for artefact in part]
-    return Section(
-        title=title,
-        artefacts=tuple(sorted(artefacts, key=lambda a: not isinstance(a, Prose))),
-        cases=tuple(case_record(evaluation) for evaluation in found),
-        provenance=provenance(),
     )
+    done = run_with_progress(StudyGroup(name="causes", studies=groups), running)
+    return [
+        Section(
+            title=group.name,
+            # the words of all parts first
+            artefacts=tuple(sorted(group.report(done), key=lambda a: not isinstance(a, Prose))),
+            cases=tuple(done.only(group.next_jobs(done)).manifest()),
+            provenance=provenance(),
+        )
+        for group in groups
+    ]
 
 
 _SHOWN = (
@@ -188,7 +177,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         title=f"rockingcan, {suite} suite",
         artefacts=(*run.artefacts, *artefacts),
         cases=tuple(
-            case_record(evaluation) | gate_keys(case, suite, gate.settings)
+            case_record(evaluation.simulation) | gate_keys(case, suite, gate.settings)
             for evaluation, case in zip(evaluations, designed, strict=True)
         ),
         provenance=provenance(),

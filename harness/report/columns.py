@@ -19,7 +19,7 @@ from types import ModuleType
 
 import harness
 from harness.core.errors import ReportError
-from harness.core.report_model import Table
+from harness.core.report_model import Column, Table
 from harness.report.tables import plain_text
 
 BEGIN, END = "<!-- columns: begin -->\n", "<!-- columns: end -->\n"
@@ -33,9 +33,14 @@ def declared() -> dict[str, dict[str, str]]:
     """Return by the part of the harness that makes them the columns of its tables."""
     found: dict[str, dict[str, str]] = {}
     for module in _modules():
-        if getattr(module, "Table", None) is not Table and "Row" not in vars(module):
+        lists = [
+            {column.name: column.meaning for column in value}
+            for value in vars(module).values()
+            if isinstance(value, tuple) and value and all(isinstance(v, Column) for v in value)
+        ]
+        if getattr(module, "Table", None) is not Table and "Row" not in vars(module) and not lists:
             continue
-        dictionaries = [*vars(module).values(), *_within(module)]
+        dictionaries = [*vars(module).values(), *lists, *_within(module)]
         own = {
             column: meaning
             for value in dictionaries

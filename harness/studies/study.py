@@ -102,6 +102,13 @@ class Results:
         """Return these results and further ones."""
         return Results({**self._results, work: {**self.of(work), **results}})
 
+    def only(self, jobs: Iterable[Job[Any, Any]]) -> "Results":
+        """Return the results of some jobs."""
+        results: dict[Work[Any, Any], dict[Any, Any]] = {}
+        for job in jobs:
+            results.setdefault(job.work, {})[job.task] = self._results[job.work][job.task]
+        return Results(results)
+
     def manifest(self) -> list[Mapping[str, Any]]:
         """Return the entry of each run in the manifest of a report."""
         return [
@@ -130,6 +137,28 @@ class Study(Protocol):
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return tables, figures and prose of the results."""
         ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyGroup:
+    """Several studies that run as one: a job that two of them want is done once.
+
+    Parameters
+    ----------
+    name : str
+    studies : tuple of Study
+    """
+
+    name: str
+    studies: tuple[Study, ...]
+
+    def next_jobs(self, done: Results) -> list[Job[Any, Any]]:
+        """Return the jobs of all studies."""
+        return [job for study in self.studies for job in study.next_jobs(done)]
+
+    def report(self, done: Results) -> list[Artefact]:
+        """Return the artefacts of all studies, one after the other."""
+        return [artefact for study in self.studies for artefact in study.report(done)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -31,9 +31,8 @@ from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of, variants
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import ETA
-from harness.studies.attribution.ablation import AblationPath, ablation_path
-from harness.studies.attribution.ablation import case as closed_case
 from harness.studies.cost.points import Family, family, timesteps
+from harness.studies.shared.ablation import AblationPath, ablation_path
 from models.scene import Horizon, Scene
 
 DECADES = {"quick": (-6, -8, -10), "full": (-4, -5, -6, -7, -8, -9, -10)}
@@ -299,10 +298,10 @@ def gap_cases(way: AblationPath) -> dict[tuple[str, str], Case]:
     """
     timestep = {gap.name for gap in way.gaps if TIMESTEP in gap.settings}
     others = [name for name in way.names if name not in timestep]
-    found = {("", ""): closed_case(way, frozenset(timestep))}
+    found = {("", ""): way.case(frozenset(timestep))}
     for name in others:
-        found["alone", name] = closed_case(way, frozenset(timestep | {name}))
-        found["left open", name] = closed_case(way, frozenset(way.names) - {name})
+        found["alone", name] = way.case(frozenset(timestep | {name}))
+        found["left open", name] = way.case(frozenset(way.names) - {name})
     return found
 
 

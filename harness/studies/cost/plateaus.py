@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from harness.core.simulation import Outcome
 from harness.engines.registry import engine
 from harness.metrics.convergence import AsymptoticOrder, Plateau, asymptotic_order, plateau
-from harness.studies.attribution.ablation import AblationPath
 from harness.studies.cost.design import gap_cases
 from harness.studies.cost.points import Family, Point, Record
 from harness.studies.cost.results import Cost
+from harness.studies.shared.ablation import AblationPath
 
 _MOST = 0.5
 """Share of a plateau from which one gap alone is said to make it."""

@@ -1,15 +1,18 @@
-"""What an effect may change: a few numbers of a motion, each with the change that counts.
-
-What including an effect costs: counts of work, and processor time measured alone.
-"""
+"""What effects change and cost in the runs of a plan, and what each effect therefore is."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import Any
 
 from harness.core.case import Case
+from harness.core.simulation import Outcome
+from harness.engines.registry import engine
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.quantities import QUANTITIES
-from harness.studies.effects.plan import EffectsPlan, Subset, case
+from harness.metrics.quantities import QUANTITIES, Number
+from harness.studies.effects.plan import EffectsPlan, Subset
+from models.effects import KINDS
 
 COUNTS = {
     "turn_deg": 1.0,
@@ -27,72 +30,230 @@ In the order in which words and figures take them.
 CHANGED = tuple(QUANTITIES[key] for key in COUNTS)
 """What an effect may change."""
 
-Times = Mapping[Case, Mapping[str, object]]
+Times = Mapping[Case, Mapping[str, Any]]
 """By case, what `harness.evaluation.timing.time_alone` measured."""
 
 
+class EffectStatus(Enum):
+    """What an effect is to a scene; the value is what tables say."""
+
+    NEEDED = "needed"
+    HARMLESS = "harmless"
+    MISSING = "missing"
+    IMPOSED = "imposed by the engine"
+    UNSUPPORTED = "unsupported"
+    CONTRADICTED = "contradicts another effect"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EffectCost:
-    """What a run costs with an effect, over what it costs without: a ratio each, None if unknown.
+class Effect:
+    """What one effect does in one engine.
 
     Parameters
     ----------
-    steps, constraint_rows, cpu : float or None
-        Per simulated second, since an effect may end a run early.
-    cpu_spread : float or None
-        Largest over smallest processor time of the repeats, the noisier of the two runs.
+    engine, name : str
+    declared : bool
+    verdict : EffectStatus
+    why : str
+        A sentence with the number behind the verdict.
+    changes : mapping of str to float or None
+        By quantity: with the effect less without it, all others as the scene declares them.
+    alone : mapping of str to float or None
+        The same with no other effect; empty for one that is not declared.
+    mean : mapping of str to float or None
+        The same over every subset of the other declared effects; empty where they are not all run.
+    cost : mapping of str to float or None
+        `steps_ratio`, `constraint_rows_ratio`, `cpu_ratio`: with the effect over without it, each
+        per simulated second, since an effect may end a run early; `cpu_spread`: largest over
+        smallest processor time of the repeats, of the noisier of the two runs.
     """
 
-    steps: float | None = None
-    constraint_rows: float | None = None
-    cpu: float | None = None
-    cpu_spread: float | None = None
+    engine: str
+    name: str
+    declared: bool
+    verdict: EffectStatus
+    why: str
+    changes: Mapping[str, Number]
+    alone: Mapping[str, Number]
+    mean: Mapping[str, Number]
+    cost: Mapping[str, Number]
 
 
-def price(
-    made: EffectsPlan,
-    found: Mapping[Case, Evaluation],
-    times: Times,
-    mover: str,
-    sets: tuple[Subset, Subset],
-) -> EffectCost:
-    """Return what the effects cost by which the first set has more than the second."""
-    one, other = (case(made, mover, subset) for subset in sets)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EffectsResults:
+    """A plan with its runs, and what each effect does in each engine.
+
+    Parameters
+    ----------
+    plan : EffectsPlan
+    evaluations : mapping of Case to Evaluation
+    times : mapping of Case to what was measured alone
+        May lack cases: their ratio of processor times is then not known.
+    """
+
+    plan: EffectsPlan
+    evaluations: Mapping[Case, Evaluation]
+    times: Times
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """Each effect in each engine."""
+        return tuple(self._effect(name, kind) for name in self.plan.engines for kind in KINDS)
+
+    def of_engine(self, engine_name: str) -> tuple[Effect, ...]:
+        """Return each effect in one engine."""
+        return tuple(effect for effect in self.effects if effect.engine == engine_name)
+
+    def evaluation(self, engine_name: str, subset: Subset) -> Evaluation | None:
+        """Return the run of an engine under a set of effects, if there is one."""
+        case = self.plan.case(engine_name, subset)
+        return None if case is None else self.evaluations[case]
+
+    def threshold(self, engine_name: str, key: str) -> float:
+        """Return the change of a quantity that counts: no less than the engine's own error."""
+        least = COUNTS[key] * self.plan.tolerance
+        if "reference" not in self.plan.engines:
+            return least
+        own, exact = (
+            self.evaluation(name, self.plan.declared) for name in (engine_name, "reference")
+        )
+        error = _difference(own, exact, key)
+        return least if error is None else max(least, abs(error))
+
+    def _effect(self, engine_name: str, name: str) -> Effect:
+        """Return what an effect does in an engine."""
+        declared = self.plan.declared
+        with_it, without = declared | {name}, declared - {name}
+        changes = self._changes(engine_name, with_it, without)
+        alone: Mapping[str, Number] = {}
+        mean: Mapping[str, Number] = {}
+        if name in declared:
+            alone = self._changes(engine_name, frozenset((name,)), frozenset())
+            mean = self._mean(engine_name, name) if self.plan.factorial else {}
+        verdict, why = self._verdict(engine_name, name, changes)
+        return Effect(
+            engine=engine_name,
+            name=name,
+            declared=name in declared,
+            verdict=verdict,
+            why=why,
+            changes=changes,
+            alone=alone,
+            mean=mean,
+            cost=self._cost(engine_name, with_it, without),
+        )
+
+    def _changes(self, engine_name: str, with_it: Subset, without: Subset) -> dict[str, Number]:
+        """Return by how much each quantity differs; nothing if one of the two cannot be run."""
+        one, other = (self.evaluation(engine_name, subset) for subset in (with_it, without))
+        if one is None or other is None:
+            return {}
+        return {key: _difference(one, other, key) for key in COUNTS}
+
+    def _mean(self, engine_name: str, name: str) -> dict[str, Number]:
+        """Return the main effect of a factor: its change, averaged over all sets of the others."""
+        others = sorted(self.plan.declared - {name})
+        rests = [
+            frozenset(other for bit, other in enumerate(others) if number >> bit & 1)
+            for number in range(2 ** len(others))
+        ]
+        each = [self._changes(engine_name, rest | {name}, rest) for rest in rests]
+        means: dict[str, Number] = {}
+        for key in COUNTS:
+            known = [value for one in each if (value := one.get(key)) is not None]
+            means[key] = sum(known) / len(known) if len(known) == len(each) else None
+        return means
+
+    def _cost(self, engine_name: str, with_it: Subset, without: Subset) -> dict[str, Number]:
+        """Return what a run costs with the effect over what it costs without."""
+        cases = [self.plan.case(engine_name, subset) for subset in (with_it, without)]
+        runs = [
+            (self.evaluations[case], _repeats(self.times, case))
+            for case in cases
+            if case is not None
+        ]
+        if len(runs) != len(cases):
+            return {}
+        steps, rows, cpu = zip(
+            *(
+                (
+                    _rate(e, e.simulation.steps),
+                    _rate(e, e.simulation.constraint_rows),
+                    _rate(e, min(repeats, default=None)),
+                )
+                for e, repeats in runs
+            ),
+            strict=True,
+        )
+        return {
+            "steps_ratio": _ratio(*steps),
+            "constraint_rows_ratio": _ratio(*rows),
+            "cpu_ratio": _ratio(*cpu),
+            "cpu_spread": max((max(r) / min(r) for _, r in runs if r), default=None),
+        }
+
+    def _verdict(
+        self, engine_name: str, name: str, changes: Mapping[str, Number]
+    ) -> tuple[EffectStatus, str]:
+        """Return the verdict on an effect, and the number behind it."""
+        declared, able = self.plan.declared, engine(engine_name).capabilities
+        if name not in declared and name in able.imposes:
+            return EffectStatus.IMPOSED, f"It cannot be removed: {able.imposes[name]}."
+        if name not in able.honours:
+            return EffectStatus.UNSUPPORTED, f"{engine_name} cannot represent it."
+        if self.evaluation(engine_name, declared) is None:
+            why = f"{engine_name} cannot represent what the scene declares."
+            return EffectStatus.UNSUPPORTED, why
+        if not changes:
+            why = "It cannot be there together with what the scene declares."
+            return EffectStatus.CONTRADICTED, why
+        return self._weighed(engine_name, name, changes)
+
+    def _weighed(
+        self, engine_name: str, name: str, changes: Mapping[str, Number]
+    ) -> tuple[EffectStatus, str]:
+        """Return the verdict on an effect that is run both ways: how it ends, then how much."""
+        declared = self.plan.declared
+        matters = EffectStatus.NEEDED if name in declared else EffectStatus.MISSING
+        runs = (self.evaluation(engine_name, s) for s in (declared | {name}, declared - {name}))
+        ends = [e.simulation.outcome for e in runs if e is not None]
+        if Outcome.MISMATCH in ends:
+            why = f"What {engine_name} compiles of it is not what is declared."
+            return EffectStatus.UNSUPPORTED, why
+        if ends[0] is not ends[-1]:
+            words = [outcome.value.partition(":")[0] for outcome in ends]
+            return matters, f"With it the run is {words[0]}, without it {words[-1]}."
+        over, worst = 0.0, "It changes nothing that is known."
+        for quantity in CHANGED:
+            value, least = changes[quantity.key], self.threshold(engine_name, quantity.key)
+            if value is not None and abs(value) / least > over:
+                over = abs(value) / least
+                worst = (
+                    f"It changes the {quantity.label} by {value:.3g} ({quantity.key}); "
+                    f"what counts is {least:.2g}."
+                )
+        return (matters if over > 1.0 else EffectStatus.HARMLESS), worst
+
+
+def _difference(one: Evaluation | None, other: Evaluation | None, key: str) -> Number:
+    """Return by how much a quantity of one run exceeds that of another, if both are known."""
     if one is None or other is None:
-        return EffectCost()
-    mine, theirs = found[one], found[other]
-    spreads = [s for s in (_spread(times, one), _spread(times, other)) if s is not None]
-    return EffectCost(
-        steps=_ratio(_rate(mine, mine.simulation.steps), _rate(theirs, theirs.simulation.steps)),
-        constraint_rows=_ratio(
-            _rate(mine, mine.simulation.constraint_rows),
-            _rate(theirs, theirs.simulation.constraint_rows),
-        ),
-        cpu=_ratio(_rate(mine, _cpu(times, one)), _rate(theirs, _cpu(times, other))),
-        cpu_spread=max(spreads, default=None),
-    )
+        return None
+    a, b = QUANTITIES[key].of_run(one), QUANTITIES[key].of_run(other)
+    return None if a is None or b is None else a - b
 
 
-def _rate(e: Evaluation, amount: float | None) -> float | None:
+def _rate(e: Evaluation, amount: Number) -> Number:
     """Return an amount of work per simulated second."""
     if e.motion is None or amount is None or e.motion.time[-1] == 0.0:
         return None
     return amount / float(e.motion.time[-1])
 
 
-def _ratio(above: float | None, below: float | None) -> float | None:
+def _ratio(above: Number, below: Number) -> Number:
     return above / below if above is not None and below else None
 
 
-def _repeats(times: Times, one: Case) -> list[float]:
-    taken = times.get(one, {}).get("cpu_s", [])
-    return [value for value in taken if value > 0.0] if isinstance(taken, list) else []
-
-
-def _cpu(times: Times, one: Case) -> float | None:
-    return min(_repeats(times, one), default=None)
-
-
-def _spread(times: Times, one: Case) -> float | None:
-    taken = _repeats(times, one)
-    return max(taken) / min(taken) if taken else None
+def _repeats(times: Times, case: Case) -> list[float]:
+    """Return the processor times of a case, s; none of one that was not timed."""
+    return [value for value in times.get(case, {}).get("cpu_s", ()) if value > 0.0]

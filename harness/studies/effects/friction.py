@@ -13,11 +13,21 @@ import pandas as pd
 
 from harness.core.case import Case
 from harness.core.errors import UnsupportedEffectError
-from harness.core.report_model import Figure, Panel, Series, Table
+from harness.core.report_model import Column, Figure, Panel, Series, Table, table_of
 from harness.core.trajectory import Floats
 from harness.engines.registry import check_effects
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES
+from harness.studies.shared.run_columns import (
+    CASE,
+    ENGINE,
+    MODEL,
+    NOTE,
+    OUTCOME,
+    SCENE,
+    run_cells,
+    without,
+)
 from models.contact_effects import Slip
 from models.errors import ModelError
 from models.scene import Scene
@@ -29,22 +39,22 @@ _SLIDES = 1e-6
 """Slip speed, over sqrt(g R), above which the rim of an exact motion slides: far above round-off,
 far below any slip that moves the can."""
 
-_COLUMNS: Mapping[str, str] = {
-    "scene": "Name of the scene.",
-    "engine": "Name of the engine.",
-    "model": "What was solved.",
-    "mu": "Coefficient of friction.",
-    "turn_deg": "First angle of turn, where the record can count it.",
-    "slipping_share": "Share of the time in which the rim slides, by the motion itself.",
-    "slip_phases": "Phases of slip; for the reference alone, whose contact knows no creep.",
-    "outcome": "How the run ended.",
-    "note": "What else is to be known of it.",
-    "case": "Names the case in this version of its engine.",
-}
+_COLUMNS = (
+    SCENE,
+    ENGINE,
+    MODEL,
+    Column("mu", "Coefficient of friction."),
+    Column("turn_deg", "First angle of turn, where the record can count it."),
+    Column("slipping_share", "Share of the time in which the rim slides, by the motion itself."),
+    Column("slip_phases", "Phases of slip; of the reference alone, whose contact has no creep."),
+    OUTCOME,
+    NOTE,
+    CASE,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ladder:
+class FrictionLadder:
     """Runs of a scene that differ in friction alone.
 
     Parameters
@@ -57,19 +67,18 @@ class Ladder:
     scene: Scene
     cases: Mapping[str, Mapping[float, Case]]
 
-    @property
-    def design(self) -> tuple[Case, ...]:
-        """The cases, each once."""
-        return tuple(
-            dict.fromkeys(case for rungs in self.cases.values() for case in rungs.values())
-        )
+    def runs(self) -> tuple[Case, ...]:
+        """Return the cases, each once."""
+        cases = (case for rungs in self.cases.values() for case in rungs.values())
+        return tuple(dict.fromkeys(cases))
 
 
-def ladder(scene: Scene, engines: tuple[str, ...], timestep: float | None) -> Ladder:
+def friction_ladder(
+    scene: Scene, engines: tuple[str, ...], timestep: float | None
+) -> FrictionLadder:
     """Return the ladder of friction for a scene, in each engine that can represent it."""
-    found: dict[str, dict[float, Case]] = {}
-    for name in engines:
-        rungs = {}
+    cases: dict[str, dict[float, Case]] = {name: {} for name in engines}
+    for name, rungs in cases.items():
         for mu in COEFFICIENTS:
             try:
                 slippery = replace(scene, effects=replace(scene.effects, slip=Slip(mu=mu)))
@@ -78,28 +87,35 @@ def ladder(scene: Scene, engines: tuple[str, ...], timestep: float | None) -> La
                 continue
             step = None if name == "reference" else timestep
             rungs[mu] = Case(scene=slippery, engine=name, timestep=step)
-        found[name] = rungs
-    return Ladder(scene=scene, cases=found)
+    return FrictionLadder(scene=scene, cases=cases)
 
 
-def friction(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Figure, Table]:
+def friction(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[Figure, Table]:
     """Return the figure of turn and phases against friction, and its table."""
-    frame = _frame(made, found)
+    scene = ladder.scene.name
+    table = table_of(
+        f"{scene}-friction-runs",
+        "Every run of the ladder of friction",
+        without(_COLUMNS, "scene", "case"),
+        _rows(ladder, runs),
+        scene=scene,
+    )
+    turn = QUANTITIES["turn_deg"].of_run
     turns = tuple(
         Series(
             label=name,
             kind=name,
             x=np.array(list(rungs)),
-            y=np.array([_turn(found[case]) for case in rungs.values()]),
+            y=np.array([turn(runs[case]) for case in rungs.values()], dtype=np.float64),
             mark="both",
         )
-        for name, rungs in made.cases.items()
+        for name, rungs in ladder.cases.items()
         if rungs
     )
     figure = Figure(
-        name=f"{made.scene.name}-friction",
+        name=f"{scene}-friction",
         title="Turn against friction, and when the rim slides",
-        seen=_seen(frame),
+        seen=_seen(table.frame),
         panels=(
             Panel(
                 title="First angle of turn",
@@ -111,26 +127,12 @@ def friction(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Figure, Ta
                 title="Phases of slip in the exact motion",
                 x_label="time [s]",
                 y_label="coefficient of friction mu []",
-                series=_phases(made, found),
+                series=_phases(ladder, runs),
             ),
         ),
-        scene=made.scene.name,
-    )
-    table = Table(
-        name=f"{made.scene.name}-friction-runs",
-        title="Every run of the ladder of friction",
-        frame=frame,
-        columns=_COLUMNS,
-        shown=tuple(name for name in _COLUMNS if name not in {"scene", "case"}),
-        scene=made.scene.name,
+        scene=scene,
     )
     return figure, table
-
-
-def _turn(e: Evaluation) -> float:
-    """Return the first angle of turn, deg; NaN where there is none to count."""
-    turn = QUANTITIES["turn_deg"].of_run(e)
-    return math.nan if turn is None else turn
 
 
 def _sliding(e: Evaluation) -> tuple[Floats, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
@@ -142,14 +144,14 @@ def _sliding(e: Evaluation) -> tuple[Floats, np.ndarray[tuple[int], np.dtype[np.
     return e.motion.time, np.nan_to_num(e.motion.slip) > least
 
 
-def _phases(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Series, ...]:
+def _phases(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[Series, ...]:
     """Return a line at each coefficient, drawn where the rim sticks and where it slides."""
     series = []
     for label, wanted, kind in (("slides", True, "truth"), ("sticks", False, "reference")):
         xs: list[Floats] = []
         ys: list[Floats] = []
-        for mu, case in made.cases.get("reference", {}).items():
-            time, slides = _sliding(found[case])
+        for mu, case in ladder.cases.get("reference", {}).items():
+            time, slides = _sliding(runs[case])
             xs += [time, np.array([np.nan])]
             ys += [np.where(slides == wanted, mu, np.nan), np.array([np.nan])]
         if xs:
@@ -158,34 +160,23 @@ def _phases(made: Ladder, found: Mapping[Case, Evaluation]) -> tuple[Series, ...
     return tuple(series)
 
 
-def _frame(made: Ladder, found: Mapping[Case, Evaluation]) -> pd.DataFrame:
+def _rows(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> list[dict[str, object]]:
     """Return every run in a row."""
     rows = []
-    for name, rungs in made.cases.items():
+    for name, rungs in ladder.cases.items():
         for mu, case in rungs.items():
-            e = found[case]
+            e = runs[case]
+            row = run_cells(e.simulation) | {
+                "scene": ladder.scene.name,
+                "mu": mu,
+                "turn_deg": QUANTITIES["turn_deg"].of_run(e),
+            }
             time, slides = _sliding(e)
-            turn = _turn(e)
-            exact = name == "reference" and len(time) > 1
-            rows.append(
-                {
-                    "scene": made.scene.name,
-                    "engine": name,
-                    "model": e.simulation.model,
-                    "mu": mu,
-                    "turn_deg": None if math.isnan(turn) else turn,
-                    "slipping_share": float(np.sum(np.diff(time) * slides[1:]) / time[-1])
-                    if exact
-                    else None,
-                    "slip_phases": int(np.sum(np.diff(slides.astype(int), prepend=0) > 0))
-                    if exact
-                    else None,
-                    "outcome": e.simulation.outcome.value,
-                    "note": e.simulation.note,
-                    "case": case.digest(e.simulation.engine_version),
-                }
-            )
-    return pd.DataFrame(rows, columns=list(_COLUMNS))
+            if name == "reference" and len(time) > 1:
+                row["slipping_share"] = float(np.sum(np.diff(time) * slides[1:]) / time[-1])
+                row["slip_phases"] = int(np.sum(np.diff(slides.astype(int), prepend=0) > 0))
+            rows.append(row)
+    return rows
 
 
 def _seen(frame: pd.DataFrame) -> str:

@@ -40,7 +40,7 @@ _TRAFFIC_HZ, _TRAFFIC_M = 30.0, 1e-6  # a floor's vibration where people walk
 _SEAM = 1e-3  # mass of a lacquered seam on the wall of the can, over the can's own
 
 
-def surroundings(can: Can) -> dict[str, Any]:
+def assumed_strengths(can: Can) -> dict[str, Any]:
     """Return an effect of each kind, as strong as for a can of this size on a table."""
     return {
         "slip": Slip(mu=_ALUMINIUM_ON_WOOD),
@@ -56,7 +56,7 @@ def surroundings(can: Can) -> dict[str, Any]:
     }
 
 
-def assumed(can: Can, words: tuple[tuple[str, float], ...]) -> dict[str, Any]:
+def replaced_strengths(can: Can, words: tuple[tuple[str, float], ...]) -> dict[str, Any]:
     """Return the surroundings with some constants replaced.
 
     Parameters
@@ -70,7 +70,7 @@ def assumed(can: Can, words: tuple[tuple[str, float], ...]) -> dict[str, Any]:
     InvalidSettingError
         If there is no such effect or constant, or it cannot have that value.
     """
-    found = surroundings(can)
+    found = assumed_strengths(can)
     for key, value in words:
         name, _, constant = key.partition(".")
         if name not in KINDS:
@@ -126,6 +126,44 @@ class EffectsPlan:
         """Whether every subset of the declared effects is run."""
         return len(self.declared) <= MOST_FACTORS
 
+    def subsets(self) -> Iterator[Subset]:
+        """Yield the sets of effects that are run: first the scene's own."""
+        own = self.declared
+        yield own
+        if self.factorial:
+            for size in range(len(own)):
+                yield from map(frozenset, combinations(sorted(own), size))
+        else:
+            yield frozenset()
+            for name in sorted(own):
+                yield frozenset((name,))
+                yield own - {name}
+        for name in KINDS:
+            if name not in own:
+                yield own | {name}
+
+    def case(self, engine_name: str, subset: Subset) -> Case | None:
+        """Return the case of an engine under these effects; None if it cannot be run.
+
+        Effects may contradict each other, or an engine not represent them. An effect that an engine
+        adds to every scene alike is no choice of the scene's: it is run neither with nor without.
+        """
+        if (subset - self.declared) & frozenset(engine(engine_name).capabilities.imposes):
+            return None
+        try:
+            effects = Effects(**{name: self.strengths[name] for name in subset})
+            scene = replace(self.scene, effects=effects if subset else IDEAL)
+            check_effects(engine_name, scene)
+        except (ModelError, UnsupportedEffectError):
+            return None
+        timestep = None if engine_name == "reference" else self.timestep
+        return Case(scene=scene, engine=engine_name, timestep=timestep)
+
+    def cases(self) -> tuple[Case, ...]:
+        """Return the cases, each once."""
+        cases = (self.case(name, subset) for name in self.engines for subset in self.subsets())
+        return tuple(dict.fromkeys(case for case in cases if case is not None))
+
 
 def plan_effects(
     scene: Scene,
@@ -142,7 +180,7 @@ def plan_effects(
     InvalidSettingError
         If an assumption makes no sense.
     """
-    strengths = assumed(scene.can, words)
+    strengths = replaced_strengths(scene.can, words)
     strengths |= {name: getattr(scene.effects, name) for name in scene.effects.declared()}
     return EffectsPlan(
         scene=scene,
@@ -151,57 +189,3 @@ def plan_effects(
         strengths=MappingProxyType(strengths),
         tolerance=tolerance,
     )
-
-
-def subsets(made: EffectsPlan) -> Iterator[Subset]:
-    """Yield the sets of effects that are run: first the scene's own."""
-    own = made.declared
-    yield own
-    if made.factorial:
-        for size in range(len(own)):
-            yield from map(frozenset, combinations(sorted(own), size))
-    else:
-        yield frozenset()
-        for name in sorted(own):
-            yield frozenset((name,))
-            yield own - {name}
-    for name in KINDS:
-        if name not in own:
-            yield own | {name}
-
-
-def varied(made: EffectsPlan, subset: Subset) -> Scene | None:
-    """Return the scene with just these effects; None if they contradict each other."""
-    try:
-        effects = Effects(**{name: made.strengths[name] for name in subset})
-        return replace(made.scene, effects=effects if subset else IDEAL)
-    except ModelError:
-        return None
-
-
-def case(made: EffectsPlan, mover: str, subset: Subset) -> Case | None:
-    """Return the case in which an engine moves the can under these effects; None if none does.
-
-    An effect that an engine adds to every scene alike is no choice of the scene's: it is neither
-    run with nor without.
-    """
-    scene = varied(made, subset)
-    if scene is None or (subset - made.declared) & _imposed(mover):
-        return None
-    try:
-        check_effects(mover, scene)
-    except UnsupportedEffectError:
-        return None
-    timestep = None if mover == "reference" else made.timestep
-    return Case(scene=scene, engine=mover, timestep=timestep)
-
-
-def _imposed(mover: str) -> Subset:
-    """Return the effects that an engine adds where they are not declared, honoured or not."""
-    return frozenset(engine(mover).capabilities.imposes)
-
-
-def effects_cases(made: EffectsPlan) -> tuple[Case, ...]:
-    """Return the cases, each once."""
-    found = (case(made, mover, subset) for mover in made.engines for subset in subsets(made))
-    return tuple(dict.fromkeys(one for one in found if one is not None))

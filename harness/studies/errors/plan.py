@@ -93,6 +93,13 @@ class ErrorsPlan:
             options=self.ways[0].options,
         )
 
+    def cases(self) -> tuple[Case, ...]:
+        """Return the cases, each once, the ladder's first."""
+        cases = [self.on_ladder(way, step) for way in self.ways for step in self.timesteps]
+        cases += [self.tried(way, effort) for way in self.ways for effort in (None, *self.efforts)]
+        cases += [self.member(size, number) for size in SIZES for number in range(MEMBERS)]
+        return tuple(dict.fromkeys(cases))
+
 
 def plan_errors(
     scene: Scene,
@@ -172,13 +179,3 @@ def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
 def _spelled(value: Value) -> str:
     """Return a value in words."""
     return ", ".join(f"{part:g}" for part in value) if isinstance(value, tuple) else str(value)
-
-
-def errors_cases(chosen: ErrorsPlan) -> tuple[Case, ...]:
-    """Return the cases, each once, the ladder's first."""
-    cases = [chosen.on_ladder(way, step) for way in chosen.ways for step in chosen.timesteps]
-    cases += [
-        chosen.tried(way, effort) for way in chosen.ways for effort in (None, *chosen.efforts)
-    ]
-    cases += [chosen.member(size, number) for size in SIZES for number in range(MEMBERS)]
-    return tuple(dict.fromkeys(cases))

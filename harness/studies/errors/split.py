@@ -1,4 +1,4 @@
-"""One error in three parts that sum to it.
+"""One error in three parts that sum to it, and the band in which nothing is decidable.
 
 At a timestep h, with the value Q(h) of the engine as it is set, Q*(h) with its solver converged,
 L = Q*(0) and T the truth:
@@ -6,14 +6,24 @@ L = Q*(0) and T the truth:
     Q(h) - T  =  [L - T]  +  [Q*(h) - L]  +  [Q(h) - Q*(h)]
                model form   discretisation      solver
 
-How far the members of an ensemble spread about the run that is not perturbed.
+The band is how far the members of an ensemble spread about the run that is not perturbed.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 from harness.metrics.quantities import Number
 from harness.studies.errors.extrapolation import ExtrapolatedLimit
+
+
+class ErrorStatus(Enum):
+    """What a split error comes to; the value is what tables say."""
+
+    UNKNOWN = "unknown"
+    UNDECIDABLE = "undecidable"
+    NO_MODEL_ERROR = "no model error seen"
+    MODEL_ERROR = "model error"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,13 +32,10 @@ class Split:
 
     Parameters
     ----------
-    true : float or None
-        T.
-    value : float or None
-        Q(h).
-    limit : Limit or None
+    true, value, converged : float or None
+        T, Q(h) and Q*(h).
+    limit : ExtrapolatedLimit or None
         L, with its uncertainty, which is also that of model form and discretisation.
-    model_form, discretisation, solver : float or None
     band : float or None
         Half-width within which a difference from the truth is not decidable: how far slightly
         perturbed releases spread.
@@ -36,56 +43,50 @@ class Split:
 
     true: Number
     value: Number
+    converged: Number
     limit: ExtrapolatedLimit | None
-    model_form: Number
-    discretisation: Number
-    solver: Number
     band: Number
+
+    @property
+    def limit_value(self) -> Number:
+        """L."""
+        return None if self.limit is None else self.limit.value
+
+    @property
+    def model_form(self) -> Number:
+        """L - T."""
+        return less(self.limit_value, self.true)
+
+    @property
+    def discretisation(self) -> Number:
+        """Q*(h) - L."""
+        return less(self.converged, self.limit_value)
+
+    @property
+    def solver(self) -> Number:
+        """Q(h) - Q*(h)."""
+        return less(self.value, self.converged)
 
     @property
     def total(self) -> Number:
         """Q(h) - T."""
-        return _less(self.value, self.true)
+        return less(self.value, self.true)
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> ErrorStatus:
         """Whether the discrepancy, and its model form, stand out from band and uncertainty."""
         if self.total is None or self.model_form is None or self.limit is None:
-            return "unknown"
+            return ErrorStatus.UNKNOWN
         band = self.band or 0.0
         if abs(self.total) <= band:
-            return "undecidable"
+            return ErrorStatus.UNDECIDABLE
         if abs(self.model_form) <= band + self.limit.uncertainty:
-            return "no model error seen"
-        return "model error"
+            return ErrorStatus.NO_MODEL_ERROR
+        return ErrorStatus.MODEL_ERROR
 
 
-def split(
-    *, true: Number, value: Number, converged: Number, limit: ExtrapolatedLimit | None, band: Number
-) -> Split:
-    """Return an error in its three parts.
-
-    Parameters
-    ----------
-    true, value, converged : float or None
-        T, Q(h) and Q*(h).
-    limit : Limit or None
-        Of Q*.
-    band : float or None
-    """
-    own = None if limit is None else limit.value
-    return Split(
-        true=true,
-        value=value,
-        limit=limit,
-        model_form=_less(own, true),
-        discretisation=_less(converged, own),
-        solver=_less(value, converged),
-        band=band,
-    )
-
-
-def _less(first: Number, second: Number) -> Number:
+def less(first: Number, second: Number) -> Number:
+    """Return the first less the second, if both are known."""
     return None if first is None or second is None else first - second
 
 
@@ -115,26 +116,17 @@ class Spread:
     @property
     def band(self) -> Number:
         """The larger of engine's and truth's: a difference within it is not decidable."""
-        known = [value for value in (self.of_engine, self.of_truth) if value is not None]
-        return max(known) if known else None
+        return max((v for v in (self.of_engine, self.of_truth) if v is not None), default=None)
 
 
 def spread(middle: Pair, members: Sequence[Pair]) -> Spread:
     """Return how far members spread about the one in the middle."""
-    engine = _largest(middle[0], [found for found, _ in members])
-    truth = _largest(middle[1], [true for _, true in members])
-    error = _largest(_error(middle), [_error(member) for member in members])
     return Spread(
-        of_engine=engine,
-        of_truth=truth,
-        of_error=error,
-        members=sum(found is not None for found, _ in members),
+        of_engine=_largest(middle[0], [run for run, _ in members]),
+        of_truth=_largest(middle[1], [true for _, true in members]),
+        of_error=_largest(less(*middle), [less(*member) for member in members]),
+        members=sum(run is not None for run, _ in members),
     )
-
-
-def _error(pair: Pair) -> Number:
-    found, true = pair
-    return None if found is None or true is None else found - true
 
 
 def _largest(middle: Number, values: Sequence[Number]) -> Number:

@@ -11,10 +11,11 @@ import pytest
 from harness.cli.main import code_of
 from harness.core.report_model import Figure, Prose, Table
 from harness.core.simulation import Outcome
-from harness.evaluation.evaluate import run_cases
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.attribution.ablation import ablation_path, attribution_cases, total
-from harness.studies.attribution.report import Attribution, attribution, attribution_report
+from harness.studies.attribution.accounts import total
+from harness.studies.attribution.study import Attribution, AttributionStudy
+from harness.studies.shared.ablation import ablation_path
+from harness.studies.study import run_study
 from models import Scene
 
 Evaluator = Callable[..., Evaluation]
@@ -23,14 +24,12 @@ _SCALES = {"turn_error_deg": 360.0, "contact_locus_rms_m": 0.1, "phi_rms_rad": 1
 
 @pytest.fixture(scope="module", params=["mujoco", "pybullet"])
 def found(request: pytest.FixtureRequest, gentle: Scene) -> Attribution:
-    way = ablation_path(gentle, request.param)
-    return attribution(way, run_cases(attribution_cases(way)))
+    study = AttributionStudy(path=ablation_path(gentle, request.param))
+    return study.findings(run_study(study))
 
 
 def runs(found: Attribution) -> pd.DataFrame:
-    (table,) = (
-        a for a in attribution_report(found) if isinstance(a, Table) and a.name.endswith("-runs")
-    )
+    (table,) = (a for a in found.artefacts() if isinstance(a, Table) and a.name.endswith("-runs"))
     assert set(table.frame.columns) == set(table.columns)
     return table.frame
 
@@ -83,7 +82,7 @@ def test_every_row_has_a_command_that_reproduces_it(
 
 
 def test_words_are_two_sentences_without_a_number_that_is_none(found: Attribution) -> None:
-    (prose,) = (a for a in attribution_report(found) if isinstance(a, Prose))
+    (prose,) = (a for a in found.artefacts() if isinstance(a, Prose))
     assert len(found.sentences) == 2
     assert all(sentence.endswith(".") for sentence in found.sentences)
     assert "nan" not in prose.text.lower().replace("nanometre", "")
@@ -91,7 +90,7 @@ def test_words_are_two_sentences_without_a_number_that_is_none(found: Attributio
 
 
 def test_the_waterfall_goes_down_from_shipped_to_matched(found: Attribution) -> None:
-    (figure,) = (a for a in attribution_report(found) if isinstance(a, Figure))
+    (figure,) = (a for a in found.artefacts() if isinstance(a, Figure))
     turn = figure.panels[0]
     ends, falls, alone = turn.series
     account = found.accounts["turn_error_deg"]
@@ -116,8 +115,8 @@ def test_who_is_to_blame(found: Attribution) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
 def test_a_turn_that_cannot_be_counted_is_not_attributed(paper: Scene, engine: str) -> None:
-    way = ablation_path(paper, engine, 1e-6, first=("timestep",))
-    found = attribution(way, run_cases(attribution_cases(way)))
+    study = AttributionStudy(path=ablation_path(paper, engine, 1e-6, first=("timestep",)))
+    found = study.findings(run_study(study))
     turn, locus = found.accounts["turn_error_deg"], found.accounts["contact_locus_rms_m"]
     assert turn.whole is None  # a step as shipped is longer than the bounce
     assert turn.in_order[0] is None

@@ -7,8 +7,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from harness.cli.attribution import attribute
-from harness.cli.three_errors import errors
+from harness.cli.studies import attribute, errors
 from harness.core.errors import InvalidSettingError, UnknownEngineError, UnknownSettingError
 
 app = typer.Typer()

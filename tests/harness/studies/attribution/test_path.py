@@ -11,13 +11,7 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.base import TIMESTEP, Engine, Setting, resolve
 from harness.engines.registry import engine
-from harness.studies.attribution.ablation import (
-    ablation_path,
-    all_gaps,
-    attribution_cases,
-    case,
-    stops,
-)
+from harness.studies.shared.ablation import ablation_path, all_gaps
 from models import Compliance, Effects, Scene, Slip
 
 ENGINES = ("mujoco", "pybullet")
@@ -45,7 +39,7 @@ def test_all_gaps_closed_is_matched_setting_by_setting(name: str, gentle: Scene)
     )
     matched = Case(scene=gentle, engine=name, profile="matched", timestep=way.matched_timestep)
     assert in_force(built) == in_force(matched)
-    assert case(way, frozenset(way.names)) == matched
+    assert way.case(frozenset(way.names)) == matched
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -60,7 +54,7 @@ def test_an_engine_declares_each_difference_once_and_knows_each_name(name: str) 
 @pytest.mark.parametrize("name", ENGINES)
 def test_the_first_case_is_the_engine_as_it_ships(name: str, gentle: Scene) -> None:
     way = ablation_path(gentle, name)
-    shipped = case(way, frozenset())
+    shipped = way.case(frozenset())
     assert shipped.profile == "default"
     assert shipped.options == ()
     assert shipped.timestep == engine(name).timestep(
@@ -70,19 +64,19 @@ def test_the_first_case_is_the_engine_as_it_ships(name: str, gentle: Scene) -> N
 
 def test_each_place_closes_what_it_says(gentle: Scene) -> None:
     way = ablation_path(gentle, "mujoco")
-    places = list(stops(way))
+    places = list(way.steps())
     assert len(places) == 1 + 3 * len(way.gaps)
     assert [len(stop.closed) for stop in places if stop.step == "in order"] == [1, 2, 3, 4]
     assert all(stop.closed == {stop.gap} for stop in places if stop.step == "alone")
     assert all(stop.gap not in stop.closed for stop in places if stop.step == "left open")
     # of 13 places, the first alone, the last left open and the end of the path are met twice
-    assert len(attribution_cases(way)) == 11
+    assert len(way.cases()) == 11
 
 
 def test_a_tied_setting_follows_the_timestep_in_force(gentle: Scene) -> None:
     way = ablation_path(gentle, "mujoco", 1e-5)
-    long = dict(case(way, frozenset({"compliance"})).options)
-    short = dict(case(way, frozenset({"compliance", "timestep"})).options)
+    long = dict(way.case(frozenset({"compliance"})).options)
+    short = dict(way.case(frozenset({"compliance", "timestep"})).options)
     assert long["solref"] == (2.0 * way.shipped_timestep, 1.0)
     assert short["solref"] == (2e-5, 1.0)
 
@@ -106,7 +100,7 @@ def test_what_has_no_truth_or_no_timestep_is_refused(gentle: Scene) -> None:
 def test_a_scene_that_slips_has_a_way(gentle: Scene) -> None:
     slipping = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
     way = ablation_path(slipping, "mujoco")
-    assert {one.scene for one in attribution_cases(way)} == {slipping}
+    assert {case.scene for case in way.cases()} == {slipping}
     assert way.names == ablation_path(gentle, "mujoco").names
 
 

@@ -5,15 +5,10 @@ from dataclasses import replace
 import pytest
 
 from harness.core.report_model import Figure
-from harness.evaluation.evaluate import run_cases
-from harness.studies.attribution.ablation import Account, ablation_path, account, attribution_cases
-from harness.studies.attribution.report import (
-    Attribution,
-    attribution,
-    attribution_report,
-    sentences,
-)
-from harness.studies.attribution.tables import ATTRIBUTED
+from harness.studies.attribution.accounts import Account, account
+from harness.studies.attribution.study import ATTRIBUTED, Attribution, AttributionStudy
+from harness.studies.shared.ablation import ablation_path
+from harness.studies.study import run_study
 from models import Horizon, Scene, load
 
 
@@ -21,8 +16,8 @@ from models import Horizon, Scene, load
 def straight() -> Attribution:
     """Return the attribution of a scene that ends with a time, brief enough for a test."""
     scene = replace(load("straight-rolling"), horizon=Horizon(seconds=0.05))
-    way = ablation_path(scene, "mujoco")
-    return attribution(way, run_cases(attribution_cases(way)))
+    study = AttributionStudy(path=ablation_path(scene, "mujoco"))
+    return study.findings(run_study(study))
 
 
 def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
@@ -38,7 +33,7 @@ def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
         )
         for q in ATTRIBUTED
     }
-    return sentences(way, {}, accounts)
+    return Attribution(path=way, evaluations={}, accounts=accounts).sentences
 
 
 def test_effects_that_add_are_said_to(gentle: Scene) -> None:
@@ -64,6 +59,6 @@ def test_with_an_end_unknown_another_quantity_is_told(gentle: Scene) -> None:
 
 def test_a_scene_without_a_bounce_has_no_turn_to_miss(straight: Attribution) -> None:
     assert "turn" not in " ".join(straight.sentences)
-    (figure,) = (a for a in attribution_report(straight) if isinstance(a, Figure))
+    (figure,) = (a for a in straight.artefacts() if isinstance(a, Figure))
     assert "Angle of turn" not in [panel.title for panel in figure.panels]
     assert "turn" not in figure.seen

@@ -7,9 +7,9 @@ import pytest
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Prose, Table
 from harness.evaluation.evaluate import run_cases
-from harness.studies.effects.plan import EffectsPlan, effects_cases, plan_effects, subsets
-from harness.studies.effects.report import EffectsResults, effects_report, effects_results
-from harness.studies.effects.verdict import Effect, EffectStatus
+from harness.studies.effects.changes import Effect, EffectsResults, EffectStatus
+from harness.studies.effects.plan import EffectsPlan, plan_effects
+from harness.studies.effects.study import effects_report
 from models.body_effects import Damping, Tilt
 from models.catalogue import load
 from models.contact_effects import Drilling, RoundedRim, Slip
@@ -25,16 +25,18 @@ def with_effects(**declared: object) -> Scene:
 
 
 def studied(made: EffectsPlan) -> EffectsResults:
-    return effects_results(made, run_cases(effects_cases(made)), {})
+    cases = made.cases()
+    evaluations = dict(zip(cases, run_cases(cases), strict=True))
+    return EffectsResults(plan=made, evaluations=evaluations, times={})
 
 
-def of(found: EffectsResults, mover: str, name: str) -> Effect:
-    return next(one for one in found.effects if (one.mover, one.name) == (mover, name))
+def of(found: EffectsResults, engine: str, name: str) -> Effect:
+    return next(one for one in found.effects if (one.engine, one.name) == (engine, name))
 
 
 def test_every_subset_of_few_effects_is_run_and_each_other_effect_once() -> None:
     scene = with_effects(slip=Slip(mu=0.3), tilt=Tilt(angle=0.01))
-    found = list(subsets(plan_effects(scene, ("mujoco",))))
+    found = list(plan_effects(scene, ("mujoco",)).subsets())
     assert found[0] == {"slip", "tilt"}
     assert set(found[1:4]) == {frozenset(), frozenset({"slip"}), frozenset({"tilt"})}
     added = [subset - {"slip", "tilt"} for subset in found[4:]]
@@ -50,7 +52,7 @@ def test_many_effects_are_varied_one_at_a_time_from_both_ends() -> None:
     )
     made = plan_effects(scene, ("mujoco",))
     own = made.declared
-    found = list(subsets(made))
+    found = list(made.subsets())
     assert not made.factorial
     assert frozenset() in found
     assert all({name} in found and own - {name} in found for name in own)
@@ -132,6 +134,6 @@ def test_the_artefacts_name_every_effect_and_every_column() -> None:
 
 def test_an_engine_that_cannot_carry_the_scene_says_so_of_every_effect() -> None:
     made = plan_effects(with_effects(rim=RoundedRim(radius=0.01)), ("mujoco",), timestep=COARSE)
-    assert all("rim" not in case.scene.effects.declared() for case in effects_cases(made))
+    assert all("rim" not in case.scene.effects.declared() for case in made.cases())
     found = {one.verdict for one in studied(made).effects}
     assert found <= {EffectStatus.UNSUPPORTED, EffectStatus.IMPOSED}

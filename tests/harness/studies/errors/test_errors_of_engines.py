@@ -5,9 +5,10 @@ import math
 import pytest
 
 from harness.core.report_model import Figure, Prose, Table
-from harness.evaluation.evaluate import run_cases
-from harness.studies.errors.plan import errors_cases, plan_errors
-from harness.studies.errors.report import ThreeErrors, errors_report, three_errors
+from harness.studies.errors.plan import plan_errors
+from harness.studies.errors.split import ErrorStatus
+from harness.studies.errors.study import ErrorsStudy, ThreeErrors
+from harness.studies.study import run_study
 from models import Horizon, Scene, load
 
 # the coarsest step: long enough for a ladder of seconds, short enough for it to have begun to fall
@@ -15,8 +16,8 @@ COARSEST = 4e-4
 
 
 def found_of(scene: Scene, engine: str, timestep: float | None = COARSEST) -> ThreeErrors:
-    chosen = plan_errors(scene, engine, timestep=timestep)
-    return three_errors(chosen, run_cases(errors_cases(chosen)))
+    study = ErrorsStudy(plan=plan_errors(scene, engine, timestep=timestep))
+    return study.findings(run_study(study))
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def test_the_truth_is_within_the_limit_s_uncertainty(
     for found in (mujoco, pybullet):
         split = found.splits[found.plan.ways[0].name, "bounce_time_s"]
         assert split.limit is not None
-        assert split.verdict == "no model error seen"
+        assert split.verdict is ErrorStatus.NO_MODEL_ERROR
         assert split.limit.order == pytest.approx(1.0, abs=0.05)
 
 
@@ -43,7 +44,7 @@ def test_a_soft_contact_converges_neatly_to_another_can(mujoco: ThreeErrors) -> 
     split = mujoco.splits["solref held", "turn_deg"]
     assert split.limit is not None
     assert split.model_form is not None
-    assert split.verdict == "model error"
+    assert split.verdict is ErrorStatus.MODEL_ERROR
     assert abs(split.model_form) > 1.0
     assert split.limit.uncertainty < 0.01
     assert split.limit.order == pytest.approx(1.0, abs=0.05)
@@ -74,7 +75,7 @@ def test_engine_and_truth_follow_a_perturbed_release_alike(mujoco: ThreeErrors) 
 
 def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
     (table,) = (
-        a for a in errors_report(pybullet) if isinstance(a, Table) and a.name.endswith("-efforts")
+        a for a in pybullet.artefacts() if isinstance(a, Table) and a.name.endswith("-efforts")
     )
     turn = table.frame[table.frame["quantity"] == "turn_deg"].set_index("effort")["off_converged"]
     sweeps = turn[["1 sweep", "2 sweeps", "5 sweeps", "10 sweeps"]].abs().tolist()
@@ -86,7 +87,7 @@ def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)
-    artefacts = errors_report(found)
+    artefacts = found.artefacts()
     names = [artefact.name for artefact in artefacts]
     assert len(set(names)) == len(names)
     for artefact in artefacts:
@@ -112,7 +113,8 @@ def test_a_scene_without_a_bounce_is_judged_by_its_end() -> None:
         "mujoco",
         timestep=1e-3,
     )
-    found = three_errors(chosen, run_cases(errors_cases(chosen)))
+    study = ErrorsStudy(plan=chosen)
+    found = study.findings(run_study(study))
     assert {quantity for _, quantity in found.splits} == {"psi_end_deg", "phi_end_deg"}
     assert "no motion" not in " ".join(found.sentences)
 
@@ -123,5 +125,5 @@ def test_the_paper_s_release_has_no_model_error_when_matched(engine: str) -> Non
     found = found_of(load("paper-release"), engine, None)
     split = found.splits[found.plan.ways[0].name, "turn_deg"]
     assert split.limit is not None
-    assert split.verdict == "no model error seen"
+    assert split.verdict is ErrorStatus.NO_MODEL_ERROR
     assert split.limit.uncertainty < 0.01  # deg: the issue's own measure of a good turn

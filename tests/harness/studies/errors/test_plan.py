@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 
 from harness.core.errors import InvalidSettingError
-from harness.studies.errors.plan import errors_cases, plan_errors
+from harness.studies.errors.plan import plan_errors
 from models import Compliance, Effects, Scene, Slip, load
 
 
@@ -36,7 +36,7 @@ def test_ladders_are_run_with_the_solver_converged(gentle: Scene) -> None:
     assert options == {"contactERP": 0.2} | dict(chosen.efforts[-1].settings)
     assert dict(chosen.tried(way, None).options) == {"contactERP": 0.2}
     assert chosen.tried(way, chosen.efforts[-1]) == chosen.on_ladder(way, chosen.probe)
-    cases = errors_cases(chosen)
+    cases = chosen.cases()
     assert len(set(cases)) == len(cases)
 
 
@@ -53,6 +53,6 @@ def test_what_has_no_limit_is_refused(gentle: Scene) -> None:
 
 def test_a_scene_that_slips_has_a_ladder(gentle: Scene) -> None:
     slipping = replace(gentle, effects=Effects(slip=Slip(mu=0.3)))
-    assert {one.scene.effects for one in errors_cases(plan_errors(slipping, "mujoco"))} == {
+    assert {one.scene.effects for one in plan_errors(slipping, "mujoco").cases()} == {
         slipping.effects
     }

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from harness.studies.errors.extrapolation import limit
-from harness.studies.errors.split import Split, split
+from harness.studies.errors.split import ErrorStatus, Split
 
 RATE, END = 1.0, 1.0
 TRUE = math.exp(-RATE * END)
@@ -32,7 +32,7 @@ def midpoint_decay(step: float, rate: float) -> float:
 
 def split_of(rate: float, iterations: int | None, band: float | None = None) -> Split:
     probe = STEPS[2]
-    return split(
+    return Split(
         true=TRUE,
         value=implicit_decay(probe, rate, iterations),
         converged=implicit_decay(probe, rate, None),
@@ -80,16 +80,16 @@ def test_a_method_of_second_order_is_seen_as_one() -> None:
 
 
 def test_verdicts() -> None:
-    assert split_of(1.0, None).verdict == "no model error seen"
-    assert split_of(0.7, None).verdict == "model error"
-    assert split_of(0.7, None, band=1.0).verdict == "undecidable"
-    lost = split(true=TRUE, value=None, converged=None, limit=None, band=None)
-    assert lost.verdict == "unknown"
+    assert split_of(1.0, None).verdict is ErrorStatus.NO_MODEL_ERROR
+    assert split_of(0.7, None).verdict is ErrorStatus.MODEL_ERROR
+    assert split_of(0.7, None, band=1.0).verdict is ErrorStatus.UNDECIDABLE
+    lost = Split(true=TRUE, value=None, converged=None, limit=None, band=None)
+    assert lost.verdict is ErrorStatus.UNKNOWN
     assert lost.total is None
 
 
 def test_without_a_converged_solve_the_solver_s_share_is_not_known() -> None:
-    found = split(true=1.0, value=1.5, converged=None, limit=limit(STEPS, [1.0] * 5), band=0.0)
+    found = Split(true=1.0, value=1.5, converged=None, limit=limit(STEPS, [1.0] * 5), band=0.0)
     assert found.solver is None
     assert found.discretisation is None
     assert found.total == 0.5

@@ -1,0 +1,276 @@
+"""The commands of the studies: attribute, errors, effects, stability, cost.
+
+Each turns its options into a study; running it, writing its report and printing it is one function.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from harness import api
+from harness.cli import terminal
+from harness.cli.json_output import to_json
+from harness.cli.run_options import RunOptions, parse_settings, with_run_options
+from harness.core.errors import InvalidSettingError
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact, Prose, Table
+from harness.evaluation.timing import single_thread_executor
+from harness.report.atomic_folder import check_writable
+from harness.report.write import write_report
+from harness.studies.attribution.study import AttributionStudy
+from harness.studies.effects.changes import EffectStatus
+from harness.studies.effects.friction import friction_ladder
+from harness.studies.effects.plan import plan_effects
+from harness.studies.effects.study import EffectsStudy
+from harness.studies.errors.plan import plan_errors
+from harness.studies.errors.study import ErrorsStudy
+from harness.studies.shared.ablation import ablation_path
+from harness.studies.study import Results, Study, StudyProgress, run_study
+from models.catalogue import load
+
+SceneName = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
+]
+EngineName = Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")]
+EngineNames = Annotated[
+    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
+]
+ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+Shown = Mapping[str, Sequence[str]]
+"""Artefacts that the terminal shows, by the end of their names; of tables the columns, () all."""
+
+
+def run_with_progress(study: Study, running: RunOptions) -> Results:
+    """Run a study beside a progress bar, where and within what limits the options say."""
+    with terminal.progress_bar() as bar, running.executor() as executor:
+        task = bar.add_task("starting the engines", total=None)
+
+        def show(progress: StudyProgress) -> None:
+            if not progress.label:
+                running.kept(progress.kept, progress.total)
+            bar.update(
+                task,
+                completed=progress.done,
+                total=progress.total,
+                description=f"{progress.work}: {progress.label[:60]}",
+            )
+
+        return run_study(
+            study,
+            executor=executor,
+            cache=running.store,
+            on_progress=show,
+            timer=lambda: single_thread_executor(running.limits),
+        )
+
+
+def run_command(
+    study: Study,
+    running: RunOptions,
+    *,
+    out: Path | None,
+    json: bool,
+    answer: Callable[[Results], Mapping[str, Any]],
+    show: Callable[[Results, Sequence[Artefact]], None],
+) -> Results:
+    """Run a study, write its report, and print what it says, or one JSON object.
+
+    Parameters
+    ----------
+    study : Study
+    running : RunOptions
+    out : Path, optional
+        Folder of the report; none is written if left out.
+    json : bool
+    answer : callable
+        Returns what `--json` prints.
+    show : callable
+        Prints what a person reads.
+    """
+    if out is not None:
+        check_writable(out)
+    done = run_with_progress(study, running)
+    artefacts = study.report(done)
+    page = out and write_report(
+        _with_summary(artefacts),
+        out,
+        title=f"rockingcan, {study.name}",
+        cases=done.manifest(),
+        provenance=provenance(),
+    )
+    if json:
+        typer.echo(to_json(answer(done)))
+        return done
+    show(done, artefacts)
+    if page is not None:
+        terminal.stdout_console().print(f"\nThe report: {page}")
+    return done
+
+
+def _with_summary(artefacts: Sequence[Artefact]) -> list[Artefact]:
+    """Return artefacts of which some words open the page, whatever the study calls them."""
+    if any(a.name == "summary" for a in artefacts):
+        return list(artefacts)
+    return [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts]
+
+
+def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
+    """Return what prints some artefacts of a report: columns of tables, and words."""
+
+    def show(_: Results, artefacts: Sequence[Artefact]) -> None:
+        console = terminal.stdout_console()
+        for artefact in artefacts:
+            ending = next((end for end in names if artefact.name.endswith(end)), None)
+            if ending is not None and isinstance(artefact, Table):
+                columns = names[ending] or tuple(artefact.columns)
+                console.print(terminal.table_artefact(artefact, columns))
+            elif ending is not None and isinstance(artefact, Prose):
+                console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")
+
+    return show
+
+
+@with_run_options
+def attribute(  # noqa: PLR0917 - a parameter an option
+    scene: SceneName,
+    engine: EngineName,
+    timestep: Annotated[
+        float | None, typer.Option(help="Of the matched end, in seconds; its own if left out.")
+    ] = None,
+    first: Annotated[
+        list[str] | None,
+        typer.Option(help="A gap to close before the others; repeat it. Such as: timestep."),
+    ] = None,
+    out: ReportFolder = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: RunOptions,
+) -> None:
+    """Say who is to blame: close the gaps from default to matched one at a time, and each alone.
+
+    For example: rockingcan attribute gentle-rock --engine mujoco
+    """
+    study = AttributionStudy(path=ablation_path(load(scene), engine, timestep, first or ()))
+    gaps = ("place", "gap", "quantity", "in_order", "alone", "left_open", "interaction")
+    show = shown({"-gaps": gaps, "-interactions": (), "-attribution": ()})
+    run_command(study, running, out=out, json=json, answer=study.answer, show=show)
+
+
+_SPLIT = (
+    "way",
+    "quantity",
+    "limit_uncertainty",
+    "model_form",
+    "discretisation",
+    "solver",
+    "total",
+    "observed_order",
+    "not_decidable_within",
+    "verdict",
+)
+_SPREADS = ("quantity", "relative_size", "spread_of_engine", "spread_of_truth")
+
+
+@with_run_options
+def errors(  # noqa: PLR0917 - a parameter an option
+    scene: SceneName,
+    engine: EngineName,
+    profile: Annotated[str, typer.Option(help="default or matched.")] = "matched",
+    timestep: Annotated[
+        float | None,
+        typer.Option(help="The coarsest of the ladder, in seconds; what suits if left out."),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A setting on all runs; repeat it."),
+    ] = None,
+    out: ReportFolder = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: RunOptions,
+) -> None:
+    """Tell model form, discretisation and solver error apart, and what is not decidable.
+
+    For example: rockingcan errors gentle-rock --engine mujoco --set solref=0.005,1
+    """
+    options = parse_settings(set_ or [])
+    plan = plan_errors(load(scene), engine, profile, timestep=timestep, options=options)
+    study = ErrorsStudy(plan=plan)
+    show = shown({"-split": _SPLIT, "-spreads": _SPREADS, "-three-errors": ()})
+    run_command(study, running, out=out, json=json, answer=study.answer, show=show)
+
+
+_EFFECTS = (
+    "engine",
+    "effect",
+    "declared",
+    "verdict",
+    "steps_ratio",
+    "constraint_rows_ratio",
+    "cpu_ratio",
+    "change_turn_deg",
+    "strength",
+    "why",
+)
+
+
+@with_run_options
+def effects(  # noqa: PLR0917 - a parameter an option
+    scene: SceneName,
+    engine: EngineNames = None,
+    timestep: Annotated[
+        float | None, typer.Option(help="Of the engines, in seconds; their own if left out.")
+    ] = None,
+    assume: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="EFFECT.CONSTANT=VALUE",
+            help="How strong an effect is that the scene does not declare, such as slip.mu=0.3.",
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option(help="Degrees of turn below which a change does not count.")
+    ] = 0.1,
+    out: ReportFolder = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: RunOptions,
+) -> None:
+    """Say which effects a scene needs, which it lacks, what each costs, what engines impose.
+
+    For example: rockingcan effects gentle-rock --assume slip.mu=0.3
+    """
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise InvalidSettingError("--tolerance", tolerance, "a positive number of degrees")
+    engines = ("reference", *(n for n in api.stepping_engines(engine) if n != "reference"))
+    words = tuple(_assumption(word) for word in assume or ())
+    plan = plan_effects(load(scene), engines, timestep=timestep, words=words, tolerance=tolerance)
+    study = EffectsStudy(plan=plan, ladder=friction_ladder(plan.scene, engines, timestep))
+    run_command(study, running, out=out, json=json, answer=study.answer, show=_show_effects)
+
+
+def _show_effects(done: Results, artefacts: Sequence[Artefact]) -> None:
+    """Print the effects that engines can represent, and the words."""
+    known = [
+        replace(a, frame=a.frame[a.frame["verdict"] != EffectStatus.UNSUPPORTED.value])
+        if isinstance(a, Table) and "verdict" in a.columns
+        else a
+        for a in artefacts
+    ]
+    shown({"-effects": _EFFECTS, "-effects-words": ()})(done, known)
+
+
+def _assumption(word: str) -> tuple[str, float]:
+    """Return the constant and the value of one assumption."""
+    key, _, value = word.partition("=")
+    try:
+        return key, float(value)
+    except ValueError:
+        raise InvalidSettingError("--assume", word, "EFFECT.CONSTANT=NUMBER") from None

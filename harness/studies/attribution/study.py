@@ -1,0 +1,335 @@
+"""The attribution study: which of an engine's gaps causes which part of its discrepancy.
+
+Which of `harness.studies.attribution.accounts` takes away how much is read along an ablation path.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from harness.core.case import Case
+from harness.core.report_model import Artefact, Column, Figure, Prose, Table, table_of
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES, Quantity, recorded_turn_error, turn_error
+from harness.studies.attribution.accounts import (
+    Account,
+    Level,
+    account,
+    amount,
+    difference,
+    in_order_sentence,
+    interaction_sentence,
+    total,
+    waterfall_panel,
+)
+from harness.studies.shared.ablation import AblationPath, Closed
+from harness.studies.shared.run_columns import (
+    CASE,
+    COMMAND,
+    ENGINE,
+    OUTCOME,
+    SCENE,
+    run_cells,
+    without,
+)
+from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
+
+ATTRIBUTED = tuple(
+    QUANTITIES[key]
+    for key in (
+        "turn_error_deg",
+        "contact_locus_rms_m",
+        "phi_rms_rad",
+        "peak_friction_ratio_error",
+        "contact_locus_hausdorff_m",
+    )
+)
+"""The discrepancies that are attributed, in the order in which words and figures take them."""
+
+_PANELS = 4
+
+
+def _share(part: Level, whole: Level) -> Level:
+    return None if part is None or not whole else part / whole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Attribution:
+    """A path with its evaluations, and who accounts for what.
+
+    Parameters
+    ----------
+    path : AblationPath
+    evaluations : mapping of Case to Evaluation
+    accounts : mapping of str to Account
+        By the key of the quantity.
+    """
+
+    path: AblationPath
+    evaluations: Mapping[Case, Evaluation]
+    accounts: Mapping[str, Account]
+
+    @property
+    def uncounted(self) -> int:
+        """In how many runs of a scene that ends with a bounce the turn is not known."""
+        if self.path.scene.horizon.seconds is not None:
+            return 0
+        return sum(turn_error(e) is None for e in self.evaluations.values())
+
+    @property
+    def sentences(self) -> tuple[str, str]:
+        """Two sentences on the first quantity whose whole is known."""
+        path = self.path
+        for quantity in ATTRIBUTED:
+            found = self.accounts[quantity.key]
+            if found.whole is not None:
+                return (
+                    f"{in_order_sentence(path, quantity, found)}{self._doubt()}.",
+                    f"{interaction_sentence(path, quantity, found)}.",
+                )
+        ends = sorted({e.simulation.outcome.name.lower() for e in self.evaluations.values()})
+        nothing = (
+            f"Nothing of what {path.engine} does to {path.scene.name} can be attributed, because "
+            "one end of the way has no motion to compare."
+        )
+        return nothing, f"The runs ended: {', '.join(ends)}."
+
+    def _doubt(self) -> str:
+        """Return in how many runs the turn is not known, and what is known of it all the same."""
+        if not self.uncounted:
+            return ""
+        quantity = ATTRIBUTED[0]
+        found = self.accounts[quantity.key]
+        parts = zip(found.names, found.in_order, strict=True)
+        known = [(abs(value), name, value) for name, value in parts if value is not None]
+        words = f" (the turn cannot be counted in {self.uncounted} of {len(self.evaluations)} runs"
+        if known and found.whole is None:
+            _, name, value = max(known)
+            words += f"; where it can, most is taken away by {name}, {amount(quantity, value)}"
+        return words + ")"
+
+    def artefacts(self) -> tuple[Artefact, ...]:
+        """Return words, figure, tables."""
+        path = self.path
+        return (
+            Prose(
+                name=f"{path.scene.name}-{path.engine}-attribution",
+                title=f"What makes {path.engine} differ",
+                text=" ".join(self.sentences),
+                scene=path.scene.name,
+            ),
+            self._waterfall(),
+            self._table("gaps", "What each gap accounts for", _GAPS, self.gap_rows()),
+            self._table(
+                "interactions", "The whole and its parts", _INTERACTIONS, self.interaction_rows()
+            ),
+            self._table("runs", "Every run of the attribution", _RUNS, self._run_rows()),
+        )
+
+    def _table(
+        self, name: str, title: str, columns: tuple[Column, ...], rows: list[dict[str, Any]]
+    ) -> Table:
+        path = self.path
+        head = {"scene": path.scene.name, "engine": path.engine}
+        hidden = ("scene", "engine", *(f"takes_away_{q.key}" for q in ATTRIBUTED[1:]))
+        return table_of(
+            f"{path.scene.name}-{path.engine}-{name}",
+            f"{title}: {path.engine}",
+            without(columns, *hidden),
+            [head | row for row in rows],
+            scene=path.scene.name,
+        )
+
+    def gap_rows(self) -> list[dict[str, Any]]:
+        """Return what each gap accounts for, a row a quantity and gap."""
+        return [
+            {
+                "place": place + 1,
+                "gap": gap.name,
+                "settings": ", ".join(gap.settings),
+                "what_it_does": gap.sentence,
+                "quantity": key,
+                "in_order": (in_order := found.in_order[place]),
+                "share_of_whole": _share(in_order, found.whole),
+                "alone": found.alone[place],
+                "left_open": found.left_open[place],
+                "interaction": difference(in_order, found.alone[place]),
+            }
+            for key, found in self.accounts.items()
+            for place, gap in enumerate(self.path.gaps)
+        ]
+
+    def interaction_rows(self) -> list[dict[str, Any]]:
+        """Return the whole, the sums and the interaction, a row a quantity."""
+        return [
+            {
+                "quantity": key,
+                "as_shipped": found.shipped,
+                "remains": found.remains,
+                "whole": found.whole,
+                "sum_in_order": total(found.in_order),
+                "sum_alone": total(found.alone),
+                "interaction": found.interaction,
+                "sum_left_open": total(found.left_open),
+                "interaction_left_open": found.interaction_left_open,
+            }
+            for key, found in self.accounts.items()
+        ]
+
+    def _run_rows(self) -> list[dict[str, Any]]:
+        """Return every run, with what it takes away and the command that reproduces it."""
+        names, rows = self.path.names, []
+        for step in self.path.steps():
+            e = self.evaluations[self.path.case(step.closed)]
+            row = run_cells(e.simulation) | {
+                "step": step.step,
+                "gap": step.gap,
+                "closed": ", ".join(name for name in names if name in step.closed),
+                "turn_error_seen_deg": recorded_turn_error(e),
+                "turn_resolved": e.bounces[0].resolved if e.bounces else None,
+            }
+            for quantity in ATTRIBUTED:
+                found = self.accounts[quantity.key]
+                row[quantity.key] = quantity.of_run(e)
+                if step.gap:
+                    parts = getattr(found, step.step.replace(" ", "_"))
+                    row[f"takes_away_{quantity.key}"] = parts[names.index(step.gap)]
+            rows.append(row)
+        return rows
+
+    def _waterfall(self) -> Figure:
+        """Return the waterfall of the first quantities that are known anywhere on the path."""
+        path, lost = self.path, self.uncounted
+        known = [q for q in ATTRIBUTED if set(self.accounts[q.key].levels) != {None}]
+        missing = (
+            f"; bars that rest on the {lost} of {len(self.evaluations)} runs whose turn cannot be "
+            "counted are left out"
+            if lost
+            else ""
+        )
+        return Figure(
+            name=f"{path.scene.name}-{path.engine}-waterfall",
+            title=f"From default to matched: {path.engine}",
+            seen=(
+                f"Each bar is what closing one more gap takes away, from {path.engine} as it ships "
+                "to matched. A mark off the end of its bar is interaction: alone, that gap takes "
+                f"away another amount{missing}."
+            ),
+            panels=tuple(waterfall_panel(path, q, self.accounts[q.key]) for q in known[:_PANELS]),
+            scene=path.scene.name,
+        )
+
+
+_QUANTITY = Column("quantity", "Which discrepancy; the unit is its suffix.")
+_GAP = Column("gap", "Name of the gap.")
+
+_GAPS = (
+    SCENE,
+    ENGINE,
+    Column("place", "Place of the gap in the order of closing, from 1."),
+    _GAP,
+    _QUANTITY,
+    Column("in_order", "What closing it takes away after those before it; sums to the whole."),
+    Column("share_of_whole", "The same as a share of what closing all gaps takes away."),
+    Column("alone", "What closing only this gap takes away from the engine as it ships."),
+    Column("left_open", "What only this gap adds to the matched engine when it is open."),
+    Column("interaction", "In order less alone: what it takes away only as others are closed."),
+    Column("what_it_does", "What the open gap does to the can."),
+    Column("settings", "Settings that close it."),
+)
+
+_INTERACTIONS = (
+    SCENE,
+    ENGINE,
+    _QUANTITY,
+    Column("as_shipped", "Discrepancy with all gaps open."),
+    Column("remains", "Discrepancy with all gaps closed: profile matched."),
+    Column("whole", "As shipped less what remains."),
+    Column("sum_in_order", "Sum of what the gaps take away one after the other: the whole."),
+    Column("sum_alone", "Sum of what each gap takes away alone."),
+    Column("interaction", "Sum alone less the whole: what the gaps do only together."),
+    Column("sum_left_open", "Sum of what each gap adds when only it is open."),
+    Column("interaction_left_open", "The same less the whole."),
+)
+
+_RUNS = (
+    SCENE,
+    ENGINE,
+    Column(
+        "step",
+        "As shipped; in order: this gap and those before it closed; alone: only it closed; "
+        "left open: all closed but it.",
+    ),
+    _GAP,
+    Column("closed", "Gaps closed in this run."),
+    Column("timestep_s", "Timestep of the engine, s."),
+    *(Column(q.key, q.meaning) for q in ATTRIBUTED),
+    Column("turn_error_seen_deg", "Error of the turn as recorded, up to whole turns."),
+    Column("turn_resolved", "Whether the record is dense enough to count the turns of psi."),
+    *(Column(f"takes_away_{q.key}", f"What this step takes away of {q.key}.") for q in ATTRIBUTED),
+    OUTCOME,
+    CASE,
+    COMMAND,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AttributionStudy:
+    """Run every step of an ablation path, and say what each gap accounts for.
+
+    Parameters
+    ----------
+    path : AblationPath
+        From `harness.studies.shared.ablation.ablation_path`.
+    """
+
+    path: AblationPath
+
+    name = "attribution"
+
+    def next_jobs(self, done: Results) -> list[Job[Case, Evaluation]]:
+        """Return the cases of the path."""
+        del done
+        return evaluation_jobs(self.path.cases())
+
+    def findings(self, done: Results) -> Attribution:
+        """Return who accounts for what."""
+        runs = done.of(EVALUATION)
+
+        def level(quantity: Quantity) -> Callable[[Closed], Level]:
+            return lambda closed: quantity.of_run(runs[self.path.case(closed)])
+
+        return Attribution(
+            path=self.path,
+            evaluations={case: runs[case] for case in self.path.cases()},
+            accounts={q.key: account(self.path.names, level(q)) for q in ATTRIBUTED},
+        )
+
+    def report(self, done: Results) -> tuple[Artefact, ...]:
+        """Return words, the waterfall, and the tables."""
+        return self.findings(done).artefacts()
+
+    def answer(self, done: Results) -> dict[str, Any]:
+        """Return the attribution as `--json` prints it."""
+        found = self.findings(done)
+        wholes = ("as_shipped", "remains", "whole", "interaction")
+        parts = ("gap", "in_order", "alone", "left_open")
+        gaps = found.gap_rows()
+        return {
+            "scene": self.path.scene.name,
+            "engine": self.path.engine,
+            "timestep_s": self.path.matched_timestep,
+            "order": list(self.path.names),
+            "quantities": {
+                row["quantity"]: {key: row[key] for key in wholes}
+                | {
+                    "gaps": [
+                        {key: gap[key] for key in parts}
+                        for gap in gaps
+                        if gap["quantity"] == row["quantity"]
+                    ]
+                }
+                for row in found.interaction_rows()
+            },
+            "sentences": list(found.sentences),
+        }

@@ -1,0 +1,346 @@
+"""The effects study: which effects a scene needs, what each costs, what an engine adds unasked."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series, table_of
+from harness.evaluation.case_record import LOST
+from harness.evaluation.timing import untimed
+from harness.studies.effects.changes import CHANGED, Effect, EffectsResults, EffectStatus
+from harness.studies.effects.friction import FrictionLadder, friction
+from harness.studies.effects.plan import EffectsPlan
+from harness.studies.shared.run_columns import (
+    CASE,
+    COMMAND,
+    ENGINE,
+    MODEL,
+    NOTE,
+    OUTCOME,
+    SCENE,
+    run_cells,
+    without,
+)
+from harness.studies.study import EVALUATION, TIMING, Job, Results, evaluation_jobs
+from models.effects import KINDS
+
+_COUNTS = frozenset({EffectStatus.NEEDED, EffectStatus.MISSING})
+_KNOWN = _COUNTS | {EffectStatus.HARMLESS}
+
+_LEAST = 1e-6
+"""Change over what counts below which a bar would be longer than the axis is worth."""
+
+_EFFECT = Column("effect", "Name of the effect, its key in a scene file.")
+
+_EFFECTS = (
+    SCENE,
+    ENGINE,
+    _EFFECT,
+    Column("declared", "Whether the scene declares it."),
+    Column("simulated", "Whether the engine simulates it in this scene."),
+    Column(
+        "verdict",
+        "Needed: declared, and it changes the outcome; harmless: it does not; missing: not "
+        "declared, though at the assumed strength it would; imposed by the engine: it cannot be "
+        "removed; unsupported: the engine cannot represent it.",
+    ),
+    Column("why", "The number behind the verdict."),
+    Column("strength", "Constants of its law, SI units: as declared, or as assumed."),
+    Column("steps_ratio", "Steps per simulated second with it over those without it."),
+    Column("constraint_rows_ratio", "Constraint rows per simulated second, likewise."),
+    Column("cpu_ratio", "Processor time per simulated second, likewise; least of repeats."),
+    Column("cpu_spread", "Longest over shortest processor time of repeats of the noisier run."),
+    *(
+        Column(f"change_{q.key}", f"{q.meaning} With the effect less without, others as declared.")
+        for q in CHANGED
+    ),
+    CASE,
+    COMMAND,
+)
+
+_FACTORS = (
+    SCENE,
+    ENGINE,
+    _EFFECT,
+    Column("quantity", "What changes; the unit is its suffix."),
+    Column("from_ideal", "Change when the effect is added to the ideal can."),
+    Column("from_declared", "Change between all declared effects and all but this one."),
+    Column("mean", "Change averaged over all sets of the other declared effects (main effect)."),
+    Column("interaction", "From declared less from ideal: what it does only with the others."),
+)
+
+_RUNS = (
+    SCENE,
+    ENGINE,
+    MODEL,
+    Column("effects", "Effects in force."),
+    *(Column(q.key, q.meaning) for q in CHANGED),
+    Column("steps", "Steps of the run."),
+    Column("constraint_rows", "Constraint rows, summed over the steps."),
+    OUTCOME,
+    NOTE,
+    CASE,
+)
+
+
+def effect_rows(found: EffectsResults) -> list[dict[str, Any]]:
+    """Return what each effect does, a row an engine and effect."""
+    rows = []
+    for effect in found.effects:
+        case = found.plan.case(effect.engine, found.plan.declared | {effect.name})
+        run = {} if case is None else run_cells(found.evaluations[case].simulation)
+        rows.append(
+            {
+                "scene": found.plan.scene.name,
+                "engine": effect.engine,
+                "effect": effect.name,
+                "declared": effect.declared,
+                "simulated": effect.declared and case is not None,
+                "verdict": effect.verdict.value,
+                "why": effect.why,
+                "strength": _strength(found.plan, effect.name),
+                **effect.cost,
+                **{f"change_{key}": change for key, change in effect.changes.items()},
+                "case": run.get("case", ""),
+                "command": run.get("command", ""),
+            }
+        )
+    return rows
+
+
+def _strength(plan: EffectsPlan, name: str) -> str:
+    """Return the constants of an effect as `--assume` and a scene file know them."""
+    law = plan.strengths[name]
+    constants = ((key, getattr(law, key)) for key in law.__dataclass_fields__)
+    return ", ".join(f"{key} = {value:g}" for key, value in constants if value != 0.0)
+
+
+def _factor_rows(found: EffectsResults) -> list[dict[str, Any]]:
+    """Return how the declared effects act together."""
+    return [
+        {
+            "scene": found.plan.scene.name,
+            "engine": effect.engine,
+            "effect": effect.name,
+            "quantity": q.key,
+            "from_ideal": (alone := effect.alone.get(q.key)),
+            "from_declared": (late := effect.changes.get(q.key)),
+            "mean": effect.mean.get(q.key),
+            "interaction": None if alone is None or late is None else late - alone,
+        }
+        for effect in found.effects
+        if effect.declared
+        for q in CHANGED
+    ]
+
+
+def _run_rows(found: EffectsResults) -> list[dict[str, Any]]:
+    """Return every run of the plan."""
+    return [
+        run_cells(e.simulation)
+        | {
+            "scene": found.plan.scene.name,
+            "effects": ", ".join(sorted(subset)) or "none",
+            **{q.key: q.of_run(e) for q in CHANGED},
+        }
+        for engine in found.plan.engines
+        for subset in dict.fromkeys(found.plan.subsets())
+        if (e := found.evaluation(engine, subset)) is not None
+    ]
+
+
+def sentences(found: EffectsResults) -> tuple[str, ...]:
+    """Return a sentence on what is declared, one on what is not, and one for each engine."""
+    plan, said = found.plan, []
+    declared = [effect for effect in found.of_engine(plan.engines[0]) if effect.declared]
+    if declared:
+        words = "; ".join(f"{effect.name} is {effect.verdict.value}" for effect in declared)
+        said.append(f"Of what {plan.scene.name} declares: {words}.")
+    else:
+        said.append(f"{plan.scene.name} declares no effect, and none is simulated.")
+    known: dict[str, Effect] = {}  # of each effect what the first engine says that can tell
+    for effect in found.effects:
+        if effect.verdict in _KNOWN:
+            known.setdefault(effect.name, effect)
+    missing = [
+        f"{one.name} (by {one.engine}: {one.why[0].lower()}{one.why[1:].rstrip('.')})"
+        for one in known.values()
+        if one.verdict is EffectStatus.MISSING
+    ]
+    said.append(
+        "Not declared, though at the strength assumed they change the outcome: "
+        f"{'; '.join(missing)}."
+        if missing
+        else "Nothing that is left out would change the outcome."
+    )
+    nobody = [name for name in KINDS if name not in known]
+    if nobody:
+        said.append(f"None of these engines can tell what these would do: {', '.join(nobody)}.")
+    for engine in plan.engines:
+        effects = found.of_engine(engine)
+        own = [effect.name for effect in effects if effect.verdict is EffectStatus.IMPOSED]
+        if own:
+            names = ", ".join(own)
+            said.append(f"{engine} adds of its own accord, and it cannot be removed: {names}.")
+    return tuple(said)
+
+
+def bars(found: EffectsResults) -> Figure:
+    """Return the largest change of each effect, in units of the change that counts."""
+    plan, names = found.plan, tuple(KINDS)
+    series = []
+    for place, engine in enumerate(plan.engines):
+        effects = found.of_engine(engine)
+        shift = 0.8 * ((place + 0.5) / len(plan.engines) - 0.5)
+        series.append(
+            Series(
+                label=engine,
+                kind=engine,
+                x=np.arange(len(names), dtype=np.float64) + shift,
+                y=np.array([_height(found, effect) for effect in effects]),
+                mark="points",
+                hover=tuple(f"{one.name}: {one.verdict.value}. {one.why}" for one in effects),
+            )
+        )
+    series.append(
+        Series(
+            label="what counts",
+            kind="truth",
+            x=np.array((-0.5, len(names) - 0.5)),
+            y=np.ones(2),
+            dashed=True,
+        )
+    )
+    first = found.of_engine(plan.engines[0])
+    counts = [effect.name for effect in first if effect.verdict in _COUNTS]
+    nothing = [effect.name for effect in first if effect.verdict is EffectStatus.HARMLESS]
+    return Figure(
+        name=f"{plan.scene.name}-effect-changes",
+        title="What each effect changes",
+        seen=(
+            f"By {plan.engines[0]}, above the dashed line lie {', '.join(counts) or 'no effects'}: "
+            "at the strength declared or assumed they change the outcome. Below it lie "
+            f"{', '.join(nothing) or 'none'}, which cost time and change nothing that counts."
+        ),
+        panels=(
+            Panel(
+                title="Largest change of any quantity, over the change that counts",
+                x_label="effect",
+                y_label="change over what counts []",
+                x_names=tuple(f"{n} (declared)" if n in plan.declared else n for n in names),
+                series=tuple(series),
+                log_y=True,
+            ),
+        ),
+        columns=1,
+        scene=plan.scene.name,
+    )
+
+
+def _height(found: EffectsResults, effect: Effect) -> float:
+    """Return the largest change of an effect over what counts; NaN where none is known."""
+    shares = [
+        abs(value) / found.threshold(effect.engine, key)
+        for key, value in effect.changes.items()
+        if value is not None
+    ]
+    return max(*shares, _LEAST) if shares else math.nan
+
+
+def effects_report(found: EffectsResults) -> tuple[Artefact, ...]:
+    """Return words, figure, tables."""
+    scene = found.plan.scene.name
+    tables = (
+        ("effects", "What each effect does", _EFFECTS, effect_rows(found)),
+        ("factors", "How the declared effects act together", _FACTORS, _factor_rows(found)),
+        ("runs", "Every run of the study", _RUNS, _run_rows(found)),
+    )
+    return (
+        Prose(
+            name=f"{scene}-effects-words",
+            title="Which effects the scene calls for",
+            text=" ".join(sentences(found)),
+            scene=scene,
+        ),
+        bars(found),
+        *(
+            table_of(
+                f"{scene}-{name}",
+                title,
+                without(columns, "scene", "case", "command"),
+                rows,
+                scene=scene,
+            )
+            for name, title, columns, rows in tables
+            if rows  # a scene that declares nothing has no factors
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectsStudy:
+    """Run a scene with each effect and without it, time both, and run a ladder of friction.
+
+    Parameters
+    ----------
+    plan : EffectsPlan
+        From `harness.studies.effects.plan.plan_effects`.
+    ladder : FrictionLadder
+        Of the same scene; from `harness.studies.effects.friction.friction_ladder`.
+    """
+
+    plan: EffectsPlan
+    ladder: FrictionLadder
+
+    name = "effects"
+
+    def next_jobs(self, done: Results) -> list[Job[Case, Any]]:
+        """Return the runs; then the timing of those of the plan that came back."""
+        runs = done.of(EVALUATION)
+        return evaluation_jobs((*self.plan.cases(), *self.ladder.runs())) + [
+            Job(TIMING, case)
+            for case in self.plan.cases()
+            if case in runs and runs[case].simulation.outcome.name not in LOST
+        ]
+
+    def findings(self, done: Results) -> EffectsResults:
+        """Return what each effect does in each engine."""
+        times = done.of(TIMING)
+        return EffectsResults(
+            plan=self.plan,
+            evaluations=done.of(EVALUATION),
+            times={case: times.get(case, untimed(case)) for case in self.plan.cases()},
+        )
+
+    def report(self, done: Results) -> tuple[Artefact, ...]:
+        """Return words, figures and tables, and the turn against friction."""
+        runs = done.of(EVALUATION)
+        return (*effects_report(self.findings(done)), *friction(self.ladder, runs))
+
+    def answer(self, done: Results) -> dict[str, Any]:
+        """Return the effects as `--json` prints them."""
+        found = self.findings(done)
+        return {
+            "scene": self.plan.scene.name,
+            "declared": sorted(self.plan.declared),
+            "tolerance_deg": self.plan.tolerance,
+            "engines": {
+                engine: {
+                    effect.name: {
+                        "declared": effect.declared,
+                        "verdict": effect.verdict.value,
+                        "why": effect.why,
+                        "changes": dict(effect.changes),
+                        "steps_ratio": effect.cost.get("steps_ratio"),
+                        "constraint_rows_ratio": effect.cost.get("constraint_rows_ratio"),
+                        "cpu_ratio": effect.cost.get("cpu_ratio"),
+                    }
+                    for effect in found.of_engine(engine)
+                }
+                for engine in self.plan.engines
+            },
+            "sentences": list(sentences(found)),
+        }
