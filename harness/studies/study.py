@@ -251,7 +251,7 @@ def _done(
         executor,
         lost=work.lost,
         cache=None if cache is None else work.cache(cache),
-        listener=ProgressListener(kept=progress.begin, done=progress.step),
+        listener=ProgressListener(kept=progress.begin, done=progress.step, read=progress.read),
     )
     results = dict(zip(order, found, strict=True))
     return {task: results[task] for task in tasks}
@@ -269,18 +269,20 @@ class _Progress(Generic[Task, Result]):
 
     def begin(self, kept: int, _: int) -> None:
         self._kept = kept
-        self._tell("", None)
+        self._tell("")
 
-    def step(self, task: Task, _: Result) -> None:
-        self._done += 1
+    def read(self, task: Task, _: Result) -> None:
         self._left -= self.efforts[task]
-        if self._done > self._kept:  # kept results take no time, and are read in between
-            self._spent += self.efforts[task]
-        elapsed = time.perf_counter() - self._began
-        rest = max(self._left, 0.0) * elapsed / self._spent if self._spent else None
-        self._tell(self._work.label(task), rest)
+        self._done += 1
+        self._tell(self._work.label(task))
 
-    def _tell(self, label: str, remaining_s: float | None) -> None:
+    def step(self, task: Task, result: Result) -> None:
+        self._spent += self.efforts[task]
+        self.read(task, result)
+
+    def _tell(self, label: str) -> None:
+        elapsed = time.perf_counter() - self._began
+        remaining_s = max(self._left, 0.0) * elapsed / self._spent if self._spent else None
         self._listener(
             StudyProgress(
                 work=self._work.name,
