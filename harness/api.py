@@ -15,8 +15,8 @@ from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
 from harness.studies.comparison.report import comparison_report
-from harness.studies.comparison.results import results
 from harness.studies.comparison.suite import SUITES, Unsupported, split_unsupported, suite_cases
+from harness.studies.comparison.tables import results
 from models.catalogue import load
 from models.scene import Scene
 

@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -19,7 +19,8 @@ from harness.cli.json_output import to_json
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
-from harness.core.report_model import Artefact, Prose, Table
+from harness.core.report_model import Artefact, Prose, Table, rows_of
+from harness.core.verdict import Status
 from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import FILE, BaselineError, check_place, read_baseline, write_baseline
 from harness.gate.comparison import Difference, differences
@@ -170,7 +171,7 @@ def show_changes(artefacts: Sequence[Artefact], console: Console, columns: Seque
     """Print what a comparison found: what has changed, then the sentences."""
     for artefact in artefacts:
         if isinstance(artefact, Table):
-            moved = artefact.frame[~artefact.frame["verdict"].isin(_QUIET)]
+            moved = artefact.frame[[v.status not in _QUIET for v in artefact.frame["verdict"]]]
             if len(moved):
                 top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
                 console.print(terminal.table_artefact(top, (*_WORDS, *columns)))
@@ -181,7 +182,7 @@ def show_changes(artefacts: Sequence[Artefact], console: Console, columns: Seque
             console.print(escape(artefact.text))
 
 
-_QUIET = ("same", "not judged", "undecidable")
+_QUIET = (Status.SAME, Status.NOT_JUDGED, Status.UNDECIDABLE)
 """Verdicts that the terminal leaves out."""
 
 
@@ -215,9 +216,8 @@ def diff(
     found = differences(first, second, spreads=spreads)
     if json:
         told = sentences(found, first, second, SIDES, spreads)
-        typer.echo(
-            to_json({"differences": [_told(one) for one in changed(found)], "sentences": told})
-        )
+        rows = rows_of(SIDES.columns(), changed(found))
+        typer.echo(to_json({"differences": rows, "sentences": told}))
     else:
         show_changes(
             gate_report(found, first, second, SIDES, spreads), terminal.stdout_console(), _COLUMNS
@@ -227,18 +227,3 @@ def diff(
 
 
 _COLUMNS = ("a", "b", "tolerance", "factor", "verdict", "note")
-
-
-def _told(one: Difference) -> dict[str, Any]:
-    """Return a difference as `--json` says it."""
-    return {
-        **one.identity.to_dict(),
-        "quantity": one.quantity,
-        "a": one.first,
-        "b": one.second,
-        "spread": one.spread,
-        "tolerance": one.tolerance,
-        "factor": one.factor,
-        "verdict": SIDES.verdict(one),
-        "note": one.note,
-    }

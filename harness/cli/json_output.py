@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.core.bounce import Bounce
+from harness.core.verdict import Verdict
 from harness.engines.reference.assumption_checks import Divergence
 from harness.evaluation.evaluation import Evaluation
 from models.modelling_choices import modelling_choices
@@ -19,7 +20,7 @@ def reference_json(e: Evaluation, bounces: Sequence[Bounce]) -> Answer:
     return {
         "scene": simulation.case.scene.name,
         "engine": simulation.model,
-        "outcome": simulation.outcome.value + (f" ({simulation.note})" if simulation.note else ""),
+        "outcome": simulation.ending,
         "wall_s": simulation.wall_s,
         "steps": simulation.steps,
         "period_s": bounces[0].end - bounces[0].start if bounces else None,
@@ -85,6 +86,8 @@ def _finite(value: Any) -> Any:  # noqa: ANN401 - JSON is of any type
         return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
         return [_finite(inner) for inner in value]
+    if isinstance(value, Verdict):
+        return value.text
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value

@@ -17,7 +17,7 @@ from harness.paper.audit.tables import audit_table, audit_words, counts, markdow
 from harness.paper.gallery.figures import ABOUT, FIGURES
 from harness.paper.gallery.figures import gallery as draw
 from harness.report.atomic_folder import check_writable
-from harness.report.section import Section
+from harness.report.layout import Section
 from harness.report.stored import read_report
 from harness.report.tables import csv_text
 from harness.report.write import write_chapters, write_report

@@ -34,7 +34,7 @@ from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.gate.stored_scores import gate_keys
 from harness.report.atomic_folder import check_writable
-from harness.report.section import Section
+from harness.report.layout import Section
 from harness.report.write import write_chapters
 from harness.studies.attribution.study import AttributionStudy
 from harness.studies.comparison.suite import SUITES

@@ -8,13 +8,14 @@ import os
 import platform
 import shutil
 import subprocess
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
+
+from harness.core.plain_json import Words
 
 PACKAGES = (
     "mujoco",
@@ -67,7 +68,7 @@ class Provenance:
 
     rockingcan: str
     python: str
-    packages: Mapping[str, str]
+    packages: Words
     platform: str
     processor: str
     cores: int

@@ -7,11 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from harness.core.plain_json import Floats, Frame, Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -151,12 +149,12 @@ class Table:
 
     name: str
     title: str
-    frame: pd.DataFrame
-    columns: Mapping[str, str]
+    frame: Frame
+    columns: Words
     shown: tuple[str, ...] = field(default=())
     scene: str = ""
-    verdicts: Mapping[str, str] = field(default_factory=dict)
-    cases: Mapping[str, str] = field(default_factory=dict)
+    verdicts: Words = field(default_factory=dict)
+    cases: Words = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,12 +171,17 @@ class Column:
         From the record of a row to its cell; if left out, the record's attribute or key `name`.
     shown : bool
         Whether the page and the terminal show it; files have every column.
+    verdict, case : str
+        Of a column of numbers: the column with their verdicts, and the one with the digests of the
+        cases that made them; empty if there is none.
     """
 
     name: str
     meaning: str
     value: Callable[[Any], object] | None = None
     shown: bool = True
+    verdict: str = ""
+    case: str = ""
 
     def cell(self, record: object) -> object:
         """Return the cell of a record; None if a mapping has no such key."""
@@ -205,7 +208,7 @@ def table_of(
     records : iterable
         Whatever the columns read their cells from.
     **fields
-        Further fields of `Table`: scene, verdicts, cases.
+        Further fields of `Table`, such as the scene.
     """
     rows = [[column.cell(record) for column in columns] for record in records]
     return Table(
@@ -214,6 +217,8 @@ def table_of(
         frame=pd.DataFrame(rows, columns=[column.name for column in columns]),
         columns={column.name: column.meaning for column in columns},
         shown=tuple(column.name for column in columns if column.shown),
+        verdicts={column.name: column.verdict for column in columns if column.verdict},
+        cases={column.name: column.case for column in columns if column.case},
         **fields,
     )
 

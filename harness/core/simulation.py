@@ -88,6 +88,11 @@ class Simulation:
         """Lock the settings."""
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
 
+    @property
+    def ending(self) -> str:
+        """Return the outcome's sentence, and the note if there is one."""
+        return self.outcome.value + (f" ({self.note})" if self.note else "")
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by the fields: a locked mapping cannot be pickled as it is."""
         values = {name: getattr(self, name) for name in self.__slots__}

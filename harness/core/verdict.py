@@ -20,7 +20,10 @@ class Status(Enum):
     BETTER = "better"
     WORSE = "worse"
     MISSING = "missing"
+    NEW = "new"
     NOT_JUDGED = "not judged"
+    REACHED = "reached"
+    NOT_REACHED = "not reached"
 
     @property
     def passed(self) -> bool:

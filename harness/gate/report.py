@@ -9,14 +9,36 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-import pandas as pd
 
-from harness.core.report_model import Artefact, Figure, Panel, Prose, Series, Table
+from harness.core.report_model import (
+    Artefact,
+    Column,
+    Figure,
+    Panel,
+    Prose,
+    Series,
+    Table,
+    table_of,
+)
+from harness.core.verdict import Status, Verdict
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Change, Difference
 from harness.gate.scores import BY_COLUMN, QUANTITIES, CaseIdentity, QuantityKind, Scores
+from harness.studies.comparison.tables import ENGINE, PROFILE, SCENE
 
 REGRESSIONS = frozenset({Change.LARGER, Change.ONLY_FIRST})
 """What fails a gate: worse, or gone."""
+
+
+STATUS = {
+    Change.LARGER: Status.WORSE,
+    Change.SMALLER: Status.BETTER,
+    Change.SAME: Status.SAME,
+    Change.UNDECIDABLE: Status.UNDECIDABLE,
+    Change.ONLY_FIRST: Status.MISSING,
+    Change.ONLY_SECOND: Status.NEW,
+    Change.INFORMATION: Status.NOT_JUDGED,
+}
+"""What a change comes to where the first side is the one to hold the second against."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,23 +55,64 @@ class Wording:
     second: str
     verdicts: Mapping[Change, str]
 
-    def verdict(self, found: Difference) -> str:
+    def verdict(self, found: Difference) -> Verdict:
         """Return the verdict on a difference."""
-        return self.verdicts[found.change]
+        return Verdict(STATUS[found.change], self.verdicts[found.change])
 
+    def columns(self) -> tuple[Column, ...]:
+        """Return the columns of a table of differences."""
+        return (
+            Column("scene", SCENE, lambda one: one.identity.scene),
+            Column("engine", ENGINE, lambda one: one.identity.engine),
+            Column("profile", PROFILE, lambda one: one.identity.profile),
+            Column(
+                "timestep_s",
+                "Timestep that was asked for; empty for the profile's own.",
+                lambda one: one.identity.timestep or None,
+            ),
+            Column(
+                "options",
+                "Settings of the suite on top of the profile.",
+                lambda one: one.identity.options,
+                shown=False,
+            ),
+            Column("quantity", "A column of the table of results, or the outcome."),
+            Column(self.first, "Its magnitude there.", lambda one: one.first),
+            Column(self.second, "Its magnitude here.", lambda one: one.second),
+            Column(
+                "spread",
+                "Largest departure among releases that differ by 1e-9 or less.",
+                shown=False,
+            ),
+            Column(
+                "tolerance",
+                f"How much may differ: {SPREADS:g} spreads, and what round-off alone makes.",
+            ),
+            Column("factor", f"{self.second} over {self.first}."),
+            Column(
+                "verdict", f"Judged by the tolerance and by a factor of {FACTOR:g}.", self.verdict
+            ),
+            Column("note", "What the numbers do not say."),
+            Column("case", "Digest of the case that made the number.", lambda one: one.digest),
+        )
+
+
+_UNMOVED = {
+    Change.SAME: "same",
+    Change.UNDECIDABLE: "undecidable",
+    Change.INFORMATION: "not judged",
+}
 
 GATE = Wording(
     first="accepted",
     second="found",
     verdicts=MappingProxyType(
         {
+            **_UNMOVED,
             Change.LARGER: "worse",
             Change.SMALLER: "better",
-            Change.SAME: "same",
-            Change.UNDECIDABLE: "undecidable",
             Change.ONLY_FIRST: "missing",
             Change.ONLY_SECOND: "new",
-            Change.INFORMATION: "not judged",
         }
     ),
 )
@@ -59,16 +122,17 @@ SIDES = Wording(
     second="b",
     verdicts=MappingProxyType(
         {
+            **_UNMOVED,
             Change.LARGER: "a is better",
             Change.SMALLER: "b is better",
-            Change.SAME: "same",
-            Change.UNDECIDABLE: "undecidable",
             Change.ONLY_FIRST: "only in a",
             Change.ONLY_SECOND: "only in b",
-            Change.INFORMATION: "not judged",
         }
     ),
 )
+
+COLUMNS = (*GATE.columns(), *SIDES.columns())
+"""Columns of tables of differences, of both wordings."""
 
 _NAMED = 12
 """Cases that are named in words; a reader who needs more has the table."""
@@ -186,9 +250,6 @@ def _times(one: Difference) -> str:
     return f" ({factor:.3g} times)"
 
 
-SHOWN = ("scene", "engine", "profile", "timestep_s", "quantity")
-
-
 def gate_report(
     found: Sequence[Difference],
     first: Scores,
@@ -210,60 +271,12 @@ def table(found: Sequence[Difference], wording: Wording) -> Table:
     """Return the table of all differences, what has changed first."""
     first = changed(found)
     names = {id(one) for one in first}
-    rest = [one for one in found if id(one) not in names]
-    columns = {
-        "scene": "Name of the scene.",
-        "engine": "Name of the engine.",
-        "profile": "default: as it ships; matched: what the scene declares; adaptive: own steps.",
-        "timestep_s": "Timestep that was asked for; empty for the profile's own.",
-        "options": "Settings of the suite on top of the profile.",
-        "quantity": "What is compared: a column of the table of results, or the outcome.",
-        wording.first: "Its magnitude there.",
-        wording.second: "Its magnitude here.",
-        "spread": "Largest departure among releases that differ by 1e-9 or less.",
-        "tolerance": f"How much may differ: {SPREADS:g} spreads, and what round-off alone makes.",
-        "factor": f"{wording.second} over {wording.first}.",
-        "verdict": f"Judged by the tolerance and by a factor of {FACTOR:g}.",
-        "note": "What the numbers do not say.",
-        "case": "Digest of the case that made the number.",
-    }
-    frame = pd.DataFrame([_row(one, wording) for one in (*first, *rest)], columns=list(columns))
-    return Table(
-        name="gate",
-        title="Quantity by quantity, what has changed first",
-        frame=frame,
-        columns=columns,
-        shown=(
-            *SHOWN,
-            wording.first,
-            wording.second,
-            "tolerance",
-            "factor",
-            "verdict",
-            "note",
-            "case",
-        ),
+    return table_of(
+        "gate",
+        "Quantity by quantity, what has changed first",
+        wording.columns(),
+        (*first, *(one for one in found if id(one) not in names)),
     )
-
-
-def _row(one: Difference, wording: Wording) -> dict[str, object]:
-    name = one.identity
-    return {
-        "scene": name.scene,
-        "engine": name.engine,
-        "profile": name.profile,
-        "timestep_s": name.timestep or None,
-        "options": name.options,
-        "quantity": one.quantity,
-        wording.first: one.first,
-        wording.second: one.second,
-        "spread": one.spread,
-        "tolerance": one.tolerance,
-        "factor": one.factor,
-        "verdict": wording.verdict(one),
-        "note": one.note,
-        "case": one.digest,
-    }
 
 
 def factors(found: Sequence[Difference], wording: Wording) -> Figure | None:

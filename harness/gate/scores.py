@@ -25,7 +25,7 @@ from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.metrics.quantities import Number
-from harness.studies.comparison.results import results
+from harness.studies.comparison.tables import results
 from models.scene import Scene
 
 

@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from harness.core.bounce import Bounce
+from harness.core.report_model import Column
 from harness.core.simulation import Simulation
 from harness.metrics.contact import ContactQuality
 from harness.metrics.error import Errors
@@ -175,7 +176,7 @@ def _at_end(name: str) -> Quantity:
         key=f"{name}_end_deg",
         label=f"{name} at the end",
         unit="degrees",
-        meaning=f"{name} at the horizon.",
+        meaning=f"Angle {name} at the horizon.",
         of_run=lambda e: read(e, e.motion),
         of_truth=lambda e: read(e, e.truth),
     )
@@ -259,7 +260,7 @@ def _registry() -> Iterator[Quantity]:
         key="phi_end_rad",
         label="nutation at the end",
         unit="rad",
-        meaning="phi at the end of a run of given time.",
+        meaning="Nutation phi at the end of a run of given time.",
         of_run=_last_phi,
     )
     for axis, letter in enumerate("xy"):
@@ -267,7 +268,7 @@ def _registry() -> Iterator[Quantity]:
             key=f"{letter}_end_m",
             label=f"place at the end ({letter})",
             unit="m",
-            meaning=f"{letter} of the can's centre at the end.",
+            meaning=f"Coordinate {letter} of the can's centre at the end.",
             of_run=_last_place(axis),
         )
     yield from _registry_of_errors()
@@ -437,3 +438,9 @@ def _registry_of_contact() -> Iterator[Quantity]:
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType({q.key: q for q in _registry()})
 """Every quantity by its key."""
+
+
+def column(key: str, *, shown: bool = False) -> Column:
+    """Return the column of a quantity in a table whose records are runs."""
+    chosen = QUANTITIES[key]
+    return Column(key, chosen.meaning, chosen.of_run, shown)

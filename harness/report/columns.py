@@ -2,13 +2,11 @@
 
 Written by `python -m harness.report.columns reports/README.md`.
 
-Studies declare what their columns mean where they make their tables; this gathers the declarations,
-so that no list has to be kept beside them.
+Studies declare their columns as tuples of `Column`, or as dictionaries from name to meaning, where
+they make their tables; this gathers the declarations, so that no list has to be kept beside them.
 """
 
-import ast
 import importlib
-import inspect
 import os
 import pkgutil
 import re
@@ -16,6 +14,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
+from typing import TypeGuard
 
 import harness
 from harness.core.errors import ReportError
@@ -33,23 +32,23 @@ def declared() -> dict[str, dict[str, str]]:
     """Return by the part of the harness that makes them the columns of its tables."""
     found: dict[str, dict[str, str]] = {}
     for module in _modules():
-        lists = [
-            {column.name: column.meaning for column in value}
-            for value in vars(module).values()
-            if isinstance(value, tuple) and value and all(isinstance(v, Column) for v in value)
-        ]
-        if getattr(module, "Table", None) is not Table and "Row" not in vars(module) and not lists:
+        if not any(getattr(module, kind.__name__, None) is kind for kind in (Table, Column)):
             continue
-        dictionaries = [*vars(module).values(), *lists, *_within(module)]
         own = {
             column: meaning
-            for value in dictionaries
-            if _is_dictionary(value)
-            for column, meaning in value.items()
+            for value in vars(module).values()
+            for column, meaning in _columns(value).items()
         }
         if own:
             found.setdefault(_part(module), {}).update(own)
     return {part: dict(sorted(columns.items())) for part, columns in sorted(found.items())}
+
+
+def _columns(value: object) -> Mapping[str, str]:
+    """Return the columns that a value declares, with their meanings."""
+    if isinstance(value, tuple) and all(isinstance(item, Column) for item in value):
+        return {column.name: column.meaning for column in value}
+    return value if _is_dictionary(value) else {}
 
 
 def section() -> str:
@@ -91,35 +90,13 @@ def _modules() -> Iterator[ModuleType]:
                     raise
 
 
-def _within(module: ModuleType) -> Iterator[dict[str, str]]:
-    """Yield the dictionaries that are written out inside a module's functions."""
-    for node in ast.walk(ast.parse(inspect.getsource(module))):
-        if isinstance(node, ast.Dict):
-            pairs = [
-                (key.value, _text(value))
-                for key, value in zip(node.keys, node.values, strict=True)
-                if isinstance(key, ast.Constant) and isinstance(key.value, str)
-            ]
-            yield {name: text for name, text in pairs if text is not None}
-
-
-def _text(node: ast.expr) -> str | None:
-    """Return a text as it is written, with a mark where something is put in; None if it is none."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return node.value
-    if isinstance(node, ast.JoinedStr):
-        parts = (part.value if isinstance(part, ast.Constant) else "N" for part in node.values)
-        return "".join(str(part) for part in parts)
-    return None
-
-
 def _part(module: ModuleType) -> str:
     """Return what a person calls the part: a study, or the report, the gate, the sweep."""
     words = module.__name__.removeprefix(f"{harness.__name__}.").split(".")
     return words[1] if words[0] in {"studies", "paper"} else words[0]
 
 
-def _is_dictionary(value: object) -> bool:
+def _is_dictionary(value: object) -> TypeGuard[Mapping[str, str]]:
     """Return whether a value says of columns what they mean: names, and sentences."""
     if not isinstance(value, Mapping) or not value:
         return False

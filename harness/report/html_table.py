@@ -4,8 +4,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from harness.core.plain_json import is_missing
 from harness.core.report_model import Table
-from harness.report.number_format import heading, is_missing, is_number, readable, slug
+from harness.core.verdict import Status, Verdict
+from harness.report.number_format import heading, is_number, readable, slug
 from harness.report.tables import is_numeric, rows, shown
 
 Tone = Literal["", "good", "fair", "bad", "none"]
@@ -15,28 +17,32 @@ COMMAND = "command"  # the column with what runs a row again
 _MOST = 400  # rows; a page of all studies stays below 12 MB, and no reader goes through more
 _LONG = 36  # letters; longer texts break into lines
 _JUDGED = ("verdict", "outcome")
-_TONES: dict[str, Tone] = {
-    "agrees": "good",
+_STATUS_TONES: dict[Status, Tone] = {
+    Status.AGREES: "good",
+    Status.BETTER: "good",
+    Status.DEVIATES: "fair",
+    Status.FAILED: "bad",
+    Status.WORSE: "bad",
+    Status.UNSUPPORTED: "none",
+    Status.UNDECIDABLE: "none",
+    Status.NOT_MEASURED: "none",
+    Status.NOT_REACHED: "none",
+    Status.NOT_JUDGED: "none",
+}
+_WORD_TONES: dict[str, Tone] = {
     "equal": "good",
     "finished": "good",
-    "ok": "good",
     "passed": "good",
-    "yes": "good",
-    "deviates": "fair",
     "imposed": "fair",
-    "better": "good",
-    "worse": "bad",
     "timed": "bad",
     "flat": "bad",
     "overturned": "bad",
     "diverged": "bad",
     "mismatch": "bad",
     "failed": "bad",
-    "no": "bad",
     "unsupported": "none",
     "undecidable": "none",
-    "not": "none",
-}  # by the first word of a verdict
+}  # by the first word of an outcome, and of what is judged in a word
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,14 +148,16 @@ def _cell(head: Head, row: Mapping[str, object], table: Table, digests: Collecti
         exact=repr(value) if number else "",
         link=f"case-{slug(digest)}" if digest in digests else "",
         long=len(text) > _LONG,
-        tone=tone(text if verdict is None else str(verdict)) if judged or verdict else "",
+        tone=tone(value if verdict is None else verdict) if judged or verdict else "",
         verdict="" if is_missing(verdict) else str(verdict),
         code=head.name == COMMAND and not missing,
         numeric=head.numeric,
     )
 
 
-def tone(verdict: str) -> Tone:
-    """Return how a verdict is coloured, which repeats what its first word says."""
-    words = verdict.lower().split() or [""]
-    return _TONES.get(words[0].strip(":,.;"), "")
+def tone(judged: object) -> Tone:
+    """Return how a verdict or an outcome is coloured, which repeats what it says."""
+    if isinstance(judged, Verdict):
+        return _STATUS_TONES.get(judged.status, "")
+    word, *_ = str(judged).lower().split() or [""]
+    return _WORD_TONES.get(word.strip(":,.;"), "")

@@ -11,16 +11,13 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from harness.core.report_model import Table
-from harness.report.layout import Report
-from harness.report.number_format import is_missing, readable
-from harness.report.section import FIDELITY
-from harness.report.tables import rows
+from harness.core.verdict import Status, Verdict
+from harness.report.layout import FIDELITY, Report
+from harness.report.number_format import readable
+from harness.report.tables import Row, records
 
 _ALIEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What XML 1.0 has no way to write, not even as a reference."""
-
-_PASSED = ("agrees", "same", "better")
-_FAILED = ("deviates", "failed", "worse", "missing")
 
 _GATE = "gate"
 """Name of the table of results against accepted ones."""
@@ -28,7 +25,8 @@ _GATE = "gate"
 
 def junit(report: Report) -> str:
     """Return the verdicts of a report; an empty list where no engine was compared."""
-    verdicts = [row for table in report.tables.values() for row in _rows(table)]
+    every = (row for table in report.tables.values() for row in _rows(table))
+    verdicts = [row for row in every if row["verdict"].status is not Status.NOT_JUDGED]
     suites = _element("testsuites", name=report.title)
     for name in dict.fromkeys(row["suite"] for row in verdicts):
         own = [row for row in verdicts if row["suite"] == name]
@@ -42,65 +40,62 @@ def junit(report: Report) -> str:
 
 
 def _rows(table: Table) -> Iterable[dict[str, Any]]:
-    names = [str(name) for name in table.frame.columns]
-    told = (dict(zip(names, row, strict=True)) for row in rows(table.frame))
+    """Yield the verdicts of a table: each row with the keys `suite` and `verdict`."""
     if table.name == FIDELITY:
-        yield from ({**row, "suite": row["engine"]} for row in told)
+        yield from ({**row, "suite": row["engine"]} for row in records(table))
     elif table.name == _GATE:
-        yield from (_held(row) for row in told if row["verdict"] != "not judged")
+        yield from map(_held, records(table))
 
 
-def _held(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a comparison with an accepted result in the words of a verdict."""
-    step = "" if is_missing(row["timestep_s"]) else f", {row['timestep_s']:g} s"
-    note = f": {row['note']}" if row["note"] else ""
+def _held(row: Row) -> dict[str, Any]:
+    """Return a comparison with an accepted result as fidelity has them."""
+    step = "" if row["timestep_s"] is None else f", {row['timestep_s']:g} s"
+    verdict, note = row["verdict"], f": {row['note']}" if row["note"] else ""
     return {
         **row,
         "suite": f"{row['engine']}, against accepted results",
         "profile": f"{row['profile']}{step}",
-        "verdict": f"{row['verdict']}{note}",
+        "verdict": Verdict(verdict.status, f"{verdict.text}{note}"),  # type: ignore[attr-defined]
         "value": row["found"],
         "allowed": _allowed(row["accepted"], row["tolerance"]),
         "command": f"case {row['case']}",
     }
 
 
-def _allowed(accepted: float | None, tolerance: float | None) -> float | None:
+def _allowed(accepted: object, tolerance: object) -> float | None:
     """Return how large a magnitude may be for its tolerance, if there is such a number."""
-    if is_missing(accepted) or is_missing(tolerance):
+    if not (isinstance(accepted, float) and isinstance(tolerance, float)):
         return None
-    return (accepted or 0.0) + (tolerance or 0.0)
+    return accepted + tolerance
 
 
 def _case(row: dict[str, Any]) -> Element:
     scene, profile, quantity = (str(row[key]) for key in ("scene", "profile", "quantity"))
     case = _element("testcase", classname=f"{row['engine']}.{scene}", name=f"{quantity}, {profile}")
-    verdict = str(row["verdict"])
-    if verdict.startswith(_FAILED):
-        failure = SubElement(
-            case, "failure", _told(message=verdict, type=verdict.partition(" ")[0].rstrip(":"))
-        )
-        failure.text = _clean(_numbers(row))
-    elif not verdict.startswith(_PASSED):
-        SubElement(case, "skipped", _told(message=verdict))
+    verdict: Verdict = row["verdict"]
+    if verdict.status.failed:
+        told = _told(message=verdict.text, type=verdict.status.value)
+        SubElement(case, "failure", told).text = _clean(_numbers(row))
+    elif not verdict.status.passed:
+        SubElement(case, "skipped", _told(message=verdict.text))
     return case
 
 
 def _numbers(row: dict[str, Any]) -> str:
     """Return the numbers behind a verdict, and how to get them again."""
-    value = "no number" if is_missing(row["value"]) else readable(row["value"])
-    allowed = "" if is_missing(row["allowed"]) else f", allowed {readable(row['allowed'])}"
+    value = "no number" if row["value"] is None else readable(row["value"])
+    allowed = "" if row["allowed"] is None else f", allowed {readable(row['allowed'])}"
     return f"{row['quantity']}: {value}{allowed}\n{row['command']}"
 
 
 def _counts(verdicts: list[dict[str, Any]]) -> dict[str, str]:
-    words = [str(row["verdict"]) for row in verdicts]
-    failures = sum(word.startswith(_FAILED) for word in words)
-    passed = sum(word.startswith(_PASSED) for word in words)
+    statuses = [row["verdict"].status for row in verdicts]
+    failures = sum(status.failed for status in statuses)
+    passed = sum(status.passed for status in statuses)
     return {
-        "tests": str(len(words)),
+        "tests": str(len(statuses)),
         "failures": str(failures),
-        "skipped": str(len(words) - failures - passed),
+        "skipped": str(len(statuses) - failures - passed),
     }
 
 

@@ -9,6 +9,8 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
+from harness.core.plain_json import is_missing
+
 SIGNIFICANT = 4  # enough to tell 0.15 from 0.1499, few enough to compare at a glance
 NOTHING = "\N{EN DASH}"
 
@@ -23,13 +25,6 @@ def is_number(value: object) -> bool:
     """Return whether a cell holds a number; a truth value is none."""
     # numpy's numbers are registered with the standard library's abstract ones; its bool is not
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
-
-
-def is_missing(value: object) -> bool:
-    """Return whether a cell holds nothing: None, NaN, NaT or NA."""
-    if value is None or type(value).__name__ in {"NAType", "NaTType"}:
-        return True
-    return isinstance(value, numbers.Real) and math.isnan(value)
 
 
 def readable(value: object) -> str:

@@ -28,12 +28,12 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from harness.core.provenance import Provenance
-from harness.core.report_model import Floats, Prose, Replay
+from harness.core.report_model import Prose, Replay
+from harness.core.trajectory import Floats
 from harness.report.html_table import Grid, grid
-from harness.report.layout import Picture, Report, ReportPart
+from harness.report.layout import Picture, Report, ReportPart, Section
 from harness.report.number_format import slug, slugs
 from harness.report.plotly_renderer import description, packed, plotly_packed
-from harness.report.section import Section
 from harness.report.style import PAPER_DARK, PAPER_LIGHT, Entry, LineStyle, entries
 
 

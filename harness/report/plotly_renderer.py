@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from plotly.offline import get_plotlyjs
 
-from harness.core.report_model import Figure, Floats, Heatmap, Panel, Series
+from harness.core.report_model import Figure, Heatmap, Panel, Series
+from harness.core.trajectory import Floats
 from harness.report.simplify_curves import plottable
 from harness.report.style import BAR_WIDTH, PLAIN, SIGNED, Entry, LineStyle, entries, span
 

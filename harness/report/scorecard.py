@@ -11,29 +11,28 @@ the gap is closed; its command stands in the row.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
-import pandas as pd
-
-from harness.core.report_model import Table
+from harness.core.report_model import Column, Table, table_of
+from harness.core.verdict import Status, Verdict
+from harness.report.layout import FIDELITY, Section
 from harness.report.number_format import readable
-from harness.report.section import FIDELITY, Section
 from harness.report.tables import Row, records
 from harness.studies.stability.failure_criteria import SOUND
 
-_COLUMNS: Mapping[str, str] = {
-    "scene": "Name of the scene.",
-    "engine": "Name of the engine, as it ships.",
-    "quantity": "What deviates; the unit is its suffix.",
-    "deviation": "By how much, engine minus truth.",
-    "rank": "Place of the cause, by what closing it takes away.",
-    "cause": "Name of the gap, or why there is none.",
-    "takes_away": "What closing the gap, after those before it, takes away of the size.",
-    "alone": "What closing only this gap takes away.",
-    "what_it_does": "What the open gap does to the can.",
-    "case": "Digest of the experiment that confirms it: the run with the gap closed.",
-    "command": "Runs the experiment again.",
-}
+_CAUSES = (
+    Column("scene", "Name of the scene."),
+    Column("engine", "Name of the engine, as it ships."),
+    Column("quantity", "What deviates; the unit is its suffix."),
+    Column("deviation", "By how much, engine minus truth."),
+    Column("rank", "Place of the cause, by what closing it takes away."),
+    Column("cause", "Name of the gap, or why there is none."),
+    Column("takes_away", "What closing the gap, after those before it, takes away of the size."),
+    Column("alone", "What closing only this gap takes away.", shown=False),
+    Column("what_it_does", "What the open gap does to the can."),
+    Column("case", "Digest of the experiment that confirms it: the run with the gap closed."),
+    Column("command", "Runs the experiment again.", shown=False),
+)
 
 _ATTRIBUTED = {
     "turn_error_deg": "turn_error_deg",
@@ -64,17 +63,11 @@ def causes(verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
         for told in verdicts
         if told["profile"] == "default"
         and told["quantity"] in _ATTRIBUTED
-        and str(told["verdict"]).startswith("deviates")
+        and status_of(told["verdict"]) is Status.DEVIATES
     ]
     rows = [row for told in deviating if _gaps(told) in found for row in _of(told, found)]
     rows += _unknown([told for told in deviating if _gaps(told) not in found])
-    return Table(
-        name="causes",
-        title="Why engines deviate as they ship",
-        frame=pd.DataFrame(rows, columns=list(_COLUMNS)),
-        columns=_COLUMNS,
-        shown=tuple(name for name in _COLUMNS if name not in {"alone", "command"}),
-    )
+    return table_of("causes", "Why engines deviate as they ship", _CAUSES, rows)
 
 
 def _gaps(told: Row) -> str:
@@ -129,8 +122,6 @@ def _experiment(runs: Sequence[Row], gap: object) -> Row:
 _HEADLINE = "paper-release"
 """The scene that the project is about; the first one where it was left out."""
 
-_MISSING = "not measured in this run: rockingcan {}"
-
 _TARGET = 0.1  # deg
 _CHOICES = {
     "default": "settings as shipped",
@@ -145,37 +136,73 @@ _WAYS = {
     "adaptive": "matched, own steps",
 }
 
-_QUANTITIES: Mapping[str, str] = {
-    "turn_error_deg": "Angle of turn of the worst bounce, engine minus truth.",
-    "locus_error_mm": "Largest distance between the two contact loci as curves.",
-    "friction_ratio_error": "Peak of |F|/N in the worst bounce, engine minus truth.",
-    "slip_mm_s": "Largest horizontal speed of the can's material at the contact point.",
-    "penetration_um": "Depth of the deepest contact.",
-    "lift_off_percent": "Share of the time without contact force.",
-    "energy_drift": "Largest departure of the energy from its first value, over m g R.",
-}
-_SPOKEN: Mapping[str, tuple[str, float]] = {
-    "contact_locus_m": ("locus_error_mm", 1e3),
-    "slip_m_s": ("slip_mm_s", 1e3),
-    "penetration_m": ("penetration_um", 1e6),
-    "lift_off_fraction": ("lift_off_percent", 1e2),
-}
-"""In which unit the scorecard says what the comparison measured in SI."""
 
-_STABILITY: Mapping[str, str] = {
-    "stability_percent": "Share of the hard cases, at the smallest timestep tried, that stay sound."
-}
-_PRICE: Mapping[str, str] = {
-    "price_s_s": "Price of 0.1 degrees: processor seconds for each simulated second."
-}
+class _Spoken(NamedTuple):
+    """A quantity of the scorecard: its column, and the factor from the unit of the verdicts."""
+
+    column: str
+    meaning: str
+    scale: float = 1.0
 
 
-_WHO: Mapping[str, str] = {
-    "engine": "Name of the engine.",
-    "settings": "The profile in words, and its smallest timestep that was run.",
-    "timestep_s": "Timestep of the engine; the largest of one that chooses its own.",
-    "profile": "default: as it ships; matched: what the scene declares; adaptive: own steps.",
+_QUANTITIES = {
+    "turn_error_deg": _Spoken(
+        "turn_error_deg", "Angle of turn of the worst bounce, engine minus truth."
+    ),
+    "contact_locus_m": _Spoken(
+        "locus_error_mm", "Largest distance between the two contact loci as curves.", 1e3
+    ),
+    "friction_ratio_error": _Spoken(
+        "friction_ratio_error", "Peak of |F|/N in the worst bounce, engine minus truth."
+    ),
+    "slip_m_s": _Spoken(
+        "slip_mm_s", "Largest horizontal speed of the can's material at the contact point.", 1e3
+    ),
+    "penetration_m": _Spoken("penetration_um", "Depth of the deepest contact.", 1e6),
+    "lift_off_fraction": _Spoken(
+        "lift_off_percent", "Share of the time without contact force.", 1e2
+    ),
+    "energy_drift": _Spoken(
+        "energy_drift", "Largest departure of the energy from its first value, over m g R."
+    ),
 }
+"""By the name of a quantity in the table of verdicts, in the order of the scorecard."""
+
+
+def _judged(name: str, meaning: str) -> tuple[Column, ...]:
+    """Return the columns of a number with its verdict and its case."""
+    verdict, case = f"{name}_verdict", f"{name}_case"
+    return (
+        Column(name, meaning, verdict=verdict, case=case),
+        Column(verdict, f"Verdict in words on {name}.", shown=False),
+        Column(case, f"Digest of the case behind {name}.", shown=False),
+    )
+
+
+_OF_SCENE = (
+    Column("engine", "Name of the engine."),
+    Column("settings", "The profile in words, and its smallest timestep that was run."),
+    Column(
+        "timestep_s",
+        "Timestep of the engine; the largest of one that chooses its own.",
+        shown=False,
+    ),
+    Column(
+        "profile",
+        "default: as it ships; matched: what the scene declares; adaptive: own steps.",
+        shown=False,
+    ),
+    *(column for q in _QUANTITIES.values() for column in _judged(q.column, q.meaning)),
+)
+
+_SCORECARD = (
+    *_OF_SCENE,
+    *_judged(
+        "stability_percent",
+        "Share of the hard cases, at the smallest timestep tried, that stay sound.",
+    ),
+    *_judged("price_s_s", "Price of 0.1 degrees: processor seconds for each simulated second."),
+)
 
 
 def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
@@ -189,31 +216,31 @@ def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
         return ()
     scenes = list(dict.fromkeys(str(row["scene"]) for row in verdicts))
     headline = _HEADLINE if _HEADLINE in scenes else scenes[0]
-    return (
-        _scorecard(headline, verdicts, tables),
-        causes(verdicts, tables),
-        *(_of_scene(scene, verdicts) for scene in scenes),
-    )
-
-
-def _scorecard(scene: str, verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
-    """Return the scorecard that opens the page."""
     hard = [row for table in tables if table.name == "verdicts" for row in records(table)]
-    prices = [r for table in tables if table.name == f"{scene}-prices" for r in records(table)]
+    prices = [r for t in tables if t.name == f"{headline}-prices" for r in records(t)]
     rows = [
-        row | _stability(row, hard) | _price(row, prices, scene) for row in _rows(scene, verdicts)
+        row | _stability(row, hard) | _price(row, prices, headline)
+        for row in _rows(headline, verdicts)
     ]
-    return _table(
-        "engines",
-        f"Scorecard: engines on {scene}",
-        rows,
-        {**_QUANTITIES, **_STABILITY, **_PRICE},
+    return (
+        table_of("engines", f"Scorecard: engines on {headline}", _SCORECARD, rows),
+        causes(verdicts, tables),
+        *(
+            table_of(
+                f"{scene}-engines", "The engines", _OF_SCENE, _rows(scene, verdicts), scene=scene
+            )
+            for scene in scenes
+        ),
     )
 
 
-def _of_scene(scene: str, verdicts: Sequence[Row]) -> Table:
-    rows = _rows(scene, verdicts)
-    return _table(f"{scene}-engines", "The engines", rows, _QUANTITIES, scene=scene)
+def status_of(verdict: object) -> Status | None:
+    """Return the status of a cell; None if it holds no verdict."""
+    return verdict.status if isinstance(verdict, Verdict) else None
+
+
+def _not_measured(command: str) -> Verdict:
+    return Verdict(Status.NOT_MEASURED, f"not measured in this run: rockingcan {command}")
 
 
 def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
@@ -232,7 +259,7 @@ def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
                 "timestep_s": told["timestep_s"],
             },
         )
-        name, scale = _SPOKEN.get(str(told["quantity"]), (str(told["quantity"]), 1.0))
+        name, _, scale = _QUANTITIES[str(told["quantity"])]
         value = told["value"]
         row |= {
             name: None if value is None else scale * float(str(value)),
@@ -268,12 +295,13 @@ def _stability(row: Row, hard: Sequence[Row]) -> dict[str, Any]:
         if scene not in own or _step(told) < _step(own[scene]):
             own[scene] = told
     if not own:
-        return {"stability_percent_verdict": _MISSING.format("stability")}
+        return {"stability_percent_verdict": _not_measured("stability")}
     sound = {verdict.value for verdict in SOUND}
     failed = [told for told in own.values() if told["verdict"] not in sound]
-    words = f"agrees: all {len(own)} hard cases stay sound"
+    words = Verdict(Status.AGREES, f"agrees: all {len(own)} hard cases stay sound")
     if failed:
-        words = f"deviates: {len(failed)} of {len(own)} hard cases fail"
+        text = f"deviates: {len(failed)} of {len(own)} hard cases fail"
+        words = Verdict(Status.DEVIATES, text)
     return {
         "stability_percent": 100.0 * (1.0 - len(failed) / len(own)),
         "stability_percent_verdict": words,
@@ -288,42 +316,15 @@ def _step(row: Row) -> float:
 def _price(row: Row, prices: Sequence[Row], scene: str) -> dict[str, Any]:
     """Return what a tenth of a degree costs in an engine's profile."""
     if not prices:
-        return {"price_s_s_verdict": _MISSING.format(f"cost {scene}")}
+        return {"price_s_s_verdict": _not_measured(f"cost {scene}")}
     for told in prices:
         same = told["engine"] == row["engine"] and told["target_deg"] == _TARGET
         if same and told["choice"] == _CHOICES.get(str(row["profile"])):
-            verdict = str(told["verdict"])
-            reached = not verdict.startswith("not reached")
+            reached = status_of(told["verdict"]) is Status.REACHED
             return {
                 "price_s_s": told["cost_s_s"] if reached else None,
-                "price_s_s_verdict": verdict,
+                "price_s_s_verdict": told["verdict"],
                 "price_s_s_case": told.get("case"),
             }
-    return {"price_s_s_verdict": "not decidable: the price list has no such settings"}
-
-
-def _table(
-    name: str,
-    title: str,
-    rows: list[dict[str, Any]],
-    quantities: Mapping[str, str],
-    *,
-    scene: str = "",
-) -> Table:
-    columns = dict(_WHO)
-    for quantity, meaning in quantities.items():
-        columns |= {
-            quantity: meaning,
-            f"{quantity}_verdict": f"Verdict in words on {quantity}.",
-            f"{quantity}_case": f"Digest of the case behind {quantity}.",
-        }
-    return Table(
-        name=name,
-        title=title,
-        frame=pd.DataFrame(rows, columns=list(columns)),
-        columns=columns,
-        shown=("engine", "settings", *quantities),
-        scene=scene,
-        verdicts={quantity: f"{quantity}_verdict" for quantity in quantities},
-        cases={quantity: f"{quantity}_case" for quantity in quantities},
-    )
+    text = "not decidable: the price list has no such settings"
+    return {"price_s_s_verdict": Verdict(Status.UNDECIDABLE, text)}

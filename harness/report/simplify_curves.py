@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

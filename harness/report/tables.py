@@ -17,8 +17,9 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from harness.core.plain_json import is_missing
 from harness.core.report_model import Table
-from harness.report.number_format import heading, is_missing, is_number, readable
+from harness.report.number_format import heading, is_number, readable
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>|~#$])")

@@ -10,17 +10,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Replay, Table
 from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
 from harness.report.junit import junit
-from harness.report.layout import Picture, Report, arrange, unique_names
+from harness.report.layout import Picture, Report, Section, arrange, ordered, unique_names
 from harness.report.matplotlib_renderer import render
 from harness.report.page import page
 from harness.report.scorecard import derived
-from harness.report.section import Section, ordered
 from harness.report.simplify_curves import PAPER, SCREEN, simplify
-from harness.report.stored import ARTEFACTS, to_json, to_plain
+from harness.report.stored import ARTEFACTS, to_json
 from harness.report.style import palette
 from harness.report.tables import csv_text, dictionary, markdown, parquet_bytes, plain_text
 
@@ -139,6 +139,7 @@ def _fine(chapter: Section) -> Section:
             simplify(artefact, SCREEN) if isinstance(artefact, Figure) else artefact
             for artefact in chapter.artefacts
         ),
+        fine=True,
     )
 
 

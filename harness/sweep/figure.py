@@ -9,7 +9,8 @@ Points of a curve: every so-manieth scene of a sweep, so that memory does not gr
 
 import numpy as np
 
-from harness.core.report_model import Figure, Floats, Heatmap, Panel, Series
+from harness.core.report_model import Figure, Heatmap, Panel, Series
+from harness.core.trajectory import Floats
 from harness.sweep.axes import Axis
 from harness.sweep.plan import SweepPlan
 from harness.sweep.quantities import QUANTITIES

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
-from harness.core.report_model import Artefact, Figure, Floats, Prose, Table
+from harness.core.report_model import Artefact, Column, Figure, Prose, table_of
+from harness.core.trajectory import Floats
 from harness.sweep.figure import Cells, Points, curves, maps
 from harness.sweep.partition import Partition
 from harness.sweep.plan import SweepPlan
@@ -89,36 +89,34 @@ def overview(plan: SweepPlan, parts: Iterable[Partition], against: str | None = 
 
 def sweep_report(found: Overview) -> tuple[Artefact, ...]:
     """Return what a report of a sweep is made of."""
-    frame = pd.DataFrame(
-        [
-            {"quantity": name, "scenes": e.count, "least": e.low, "mean": e.mean, "largest": e.high}
-            for name, e in found.extents.items()
-        ],
-        columns=["quantity", "scenes", "least", "mean", "largest"],
-    )
-    ends = pd.DataFrame(list(found.outcomes.items()), columns=["outcome", "scenes"])
     return (
         Prose(name="summary", title="The sweep", text=_words(found)),
         found.figure,
-        Table(
-            name="quantities",
-            title="What the scenes have",
-            frame=frame,
-            columns={
-                "quantity": "With its unit last.",
-                "scenes": "How many have it; why the others have not, their outcome says.",
-                "least": "In the quantity's unit.",
-                "mean": "In the quantity's unit, over the scenes that have it.",
-                "largest": "In the quantity's unit.",
-            },
-        ),
-        Table(
-            name="outcomes",
-            title="How the scenes ended",
-            frame=ends,
-            columns={"outcome": "In the words of whatever ran them.", "scenes": "How many."},
-        ),
+        table_of("quantities", "What the scenes have", _QUANTITIES, found.extents.items()),
+        table_of("outcomes", "How the scenes ended", _OUTCOMES, found.outcomes.items()),
     )
+
+
+_QUANTITIES = (
+    Column("quantity", "With its unit last.", lambda item: item[0]),
+    Column(
+        "scenes",
+        "How many have it; why the others have not, their outcome says.",
+        lambda item: item[1].count,
+    ),
+    Column("least", "In the quantity's unit.", lambda item: item[1].low),
+    Column(
+        "mean",
+        "In the quantity's unit, over the scenes that have it.",
+        lambda item: item[1].mean,
+    ),
+    Column("largest", "In the quantity's unit.", lambda item: item[1].high),
+)
+
+_OUTCOMES = (
+    Column("outcome", "In the words of whatever ran them.", lambda item: item[0]),
+    Column("scenes", "How many.", lambda item: item[1]),
+)
 
 
 class _Sum:

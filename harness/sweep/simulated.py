@@ -104,7 +104,7 @@ def _alone(case: Case) -> Simulation:
 
 def _measured(case: Case, simulation: Simulation) -> tuple[Numbers, str]:
     """Return the quantities of a run and the sentence of its outcome."""
-    said = simulation.outcome.value + (f" ({simulation.note})" if simulation.note else "")
+    said = simulation.ending
     found: Numbers = {"steps": float(simulation.steps)}
     trajectory = simulation.trajectory
     drift = None if trajectory is None else energy_drift(trajectory, case.scene)

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats  # noqa: TC001 - as the other figures import it
 from harness.paper.gallery.release import FOURTH_CURVE, OURS, SECOND_CURVE, line, problem
 from reference.asymptotic.small_nutation import Reduced, reduced_of
 

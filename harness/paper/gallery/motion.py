@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from harness.core.report_model import Figure, Floats, Panel
+from harness.core.report_model import Figure, Panel
+from harness.core.trajectory import Floats
 from harness.paper.gallery.release import SECOND_CURVE, TIME, line, points, problem, sampled, solved
 from reference import PAPER_CAN, States
 from reference.asymptotic.expansions import paper_constants

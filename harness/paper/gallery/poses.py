@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
 from harness.paper.gallery.release import (
     FIFTH_CURVE,
     FOURTH_CURVE,

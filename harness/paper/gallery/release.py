@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.core.report_model import Floats, Series
+from harness.core.report_model import Series
+from harness.core.trajectory import Floats
 from reference import PAPER_CAN, Problem, Solution, States, solve
 
 SECOND = math.sqrt(0.037 / 9.81)

@@ -8,29 +8,34 @@ The comparison in one table: a row a scene and engine, as it ships beside the be
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from harness.core.report_model import Table
+from harness.core.report_model import Column, Table, rows_of, table_of
+from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
-from harness.studies.comparison.results import CASE, Row, frame, key
 from harness.studies.comparison.selection import ended, finest
 from harness.studies.comparison.suite import Unsupported
+from harness.studies.comparison.tables import CASE, ENGINE, SCENE, case_digest
 
-_SCORECARD_COLUMNS: Mapping[str, str] = {
-    "scene": CASE["scene"],
-    "engine": CASE["engine"],
-    "shipped_verdict": "As it ships: agrees, deviates, failed, unsupported, or not decidable.",
-    "shipped_turn_error_deg": "First angle of turn, engine minus truth, as it ships.",
-    "shipped_phi_rms_rad": "Root mean square error of phi, as it ships.",
-    "best_verdict": "The same at the best that was run.",
-    "best_turn_error_deg": "First angle of turn, engine minus truth, of the best run.",
-    "best_phi_rms_rad": "Root mean square error of phi of the best run.",
-    "best_run": "Profile and timestep of the best run.",
-    "case": "Digest of the best run; its command is in the list of cases.",
-}
+_SCORECARD = (
+    Column("scene", SCENE),
+    Column("engine", ENGINE),
+    Column(
+        "shipped_verdict",
+        "As it ships: agrees, deviates, failed, unsupported, or not decidable.",
+    ),
+    Column("shipped_turn_error_deg", "First angle of turn, engine minus truth, as it ships."),
+    Column("shipped_phi_rms_rad", "Root mean square error of phi, as it ships."),
+    Column("best_verdict", "The same at the best that was run."),
+    Column("best_turn_error_deg", "First angle of turn, engine minus truth, of the best run."),
+    Column("best_phi_rms_rad", "Root mean square error of phi of the best run."),
+    Column("best_run", "Profile and timestep of the best run."),
+    Column("case", "Digest of the best run; its command is in the list of cases."),
+)
 
 AGREES_TURN = 0.1
 """deg: what a protractor on the table would not show."""
@@ -41,19 +46,10 @@ AGREES_PHI = 0.01
 
 def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
     """Return the scorecard of the comparison."""
-    rows: list[Row] = []
-    pairs = dict.fromkeys(
-        (e.simulation.case.scene.name, e.simulation.case.engine) for e in evaluations
-    )
-    for scene, engine in pairs:
-        own = [
-            e
-            for e in evaluations
-            if (e.simulation.case.scene.name, e.simulation.case.engine) == (scene, engine)
-        ]
-        shipped = next((e for e in own if e.simulation.case.profile == "default"), None)
-        tuned = [e for e in own if e.simulation.case.profile != "default"]
-        rows.append(_row(scene, engine, shipped, min(tuned, key=_badness, default=None)))
+    runs: dict[tuple[str, str], list[Evaluation]] = {}
+    for e in evaluations:
+        runs.setdefault((e.simulation.case.scene.name, e.simulation.case.engine), []).append(e)
+    rows = [_row(*pair, own) for pair, own in runs.items()]
     rows += [
         {
             "scene": one.scene,
@@ -63,51 +59,43 @@ def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupport
         }
         for one in unsupported
     ]
-    return Table(
-        name="scorecard",
-        title="As it ships, and at its best",
-        frame=frame(rows, _SCORECARD_COLUMNS),
-        columns=_SCORECARD_COLUMNS,
-    )
+    return table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows)
 
 
-def _row(scene: str, engine: str, shipped: Evaluation | None, best: Evaluation | None) -> Row:
+def _row(scene: str, engine: str, own: Sequence[Evaluation]) -> dict[str, Any]:
     """Return the row of a scene and an engine."""
-    row: Row = {"scene": scene, "engine": engine}
+    shipped = next((e for e in own if e.simulation.case.profile == "default"), None)
+    tuned = [e for e in own if e.simulation.case.profile != "default"]
+    best = min(tuned, key=_badness, default=None)
+    row: dict[str, Any] = {"scene": scene, "engine": engine}
     for prefix, e in (("shipped", shipped), ("best", best)):
-        if e is None:
-            continue
-        row[f"{prefix}_verdict"] = scorecard_verdict(e)
-        if e.errors is not None:
-            row[f"{prefix}_phi_rms_rad"] = e.errors.phi_rms
-            row[f"{prefix}_turn_error_deg"] = turn_error(e)
+        if e is not None:
+            row |= {
+                f"{prefix}_verdict": scorecard_verdict(e),
+                f"{prefix}_phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
+                f"{prefix}_turn_error_deg": turn_error(e),
+            }
     if best is not None:
-        simulation = best.simulation
-        row["best_run"] = f"{simulation.case.profile}, {simulation.timestep:.2g} s"
-        row["case"] = simulation.case.digest(simulation.engine_version)
+        row["best_run"] = f"{best.simulation.case.profile}, {best.simulation.timestep:.2g} s"
+        row["case"] = case_digest(best)
     return row
 
 
-def scorecard_verdict(e: Evaluation) -> str:
-    """Return in words how faithful a run was, with the number behind it."""
-    undecided = _undecided(e)
-    if undecided is not None:
-        return undecided
-    much = excess(e)
-    return "agrees" if much <= 1.0 else deviation(much)
+def scorecard_verdict(e: Evaluation) -> Verdict:
+    """Return how faithful a run was, with the number behind it."""
+    return _undecided(e) or _weighed(excess(e))
 
 
 _WHOLE = 10.0
 """Factors from here on are told without decimals."""
 
 
-def deviation(factor: float) -> str:
-    """Return in words by what factor something exceeds what is allowed."""
-    return (
-        f"deviates by a factor {factor:.0f}"
-        if factor >= _WHOLE
-        else (f"deviates by a factor {factor:.2g}")
-    )
+def _weighed(factor: float) -> Verdict:
+    """Return the verdict on something by its factor over what is allowed."""
+    if factor <= 1.0:
+        return Verdict(Status.AGREES, "agrees")
+    digits = f"{factor:.0f}" if factor >= _WHOLE else f"{factor:.2g}"
+    return Verdict(Status.DEVIATES, f"deviates by a factor {digits}")
 
 
 def excess(e: Evaluation) -> float:
@@ -122,20 +110,27 @@ def excess(e: Evaluation) -> float:
     return max(*turns, e.errors.phi_rms / (AGREES_PHI * largest), 0.0)
 
 
-def _undecided(e: Evaluation) -> str | None:
+def _undecided(e: Evaluation) -> Verdict | None:
     """Return why a run has no error that could be weighed, or None if it has one."""
-    end = ended(e)
-    if end:
+    if (end := ended(e)) is not None:
         return end
     if e.errors is None:
-        return "not decidable: there is no exact motion"
+        return _not_decidable("there is no exact motion")
     if e.truth_pulls:
-        return "not decidable: the exact motion asks the plane to pull"
+        return _not_decidable("the exact motion asks the plane to pull")
     if e.true_bounces and not e.errors.angle_of_turn:
-        return "failed: no complete bounce"
+        return _NO_BOUNCE
     if e.true_bounces and not e.bounces[0].resolved:
-        return "deviates: too coarse to count the turns"
+        return _TOO_COARSE
     return None
+
+
+def _not_decidable(why: str) -> Verdict:
+    return Verdict(Status.UNDECIDABLE, f"not decidable: {why}")
+
+
+_NO_BOUNCE = Verdict(Status.FAILED, "failed: no complete bounce")
+_TOO_COARSE = Verdict(Status.DEVIATES, "deviates: too coarse to count the turns")
 
 
 def _badness(e: Evaluation) -> tuple[bool, float, float]:
@@ -143,15 +138,20 @@ def _badness(e: Evaluation) -> tuple[bool, float, float]:
     return _undecided(e) is not None, excess(e), -(math.inf if e.parts_at is None else e.parts_at)
 
 
-_COLUMNS: Mapping[str, str] = {
-    **CASE,
-    "quantity": "What was compared; the unit is its suffix.",
-    "value": "Engine minus truth, or how far the contact is from the ideal one, which has zero.",
-    "allowed": "Size up to which it agrees.",
-    "verdict": "In words: agrees; deviates, by what factor; failed; unsupported; or not decidable.",
-    "case": "Digest of the run; its command is in the list of cases.",
-    "command": "Runs the case again.",
-}
+_FIDELITY = (
+    *(Column(c.name, c.meaning) for c in CASE),
+    Column("quantity", "What was compared; the unit is its suffix."),
+    Column(
+        "value", "Engine minus truth, or how far the contact is from the ideal one, which has zero."
+    ),
+    Column("allowed", "Size up to which it agrees."),
+    Column(
+        "verdict",
+        "In words: agrees; deviates, by what factor; failed; unsupported; or not decidable.",
+    ),
+    Column("case", "Digest of the run; its command is in the list of cases."),
+    Column("command", "Runs the case again.", shown=False),
+)
 
 _SEEN = 0.01
 """Share that a figure a hand wide would show: of the radius, of a ratio, of a time."""
@@ -185,58 +185,51 @@ class FidelityQuantity:
 
 def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
     """Return the verdicts on each profile of each engine, at its smallest timestep."""
-    rows: list[Row] = []
-    for e in finest(evaluations):
-        for quantity in JUDGED:
-            value, allowed = quantity.value(e), _allowed(quantity, e)
-            rows.append(
-                {
-                    **key(e),
-                    "quantity": quantity.key,
-                    "value": value,
-                    "allowed": allowed,
-                    "verdict": verdict(quantity, e),
-                    "case": e.simulation.case.digest(e.simulation.engine_version),
-                    "command": e.simulation.case.command(),
-                }
-            )
-    rows += [
-        {
-            "scene": one.scene,
-            "engine": one.engine,
-            "profile": "matched",
-            "quantity": quantity.key,
-            "verdict": one.verdict,
-        }
-        for one in unsupported
-        for quantity in JUDGED
-    ]
-    return Table(
-        name="fidelity",
-        title="Every quantity and its verdict",
-        frame=frame(rows, _COLUMNS),
-        columns=_COLUMNS,
-        shown=tuple(name for name in _COLUMNS if name != "command"),
+    return table_of(
+        "fidelity", "Every quantity and its verdict", _FIDELITY, _rows(evaluations, unsupported)
     )
 
 
-def verdict(quantity: FidelityQuantity, e: Evaluation) -> str:
-    """Return in words how an engine fares in a quantity."""
-    end = ended(e)
-    if end:
+def _rows(
+    evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported]
+) -> Iterator[Mapping[str, object]]:
+    runs = finest(evaluations)
+    for e, case in zip(runs, rows_of(CASE, runs), strict=True):
+        for quantity in JUDGED:
+            yield case | {
+                "quantity": quantity.key,
+                "value": quantity.value(e),
+                "allowed": _allowed(quantity, e),
+                "verdict": verdict(quantity, e),
+                "case": case_digest(e),
+                "command": e.simulation.case.command(),
+            }
+    for one in unsupported:
+        for quantity in JUDGED:
+            yield {
+                "scene": one.scene,
+                "engine": one.engine,
+                "profile": "matched",
+                "quantity": quantity.key,
+                "verdict": one.verdict,
+            }
+
+
+def verdict(quantity: FidelityQuantity, e: Evaluation) -> Verdict:
+    """Return how an engine fares in a quantity."""
+    if (end := ended(e)) is not None:
         return end
     doubt = _undecidable(quantity, e)
     if doubt:
-        return f"not decidable: {doubt}"
+        return _not_decidable(doubt)
     if quantity.bounces and not e.bounces:
-        return "failed: no complete bounce"
+        return _NO_BOUNCE
     if quantity.key == _TURN and any(not bounce.resolved for bounce in e.bounces):
-        return "deviates: too coarse to count the turns"
+        return _TOO_COARSE
     value, allowed = quantity.value(e), _allowed(quantity, e)
     if value is None or allowed is None:
-        return "not decidable: the run has no such number"
-    factor = abs(value) / allowed
-    return "agrees" if factor <= 1.0 else deviation(factor)
+        return _not_decidable("the run has no such number")
+    return _weighed(abs(value) / allowed)
 
 
 def _undecidable(quantity: FidelityQuantity, e: Evaluation) -> str:

@@ -9,10 +9,9 @@ from harness.metrics.quantities import turn_error
 from harness.studies.comparison.fidelity import fidelity, scorecard
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.replay import replay
-from harness.studies.comparison.results import results
 from harness.studies.comparison.selection import followed_best
 from harness.studies.comparison.suite import Unsupported
-from harness.studies.comparison.tables import bounces, orders, parity
+from harness.studies.comparison.tables import bounces, orders, parity, results
 from models.modelling_choices import modelling_choices
 
 

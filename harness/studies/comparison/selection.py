@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from harness.core.report_model import Series
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Floats
+from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
 
@@ -91,21 +92,24 @@ def chaotic(e: Evaluation) -> bool:
     return e.divergence is not None and e.divergence.chaotic and e.simulation.outcome in _MOVED
 
 
-def ended(e: Evaluation) -> str:
-    """Return the verdict on a run that cannot be held against the truth to its end, or nothing."""
+def ended(e: Evaluation) -> Verdict | None:
+    """Return the verdict on a run that cannot be held against the truth to its end."""
     if chaotic(e):
         return _followed(e)
     outcome = e.simulation.outcome
     if outcome is Outcome.FINISHED:
-        return ""
-    return f"failed: {outcome.name.lower().replace('_', ' ')}"
+        return None
+    return Verdict(Status.FAILED, f"failed: {outcome.name.lower().replace('_', ' ')}")
 
 
-def _followed(e: Evaluation) -> str:
-    """Return in words how long a run of a chaotic scene stays near the exact motion."""
-    if e.parts_at is None:
-        return "not decidable: chaotic, and never 0.1 rad from the exact motion"
-    return f"not decidable: chaotic, parts after {e.parts_at:.3g} s"
+def _followed(e: Evaluation) -> Verdict:
+    """Return how long a run of a chaotic scene stays near the exact motion."""
+    how_long = (
+        "and never 0.1 rad from the exact motion"
+        if e.parts_at is None
+        else f"parts after {e.parts_at:.3g} s"
+    )
+    return Verdict(Status.UNDECIDABLE, f"not decidable: chaotic, {how_long}")
 
 
 def followed_best(evaluations: Sequence[Evaluation]) -> str:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from harness.core.case import Case
+from harness.core.verdict import Status, Verdict
 from harness.engines.registry import missing_effects
 from models.scene import Scene
 
@@ -95,9 +96,10 @@ class Unsupported:
     effects: tuple[str, ...]
 
     @property
-    def verdict(self) -> str:
-        """The verdict in words."""
-        return f"unsupported: cannot represent {', '.join(self.effects)}"
+    def verdict(self) -> Verdict:
+        """The verdict on every quantity."""
+        text = f"unsupported: cannot represent {', '.join(self.effects)}"
+        return Verdict(Status.UNSUPPORTED, text)
 
 
 def split_unsupported(cases: Sequence[Case]) -> tuple[tuple[Case, ...], tuple[Unsupported, ...]]:

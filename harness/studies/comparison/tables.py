@@ -1,71 +1,192 @@
-"""The other tables of the comparison: bounces, model parity, observed orders."""
+"""The tables of the comparison: all cases, bounces, model parity, observed orders."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
-from harness.core.report_model import Table
+from harness.core.bounce import Bounce
+from harness.core.report_model import Column, Table, table_of
+from harness.core.simulation import ParityRow
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.convergence import observed_order
-from harness.metrics.quantities import turn_error
-from harness.studies.comparison.results import CASE, LINK, frame, key, link
+from harness.metrics.convergence import Order, observed_order
+from harness.metrics.quantities import QUANTITIES, column, turn_error
 
-_BOUNCES: Mapping[str, str] = {
-    **CASE,
-    "bounce": "Number of the bounce, from 1.",
-    "time_s": "Time of the minimum of phi.",
-    "phi_min_rad": "Smallest phi.",
-    "angle_of_turn_deg": "Change of psi between the maxima of phi on either side.",
-    "angle_of_turn_true_deg": "The same of the exact motion.",
-    "rotation_turn_deg": "Change of theta between the maxima of phi on either side.",
-    "peak_psi_dot_rad_s": "Precession rate of largest magnitude.",
-    "peak_friction_ratio": "Largest |F|/N.",
-    "resolved": "Whether the record is dense enough to count the turns of psi.",
-    **LINK,
-}
+SCENE = "Name of the scene."
+ENGINE = "Name of the engine."
+PROFILE = "default: as it ships; matched: what the scene declares; adaptive: and own steps."
+
+
+def case_digest(e: Evaluation) -> str:
+    """Return what names the case of a run, in the version of its engine."""
+    return e.simulation.case.digest(e.simulation.engine_version)
+
+
+CASE = (
+    Column("scene", SCENE, lambda e: e.simulation.case.scene.name),
+    Column("engine", ENGINE, lambda e: e.simulation.case.engine),
+    Column("profile", PROFILE, lambda e: e.simulation.case.profile),
+    Column(
+        "timestep_s",
+        "Timestep of the engine, s; the largest of an adaptive run.",
+        lambda e: e.simulation.timestep,
+    ),
+)
+"""The columns that name a case; the records are runs."""
+
+
+def _of_record(column: Column) -> Column:
+    return Column(column.name, column.meaning, lambda record: column.cell(record.run), column.shown)
+
+
+def of_run(columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Return columns of runs as those of records that have a run as their field `run`."""
+    return tuple(map(_of_record, columns))
+
+
+_RESULTS = (
+    *CASE,
+    Column("outcome", "How the run ended.", lambda e: e.simulation.ending),
+    column("angle_of_turn_deg", shown=True),
+    column("angle_of_turn_error_deg", shown=True),
+    Column(
+        "turn_resolved",
+        "Whether the record is dense enough to count the turns of psi.",
+        lambda e: e.bounces[0].resolved if e.bounces else None,
+        shown=False,
+    ),
+    column("bounce_time_error_s", shown=True),
+    column("phi_min_rad"),
+    column("peak_friction_ratio"),
+    column("peak_friction_ratio_error", shown=True),
+    column("phi_rms_rad", shown=True),
+    column("phi_rms_before_rad"),
+    column("phi_rms_after_rad"),
+    column("phi_max_rad"),
+    column("rotation_rms_rad"),
+    column("psi_rms_rad"),
+    column("theta_rms_rad"),
+    column("contact_locus_rms_m", shown=True),
+    column("contact_locus_hausdorff_m"),
+    Column(
+        "parts_at_s",
+        "When the orientation is first 0.1 rad from the truth's; empty if it never is.",
+        lambda e: e.parts_at,
+        shown=False,
+    ),
+    column("energy_drift", shown=True),
+    column("max_penetration_m", shown=True),
+    column("max_slip_m_s", shown=True),
+    column("lift_off_fraction"),
+    column("multi_contact_fraction"),
+    Column(
+        "static_penetration_m",
+        "Depth at which the can was released.",
+        lambda e: e.simulation.static_penetration,
+        shown=False,
+    ),
+    Column(
+        "simulated_s",
+        "Length of the run.",
+        lambda e: None if e.motion is None else float(e.motion.time[-1]),
+        shown=False,
+    ),
+    column("steps", shown=True),
+    column("constraint_rows"),
+    column("setup_s"),
+    column("wall_s", shown=True),
+    column("cpu_s"),
+    Column(
+        "truth_pulls",
+        "Whether the exact motion asks the plane to pull, which no engine's can.",
+        shown=False,
+    ),
+    Column("digest", "Names the case in this version of its engine.", case_digest, shown=False),
+    Column("command", "Runs the case again.", lambda e: e.simulation.case.command(), shown=False),
+)
+
+
+def results(evaluations: Sequence[Evaluation]) -> Table:
+    """Return the table of all cases, with everything that was measured of them."""
+    return table_of("results", "All cases", _RESULTS, evaluations)
+
+
+class _BounceOfRun(NamedTuple):
+    run: Evaluation
+    number: int
+    bounce: Bounce
+
+    @property
+    def true(self) -> Bounce | None:
+        bounces = self.run.true_bounces
+        return bounces[self.number] if self.number < len(bounces) else None
+
+
+def _bounce_column(name: str, meaning: str, key: str = "") -> Column:
+    read = QUANTITIES[key or name].of_bounce
+    return Column(name, meaning, lambda record: read(record.bounce))
+
+
+_LINK = Column("case", "Digest of the case; its command is in the list of cases.", case_digest)
+
+_BOUNCES = (
+    *of_run(CASE),
+    Column("bounce", "Number of the bounce, from 1.", lambda record: record.number + 1),
+    _bounce_column("time_s", "Time of the minimum of phi.", "bounce_time_s"),
+    _bounce_column("phi_min_rad", "Smallest phi."),
+    _bounce_column("angle_of_turn_deg", "Change of psi between the maxima of phi on either side."),
+    Column(
+        "angle_of_turn_true_deg",
+        "The same of the exact motion.",
+        lambda record: record.true and QUANTITIES["angle_of_turn_deg"].of_bounce(record.true),
+    ),
+    _bounce_column("rotation_turn_deg", QUANTITIES["rotation_turn_deg"].meaning),
+    _bounce_column("peak_psi_dot_rad_s", "Precession rate of largest magnitude."),
+    _bounce_column("peak_friction_ratio", "Largest |F|/N."),
+    Column(
+        "resolved",
+        "Whether the record is dense enough to count the turns of psi.",
+        lambda record: record.bounce.resolved,
+    ),
+    *of_run((_LINK,)),
+)
 
 
 def bounces(evaluations: Sequence[Evaluation]) -> Table:
     """Return the table of all bounces."""
-    rows = []
-    for e in evaluations:
-        for number, bounce in enumerate(e.bounces):
-            true = e.true_bounces[number] if number < len(e.true_bounces) else None
-            rows.append(
-                {
-                    **key(e),
-                    "bounce": number + 1,
-                    "time_s": bounce.time,
-                    "phi_min_rad": bounce.phi_min,
-                    "angle_of_turn_deg": math.degrees(bounce.angle_of_turn),
-                    "angle_of_turn_true_deg": None
-                    if true is None
-                    else math.degrees(true.angle_of_turn),
-                    "rotation_turn_deg": math.degrees(bounce.rotation_turn),
-                    "peak_psi_dot_rad_s": bounce.peak_psi_dot,
-                    "peak_friction_ratio": bounce.peak_friction_ratio,
-                    "resolved": bounce.resolved,
-                    **link(e),
-                }
-            )
-    return Table(name="bounces", title="All bounces", frame=frame(rows, _BOUNCES), columns=_BOUNCES)
+    records = [
+        _BounceOfRun(e, n, bounce) for e in evaluations for n, bounce in enumerate(e.bounces)
+    ]
+    return table_of("bounces", "All bounces", _BOUNCES, records)
 
 
-_PARITY: Mapping[str, str] = {
-    **CASE,
-    "quantity": "Property of the model.",
-    "unit": "Its unit.",
-    "declared": "What the scene declares.",
-    "found": "What the compiled engine has.",
-    "verdict": "equal; imposed: the profile is known to differ here; mismatch: the run stopped.",
-    "how": "How it was read or probed.",
-    **LINK,
-}
+class _Property(NamedTuple):
+    run: Evaluation
+    row: ParityRow
+
+
+def _parity_column(name: str, meaning: str) -> Column:
+    return Column(name, meaning, lambda record: getattr(record.row, name))
+
+
+_PARITY = (
+    *of_run(CASE),
+    _parity_column("quantity", "Property of the model."),
+    _parity_column("unit", "Its unit."),
+    _parity_column("declared", "What the scene declares."),
+    _parity_column("found", "What the compiled engine has."),
+    _parity_column(
+        "verdict",
+        "equal; imposed: the profile is known to differ here; mismatch: the run stopped.",
+    ),
+    _parity_column("how", "How it was read or probed."),
+    *of_run((_LINK,)),
+)
 
 
 def parity(evaluations: Sequence[Evaluation]) -> Table:
     """Return what each engine compiled against what the scene declares, at one timestep each."""
     seen: set[tuple[str, str, str]] = set()
-    rows = []
+    records = []
     for e in evaluations:
         case = e.simulation.case
         model = (case.scene.name, case.engine, case.profile)
@@ -73,60 +194,60 @@ def parity(evaluations: Sequence[Evaluation]) -> Table:
         if model in seen and not differs:
             continue
         seen.add(model)
-        rows += [
-            {**key(e), **{name: getattr(row, name) for name in row.__slots__}, **link(e)}
-            for row in e.simulation.parity
-        ]
-    return Table(
-        name="parity",
-        title="Model parity: the can that each engine compiled",
-        frame=frame(rows, _PARITY),
-        columns=_PARITY,
-    )
+        records += [_Property(e, row) for row in e.simulation.parity]
+    return table_of("parity", "Model parity: the can that each engine compiled", _PARITY, records)
 
 
-_ORDER: Mapping[str, str] = {
-    "scene": CASE["scene"],
-    "engine": CASE["engine"],
-    "quantity": "Which error.",
-    "observed_order": "Slope of log error against log timestep, profile matched.",
-    "spread": "Half the range of the slopes between neighbouring timesteps.",
-    "timesteps": "How many timesteps it rests on.",
-    "smallest_error": "Error at the smallest timestep, in the quantity's unit.",
-    "case": "Digest of the run at the smallest timestep; its command is in the list of cases.",
-}
+class _Ladder(NamedTuple):
+    run: Evaluation
+    quantity: str
+    order: Order
+    smallest_error: float
+
+
+_ORDERS = (
+    *of_run(CASE[:2]),
+    Column("quantity", "Which error."),
+    Column(
+        "observed_order",
+        "Slope of log error against log timestep, profile matched.",
+        lambda ladder: ladder.order.order,
+    ),
+    Column(
+        "spread",
+        "Half the range of the slopes between neighbouring timesteps.",
+        lambda ladder: ladder.order.spread,
+    ),
+    Column("timesteps", "How many timesteps it rests on.", lambda ladder: ladder.order.points),
+    Column("smallest_error", "Error at the smallest timestep, in the quantity's unit."),
+    *of_run((_LINK,)),
+)
 
 
 def orders(evaluations: Sequence[Evaluation]) -> Table:
-    """Return the observed orders of all ladders."""
+    """Return the observed orders of all ladders; the case is the run at the smallest timestep."""
+    return table_of("orders", "Observed order", _ORDERS, _ladders(evaluations))
+
+
+def _ladders(evaluations: Sequence[Evaluation]) -> Iterator[_Ladder]:
     ladders: dict[tuple[str, str], list[Evaluation]] = {}
     for e in evaluations:
         case = e.simulation.case
         if case.profile == "matched" and e.errors is not None and e.simulation.timestep:
             ladders.setdefault((case.scene.name, case.engine), []).append(e)
-    rows = []
-    for (scene, engine), ladder in ladders.items():
+    reads: tuple[tuple[str, Callable[[Evaluation], float | None]], ...] = (
+        ("phi_rms_rad", QUANTITIES["phi_rms_rad"].of_run),
+        ("angle_of_turn_deg", turn_error),
+    )
+    for ladder in ladders.values():
         steps = [e.simulation.timestep or math.nan for e in ladder]
-        for quantity, errors in (
-            ("phi_rms_rad", [e.errors.phi_rms if e.errors else math.nan for e in ladder]),
-            ("angle_of_turn_deg", [_number(turn_error(e)) for e in ladder]),
-        ):
+        finest = steps.index(min(steps))
+        for quantity, read in reads:
+            known = (read(e) for e in ladder)
+            errors = [math.nan if error is None else error for error in known]
             order = observed_order(steps, [_weighty(errors, error) for error in errors])
             if order.points > 1:
-                smallest = errors[steps.index(min(steps))]
-                rows.append(
-                    {
-                        "scene": scene,
-                        "engine": engine,
-                        "quantity": quantity,
-                        "observed_order": order.order,
-                        "spread": order.spread,
-                        "timesteps": order.points,
-                        "smallest_error": smallest,
-                        **link(ladder[steps.index(min(steps))]),
-                    }
-                )
-    return Table(name="orders", title="Observed order", frame=frame(rows, _ORDER), columns=_ORDER)
+                yield _Ladder(ladder[finest], quantity, order, errors[finest])
 
 
 def _weighty(errors: Sequence[float], error: float) -> float:
@@ -137,7 +258,3 @@ def _weighty(errors: Sequence[float], error: float) -> float:
 
 _ROUND_OFF = 1e-12
 """rad or deg: below it an error is the sum of roundings, which has no order."""
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value

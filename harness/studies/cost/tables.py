@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 import pandas as pd
 
 from harness.core.report_model import Table
+from harness.core.verdict import Status, Verdict
 from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import pareto_front
 from harness.studies.cost.plateaus import Fall
@@ -107,7 +108,7 @@ def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]
             first = price.winners[0]
             point = first.point
             row |= _offer(first) | {
-                "verdict": _verdict(cheapest, first, firsts.values()),
+                "verdict": Verdict(Status.REACHED, _verdict(cheapest, first, firsts.values())),
                 "settings": point.family,
                 "tied_with": ", ".join(_named(price.winners)[1:]),
                 "relative_cost": point.cost / least,
@@ -118,13 +119,15 @@ def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]
         elif price.best is not None:
             point = price.best.point
             row |= _offer(price.best) | {
-                "verdict": f"not reached: best is {price.best.error:.2g} degrees",
+                "verdict": Verdict(
+                    Status.NOT_REACHED, f"not reached: best is {price.best.error:.2g} degrees"
+                ),
                 "settings": point.family,
             }
         elif choice == CHOICES[0] and all(p.timestep is None for p in _of(cost, name)):
             continue  # what chooses its own steps ships with one accuracy
         else:
-            row["verdict"] = "not reached: no run has this error"
+            row["verdict"] = Verdict(Status.NOT_REACHED, "not reached: no run has this error")
         rows.append(row)
     return rows
 

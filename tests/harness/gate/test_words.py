@@ -49,8 +49,8 @@ def test_a_run_that_fails_is_named_before_a_number_that_grew(score: Make, scores
 def test_two_sides_are_spoken_of_alike(score: Make, scores: MakeAll) -> None:
     a, b = scores(score({PHI: 1.0}), place="A"), scores(score({PHI: 3.0}), place="B")
     forth, back = differences(a, b), differences(b, a)
-    assert SIDES.verdict(forth[1]) == "a is better"
-    assert SIDES.verdict(back[1]) == "b is better"
+    assert SIDES.verdict(forth[1]).text == "a is better"
+    assert SIDES.verdict(back[1]).text == "b is better"
     assert forth[1].severity == back[1].severity == 3.0
 
 
@@ -62,7 +62,7 @@ def test_the_artefacts_hold_every_difference(score: Make, scores: MakeAll) -> No
     table = next(one for one in artefacts if isinstance(one, Table))
     assert len(table.frame) == len(found) == 3
     assert set(table.columns) == set(table.frame.columns)
-    assert list(table.frame["verdict"]) == ["worse", "same", "undecidable"]
+    assert list(map(str, table.frame["verdict"])) == ["worse", "same", "undecidable"]
     figure = next(one for one in artefacts if isinstance(one, Figure))
     (panel,) = figure.panels
     drawn = {series.label: list(series.y) for series in panel.series}

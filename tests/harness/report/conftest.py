@@ -10,6 +10,7 @@ import pytest
 
 from harness.core.provenance import Commit, Provenance
 from harness.core.report_model import Artefact, Figure, Panel, Prose, Series, Table
+from harness.core.verdict import Status, Verdict
 from harness.report.write import write_report
 
 HOSTILE = "</script><script>document.title='owned'</script><img src=x onerror=owned()>&\"'$_{%|`"
@@ -138,7 +139,11 @@ def scorecard(words: Callable[[str], str]) -> Table:
             "engine": [words("mujoco"), words("pybullet"), words("late")],
             "angle_of_turn_error_deg": [-0.1304, 0.0019, np.nan],
             "steps": [20_000, 4_000, 123_456],
-            "verdict": [words("agrees"), words("deviates by a factor 3"), words("failed")],
+            "verdict": [
+                Verdict(Status.AGREES, words("agrees")),
+                Verdict(Status.DEVIATES, words("deviates by a factor 3")),
+                Verdict(Status.FAILED, words("failed")),
+            ],
             "case": ["0123456789abcdef", "fedcba9876543210", words("none")],
         }
     )

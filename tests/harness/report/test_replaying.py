@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.core.report_model import Body, Floats, Replay
+from harness.core.report_model import Body, Replay
+from harness.core.trajectory import Floats
 from harness.report.page import frames
 
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
 from harness.report.simplify_curves import PAPER, SCREEN, kept_points, simplify
 
 EPS = np.finfo(np.float64).eps

@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial import KDTree
 
 from harness.core.case import Case
-from harness.core.report_model import Figure, Floats, Panel, Series
+from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
 from harness.evaluation.evaluate import run_cases
 from harness.report.simplify_curves import PAPER, SCREEN, Detail, plottable, simplify
 from harness.studies.comparison.report import comparison_report

@@ -11,7 +11,8 @@ import pytest
 
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Body, Prose, Replay, Table
-from harness.report.section import Section
+from harness.core.verdict import Status, Verdict
+from harness.report.layout import Section
 from harness.report.write import write_chapters
 
 HOSTILE = (
@@ -35,8 +36,16 @@ def table(name: str, rows: list[dict[str, Any]], scene: str = "") -> Table:
 def fidelity(words: Words) -> Table:
     """Return verdicts of one engine as it ships and matched."""
     verdicts = {
-        "default": ("deviates by a factor 3", "deviates by a factor 2", "failed: flat"),
-        "matched": ("agrees", "agrees", "not decidable: the scene has no bounce"),
+        "default": (
+            Verdict(Status.DEVIATES, "deviates by a factor 3"),
+            Verdict(Status.DEVIATES, "deviates by a factor 2"),
+            Verdict(Status.FAILED, "failed: flat"),
+        ),
+        "matched": (
+            Verdict(Status.AGREES, "agrees"),
+            Verdict(Status.AGREES, "agrees"),
+            Verdict(Status.UNDECIDABLE, "not decidable: the scene has no bounce"),
+        ),
     }
     numbers = {"turn_error_deg": 0.3, "contact_locus_m": 1e-3, "friction_ratio_error": np.nan}
     return table(
@@ -160,7 +169,7 @@ def chapters(
         "engine": words("mujoco"),
         "choice": "tuned elsewhere, fixed step",
         "target_deg": 0.1,
-        "verdict": "cheapest",
+        "verdict": Verdict(Status.REACHED, "cheapest"),
         "cost_s_s": 2.5,
     }
     experiment = {

@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 
 from harness.core.report_model import Table
+from harness.report.layout import Section
 from harness.report.scorecard import derived
-from harness.report.section import Section
 
 
 def tables(chapters: list[Section]) -> dict[str, Table]:
@@ -22,21 +22,24 @@ def test_a_row_is_filled_from_three_studies(studies: list[Section]) -> None:
     row = rows(tables(studies)["engines"])["mujoco", "matched"]
     assert row["turn_error_deg"] == 0.3
     assert row["locus_error_mm"] == 1.0
-    assert row["turn_error_deg_verdict"] == "agrees"
+    assert str(row["turn_error_deg_verdict"]) == "agrees"
     assert row["turn_error_deg_case"] == "0123456789abcdef"
     assert row["stability_percent"] == 100.0  # of each hard case the smallest timestep, no member
-    assert row["stability_percent_verdict"] == "agrees: all 2 hard cases stay sound"
+    assert str(row["stability_percent_verdict"]) == "agrees: all 2 hard cases stay sound"
     assert row["price_s_s"] == 2.5
-    assert row["price_s_s_verdict"] == "cheapest"
+    assert str(row["price_s_s_verdict"]) == "cheapest"
 
 
 def test_what_was_not_measured_is_said_with_the_command(studies: list[Section]) -> None:
     alone = [chapter for chapter in studies if chapter.compares]
     for row in rows(tables(alone)["engines"]).values():
         assert pd.isna(row["stability_percent"])
-        assert row["stability_percent_verdict"] == "not measured in this run: rockingcan stability"
+        assert (
+            str(row["stability_percent_verdict"])
+            == "not measured in this run: rockingcan stability"
+        )
         expected = "not measured in this run: rockingcan cost gentle-rock"
-        assert row["price_s_s_verdict"] == expected
+        assert str(row["price_s_s_verdict"]) == expected
     causes = tables(alone)["causes"].frame
     assert causes["cause"].tolist() == [
         "not measured in this run: rockingcan attribute gentle-rock --engine mujoco"
@@ -58,7 +61,7 @@ def test_a_failure_in_a_hard_case_is_named(studies: list[Section]) -> None:
     row = rows(tables([coarse(chapter) for chapter in studies])["engines"])["mujoco", "matched"]
     assert row["stability_percent"] == 50.0
     words = "deviates: 1 of 2 hard cases fail"
-    assert row["stability_percent_verdict"] == words
+    assert str(row["stability_percent_verdict"]) == words
 
 
 def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Section]) -> None:

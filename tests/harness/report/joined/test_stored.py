@@ -10,7 +10,8 @@ import pytest
 from harness.core.errors import ReportError
 from harness.core.provenance import Provenance
 from harness.core.report_model import Figure, Heatmap, Panel, Table
-from harness.report.section import Section
+from harness.core.verdict import Status, Verdict
+from harness.report.layout import Section
 from harness.report.stored import read_report
 from harness.report.write import write_chapters, write_report
 
@@ -60,6 +61,7 @@ def test_every_kind_of_cell_comes_back(made: Provenance, tmp_path: Path) -> None
             "truth": [True, False, True, False],
             "perhaps": pd.Series([True, None, False, None], dtype=object),
             "text": ["a", None, "", "ünï"],
+            "verdict": [Verdict(status, f"{status.value}: why") for status in list(Status)[:4]],
             "mixed": pd.Series([1, "one", None, 1.5], dtype=object),
         }
     )
@@ -90,7 +92,7 @@ def test_a_folder_without_a_report_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["no json", "[]", "{}", '{"version": 1}', '{"version": 1, "chapters": [3]}']
+    "text", ["no json", "[]", "{}", '{"version": 2}', '{"version": 2, "chapters": [3]}']
 )
 def test_a_broken_record_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "artefacts.json").write_text(text)
@@ -98,10 +100,11 @@ def test_a_broken_record_is_refused(text: str, tmp_path: Path) -> None:
         read_report(tmp_path)
 
 
-def test_a_later_version_is_refused(joined: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [1, 3])
+def test_another_version_is_refused(version: int, joined: Path, tmp_path: Path) -> None:
     told = json.loads((joined / "artefacts.json").read_text(encoding="utf-8"))
-    (tmp_path / "artefacts.json").write_text(json.dumps(told | {"version": 2}))
-    with pytest.raises(ReportError, match="of version 2, this reads 1"):
+    (tmp_path / "artefacts.json").write_text(json.dumps(told | {"version": version}))
+    with pytest.raises(ReportError, match=f"of version {version}, this reads 2; write"):
         read_report(tmp_path)
 
 
