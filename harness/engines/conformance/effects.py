@@ -1,8 +1,8 @@
-"""Refusals, effects and contact: what an engine must refuse, honour and report.
+"""Effects and contact: what an engine must honour, and what it must report of its contact.
 
 An effect that an engine honours is probed by its law in the compiled world, as before every run;
 where a rigid can carries the effect, the motion must be the one that the exact equations give with
-the effect, and not the one without. What no engine can do must end with an outcome.
+the effect, and not the one without.
 
 The contact must belong to the same instant as the state. Between samples t apart
 
@@ -13,43 +13,40 @@ is a force of the wrong instant; half of that is what a force at either end may 
 mean.
 """
 
-import math
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from harness.core.errors import InvalidSettingError, UnknownSettingError, UnsupportedEffectError
-from harness.core.simulation import Outcome, Simulation
+from harness.engines.base import features_of
 from harness.engines.conformance.fixture import (
-    COARSE,
     FINE,
     BrokenContractError,
     ClauseResult,
     Fixture,
-    clause,
     holds,
     not_applicable,
     within,
 )
 from harness.engines.parity.checks import parity
-from harness.engines.probes.survey import opens_worlds
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import truth
-from harness.engines.registry import check_effects, names
-from harness.engines.stepping.horizon import Watch
-from models.body_effects import Damping, PointMass, Shake, Tilt
-from models.contact_effects import (
+from models import (
+    IDEAL,
     Compliance,
+    Damping,
     Drilling,
+    Effects,
+    Horizon,
+    PointMass,
     Restitution,
     RollingResistance,
     RoundedRim,
+    Scene,
+    Shake,
     Slip,
+    Tilt,
+    contact_point,
 )
-from models.effects import IDEAL, Effects
-from models.rim import contact_point
-from models.scene import Horizon, Scene
 
 SLIPPERY = 0.05
 """Coefficient of friction below what the suite's release needs from the first instant on, 0.15."""
@@ -76,75 +73,12 @@ MISSED = 0.1
 a tenth costs as much; the first-order error of the engines costs 0.01 to 0.03."""
 
 
-_ODD = (math.nan,) * 17
-"""A value that no setting takes: seventeen numbers that are none."""
-
-
-@clause("unknown setting", "A setting that does not exist is refused by name.", needs_run=False)
-def unknown_setting(bench: Fixture) -> ClauseResult:
-    """Ask for a setting that no engine has."""
-    case = bench.case(bench.brief, no_such_setting=1.0)
-    try:
-        bench.engine.simulate(case)
-    except UnknownSettingError as error:
-        named = "no_such_setting" in str(error)
-        return holds("" if named else f"the message does not name it: {error}", str(error))
-    return holds("a setting that does not exist was taken", "")
-
-
-@clause("wrong value", "A value of another kind than the setting's is refused.", needs_run=False)
-def wrong_value(bench: Fixture) -> ClauseResult:
-    """Give every setting a value of another kind."""
-    if not bench.engine.settings:
-        return not_applicable("the engine has no settings")
-    taken = []
-    for setting in bench.engine.settings:
-        odd: dict[str, Any] = {setting.name: _ODD}
-        case = bench.case(bench.brief, **odd)
-        try:
-            bench.engine.simulate(case)
-        except InvalidSettingError:
-            continue
-        taken.append(setting.name)
-    wrong = f"took a value of another kind: {', '.join(taken)}" if taken else ""
-    return holds(wrong, f"{len(bench.engine.settings)} settings")
-
-
-@clause(
-    "unsupported effect",
-    "A scene that declares what the engine cannot represent is refused.",
-    needs_run=False,
-)
-def unsupported_effect(bench: Fixture) -> ClauseResult:
-    """Declare every effect that the engine neither honours nor imposes."""
-    own = bench.engine.capabilities
-    missing = [
-        field.name
-        for field in fields(Effects)
-        if field.name not in own.honours and field.name not in own.imposes
-    ]
-    if not missing:
-        return not_applicable("the engine honours or imposes every effect")
-    if bench.engine.name not in names():
-        return not_applicable("the engine is not registered, so that no case reaches it")
-    taken = []
-    for effect in missing:
-        try:
-            check_effects(bench.engine.name, replace(bench.brief, effects=DECLARED[effect]))
-        except UnsupportedEffectError:
-            continue
-        taken.append(effect)
-    wrong = f"not refused: {', '.join(taken)}" if taken else ""
-    return holds(wrong, f"refused: {', '.join(missing)}")
-
-
-@clause("friction", "Where slip is honoured, friction reaches what is declared and not more.")
-def friction(bench: Fixture) -> ClauseResult:
+def friction(fixture: Fixture) -> ClauseResult:
     """Put the can on a slippery plane, if the engine says that it honours slip."""
-    if "slip" not in bench.engine.capabilities.honours:
+    if "slip" not in fixture.engine.capabilities.honours:
         return not_applicable("the engine does not honour slip")
-    scene = replace(bench.brief, effects=DECLARED["slip"])
-    force = bench.trajectory(bench.case(scene)).contact_force
+    scene = replace(fixture.brief, effects=DECLARED["slip"])
+    force = fixture.trajectory(fixture.case(scene)).contact_force
     bears = force[:, 2] > 0.0
     if not bears.any():
         return holds("no sample bears a load", "")
@@ -157,32 +91,28 @@ def friction(bench: Fixture) -> ClauseResult:
     return within(over, 1e-3, "relative", f"friction ratio beyond the declared {SLIPPERY}")
 
 
-@clause("laws of effects", "Each effect that is honoured follows its law in the compiled world.")
-def laws(bench: Fixture) -> ClauseResult:
+def laws_of_effects(fixture: Fixture) -> ClauseResult:
     """Probe each effect that the engine says it honours in the compiled world."""
-    if not opens_worlds(bench.engine):
+    chosen, opens = fixture.engine, features_of(fixture.engine).open
+    if opens is None:
         return not_applicable("the engine compiles no world that could be probed")
-    honoured = _honoured(bench)
+    honoured = _honoured(fixture)
     wrong = []
     for effect, scene in honoured:
-        case = bench.case(scene, FINE)
-        rows = parity(bench.engine.open(case), scene, bench.engine.timestep(case), frozenset())
+        case = fixture.case(scene, FINE)
+        rows = parity(opens(case), scene, chosen.timestep(case) or 0.0, frozenset())
         wrong += [f"{effect}: {row.quantity}" for row in rows if row.verdict != "equal"]
     detail = ", ".join(effect for effect, _ in honoured) or "none is honoured"
     return within(float(len(wrong)), 0.0, "quantities", "; ".join(wrong) or detail)
 
 
-@clause(
-    "motion with effects",
-    "With an effect that is honoured the can moves as the exact equations say.",
-)
-def motions(bench: Fixture) -> ClauseResult:
+def motion_with_effects(fixture: Fixture) -> ClauseResult:
     """Compare the motion with each effect with the exact motions with and without it."""
     worst, named = 0.0, []
-    for effect, scene in _honoured(bench):
+    for effect, scene in _honoured(fixture):
         if refusal(scene):
             continue
-        missed = _missed(bench, scene)
+        missed = _missed(fixture, scene)
         named.append(f"{effect} {missed:.2g}")
         worst = max(worst, missed)
     if not named:
@@ -190,18 +120,18 @@ def motions(bench: Fixture) -> ClauseResult:
     return within(worst, MISSED, "1", f"share of each effect that is missed: {', '.join(named)}")
 
 
-def _honoured(bench: Fixture) -> list[tuple[str, Scene]]:
+def _honoured(fixture: Fixture) -> list[tuple[str, Scene]]:
     """Return each effect that the engine honours, and a scene that declares it."""
     return [
-        (effect, replace(bench.gentle, effects=effects, horizon=Horizon(seconds=WATCHED)))
+        (effect, replace(fixture.gentle, effects=effects, horizon=Horizon(seconds=WATCHED)))
         for effect, effects in DECLARED.items()
-        if effect in bench.engine.capabilities.honours
+        if effect in fixture.engine.capabilities.honours
     ]
 
 
-def _missed(bench: Fixture, scene: Scene) -> float:
+def _missed(fixture: Fixture, scene: Scene) -> float:
     """Return how far the motion is from the exact one, over how far the effect takes it."""
-    path = bench.trajectory(bench.case(scene, FINE))
+    path = fixture.trajectory(fixture.case(scene, FINE))
     exact = truth(scene).at(path.time)
     ideal = truth(replace(scene, effects=IDEAL)).at(path.time)
     taken = np.linalg.norm(exact.position - ideal.position, axis=1).max()
@@ -210,60 +140,11 @@ def _missed(bench: Fixture, scene: Scene) -> float:
     return float(np.linalg.norm(path.position - exact.position, axis=1).max() / taken)
 
 
-_VIOLENT = 1e8
-"""rad/s: the can would turn a hundred thousand times in a timestep of the suite."""
-
-_COARSEST = 0.5
-"""s: a timestep of a whole rocking."""
-
-_DEPTH, _SHORT = 1e-3, 5e-6
-"""m and s: a penetration that is pushed out within some steps."""
-
-
-@clause(
-    "divergence",
-    "What no engine can do ends with an outcome, not with an exception.",
-    needs_run=False,
-)
-def divergence(bench: Fixture) -> ClauseResult:
-    """Ask for what few engines can do, and see that they say so.
-
-    Violent rates; a timestep as long as the motion; and a rim that starts inside the plane, which a
-    contact tied to a short timestep throws out at any speed.
-    """
-    if not bench.steps:
-        return not_applicable("a solver that chooses its own steps takes as many as it needs")
-    release = bench.brief.release
-    violent = replace(release, phi_dot=_VIOLENT, theta_dot=_VIOLENT)
-    sunk = replace(release, height=-_DEPTH)
-    told = []
-    for scene, timestep in (
-        (replace(bench.brief, release=violent), 1e-3),
-        (replace(bench.gentle, horizon=Horizon(seconds=20.0)), _COARSEST),
-        (replace(bench.brief, release=sunk), _SHORT),
-    ):
-        simulation = bench.run_anew(bench.case(scene, timestep))  # raises where the answer does
-        outcome: object = simulation.outcome
-        if not isinstance(outcome, Outcome):
-            return holds(f"`outcome` is {outcome!r}, not an Outcome", "")
-        if _exploded(simulation) and outcome is not Outcome.DIVERGED:
-            return holds(f"the speed grows without bound, and the outcome is {outcome.name}", "")
-        told.append(simulation.outcome.name.lower().replace("_", " "))
-    return holds("", ", ".join(told))
-
-
-def _exploded(simulation: Simulation) -> bool:
-    """Whether the record reaches a speed that no fall gives."""
-    path = simulation.trajectory
-    return path is not None and Watch(simulation.case.scene).over(path) is Outcome.DIVERGED
-
-
-@clause("flight", "Where nothing touches there is no contact point and no force.")
-def flight(bench: Fixture) -> ClauseResult:
+def flight(fixture: Fixture) -> ClauseResult:
     """Throw the can up: where nothing touches there is no contact point, and no force."""
-    if not bench.steps:
+    if not fixture.steps:
         return not_applicable("a can that rolls by its equations does not leave the plane")
-    path = bench.trajectory(bench.case(bench.thrown, FINE))
+    path = fixture.trajectory(fixture.case(fixture.thrown, FINE))
     pointed = np.isfinite(path.contact_point).all(axis=1)
     pushed = path.contact_force[:, 2] > 0.0
     wrong = []
@@ -287,11 +168,10 @@ SAME = 0.1
 sample to sample: 1 is the next instant. A tenth is left to engines that round the rim a little."""
 
 
-@clause("newton", "The contact force is the one that changed the velocity.")
-def newton(bench: Fixture) -> ClauseResult:
+def newton(fixture: Fixture) -> ClauseResult:
     """Compare the force of each sample with the change of the velocity up to the next."""
-    path = bench.trajectory(bench.case(bench.brief, COARSE))
-    can, gravity = bench.brief.can, bench.brief.gravity
+    path = fixture.trajectory()
+    can, gravity = fixture.brief.can, fixture.brief.gravity
     if len(path) < 3:  # noqa: PLR2004 - two changes of the velocity to compare one change of force
         return holds(f"{len(path)} samples are too few", "")
     gained = can.mass * np.diff(path.velocity, axis=0) / np.diff(path.time)[:, None]
@@ -305,17 +185,16 @@ def newton(bench: Fixture) -> ClauseResult:
     return within(ratio, NEWTON, "1", detail)
 
 
-@clause("same instant", "The contact point is the lowest point of the rim of the same state.")
-def same_instant(bench: Fixture) -> ClauseResult:
+def same_instant(fixture: Fixture) -> ClauseResult:
     """Compare the contact point of each sample with the lowest point of the rim."""
-    path = bench.trajectory(bench.case(bench.gentle, FINE))
-    low = contact_point(bench.gentle.can, path.position, path.quaternion)
+    path = fixture.trajectory(fixture.case(fixture.gentle, FINE))
+    low = contact_point(fixture.gentle.can, path.position, path.quaternion)
     single = (path.contact_count == 1)[:-1]
     if not single.any():
         return holds("no sample touches in one point", "")
     off = np.linalg.norm((path.contact_point - low)[:-1, :2], axis=1)[single]
     way = np.linalg.norm(np.diff(low[:, :2], axis=0), axis=1)[single]
     ratio = float(np.sqrt(np.mean(off**2) / np.mean(way**2)))
-    worst = float(off.max()) / bench.gentle.can.radius
+    worst = float(off.max()) / fixture.gentle.can.radius
     detail = f"distance over the way between samples; at most {worst:.1g} of the radius"
     return within(ratio, SAME, "1", detail)

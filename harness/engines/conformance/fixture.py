@@ -1,12 +1,12 @@
-"""The scenes, cases and shared runs of the suite, and the clauses of the contract.
+"""The scenes, cases and shared runs of the suite, and the result of a clause of the contract.
 
 Every scene is the release `gentle-rock` of the catalogue: for 20 ms, of which every timestep is
 recorded; through its bounce; or thrown so that it flies. A clause passes, fails or does not apply,
 and says by which number.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import hashlib
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 
 from harness.core.case import Case, Value
@@ -14,8 +14,7 @@ from harness.core.simulation import Simulation
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine
 from harness.engines.contract import contract_violation
-from models.catalogue import load
-from models.scene import Horizon, Scene
+from models import Horizon, Scene, load
 
 COARSE = 1e-3
 """s: longer than the recorder's time step for the can of the suite, so that no step is left out."""
@@ -52,10 +51,13 @@ class Fixture:
         """Whether the engine takes timesteps, rather than choosing its own."""
         return self.engine.timestep(Case(scene=self.brief, engine=self.engine.name)) is not None
 
-    def case(self, scene: Scene, timestep: float = COARSE, **options: Value) -> Case:
-        """Return a case of the engine, matched; the timestep is left out where it takes none."""
+    def case(self, scene: Scene | None = None, timestep: float = COARSE, **options: Value) -> Case:
+        """Return a case of the engine, matched, of the brief release if no scene is given.
+
+        The timestep is left out where the engine takes none.
+        """
         return Case(
-            scene=scene,
+            scene=self.brief if scene is None else scene,
             engine=self.engine.name,
             timestep=timestep if self.steps else None,
             options=tuple(options.items()),
@@ -81,20 +83,28 @@ class Fixture:
             raise BrokenContractError(reason)
         return answer
 
-    def trajectory(self, case: Case) -> Trajectory:
-        """Return the trajectory of a run.
+    def trajectory(self, case: Case | None = None) -> Trajectory:
+        """Return the trajectory of a run, of the brief release if no case is given.
 
         Raises
         ------
         BrokenContractError
             If there is none.
         """
-        simulation = self.run(case)
+        simulation = self.run(self.case() if case is None else case)
         if simulation.trajectory is None:
-            raise BrokenContractError(
-                f"no trajectory: {simulation.outcome.value} {simulation.note}".strip()
-            )
+            reason = f"no trajectory: {simulation.outcome.value} {simulation.note}".strip()
+            raise BrokenContractError(reason)
         return simulation.trajectory
+
+
+def fingerprint(simulation: Simulation) -> str:
+    """Return a line that differs where a bit differs; times and cost are not in it."""
+    digest = hashlib.sha256()
+    if simulation.trajectory is not None:
+        for field in fields(Trajectory):
+            digest.update(getattr(simulation.trajectory, field.name).tobytes())
+    return f"{simulation.outcome.name} {simulation.steps} {digest.hexdigest()}"
 
 
 class ClauseStatus(Enum):
@@ -112,7 +122,7 @@ class ClauseResult:
     Parameters
     ----------
     name, sentence : str
-        Of the check; empty until `conform` puts them in.
+        Of the clause; empty until `conform` puts them in.
     result : ClauseStatus
     number, allowed : float or None
         What was measured, and the most that passes; None where the answer is yes or no.
@@ -130,44 +140,6 @@ class ClauseResult:
     detail: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Check:
-    """One clause of the contract.
-
-    Parameters
-    ----------
-    name : str
-        A word or two.
-    sentence : str
-        What an adapter promises.
-    look : callable
-        Finds out; whatever it raises is a failure of the adapter.
-    needs_run : bool
-        Whether it has nothing to look at where no run hands over a trajectory.
-    """
-
-    name: str
-    sentence: str
-    look: Callable[[Fixture], ClauseResult]
-    needs_run: bool = True
-
-
-CHECKS: list[Check] = []
-"""Every clause, in the order in which the modules of the suite define them."""
-
-_Look = Callable[[Fixture], ClauseResult]
-
-
-def clause(name: str, sentence: str, *, needs_run: bool = True) -> Callable[[_Look], _Look]:
-    """Return a decorator that enters a function into the contract."""
-
-    def enter(look: _Look) -> _Look:
-        CHECKS.append(Check(name=name, sentence=sentence, look=look, needs_run=needs_run))
-        return look
-
-    return enter
-
-
 def within(number: float, allowed: float, unit: str, detail: str) -> ClauseResult:
     """Return passed if a number is at most what is allowed; a number that is none fails."""
     result = ClauseStatus.PASSED if number <= allowed else ClauseStatus.FAILED
@@ -178,6 +150,11 @@ def holds(wrong: str, detail: str) -> ClauseResult:
     """Return failed with what is wrong, or passed with what was looked at if nothing is."""
     result = ClauseStatus.FAILED if wrong else ClauseStatus.PASSED
     return ClauseResult(result=result, detail=wrong or detail)
+
+
+def same_bits(same: bool, wrong: str) -> ClauseResult:  # noqa: FBT001 - the one question
+    """Return passed if the bits of two runs are the same, or failed with what differs."""
+    return holds("" if same else wrong, "equal bits")
 
 
 def not_applicable(why: str) -> ClauseResult:

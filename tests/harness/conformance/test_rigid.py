@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.engines.conformance.answers import rolling_acceleration
+from harness.engines.conformance.motion import rolling_acceleration
 from harness.engines.reference.truth import truth
 from models import Pose, Twist, load
 
