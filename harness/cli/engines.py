@@ -3,6 +3,7 @@
 What there is to choose from: engines and their settings.
 """
 
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
@@ -11,8 +12,7 @@ from harness.cli import terminal
 from harness.cli.json_output import to_json
 from harness.core.errors import MissingPackageError
 from harness.engines.base import Setting
-from harness.engines.conformance.fixture import ClauseResult, ClauseStatus
-from harness.engines.conformance.suite import conform
+from harness.engines.conformance import ClauseResult, ClauseStatus, conform
 from harness.engines.probes import Measurement, design, measure
 from harness.engines.registry import engine, names
 
@@ -72,18 +72,7 @@ def conformance_answer(
         "engine": name,
         "version": version,
         "conforms": all(verdict.result is not ClauseStatus.FAILED for verdict in verdicts),
-        "checks": [
-            {
-                "name": verdict.name,
-                "sentence": verdict.sentence,
-                "result": verdict.result.value,
-                "number": verdict.number,
-                "allowed": verdict.allowed,
-                "unit": verdict.unit,
-                "detail": verdict.detail,
-            }
-            for verdict in verdicts
-        ],
+        "checks": [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts],
     }
 
 
@@ -94,10 +83,7 @@ def capabilities_answer(measurement: Measurement) -> dict[str, Any]:
         "version": measurement.engine_version,
         "profile": measurement.case.profile,
         "timestep_s": measurement.timestep,
-        "findings": [
-            {name: getattr(finding, name) for name in finding.__slots__}
-            for finding in measurement.findings
-        ],
+        "findings": [asdict(finding) for finding in measurement.findings],
     }
 
 

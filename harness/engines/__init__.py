@@ -5,31 +5,26 @@ An adapter imports all that it needs from here, and this path stays:
     from harness.engines import Capabilities, Chunk, PhysicsEngine, Schedule, Setting
 """
 
-from typing import TYPE_CHECKING
-
-from harness.core.lazy_exports import lazy_exports
-
-if TYPE_CHECKING:
-    from harness.core.case import Case, Value
-    from harness.core.errors import HarnessError, RefusedModelError
-    from harness.core.simulation import Outcome, Simulation
-    from harness.core.trajectory import Trajectory
-    from harness.engines.base import (
-        Capabilities,
-        Contact,
-        Engine,
-        EngineFeatures,
-        ModelDifference,
-        Setting,
-        SolverEffort,
-        Variant,
-        World,
-        resolve,
-    )
-    from harness.engines.stepping.generic_stepping import walk
-    from harness.engines.stepping.physics_engine import PhysicsEngine
-    from harness.engines.stepping.recording import Chunk
-    from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
+from harness.core.case import Case, Value
+from harness.core.errors import HarnessError, RefusedModelError
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import Trajectory
+from harness.engines.base import (
+    Capabilities,
+    Contact,
+    Engine,
+    EngineFeatures,
+    ModelDifference,
+    Setting,
+    SolverEffort,
+    Variant,
+    World,
+    resolve,
+)
+from harness.engines.stepping.generic_stepping import walk
+from harness.engines.stepping.physics_engine import PhysicsEngine
+from harness.engines.stepping.recording import Chunk
+from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
 
 __all__ = [
     "ETA_SETTING",
@@ -58,39 +53,3 @@ __all__ = [
     "resolve",
     "walk",
 ]
-
-_BASE, _STEPPING = "harness.engines.base", "harness.engines.stepping"
-
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    {
-        "Case": "harness.core.case",
-        "Value": "harness.core.case",
-        "HarnessError": "harness.core.errors",
-        "RefusedModelError": "harness.core.errors",
-        "Outcome": "harness.core.simulation",
-        "Simulation": "harness.core.simulation",
-        "Trajectory": "harness.core.trajectory",
-        "PhysicsEngine": f"{_STEPPING}.physics_engine",
-        "walk": f"{_STEPPING}.generic_stepping",
-        "Chunk": f"{_STEPPING}.recording",
-    }
-    | dict.fromkeys(
-        (
-            "Capabilities",
-            "Contact",
-            "Engine",
-            "EngineFeatures",
-            "ModelDifference",
-            "SolverEffort",
-            "Variant",
-            "Setting",
-            "World",
-            "resolve",
-        ),
-        _BASE,
-    )
-    | dict.fromkeys(
-        ("ETA_SETTING", "Adaptive", "Fixed", "Schedule", "Stage"), f"{_STEPPING}.schedule"
-    ),
-)

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-from harness.core.errors import InvalidSettingError, UnsupportedEffectError
+from harness.core.errors import InvalidSettingError
 from harness.engines.reference.to_reference_problem import problem, refusal
 from harness.engines.reference.truth import Truth, sample_truth, truth
-from harness.engines.registry import check_effects
+from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
 from reference import Finding, Outcome, divergence, examine
@@ -131,7 +131,7 @@ def check_exact(scene: Scene) -> None:
     InvalidSettingError
         Says which scenes have an exact motion.
     """
-    if not _carried(scene):
+    if refusal(scene) or missing_effects("reference", scene):
         allowed = (
             "a scene under gravity with no effects but those that the reference carries: another "
             "has no exact motion"
@@ -144,14 +144,3 @@ def check_exact(scene: Scene) -> None:
             "`run` says when it parts"
         )
         raise InvalidSettingError("SCENE", scene.name, allowed)
-
-
-def _carried(scene: Scene) -> bool:
-    """Whether the reference carries a scene with all its effects."""
-    if refusal(scene):
-        return False
-    try:
-        check_effects("reference", scene)
-    except UnsupportedEffectError:
-        return False
-    return True

@@ -1,6 +1,7 @@
 """The reference in the role of an engine."""
 
 import time
+from dataclasses import replace
 from importlib.metadata import version
 
 from harness.core.case import Case
@@ -56,17 +57,17 @@ class ReferenceEngine:
         """
         self.timestep(case)
         chosen = resolve(case, SETTINGS, 0.0)
-        reason = refusal(case.scene)
-        if reason:
-            return Simulation(
-                case=case,
-                outcome=Outcome.NO_SOLUTION,
-                note=reason,
-                trajectory=None,
-                engine_version=self.version,
-                model=str(chosen["model"]),
-                settings=chosen,
-            )
+        refused = Simulation(
+            case=case,
+            outcome=Outcome.NO_SOLUTION,
+            note=refusal(case.scene),
+            trajectory=None,
+            engine_version=self.version,
+            model=str(chosen["model"]),
+            settings=chosen,
+        )
+        if refused.note:
+            return refused
         started, cpu = time.perf_counter(), time.process_time()
         found = solve_case(case)
         outcome, note = _ending(found.solution)
@@ -75,14 +76,12 @@ class ReferenceEngine:
             note = f"{note} The model knows no contact locus: no motion to show.".lstrip()
         else:
             trajectory = sample_truth(found)
-        return Simulation(
-            case=case,
+        return replace(
+            refused,
             outcome=outcome,
             note=note,
             trajectory=trajectory,
-            engine_version=self.version,
             model=found.solution.model,
-            settings=chosen,
             steps=found.solution.steps,
             wall_s=time.perf_counter() - started,
             cpu_s=time.process_time() - cpu,

@@ -21,7 +21,7 @@ from harness.engines.base import Floats, Setting, Variant, resolve
 from harness.engines.reference.to_reference_problem import problem
 from harness.engines.stepping.horizon import natural_time
 from models.kinematics import angular_velocity, quaternion
-from models.rim import contact_offset
+from models.rim import arc_of, contact_offset
 from models.scene import Scene
 from reference import (
     METHODS,
@@ -45,7 +45,7 @@ MOST = 16
 """Motions that are kept, each of some megabytes at most."""
 
 
-class Followed(Generic[T]):
+class SolutionCache(Generic[T]):
     """The last motions, by scene, problem and the model that solves it."""
 
     def __init__(self) -> None:
@@ -151,10 +151,9 @@ class Truth:
     @property
     def phases(self) -> tuple[Phase, ...]:
         """When the rim sticks and when it slips, in order."""
-        T = natural_time(self.scene)
+        T, phases = natural_time(self.scene), self.solution.phases
         return tuple(
-            Phase(kind=phase.kind.value, start=phase.start * T, end=phase.end * T)
-            for phase in self.solution.phases
+            Phase(kind=each.kind.value, start=each.start * T, end=each.end * T) for each in phases
         )
 
     @property
@@ -198,7 +197,7 @@ class Truth:
         omega[:, 2] = (states.spin - states.theta_dot * tilt) / T
         point = np.stack((states.x, states.y, np.zeros_like(states.x)), axis=-1) * can.radius
         weight = can.mass * self.scene.gravity
-        offset = _offset(self.scene, states.phi, states.psi)
+        offset = contact_offset(can, states.phi, states.psi, arc=arc_of(self.scene.effects))
         velocity = np.cross(offset, omega)
         if states.slip is not None:
             velocity[:, :2] += states.slip * can.radius / T
@@ -215,19 +214,7 @@ class Truth:
         )
 
 
-def _offset(scene: Scene, phi: Floats, psi: Floats) -> Floats:
-    """Return the contact point from the centre of the can, in the world, shape (n, 3), m."""
-    offset = contact_offset(scene.can, phi, psi)
-    if scene.effects.rim is None:
-        return offset
-    sin, cos, r = np.sin(phi), np.cos(phi), scene.effects.rim.radius
-    offset[:, 0] += r * (cos - sin) * np.cos(psi)
-    offset[:, 1] += r * (cos - sin) * np.sin(psi)
-    offset[:, 2] += r * (sin + cos - 1.0)
-    return offset
-
-
-FOLLOWED: Followed[Truth] = Followed()
+SOLVED: SolutionCache[Truth] = SolutionCache()
 """What has been solved, which may take seconds."""
 
 
@@ -261,7 +248,7 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         raise InvalidSettingError("model", model, allowed)
     choices = {} if method == "auto" else {"method": method}
     plain = {name for name, _ in case.options} <= {"model"}
-    known = FOLLOWED.find(case.scene, posed, model) if plain and not again else None
+    known = SOLVED.find(case.scene, posed, model) if plain and not again else None
     if known is not None:
         return known
     try:
@@ -277,7 +264,7 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         raise InvalidSettingError("method", method, allowed) from error
     found = Truth(scene=case.scene, solution=solution)
     if plain:
-        FOLLOWED.keep(case.scene, posed, model, found)
+        SOLVED.keep(case.scene, posed, model, found)
     return found
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.engines.reference.assumption_checks import divergence_of
-from harness.engines.reference.truth import Followed, solve_case, truth
+from harness.engines.reference.truth import SolutionCache, solve_case, truth
 from models import load
 from models.scene import Horizon
 from reference import PAPER_CAN, Effects, Problem
@@ -39,7 +39,7 @@ def test_a_tolerance_of_its_own_is_no_truth() -> None:
 def test_it_keeps_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
     module = importlib.import_module("harness.engines.reference.truth")  # a function has its name
     monkeypatch.setattr(module, "MOST", 2)
-    kept: Followed[str] = Followed()
+    kept: SolutionCache[str] = SolutionCache()
     scene = load("slipping-rock")
     rolling = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, duration=0.1)
     slipping = [replace(rolling, effects=Effects(mu=mu)) for mu in (0.1, 0.2, 0.3)]

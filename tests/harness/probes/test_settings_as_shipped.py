@@ -15,8 +15,8 @@ from harness.engines.probes import ProbeFinding, measure
 from harness.engines.pybullet.settings import SETTINGS as PYBULLET
 from harness.engines.pybullet.settings import SHIPPED_VALUES
 from harness.engines.registry import engine
-from harness.engines.settings_table import ENGINES, FILE, settings_table
 from models import load, release_state
+from tests.settings_table import ENGINES, FILE, settings_table
 
 BARE = """
 <mujoco><worldbody>
@@ -160,7 +160,7 @@ def test_handing_over_the_default_changes_nothing(name: str) -> None:
 
 def test_the_table_is_that_of_the_code() -> None:
     assert FILE.read_text(encoding="utf-8") == settings_table(), (
-        "run: python -m harness.engines.settings_table"
+        "run: python -m tests.settings_table"
     )
 
 
