@@ -1,7 +1,7 @@
 """The table of all settings: what each engine ships with and what the profiles take instead.
 
-`python -m tests.settings_table` writes the table into `harness/engines/SETTINGS.md`; a test holds the
-two equal.
+`python -m tests.settings_table` writes it into `harness/engines/SETTINGS.md`; a test holds the two
+equal.
 """
 
 from collections.abc import Iterator

@@ -3,14 +3,6 @@
 `mujoco.rollout` steps in C and returns the state after each step and the sensors of the state
 before it; the engine puts both at the same instant. Forces and the locus come from MuJoCo's contact
 sensors.
-
-The variants are settings worth a price, each one change to `matched`. A time constant of solref
-held while the timestep shrinks keeps the can soft; tied to the timestep, as in `matched`, the
-softness vanishes.
-
-The differences between MuJoCo as shipped and matched are in the order in which they are removed:
-the contact first, since friction and solver act through it, the timestep last, since a matched
-contact is tied to it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,94 +11,33 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from harness.core.case import Case, Value
-from harness.core.simulation import Simulation
-from harness.engines.base import (
-    COMMON,
-    TIMESTEP,
+from harness.engines import (
     Capabilities,
-    Floats,
-    ModelDifference,
-    SolverEffort,
-    Variant,
+    Case,
+    Chunk,
+    Fixed,
+    PhysicsEngine,
+    Schedule,
+    Simulation,
+    Stage,
+    Value,
 )
-from harness.engines.mujoco.settings import (
-    DEFAULT_TIMESTEP,
-    FAINTEST,
-    MATCHED_TIMESTEP,
-    SETTINGS,
-    attributes,
-    in_force,
-    soft_solref,
-)
+from harness.engines.base import Floats
+from harness.engines.mujoco import settings as declared
 from harness.engines.mujoco.stepping import (
     LARGEST,
     MOST_STEPS,
     STATE,
     chunk_of,
     control,
-    glanced,
     run_batch,
     spares,
     steps_for,
+    take_sparsely,
 )
 from harness.engines.mujoco.world import MujocoWorld, alike
-from harness.engines.registry import engine
-from harness.engines.stepping.physics_engine import MOST, PhysicsEngine
-from harness.engines.stepping.recording import Chunk
-from harness.engines.stepping.schedule import Fixed, Schedule, Stage
+from harness.engines.stepping.physics_engine import MOST
 from models.mjcf_contact import pair, surface
-
-SHIPPED_SOLREF = 0.02
-"""s: the time constant that MuJoCo ships with."""
-
-VARIANTS = (
-    *COMMON,
-    Variant(name="adaptive RK4", profile="adaptive", settings=(("integrator", "RK4"),)),
-    *(
-        Variant(
-            name=f"integrator {word}",
-            settings=(("integrator", word),),
-            thorough=word in {"implicit", "discrete"},
-        )
-        for word in ("RK4", "implicit", "implicitfast", "discrete")
-    ),
-    Variant(
-        name="cone pyramidal",
-        settings=(("cone", "pyramidal"),),
-        imposes="a friction cone that is a pyramid",
-    ),
-    *(
-        Variant(
-            name=f"impratio {number:g}",
-            settings=(("impratio", number),),
-            imposes="friction that yields, so that the rim creeps",
-            thorough=number > 1.0,
-        )
-        for number in (1.0, 10.0)
-    ),
-    *(
-        Variant(
-            name=f"solref held at {seconds:g} s",
-            settings=(("solref", (seconds, 1.0)),),
-            imposes="a contact that stays soft",
-            thorough=seconds < SHIPPED_SOLREF,
-        )
-        for seconds in (SHIPPED_SOLREF, 0.002)
-    ),
-    Variant(name="1 solver iteration", settings=(("iterations", 1),)),
-    Variant(name="solver CG", settings=(("solver", "CG"),), thorough=True),
-    Variant(name="solver PGS", settings=(("solver", "PGS"),), thorough=True),
-    Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
-)
-
-
-def counted_step(world: "MujocoWorld") -> int:
-    """Step, and return the iterations of the solver, of the last stage of RK4, over all islands."""
-    world.step()
-    data = world.data
-    return int(data.solver_niter[: max(1, int(data.nisland))].sum())
-
 
 _ADAPTIVE = """\
 <!-- The timestep follows the motion. Before each mj_step of a can with these measures:
@@ -117,84 +48,16 @@ model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
 """
 
 
-def export_settings(case: Case) -> str:
-    """Return the settings of a case as MJCF: `option`, and `default` for the geoms of the contact.
-
-    Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
-    spring, for geoms named as in the model files.
-    """
-    chosen = engine(case.engine)
-    timestep = chosen.timestep(case)
-    # not the stages that are left out: a model of one's own may need them, and no number does
-    option, geom, flag = attributes(case, in_force(case, timestep or 0.0))
-    if timestep is not None:
-        option = {"timestep": repr(timestep)} | option
-    lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
-    if not flag:
-        lines = [f"<option {_spelled(option)}/>"]
-    if geom:
-        lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
-    if soft_solref(case, timestep or 0.0) is not None:
-        springy = pair(surface(case.scene) | geom, timestep)
-        lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
-    text = "\n".join(lines) + "\n"
-    if case.profile == "adaptive":
-        text = _ADAPTIVE.format(largest=timestep) + text
-    return text
-
-
-def _spelled(attributes: dict[str, str]) -> str:
-    return " ".join(f'{name}="{value}"' for name, value in attributes.items())
-
-
-MODEL_DIFFERENCES = (
-    ModelDifference(
-        name="compliance",
-        settings=("solref", "solimp"),
-        sentence="The contact yields with a time constant of 0.02 s, so that the can sinks in.",
-    ),
-    ModelDifference(
-        name="friction regularisation",
-        settings=("cone", "impratio"),
-        sentence="Friction is as soft as the normal, its cone a pyramid, and the rim creeps.",
-    ),
-    ModelDifference(
-        name="solver",
-        settings=("tolerance", "jacobian", "build"),
-        sentence="The solver stops at an improvement of 1e-8, and idle stages run.",
-    ),
-    ModelDifference(
-        name="timestep",
-        settings=(TIMESTEP,),
-        sentence="Steps of 2 ms are long beside the bounce.",
-    ),
-)
-
-# below 1e-15 the solver's own cost is round-off; 200 iterations are reached by none of its solves
-_CONVERGED = (("tolerance", 1e-15), ("iterations", 200), ("ls_iterations", 200))
-
-SOLVER_EFFORTS = (
-    SolverEffort(name="1 iteration", settings=(("tolerance", 1e-15), ("iterations", 1))),
-    SolverEffort(name="2 iterations", settings=(("tolerance", 1e-15), ("iterations", 2))),
-    SolverEffort(name="3 iterations", settings=(("tolerance", 1e-15), ("iterations", 3))),
-    SolverEffort(name="tolerance 1e-4", settings=(("tolerance", 1e-4),)),
-    SolverEffort(name="tolerance 1e-8, as shipped", settings=(("tolerance", 1e-8),)),
-    SolverEffort(name="converged", settings=_CONVERGED),
-)
-
-
 class MujocoEngine(PhysicsEngine[MujocoWorld]):
     """MuJoCo: soft contact by convex optimisation, generalised coordinates."""
 
     name = "mujoco"
-    settings = SETTINGS
-    default_timestep = DEFAULT_TIMESTEP
-    matched_timestep = MATCHED_TIMESTEP
-    model_differences = MODEL_DIFFERENCES
-    solver_efforts = SOLVER_EFFORTS
-    variants = VARIANTS
-    export_settings = staticmethod(export_settings)
-    counted_step = staticmethod(counted_step)
+    settings = declared.SETTINGS
+    default_timestep = declared.DEFAULT_TIMESTEP
+    matched_timestep = declared.MATCHED_TIMESTEP
+    model_differences = declared.MODEL_DIFFERENCES
+    solver_efforts = declared.SOLVER_EFFORTS
+    variants = declared.VARIANTS
     capabilities = Capabilities(
         honours=frozenset(
             {
@@ -216,7 +79,9 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             "several contacts": "near the flat state three points of the rim bear the load",
             "gyroscopic term": "Euler takes it explicitly, and a free spin gains energy",
         },
-        least=dict.fromkeys(("slip.mu", "drilling.length", "rolling_resistance.length"), FAINTEST),
+        least=dict.fromkeys(
+            ("slip.mu", "drilling.length", "rolling_resistance.length"), declared.FAINTEST
+        ),
     )
     # as shipped the cone is a pyramid, in which sliding and turning share even more
     imposed_by_default = frozenset({"arm of drilling", "arm of rolling resistance"})
@@ -228,7 +93,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
 
     def resolve(self, case: Case) -> dict[str, Value]:
         """Return every setting in force for a case: an option, else what an effect asks for."""
-        return in_force(case, self.timestep(case))
+        return declared.in_force(case, self.timestep(case))
 
     def open(self, case: Case) -> MujocoWorld:
         """Compile the scene of a case."""
@@ -240,9 +105,9 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         mujoco.mj_getState(world.model, world.data, state, STATE)
         if spares(world, schedule) and schedule.looks is not None:
             while (stage := _next(schedule, state)) is not None:
-                states, seen, places, spans = glanced(world, stage, schedule.looks)
-                if len(places):
-                    yield chunk_of(world, stage.times[places], states, seen, spans)
+                world_chunk = take_sparsely(world, stage, schedule.looks)
+                if world_chunk is not None:
+                    yield world_chunk
             return
         # the schedule is asked after a chunk was seen: what is seen may change what comes
         while (stage := _next(schedule, state)) is not None:
@@ -281,6 +146,33 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         while (stage := _next(schedule, state)) is not None:
             state = _roll(world, stage, state)[0][-1]
 
+    def counted_step(self, world: MujocoWorld) -> int:
+        """Step, and return the iterations of the solver, of the last stage of RK4, over all islands."""
+        world.step()
+        data = world.data
+        return int(data.solver_niter[: max(1, int(data.nisland))].sum())
+
+    def export_settings(self, case: Case) -> str:
+        """Return the settings of a case as MJCF: `option`, and `default` for the geoms.
+
+        Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
+        spring, for geoms named as in the model files.
+        """
+        timestep = self.timestep(case)
+        # not the stages that are left out: a model of one's own may need them, and no number does
+        option, geom, flag = declared.attributes(case, self.resolve(case))
+        option = {"timestep": repr(timestep)} | option
+        lines = [f"<option {_spelled(option)}/>"]
+        if flag:
+            lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
+        if geom:
+            lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
+        if declared.soft_solref(case, timestep) is not None:
+            springy = pair(surface(case.scene) | geom, timestep)
+            lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
+        head = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
+        return head + "\n".join(lines) + "\n"
+
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases; those that differ in their release alone are stepped together, in C."""
         families: dict[Case, list[int]] = {}
@@ -306,6 +198,10 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             left = [place for place in left if place not in done]
             steps *= 2
         return done | {place: self.simulate(others[place]) for place in left}
+
+
+def _spelled(attributes: dict[str, str]) -> str:
+    return " ".join(f'{name}="{value}"' for name, value in attributes.items())
 
 
 def _roll(world: MujocoWorld, stage: Stage, state: Floats) -> tuple[Floats, Floats]:

@@ -8,6 +8,14 @@ normal, so that the rim creeps a hundred times less.
 
 What a scene declares comes on top, in every profile: the dimension of the contact, and a spring and
 a damper in place of the stiffest contact there is.
+
+The variants are settings worth a price, each one change to `matched`. A time constant of solref
+held while the timestep shrinks keeps the can soft; tied to the timestep, as in `matched`, the
+softness vanishes.
+
+The differences between MuJoCo as shipped and matched are in the order in which they are removed:
+the contact first, since friction and solver act through it, the timestep last, since a matched
+contact is tied to it.
 """
 
 from collections.abc import Mapping
@@ -15,8 +23,8 @@ from collections.abc import Mapping
 import mujoco
 
 from harness.core.case import Case, Value
-from harness.engines.base import Setting, resolve
-from harness.engines.stepping.schedule import ETA_SETTING
+from harness.engines import ETA_SETTING, ModelDifference, Setting, SolverEffort, Variant, resolve
+from harness.engines.base import COMMON, TIMESTEP
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, spring
 
@@ -31,8 +39,6 @@ def matched_solref(timestep: float) -> tuple[float, ...]:
     """Return the stiffest critically damped contact that refsafe lets pass."""
     return (2.0 * timestep, 1.0)
 
-
-_SWITCH = ("enable", "disable")
 
 OPTIONS = (
     Setting(
@@ -105,28 +111,13 @@ GEOM = (
     Setting("margin", 0.0, 0.0, "Distance at which a contact becomes active, m."),
 )
 
-FLAGS = (
-    Setting(
-        "refsafe",
-        "enable",
-        "enable",
-        "Keeps the time constant of solref at two timesteps or more.",
-        choices=_SWITCH,
-    ),
-    Setting(
-        "warmstart",
-        "enable",
-        "enable",
-        "Starts the solver at the last step's forces.",
-        choices=_SWITCH,
-    ),
-    Setting(
-        "eulerdamp",
-        "enable",
-        "enable",
-        "Implicit treatment of joint damping in Euler; the can has none.",
-        choices=_SWITCH,
-    ),
+FLAGS = tuple(
+    Setting(name, "enable", "enable", meaning, choices=("enable", "disable"))
+    for name, meaning in (
+        ("refsafe", "Keeps the time constant of solref at two timesteps or more."),
+        ("warmstart", "Starts the solver at the last step's forces."),
+        ("eulerdamp", "Implicit treatment of joint damping in Euler; the can has none."),
+    )
 )
 
 BUILD = Setting(
@@ -216,3 +207,82 @@ def _text(value: Value) -> str:
     if isinstance(value, tuple):
         return " ".join(repr(number) for number in value)
     return repr(value) if isinstance(value, float) else str(value)
+
+
+SHIPPED_SOLREF = 0.02
+"""s: the time constant that MuJoCo ships with."""
+
+VARIANTS = (
+    *COMMON,
+    Variant(name="adaptive RK4", profile="adaptive", settings=(("integrator", "RK4"),)),
+    *(
+        Variant(
+            name=f"integrator {word}",
+            settings=(("integrator", word),),
+            thorough=word in {"implicit", "discrete"},
+        )
+        for word in ("RK4", "implicit", "implicitfast", "discrete")
+    ),
+    Variant(
+        name="cone pyramidal",
+        settings=(("cone", "pyramidal"),),
+        imposes="a friction cone that is a pyramid",
+    ),
+    *(
+        Variant(
+            name=f"impratio {number:g}",
+            settings=(("impratio", number),),
+            imposes="friction that yields, so that the rim creeps",
+            thorough=number > 1.0,
+        )
+        for number in (1.0, 10.0)
+    ),
+    *(
+        Variant(
+            name=f"solref held at {seconds:g} s",
+            settings=(("solref", (seconds, 1.0)),),
+            imposes="a contact that stays soft",
+            thorough=seconds < SHIPPED_SOLREF,
+        )
+        for seconds in (SHIPPED_SOLREF, 0.002)
+    ),
+    Variant(name="1 solver iteration", settings=(("iterations", 1),)),
+    Variant(name="solver CG", settings=(("solver", "CG"),), thorough=True),
+    Variant(name="solver PGS", settings=(("solver", "PGS"),), thorough=True),
+    Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
+)
+
+MODEL_DIFFERENCES = (
+    ModelDifference(
+        name="compliance",
+        settings=("solref", "solimp"),
+        sentence="The contact yields with a time constant of 0.02 s, so that the can sinks in.",
+    ),
+    ModelDifference(
+        name="friction regularisation",
+        settings=("cone", "impratio"),
+        sentence="Friction is as soft as the normal, its cone a pyramid, and the rim creeps.",
+    ),
+    ModelDifference(
+        name="solver",
+        settings=("tolerance", "jacobian", "build"),
+        sentence="The solver stops at an improvement of 1e-8, and idle stages run.",
+    ),
+    ModelDifference(
+        name="timestep",
+        settings=(TIMESTEP,),
+        sentence="Steps of 2 ms are long beside the bounce.",
+    ),
+)
+
+# below 1e-15 the solver's own cost is round-off; 200 iterations are reached by none of its solves
+_CONVERGED = (("tolerance", 1e-15), ("iterations", 200), ("ls_iterations", 200))
+
+SOLVER_EFFORTS = (
+    SolverEffort(name="1 iteration", settings=(("tolerance", 1e-15), ("iterations", 1))),
+    SolverEffort(name="2 iterations", settings=(("tolerance", 1e-15), ("iterations", 2))),
+    SolverEffort(name="3 iterations", settings=(("tolerance", 1e-15), ("iterations", 3))),
+    SolverEffort(name="tolerance 1e-4", settings=(("tolerance", 1e-4),)),
+    SolverEffort(name="tolerance 1e-8, as shipped", settings=(("tolerance", 1e-8),)),
+    SolverEffort(name="converged", settings=_CONVERGED),
+)

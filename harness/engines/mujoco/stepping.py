@@ -16,6 +16,7 @@ the batch has is run again alone.
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -27,7 +28,8 @@ from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Integers, Trajectory
 from harness.engines.base import Floats
 from harness.engines.mujoco.world import MujocoWorld
-from harness.engines.stepping.recording import Chunk, Looks, record
+from harness.engines.stepping.generic_stepping import take_stage
+from harness.engines.stepping.recording import Chunk, Looks, record, trajectory_of
 from harness.engines.stepping.schedule import Fixed, Schedule, Stage
 from harness.engines.stepping.settling import settle
 from models.kinematics import to_world
@@ -61,7 +63,9 @@ def chunk_of(
     contacts[count:] = 0.0
 
     def read(keep: Integers) -> Trajectory:
-        return _read(world, times[keep], states[keep], sensors[keep])
+        motion = states[keep, 1:]
+        motion[:, 10:] = to_world(motion[:, 3:7], motion[:, 10:])
+        return trajectory_of(times[keep], motion, world.read_contact(sensors[keep]))
 
     return Chunk(
         times=times,
@@ -96,23 +100,6 @@ def _sound(states: Floats) -> int:
     return int(np.argmin(good))
 
 
-def _read(world: MujocoWorld, times: Floats, states: Floats, sensors: Floats) -> Trajectory:
-    """Return states and the sensors of the same instants as a trajectory."""
-    point, force, penetration, count = world.read_contact(sensors)
-    quaternion = states[:, 4:8]
-    return Trajectory(
-        time=times,
-        position=states[:, 1:4],
-        quaternion=quaternion,
-        velocity=states[:, 8:11],
-        angular_velocity=to_world(quaternion, states[:, 11:14]),
-        contact_point=point,
-        contact_force=force,
-        penetration=penetration,
-        contact_count=count.astype(np.int64),
-    )
-
-
 WORTH_IT = 32
 """Steps between two looks, where no angle moves, from which looking less often pays: a look costs
 what three steps do."""
@@ -131,53 +118,32 @@ def spares(world: MujocoWorld, schedule: Schedule) -> bool:
     return still and fixed and looks.steps(schedule.largest) >= WORTH_IT  # type: ignore[union-attr]
 
 
-def glanced(
-    world: MujocoWorld, stage: Stage, looks: Looks
-) -> tuple[Floats, Floats, Integers, Integers]:
-    """Step through a stage from where the world is.
-
-    Returns
-    -------
-    states, sensors : ndarray, shape (n, 14) and (n, 8)
-        Before each of the steps that were looked at.
-    places, spans : ndarray of int, shape (n,)
-        Which steps these are, and for how many each stands.
-    """
+def take_sparsely(world: MujocoWorld, stage: Stage, looks: Looks) -> Chunk | None:
+    """Step through a stage from where the world is; return what was looked at, if anything."""
     model, data, option = world.model, world.data, world.model.opt
     seen = int(option.disableflags)
     state, spin = np.empty(mujoco.mj_stateSize(model, STATE)), np.empty(3)
-    states, sensors, places, spans = [], [], [], []
-    count, last = len(stage.times), stage.ahead - 1
-    place, left = min(looks.left, count), max(looks.left - count, 0)
-    option.disableflags = seen | _OFF
-    if place > 0:
-        mujoco.mj_step(model, data, nstep=place)
-    while place < count:
+    states: list[Floats] = []
+    sensors: list[Floats] = []
+
+    def look() -> tuple[list[float], list[float]]:
         mujoco.mj_getState(model, data, state, STATE)
         option.disableflags = seen
         mujoco.mj_step(model, data)
         option.disableflags = seen | _OFF
         states.append(state.copy())
         sensors.append(data.sensordata.copy())
-        places.append(place)
-        after = place + 1
-        if place < last:
-            # the last step of all is looked at, whatever the motion
-            w, x, y, z = state[4:8].tolist()
-            mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
-            after = min(place + looks.pause((x, y, z, w), spin.tolist(), stage.timestep), last)
-        spans.append(after - place)
-        if after > count:
-            left = after - count
-        unseen = min(after, count) - place - 1
-        if unseen > 0:
-            mujoco.mj_step(model, data, nstep=unseen)
-        place = after
+        mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
+        return state[[5, 6, 7, 4]].tolist(), spin.tolist()
+
+    option.disableflags = seen | _OFF
+    skip = partial(mujoco.mj_step, model, data)
+    places, spans = take_stage(stage, looks, look, skip)
     option.disableflags = seen
-    looks.left = left
-    rows = np.array(states).reshape(len(states), len(state))
-    read = np.array(sensors).reshape(len(states), len(data.sensordata))
-    return rows, read, np.array(places, dtype=np.int64), np.array(spans, dtype=np.int64)
+    if not places:
+        return None
+    times = stage.times[places]
+    return chunk_of(world, times, np.array(states), np.array(sensors), np.array(spans))
 
 
 MOST_STEPS = 4096

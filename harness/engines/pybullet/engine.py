@@ -248,7 +248,8 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
             while stage is not None:
                 world.set_timestep(stage.timestep)
                 steps.take(world, stage)
-                stage = None if steps.reach(size) else _next(schedule, world)
+                # until so many are taken, and any of them was looked at
+                stage = None if steps.taken >= size and steps.seen else _next(schedule, world)
             yield steps.chunk()
 
     def bare_loop(self, world: PybulletWorld, steps: int) -> None:

@@ -8,21 +8,20 @@ that a step leaves are paired with the state before it.
 
 from collections.abc import Sequence
 from itertools import chain, repeat
-from typing import TypeAlias
 
 import numpy as np
 import pybullet
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.pybullet.world import ContactPoint, PybulletWorld, resultant
-from harness.engines.stepping.recording import Chunk, Looks
+from harness.engines.pybullet.world import ContactPoint, Numbers, PybulletWorld, State, resultant
+from harness.engines.stepping.generic_stepping import take_stage
+from harness.engines.stepping.recording import Chunk, Looks, trajectory_of
 from harness.engines.stepping.schedule import Stage
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
 _STATE = 13  # numbers of a state: position, quaternion, velocity, angular velocity
 _POINT = 19  # numbers of a contact point that matter, in PyBullet's order
 _NONE = (0.0,) * _POINT
-_State: TypeAlias = tuple[tuple[float, ...], ...]
 
 
 class Steps:
@@ -37,62 +36,49 @@ class Steps:
     def __init__(self, looks: Looks | None) -> None:
         self._looks = looks
         self._times: list[Floats] = []
-        self._taken, self._parts = 0, 1
-        self._places: list[int] = []
+        self._parts = 1
         self._spans: list[int] = []
-        self._states: list[_State] = []
+        self._states: list[State] = []
         self._contacts: list[tuple[ContactPoint, ...]] = []
-
-    def reach(self, size: int) -> bool:
-        """Whether so many steps are taken, and any of them was looked at."""
-        return self._taken >= size and len(self._places) > 0
+        self.taken = 0
 
     def take(self, world: PybulletWorld, stage: Stage) -> None:
         """Take the steps of a stage, looking at the state before a step and the contacts after."""
-        client, can, ground = world.client, world.can, world.ground
-        self._parts = world.parts
+        client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-        centred = world.reading
-        state, touch = self._states.append, self._contacts.append
-        here, stand = self._places.append, self._spans.append
-        timestep, count, last = stage.timestep, len(stage.times), stage.ahead - 1
-        looks, place, left = self._looks, 0, 0
-        sparing = looks is not None and looks.spare(timestep)
-        if looks is not None:
-            place, left = min(looks.left, count), max(looks.left - count, 0)
-        for _ in repeat(None, place):
-            step(client)
-        while place < count:
+        keep, touch = self._states.append, self._contacts.append
+
+        def look() -> tuple[Numbers, Numbers]:
             position, quaternion = pose_of(can, client)
             velocity, spin = velocity_of(can, client)
             if centred is not None:
                 position, quaternion, velocity, spin = centred(position, quaternion, velocity, spin)
             step(client)
             touch(contacts_of(can, ground, physicsClientId=client))
-            state((position, quaternion, velocity, spin))
-            here(self._taken + place)
-            after = place + 1
-            if sparing and place < last:
-                # the last step of all is looked at, whatever the motion
-                after = min(place + looks.pause(quaternion, spin, timestep), last)  # type: ignore[union-attr]
-            stand(after - place)
-            if after > count:
-                left = after - count
-            for _ in repeat(None, min(after, count) - place - 1):
+            keep((position, quaternion, velocity, spin))
+            return quaternion, spin
+
+        def skip(steps: int) -> None:
+            for _ in repeat(None, steps):
                 step(client)
-            place = after
-        if looks is not None:
-            looks.left = left
-        self._times.append(stage.times)
-        self._taken += count
+
+        places, spans = take_stage(stage, self._looks, look, skip)
+        self._parts = world.parts
+        self._times.append(stage.times[places])
+        self._spans += spans
+        self.taken += len(stage.times)
+
+    @property
+    def seen(self) -> bool:
+        """Whether any step was looked at."""
+        return len(self._states) > 0
 
     def chunk(self) -> Chunk:
         """Return what was looked at as a chunk."""
-        times = np.concatenate(self._times)[self._places]
-        numbers = chain.from_iterable(self._states)
+        times, numbers = np.concatenate(self._times), chain.from_iterable(self._states)
         states = np.fromiter(chain.from_iterable(numbers), np.float64).reshape(-1, _STATE)
-        quaternions = states[:, [6, 3, 4, 5]]
+        states[:, 3:7] = states[:, [6, 3, 4, 5]]
         good = np.isfinite(states).all(axis=1)
         count = len(states) if np.all(good) else int(np.argmin(good))
         contacts = np.fromiter(map(len, self._contacts), np.int64)
@@ -100,21 +86,13 @@ class Steps:
 
         def read(keep: Integers) -> Trajectory:
             point, force, depth, bearing = _resultants([self._contacts[n] for n in keep.tolist()])
-            return Trajectory(
-                time=times[keep],
-                position=states[keep, :3],
-                quaternion=quaternions[keep],
-                velocity=states[keep, 7:10],
-                angular_velocity=states[keep, 10:13],
-                contact_point=point,
-                contact_force=force * self._parts,
-                penetration=depth,
-                contact_count=bearing,
+            return trajectory_of(
+                times[keep], states[keep], (point, force * self._parts, depth, bearing)
             )
 
         return Chunk(
             times=times,
-            quaternions=quaternions[:count],
+            quaternions=states[:count, 3:7],
             constraint_rows=contacts * _ROWS_PER_CONTACT,
             spans=np.array(self._spans),
             sound=count == len(states),

@@ -1,18 +1,19 @@
-"""Stepping a world through its own readings: what an engine without batches needs and no more.
+"""Stepping a world through its own readings, and stepping that leaves out readings.
 
 Each step is read through `World`, which costs some tens of microseconds. An engine that steps many
-times in one call writes its own `chunks` and saves that.
+times in one call writes its own `chunks` and saves that; with `take_stage` it reads a slow motion
+no oftener than the recorder needs.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import World
-from harness.engines.stepping.recording import Chunk
+from harness.engines.stepping.recording import Chunk, Looks, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from models.errors import InvalidValueError
 
@@ -91,20 +92,58 @@ def _chunk(times: Floats, rows: Floats, *, sound: bool) -> Chunk:
 
     def read(keep: Integers) -> Trajectory:
         kept = rows[keep]
-        return Trajectory(
-            time=times[keep],
-            position=kept[:, :3],
-            quaternion=kept[:, 3:7],
-            velocity=kept[:, 7:10],
-            angular_velocity=kept[:, 10:13],
-            contact_point=kept[:, 13:16],
-            contact_force=kept[:, 16:19],
-            penetration=kept[:, 19],
-            contact_count=kept[:, 20].astype(np.int64),
-        )
+        contact = kept[:, 13:16], kept[:, 16:19], kept[:, 19], kept[:, 20]
+        return trajectory_of(times[keep], kept[:, :13], contact)
 
     worked = np.zeros(len(times), dtype=np.int64)
     worked[: len(rows)] = 3 * rows[:, 20].astype(np.int64)  # a normal and two of friction
     return Chunk(
         times=times, quaternions=rows[:, 3:7], constraint_rows=worked, sound=sound, read=read
     )
+
+
+def take_stage(
+    stage: Stage,
+    looks: Looks | None,
+    look: Callable[[], tuple[Sequence[float], Sequence[float]]],
+    skip: Callable[[int], object],
+) -> tuple[list[int], list[int]]:
+    """Take the steps of a stage, and look at as many as the recorder needs.
+
+    Parameters
+    ----------
+    stage : Stage
+    looks : Looks or None
+        Of the run; None looks at every step.
+    look : callable
+        Keeps the state, takes a step and keeps the contact that it solved. Returns the quaternion,
+        scalar last, and the angular velocity of that state.
+    skip : callable
+        Takes so many steps and keeps nothing.
+
+    Returns
+    -------
+    places, spans : list of int
+        Which of the steps were looked at, and for how many steps each stands, its own the first.
+    """
+    places: list[int] = []
+    spans: list[int] = []
+    count, last, timestep = len(stage.times), stage.ahead - 1, stage.timestep
+    sparing = looks is not None and looks.spare(timestep)
+    place = 0 if looks is None else looks.left
+    if place > 0:
+        skip(min(place, count))
+    while place < count:
+        quaternion, spin = look()
+        after = place + 1
+        if sparing and place < last:
+            # the last step of all is looked at, whatever the motion
+            after = min(place + looks.pause(quaternion, spin, timestep), last)  # type: ignore[union-attr]
+        places.append(place)
+        spans.append(after - place)
+        if after > place + 1 < count:
+            skip(min(after, count) - place - 1)
+        place = after
+    if looks is not None:
+        looks.left = place - count
+    return places, spans

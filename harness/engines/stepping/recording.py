@@ -57,6 +57,34 @@ class Chunk:
     spans: Integers | None = None
 
 
+def trajectory_of(
+    time: Floats, motion: Floats, contact: tuple[Floats, Floats, Floats, NDArray[np.generic]]
+) -> Trajectory:
+    """Return states of a run as a trajectory.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        s.
+    motion : ndarray, shape (n, 13)
+        Position, quaternion (scalar first), velocity and angular velocity, in world coordinates.
+    contact : tuple
+        Point (n, 3), force on the can (n, 3), depth (n,) and number of points (n,).
+    """
+    point, force, depth, count = contact
+    return Trajectory(
+        time=time,
+        position=motion[:, :3],
+        quaternion=motion[:, 3:7],
+        velocity=motion[:, 7:10],
+        angular_velocity=motion[:, 10:],
+        contact_point=point,
+        contact_force=force,
+        penetration=depth,
+        contact_count=count.astype(np.int64),
+    )
+
+
 ANGLE_STEP = 0.02
 """rad: a chord of the rim this long leaves the locus by R ANGLE_STEP^2/8, 5e-5 of the radius."""
 
