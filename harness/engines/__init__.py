@@ -8,8 +8,10 @@ An adapter imports all that it needs from here, and this path stays:
 from harness.core.case import Case, Value
 from harness.core.errors import HarnessError, RefusedModelError
 from harness.core.simulation import Outcome, Simulation
-from harness.core.trajectory import Trajectory
+from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import (
+    COMMON,
+    TIMESTEP,
     Capabilities,
     Contact,
     Engine,
@@ -21,13 +23,16 @@ from harness.engines.base import (
     World,
     resolve,
 )
-from harness.engines.stepping.generic_stepping import walk
+from harness.engines.stepping.generic_stepping import take_stage, walk
 from harness.engines.stepping.physics_engine import PhysicsEngine
-from harness.engines.stepping.recording import Chunk
+from harness.engines.stepping.recording import Chunk, Looks, record, trajectory_of
 from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
+from harness.engines.stepping.settling import settle
 
 __all__ = [
+    "COMMON",
     "ETA_SETTING",
+    "TIMESTEP",
     "Adaptive",
     "Capabilities",
     "Case",
@@ -36,7 +41,10 @@ __all__ = [
     "Engine",
     "EngineFeatures",
     "Fixed",
+    "Floats",
     "HarnessError",
+    "Integers",
+    "Looks",
     "ModelDifference",
     "Outcome",
     "PhysicsEngine",
@@ -50,6 +58,10 @@ __all__ = [
     "Value",
     "Variant",
     "World",
+    "record",
     "resolve",
+    "settle",
+    "take_stage",
+    "trajectory_of",
     "walk",
 ]

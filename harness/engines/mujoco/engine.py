@@ -3,9 +3,22 @@
 `mujoco.rollout` steps in C and returns the state after each step and the sensors of the state
 before it; the engine puts both at the same instant. Forces and the locus come from MuJoCo's contact
 sensors.
+
+At a fine timestep hundreds of steps pass between two samples, and `mujoco.rollout` writes the state
+and the sensors of each. For a slow motion MuJoCo therefore steps from look to look in C and writes
+nothing, with its sensors off, which no step depends on: the same steps, fewer numbers.
+
+A batch of releases of one model is stepped in one call. It gives bit for bit what its cases give
+alone: the same model, each release at its own static penetration, each run in one piece from a cold
+start. A batch holds every step in memory, so it is for short runs; a case that has not ended when
+the batch has is run again alone.
 """
 
+import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -16,36 +29,196 @@ from harness.engines import (
     Case,
     Chunk,
     Fixed,
+    Floats,
+    Integers,
+    Looks,
+    Outcome,
     PhysicsEngine,
     Schedule,
     Simulation,
     Stage,
+    Trajectory,
     Value,
+    record,
+    settle,
+    take_stage,
+    trajectory_of,
 )
-from harness.engines.base import Floats
 from harness.engines.mujoco import settings as declared
-from harness.engines.mujoco.stepping import (
-    LARGEST,
-    MOST_STEPS,
-    STATE,
-    chunk_of,
-    control,
-    run_batch,
-    spares,
-    steps_for,
-    take_sparsely,
-)
 from harness.engines.mujoco.world import MujocoWorld, alike
 from harness.engines.stepping.physics_engine import MOST
-from models.mjcf_contact import pair, surface
+from models.kinematics import to_world
+from models.rim import released
 
-_ADAPTIVE = """\
-<!-- The timestep follows the motion. Before each mj_step of a can with these measures:
-from harness.engines import Adaptive           # schedule = Adaptive(can, largest={largest!r}, ...)
-model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
-model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
--->
-"""
+STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+"""Which state of MuJoCo: time, qpos and qvel, 14 numbers for a can."""
+
+
+def control(world: MujocoWorld, times: Floats) -> dict[str, Any]:
+    """Return what `mujoco.rollout` is told of the steps from these times (n,) on."""
+    forces = world.forces(times)
+    if forces is None:
+        return {"nstep": len(times)}
+    return {"control": forces[None], "control_spec": mujoco.mjtState.mjSTATE_XFRC_APPLIED}
+
+
+def chunk_of(
+    world: MujocoWorld,
+    times: Floats,
+    states: Floats,
+    sensors: Floats,
+    spans: Integers | None = None,
+) -> Chunk:
+    """Return the steps from states (n, 14) with the sensors of the same instants (n, 8).
+
+    Where not every step was read, `spans` says for how many each stands.
+    """
+    count = _sound(states)
+    contacts = sensors[:, 0].copy()
+    contacts[count:] = 0.0
+
+    def read(keep: Integers) -> Trajectory:
+        motion = states[keep, 1:]
+        motion[:, 10:] = to_world(motion[:, 3:7], motion[:, 10:])
+        return trajectory_of(times[keep], motion, world.read_contact(sensors[keep]))
+
+    return Chunk(
+        times=times,
+        quaternions=states[:count, 4:8],
+        constraint_rows=contacts.astype(np.int64) * world.rows_per_contact,
+        sound=count == len(states) and not _unstable(world.data),
+        read=read,
+        spans=spans,
+    )
+
+
+_BROKEN = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
+
+
+def _unstable(data: mujoco.MjData) -> bool:
+    """Whether MuJoCo itself has found its numbers to be none, or huge."""
+    return any(data.warning[kind].number for kind in _BROKEN)
+
+
+def _sound(states: Floats) -> int:
+    """Return how many of the states, from the first on, are states: finite, and time goes on."""
+    # without autoreset a number that breaks stays broken, and time that has stopped stays: the last
+    # two states speak for all before them
+    if np.isfinite(states[-1]).all() and (len(states) == 1 or states[-1, 0] > states[-2, 0]):
+        return len(states)
+    good = np.isfinite(states).all(axis=1)
+    good &= np.diff(states[:, 0], prepend=-np.inf) > 0.0
+    return int(np.argmin(good))
+
+
+WORTH_IT = 32
+"""Steps between two looks, where no angle moves, from which looking less often pays: a look costs
+what three steps do."""
+
+_OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
+
+
+def spares(world: MujocoWorld, schedule: Schedule) -> bool:
+    """Whether most steps of a run are to be taken without a look.
+
+    Not where forces change from step to step: MuJoCo takes those in its batched loop alone.
+    """
+    looks = schedule.looks
+    still = world.forces(np.zeros(1)) is None
+    fixed = looks is not None and isinstance(schedule, Fixed)
+    return still and fixed and looks.steps(schedule.largest) >= WORTH_IT  # type: ignore[union-attr]
+
+
+def take_sparsely(world: MujocoWorld, stage: Stage, looks: Looks) -> Chunk | None:
+    """Step through a stage from where the world is; return what was looked at, if anything."""
+    model, data, option = world.model, world.data, world.model.opt
+    seen = int(option.disableflags)
+    state, spin = np.empty(mujoco.mj_stateSize(model, STATE)), np.empty(3)
+    states: list[Floats] = []
+    sensors: list[Floats] = []
+
+    def look() -> tuple[list[float], list[float]]:
+        mujoco.mj_getState(model, data, state, STATE)
+        option.disableflags = seen
+        mujoco.mj_step(model, data)
+        option.disableflags = seen | _OFF
+        states.append(state.copy())
+        sensors.append(data.sensordata.copy())
+        mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
+        return state[[5, 6, 7, 4]].tolist(), spin.tolist()
+
+    option.disableflags = seen | _OFF
+    skip = partial(mujoco.mj_step, model, data)
+    places, spans = take_stage(stage, looks, look, skip)
+    option.disableflags = seen
+    if not places:
+        return None
+    times = stage.times[places]
+    return chunk_of(world, times, np.array(states), np.array(sensors), np.array(spans))
+
+
+MOST_STEPS = 4096
+"""Steps of a run, 180 bytes each, up to which it is batched."""
+
+LARGEST = 256
+"""Cases in a batch: two hundred megabytes at the most steps."""
+
+_MARGIN = 1.25  # share of the first run's steps that the others get
+
+
+def run_batch(
+    world: MujocoWorld, first: Simulation, cases: Sequence[Case], steps: int
+) -> list[Simulation | None]:
+    """Run cases that are alike; None for a case that has to be run by itself.
+
+    Parameters
+    ----------
+    world : MujocoWorld
+        With the model of the cases; is placed and stepped.
+    first : Simulation
+        A finished one of a case alike: version, settings and parity are the same for all.
+    cases : sequence of Case
+    steps : int
+        That each is given.
+    """
+    wall, cpu = time.perf_counter(), time.process_time()
+    model, data = world.model, world.data
+    states = np.empty((len(cases), mujoco.mj_stateSize(model, STATE)))
+    depths = []
+    for row, case in enumerate(cases):
+        pose, twist = released(case.scene)
+        depth, pose = settle(world, case.scene, pose, twist)
+        world.place(pose, twist)
+        mujoco.mj_getState(model, data, states[row], STATE)
+        depths.append(depth)
+    mujoco.mj_resetData(model, data)
+    times = np.arange(steps) * np.float64(world.timestep)
+    after, sensors = rollout.rollout(model, data, states, **control(world, times))
+    done: list[Simulation | None] = []
+    for row, case in enumerate(cases):
+        before = np.vstack((states[row], after[row, :-1]))
+        prepared = replace(first, case=case, static_penetration=depths[row])
+        run = record(prepared, [chunk_of(world, times, before, sensors[row])])
+        ended = run.outcome not in {Outcome.TIMED_OUT, Outcome.DIVERGED}
+        done.append(run if ended and case.scene.horizon.seconds is None else None)
+    share_wall = (time.perf_counter() - wall) / len(cases)
+    share_cpu = (time.process_time() - cpu) / len(cases)
+    return [
+        None if run is None else replace(run, wall_s=share_wall, cpu_s=share_cpu, setup_s=0.0)
+        for run in done
+    ]
+
+
+def steps_for(first: Simulation) -> int | None:
+    """Return the steps that cases like a finished one get in a batch; None if too many."""
+    if first.outcome is not Outcome.FINISHED or first.case.scene.horizon.seconds is not None:
+        return None
+    steps = int(first.steps * _MARGIN) + 16
+    return steps if steps <= MOST_STEPS else None
 
 
 class MujocoEngine(PhysicsEngine[MujocoWorld]):
@@ -147,31 +320,14 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             state = _roll(world, stage, state)[0][-1]
 
     def counted_step(self, world: MujocoWorld) -> int:
-        """Step, and return the iterations of the solver, of the last stage of RK4, over all islands."""
+        """Step, and return the solver's iterations over all islands, of RK4 in its last stage."""
         world.step()
         data = world.data
         return int(data.solver_niter[: max(1, int(data.nisland))].sum())
 
     def export_settings(self, case: Case) -> str:
-        """Return the settings of a case as MJCF: `option`, and `default` for the geoms.
-
-        Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
-        spring, for geoms named as in the model files.
-        """
-        timestep = self.timestep(case)
-        # not the stages that are left out: a model of one's own may need them, and no number does
-        option, geom, flag = declared.attributes(case, self.resolve(case))
-        option = {"timestep": repr(timestep)} | option
-        lines = [f"<option {_spelled(option)}/>"]
-        if flag:
-            lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
-        if geom:
-            lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
-        if declared.soft_solref(case, timestep) is not None:
-            springy = pair(surface(case.scene) | geom, timestep)
-            lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
-        head = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
-        return head + "\n".join(lines) + "\n"
+        """Return the settings of a case as MJCF."""
+        return declared.as_mjcf(case, self.resolve(case), self.timestep(case))
 
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases; those that differ in their release alone are stepped together, in C."""
@@ -198,10 +354,6 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             left = [place for place in left if place not in done]
             steps *= 2
         return done | {place: self.simulate(others[place]) for place in left}
-
-
-def _spelled(attributes: dict[str, str]) -> str:
-    return " ".join(f'{name}="{value}"' for name, value in attributes.items())
 
 
 def _roll(world: MujocoWorld, stage: Stage, state: Floats) -> tuple[Floats, Floats]:

@@ -23,10 +23,18 @@ from collections.abc import Mapping
 import mujoco
 
 from harness.core.case import Case, Value
-from harness.engines import ETA_SETTING, ModelDifference, Setting, SolverEffort, Variant, resolve
-from harness.engines.base import COMMON, TIMESTEP
+from harness.engines import (
+    COMMON,
+    ETA_SETTING,
+    TIMESTEP,
+    ModelDifference,
+    Setting,
+    SolverEffort,
+    Variant,
+    resolve,
+)
 from models.effects import Effects
-from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, spring
+from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, pair, spring, surface
 
 FAINTEST = float(mujoco.mjMINMU)
 """What MuJoCo makes of a coefficient of friction, or an arm in m, that is smaller: 1e-5."""
@@ -200,6 +208,40 @@ def attributes(case: Case, chosen: Mapping[str, Value]) -> tuple[dict[str, str],
         }
         for group in (OPTIONS, GEOM, FLAGS)
     )
+
+
+_ADAPTIVE = """\
+<!-- The timestep follows the motion. Before each mj_step of a can with these measures:
+from harness.engines import Adaptive           # schedule = Adaptive(can, largest={largest!r}, ...)
+model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
+model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
+-->
+"""
+
+
+def as_mjcf(case: Case, chosen: Mapping[str, Value], timestep: float) -> str:
+    """Return the settings of a case as MJCF: `option`, and `default` for the geoms of the contact.
+
+    Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
+    spring, for geoms named as in the model files.
+    """
+    # not the stages that are left out: a model of one's own may need them, and no number does
+    option, geom, flag = attributes(case, chosen)
+    option = {"timestep": repr(timestep)} | option
+    lines = [f"<option {_spelled(option)}/>"]
+    if flag:
+        lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
+    if geom:
+        lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
+    if soft_solref(case, timestep) is not None:
+        springy = pair(surface(case.scene) | geom, timestep)
+        lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
+    head = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
+    return head + "\n".join(lines) + "\n"
+
+
+def _spelled(attributes: dict[str, str]) -> str:
+    return " ".join(f'{name}="{value}"' for name, value in attributes.items())
 
 
 def _text(value: Value) -> str:

@@ -13,9 +13,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from harness.core.case import Case, Value
-from harness.core.errors import RefusedModelError
-from harness.engines.base import Contact, Floats
+from harness.engines import Case, Contact, Floats, RefusedModelError, Value
 from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
 from models.gravity import shaking
 from models.kinematics import to_body, to_world

@@ -1,100 +1,144 @@
 """PyBullet as an engine: open a world of its own, compare, settle, then step and read.
 
-There is no batched stepping: each step is a call, and so is each of the three readings, so that
-states are read no oftener than the recorder needs them.
-
-The variants are settings worth a price, each one change to `matched`. A margin makes another rim
-than the scene's, which only profile `default` lets pass: so that variant is the engine as shipped
-with all differences removed but this.
-
-The differences between PyBullet as shipped and matched are in the order in which they are removed:
-the body first (its rim, its moments), then what acts on a body in flight, then the contact and its
-solver, the timestep last.
+There is no batched stepping: each step is a call, and so is each of the three readings, which
+together cost more than the step. So most steps of a slow motion are taken without a look; `Looks`
+says which. The numbers are kept as PyBullet returns them, and put into arrays chunk by chunk; the
+contacts that a step leaves are paired with the state before it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
 import pybullet
 
-from harness.core.case import Case, Value
-from harness.engines.base import (
-    COMMON,
-    TIMESTEP,
+from harness.engines import (
     Capabilities,
-    ModelDifference,
-    SolverEffort,
-    Variant,
+    Case,
+    Chunk,
+    Floats,
+    Integers,
+    Looks,
+    PhysicsEngine,
+    Schedule,
+    Stage,
+    Trajectory,
+    Value,
+    take_stage,
+    trajectory_of,
 )
-from harness.engines.pybullet.settings import (
-    DEFAULT_TIMESTEP,
-    DYNAMICS,
-    IMPOSED_BY_DEFAULT,
-    MATCHED_TIMESTEP,
-    PROCESS_WIDE,
-    SETTINGS,
-    SOLVER,
-    URDF_FLAGS,
-    in_force,
-)
-from harness.engines.pybullet.stepping import Steps
-from harness.engines.pybullet.world import PybulletWorld
-from harness.engines.registry import engine
-from harness.engines.stepping.physics_engine import PhysicsEngine
-from harness.engines.stepping.recording import Chunk
-from harness.engines.stepping.schedule import Schedule, Stage
+from harness.engines.pybullet import settings as declared
+from harness.engines.pybullet.world import ContactPoint, Numbers, PybulletWorld, State, resultant
 
-_ALL_BUT_THE_MARGIN = tuple(
-    (setting.name, setting.matched)
-    for setting in SETTINGS
-    if setting.matched not in {None, setting.default} and not callable(setting.matched)
-)
+_ROWS_PER_CONTACT = 3  # the normal and two directions of friction
+_STATE = 13  # numbers of a state: position, quaternion, velocity, angular velocity
+_POINT = 19  # numbers of a contact point that matter, in PyBullet's order
+_NONE = (0.0,) * _POINT
 
-SHIPPED_ERP = 0.08
-"""What contactERP is where PyBullet is not handed one."""
 
-VARIANTS = (
-    *COMMON,
-    *(
-        Variant(
-            name=f"{count} sweeps at most",
-            settings=(("numSolverIterations", count),),
-            thorough=count != 5,  # noqa: PLR2004 - the middle one
+class Steps:
+    """The states before consecutive steps that were looked at, and the contacts that they solved.
+
+    Parameters
+    ----------
+    looks : Looks or None
+        Of the run; None looks at every step.
+    """
+
+    def __init__(self, looks: Looks | None) -> None:
+        self._looks = looks
+        self._times: list[Floats] = []
+        self._parts = 1
+        self._spans: list[int] = []
+        self._states: list[State] = []
+        self._contacts: list[tuple[ContactPoint, ...]] = []
+        self.taken = 0
+
+    def take(self, world: PybulletWorld, stage: Stage) -> None:
+        """Take the steps of a stage, looking at the state before a step and the contacts after."""
+        client, can, ground, centred = world.client, world.can, world.ground, world.reading
+        step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
+        velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
+        keep, touch = self._states.append, self._contacts.append
+
+        def look() -> tuple[Numbers, Numbers]:
+            position, quaternion = pose_of(can, client)
+            velocity, spin = velocity_of(can, client)
+            if centred is not None:
+                position, quaternion, velocity, spin = centred(position, quaternion, velocity, spin)
+            step(client)
+            touch(contacts_of(can, ground, physicsClientId=client))
+            keep((position, quaternion, velocity, spin))
+            return quaternion, spin
+
+        def skip(steps: int) -> None:
+            for _ in repeat(None, steps):
+                step(client)
+
+        places, spans = take_stage(stage, self._looks, look, skip)
+        self._parts = world.parts
+        self._times.append(stage.times[places])
+        self._spans += spans
+        self.taken += len(stage.times)
+
+    @property
+    def seen(self) -> bool:
+        """Whether any step was looked at."""
+        return len(self._states) > 0
+
+    def chunk(self) -> Chunk:
+        """Return what was looked at as a chunk."""
+        times, numbers = np.concatenate(self._times), chain.from_iterable(self._states)
+        states = np.fromiter(chain.from_iterable(numbers), np.float64).reshape(-1, _STATE)
+        states[:, 3:7] = states[:, [6, 3, 4, 5]]
+        good = np.isfinite(states).all(axis=1)
+        count = len(states) if np.all(good) else int(np.argmin(good))
+        contacts = np.fromiter(map(len, self._contacts), np.int64)
+        contacts[count:] = 0
+
+        def read(keep: Integers) -> Trajectory:
+            point, force, depth, bearing = _resultants([self._contacts[n] for n in keep.tolist()])
+            return trajectory_of(
+                times[keep], states[keep], (point, force * self._parts, depth, bearing)
+            )
+
+        return Chunk(
+            times=times,
+            quaternions=states[:count, 3:7],
+            constraint_rows=contacts * _ROWS_PER_CONTACT,
+            spans=np.array(self._spans),
+            sound=count == len(states),
+            read=read,
         )
-        for count in (2, 5, 10)
-    ),
-    *(
-        Variant(
-            name=f"contactERP {share:g}",
-            settings=(("contactERP", share),),
-            imposes="penetration that is taken away slowly",
-            thorough=share > SHIPPED_ERP,
-        )
-        for share in (SHIPPED_ERP, 0.2)
-    ),
-    Variant(
-        name="margin of 1 mm",
-        profile="default",
-        settings=tuple((dict(_ALL_BUT_THE_MARGIN) | {"collisionMargin": 0.001}).items()),
-        imposes="a rim rounded by a margin of 1 mm",
-    ),
-    Variant(
-        name="friction of two directions",
-        settings=(("enableConeFriction", 0),),
-        imposes="a friction cone that is a pyramid",
-    ),
-    Variant(name="maximal coordinates", settings=(("useMaximalCoordinates", True),)),
-)
 
 
-def counted_step(world: "PybulletWorld") -> int:
-    """Step, and return the sweeps of the solver over all islands."""
-    here = {"physicsClientId": world.client}
-    pybullet.setPhysicsEngineParameter(reportSolverAnalytics=1, **here)
-    islands: tuple[dict[str, Any], ...] = pybullet.stepSimulation(**here) or ()
-    return sum(int(island["numIterationsUsed"]) for island in islands)
+def _resultants(
+    contacts: Sequence[tuple[ContactPoint, ...]],
+) -> tuple[Floats, Floats, Floats, Integers]:
+    """Return point (n, 3), force (n, 3), depth (n,) and bearing points (n,) of some steps."""
+    single = [_numbers(*points) if len(points) == 1 else _NONE for points in contacts]
+    p = np.array(single).reshape(-1, _POINT)
+    normal = p[:, 10:11]
+    bears = normal[:, 0] > 0.0
+    # weighted and divided again, as of several points, so that both ways give the same bits
+    weighted = normal * (p[:, 0:3] + p[:, 3:6]) / 2.0
+    point = np.divide(weighted, normal, out=np.full_like(weighted, np.nan), where=normal > 0.0)
+    force = normal * p[:, 6:9] + p[:, 11:12] * p[:, 12:15] + p[:, 15:16] * p[:, 16:19]
+    force[~bears] = 0.0
+    depth, bearing = -p[:, 9], bears.astype(np.int64)
+    for row, points in enumerate(contacts):
+        if len(points) != 1:
+            x, y, z, f_x, f_y, f_z, deepest, number, _ = resultant(points)
+            point[row], force[row] = (x, y, z), (f_x, f_y, f_z)
+            depth[row], bearing[row] = deepest, int(number)
+    return point, force, depth, bearing
+
+
+def _numbers(p: ContactPoint) -> tuple[float, ...]:
+    """Return the numbers of a contact point that matter, in PyBullet's order."""
+    return (*p[5], *p[6], *p[7], p[8], p[9], p[10], *p[11], p[12], *p[13])
 
 
 _ADAPTIVE = """\
@@ -104,103 +148,16 @@ _ADAPTIVE = """\
 """
 
 
-def export_settings(case: Case) -> str:
-    """Return the settings of a case as calls, for a world that is connected and a file can.urdf."""
-    chosen = engine(case.engine)
-    timestep = chosen.timestep(case)
-    settings = in_force(case, timestep or 0.0)
-    solver = {s.name: settings[s.name] for s in SOLVER if settings[s.name] is not None}
-    solver = {**PROCESS_WIDE, **solver}
-    dynamics = {s.name: settings[s.name] for s in DYNAMICS if settings[s.name] is not None}
-    flags = [
-        f"pybullet.{s.name}" for s in URDF_FLAGS if s.name.startswith("URDF_") and settings[s.name]
-    ]
-    load = ['"can.urdf"', *([f"flags={' | '.join(flags)}"] if flags else [])]
-    load += ["useMaximalCoordinates=True"] if settings["useMaximalCoordinates"] else []
-    lines = [
-        "import pybullet",
-        "",
-        f"pybullet.setTimeStep({timestep!r})",
-        f"pybullet.setPhysicsEngineParameter({_arguments(solver)})",
-        f"can = pybullet.loadURDF({', '.join(load)})",
-    ]
-    if dynamics:
-        lines.append(f"pybullet.changeDynamics(can, -1, {_arguments(dynamics)})")
-    text = "\n".join(lines) + "\n"
-    if case.profile == "adaptive":
-        text = _ADAPTIVE.format(largest=timestep) + text
-    return text
-
-
-def _arguments(settings: dict[str, Any]) -> str:
-    """Return settings as arguments; a setting that is a word is one of PyBullet's constants."""
-    told = {n: f"pybullet.{v}" if isinstance(v, str) else repr(v) for n, v in settings.items()}
-    return ", ".join(f"{name}={value}" for name, value in told.items())
-
-
-MODEL_DIFFERENCES = (
-    ModelDifference(
-        name="rim shape",
-        settings=("URDF_USE_IMPLICIT_CYLINDER", "collisionMargin"),
-        sentence="The rim is a polygon with 32 corners inside a margin of 1 mm.",
-    ),
-    ModelDifference(
-        name="inertia",
-        settings=("URDF_USE_INERTIA_FROM_FILE",),
-        sentence="The moments are those of the collision shape, not the declared ones.",
-    ),
-    ModelDifference(
-        name="damping",
-        settings=("linearDamping", "angularDamping"),
-        sentence="Velocities decay at 0.04 per second.",
-    ),
-    ModelDifference(
-        name="velocity clamp",
-        settings=("maxJointVelocity",),
-        sentence="No component of velocity exceeds 100 m/s or rad/s.",
-    ),
-    ModelDifference(
-        name="stabilisation",
-        settings=("contactERP", "contactSlop"),
-        sentence="A slop of 0.01 mm is left alone and what is deeper taken away at 8 % a step.",
-    ),
-    ModelDifference(
-        name="solver",
-        settings=("solverResidualThreshold", "enableConeFriction"),
-        sentence="The sweeps stop at a squared residual of 1e-7.",
-    ),
-    ModelDifference(
-        name="timestep",
-        settings=(TIMESTEP,),
-        sentence="Steps of 1/240 s are long beside the bounce.",
-    ),
-)
-
-# a squared residual of 1e-30 is round-off of velocities of 1 m/s; sweeps end there before 1000
-_RESIDUAL = ("solverResidualThreshold", 1e-30)
-
-SOLVER_EFFORTS = (
-    SolverEffort(name="1 sweep", settings=(_RESIDUAL, ("numSolverIterations", 1))),
-    SolverEffort(name="2 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 2))),
-    SolverEffort(name="5 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 5))),
-    SolverEffort(name="10 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 10))),
-    SolverEffort(name="residual 1e-7, as shipped", settings=(("solverResidualThreshold", 1e-7),)),
-    SolverEffort(name="converged", settings=(_RESIDUAL, ("numSolverIterations", 1000))),
-)
-
-
 class PybulletEngine(PhysicsEngine[PybulletWorld]):
     """PyBullet: sequential impulses on contacts that are kept from step to step."""
 
     name = "pybullet"
-    settings = SETTINGS
-    default_timestep = DEFAULT_TIMESTEP
-    matched_timestep = MATCHED_TIMESTEP
-    model_differences = MODEL_DIFFERENCES
-    solver_efforts = SOLVER_EFFORTS
-    variants = VARIANTS
-    export_settings = staticmethod(export_settings)
-    counted_step = staticmethod(counted_step)
+    settings = declared.SETTINGS
+    default_timestep = declared.DEFAULT_TIMESTEP
+    matched_timestep = declared.MATCHED_TIMESTEP
+    model_differences = declared.MODEL_DIFFERENCES
+    solver_efforts = declared.SOLVER_EFFORTS
+    variants = declared.VARIANTS
     capabilities = Capabilities(
         honours=frozenset(
             {
@@ -225,7 +182,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
             "cached contacts": "old points of the rim stay in the solver until they drift away",
         },
     )
-    imposed_by_default = IMPOSED_BY_DEFAULT
+    imposed_by_default = declared.IMPOSED_BY_DEFAULT
 
     @property
     def version(self) -> str:
@@ -234,7 +191,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
     def resolve(self, case: Case) -> dict[str, Value]:
         """Return every setting in force for a case: an option, else what an effect asks for."""
-        return in_force(case, self.timestep(case))
+        return declared.in_force(case, self.timestep(case))
 
     def open(self, case: Case) -> PybulletWorld:
         """Open a world with the scene of a case."""
@@ -251,6 +208,33 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
                 # until so many are taken, and any of them was looked at
                 stage = None if steps.taken >= size and steps.seen else _next(schedule, world)
             yield steps.chunk()
+
+    def counted_step(self, world: PybulletWorld) -> int:
+        """Step, and return the sweeps of the solver over all islands."""
+        here = {"physicsClientId": world.client}
+        pybullet.setPhysicsEngineParameter(reportSolverAnalytics=1, **here)
+        islands: tuple[dict[str, Any], ...] = pybullet.stepSimulation(**here) or ()
+        return sum(int(island["numIterationsUsed"]) for island in islands)
+
+    def export_settings(self, case: Case) -> str:
+        """Return a case's settings as calls, for a world that is connected and a file can.urdf."""
+        timestep, settings = self.timestep(case), self.resolve(case)
+        solver = dict(declared.PROCESS_WIDE) | declared.given(declared.SOLVER, settings)
+        dynamics = declared.given(declared.DYNAMICS, settings)
+        flags = [f"pybullet.{name}" for name in declared.urdf_flags(settings)]
+        load = ['"can.urdf"', *([f"flags={' | '.join(flags)}"] if flags else [])]
+        load += ["useMaximalCoordinates=True"] if settings["useMaximalCoordinates"] else []
+        lines = [
+            "import pybullet",
+            "",
+            f"pybullet.setTimeStep({timestep!r})",
+            f"pybullet.setPhysicsEngineParameter({_arguments(solver)})",
+            f"can = pybullet.loadURDF({', '.join(load)})",
+        ]
+        if dynamics:
+            lines.append(f"pybullet.changeDynamics(can, -1, {_arguments(dynamics)})")
+        head = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
+        return head + "\n".join(lines) + "\n"
 
     def bare_loop(self, world: PybulletWorld, steps: int) -> None:
         """Step so many times and do nothing else: no reading, no record."""
@@ -276,3 +260,9 @@ def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:
     """Return the stage that the world's state calls for."""
     _, (x, y, z, w), _, spin = world.state()
     return schedule.next((w, x, y, z), spin)
+
+
+def _arguments(settings: dict[str, Any]) -> str:
+    """Return settings as arguments; a setting that is a word is one of PyBullet's constants."""
+    told = {n: f"pybullet.{v}" if isinstance(v, str) else repr(v) for n, v in settings.items()}
+    return ", ".join(f"{name}={value}" for name, value in told.items())

@@ -9,15 +9,32 @@ top, in every profile.
 The flags of `loadURDF` appear under the names of its constants; what belongs to
 `setPhysicsEngineParameter` or to `changeDynamics` under the names of their arguments. A setting of
 None is not handed to PyBullet at all.
+
+The variants are settings worth a price, each one change to `matched`. A margin makes another rim
+than the scene's, which only profile `default` lets pass: so that variant is the engine as shipped
+with all differences removed but this.
+
+The differences between PyBullet as shipped and matched are in the order in which they are removed:
+the body first (its rim, its moments), then what acts on a body in flight, then the contact and its
+solver, the timestep last.
 """
 
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Any
 
 from harness.core.case import Case, Value
-from harness.engines.base import Setting, resolve
-from harness.engines.stepping.schedule import ETA_SETTING
+from harness.engines import (
+    COMMON,
+    ETA_SETTING,
+    TIMESTEP,
+    ModelDifference,
+    Setting,
+    SolverEffort,
+    Variant,
+    resolve,
+)
 from models.scene import Scene
 
 DEFAULT_TIMESTEP = 1.0 / 240.0
@@ -195,6 +212,17 @@ PROCESS_WIDE: Mapping[str, float] = MappingProxyType({"contactBreakingThreshold"
 """Settings that PyBullet keeps in a global variable, with the value it ships: one world's choice
 reaches every world after it in the process, so that each world must say its own."""
 
+
+def given(group: tuple[Setting, ...], chosen: Mapping[str, Value]) -> dict[str, Any]:
+    """Return the settings of a group that are handed to PyBullet."""
+    return {s.name: chosen[s.name] for s in group if chosen[s.name] is not None}
+
+
+def urdf_flags(chosen: Mapping[str, Value]) -> list[str]:
+    """Return the flags of `loadURDF` that are set, as PyBullet names them."""
+    return [s.name for s in URDF_FLAGS if s.name.startswith("URDF_") and chosen[s.name]]
+
+
 IMPOSED_BY_DEFAULT = frozenset(
     {
         "transverse inertia A",
@@ -218,3 +246,95 @@ IMPOSED_BY_DEFAULT = frozenset(
     }
 )
 """Quantities of the parity table in which PyBullet as it ships is not the scene's can."""
+
+_ALL_BUT_THE_MARGIN = tuple(
+    (setting.name, setting.matched)
+    for setting in SETTINGS
+    if setting.matched not in {None, setting.default} and not callable(setting.matched)
+)
+
+SHIPPED_ERP = 0.08
+"""What contactERP is where PyBullet is not handed one."""
+
+VARIANTS = (
+    *COMMON,
+    *(
+        Variant(
+            name=f"{count} sweeps at most",
+            settings=(("numSolverIterations", count),),
+            thorough=count != 5,  # noqa: PLR2004 - the middle one
+        )
+        for count in (2, 5, 10)
+    ),
+    *(
+        Variant(
+            name=f"contactERP {share:g}",
+            settings=(("contactERP", share),),
+            imposes="penetration that is taken away slowly",
+            thorough=share > SHIPPED_ERP,
+        )
+        for share in (SHIPPED_ERP, 0.2)
+    ),
+    Variant(
+        name="margin of 1 mm",
+        profile="default",
+        settings=tuple((dict(_ALL_BUT_THE_MARGIN) | {"collisionMargin": 0.001}).items()),
+        imposes="a rim rounded by a margin of 1 mm",
+    ),
+    Variant(
+        name="friction of two directions",
+        settings=(("enableConeFriction", 0),),
+        imposes="a friction cone that is a pyramid",
+    ),
+    Variant(name="maximal coordinates", settings=(("useMaximalCoordinates", True),)),
+)
+
+MODEL_DIFFERENCES = (
+    ModelDifference(
+        name="rim shape",
+        settings=("URDF_USE_IMPLICIT_CYLINDER", "collisionMargin"),
+        sentence="The rim is a polygon with 32 corners inside a margin of 1 mm.",
+    ),
+    ModelDifference(
+        name="inertia",
+        settings=("URDF_USE_INERTIA_FROM_FILE",),
+        sentence="The moments are those of the collision shape, not the declared ones.",
+    ),
+    ModelDifference(
+        name="damping",
+        settings=("linearDamping", "angularDamping"),
+        sentence="Velocities decay at 0.04 per second.",
+    ),
+    ModelDifference(
+        name="velocity clamp",
+        settings=("maxJointVelocity",),
+        sentence="No component of velocity exceeds 100 m/s or rad/s.",
+    ),
+    ModelDifference(
+        name="stabilisation",
+        settings=("contactERP", "contactSlop"),
+        sentence="A slop of 0.01 mm is left alone and what is deeper taken away at 8 % a step.",
+    ),
+    ModelDifference(
+        name="solver",
+        settings=("solverResidualThreshold", "enableConeFriction"),
+        sentence="The sweeps stop at a squared residual of 1e-7.",
+    ),
+    ModelDifference(
+        name="timestep",
+        settings=(TIMESTEP,),
+        sentence="Steps of 1/240 s are long beside the bounce.",
+    ),
+)
+
+# a squared residual of 1e-30 is round-off of velocities of 1 m/s; sweeps end there before 1000
+_RESIDUAL = ("solverResidualThreshold", 1e-30)
+
+SOLVER_EFFORTS = (
+    SolverEffort(name="1 sweep", settings=(_RESIDUAL, ("numSolverIterations", 1))),
+    SolverEffort(name="2 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 2))),
+    SolverEffort(name="5 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 5))),
+    SolverEffort(name="10 sweeps", settings=(_RESIDUAL, ("numSolverIterations", 10))),
+    SolverEffort(name="residual 1e-7, as shipped", settings=(("solverResidualThreshold", 1e-7),)),
+    SolverEffort(name="converged", settings=(_RESIDUAL, ("numSolverIterations", 1000))),
+)

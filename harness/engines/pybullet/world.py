@@ -29,15 +29,14 @@ from typing import Any, TypeAlias
 import numpy as np
 import pybullet
 
-from harness.core.case import Case, Value
-from harness.core.errors import RefusedModelError
-from harness.engines.base import Contact, Floats
+from harness.engines import Case, Contact, Floats, RefusedModelError, Value
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
     SEQUENTIAL_IMPULSE,
     SOLVER,
-    URDF_FLAGS,
+    given,
+    urdf_flags,
 )
 from harness.engines.pybullet.suppress_output import silence
 from models.gravity import gravity_vector, shaking
@@ -168,18 +167,15 @@ class PybulletWorld:
         self._gravity, self._time = gravity_vector(case.scene), 0.0
         pybullet.setGravity(*self._gravity.tolist(), **here)
         pybullet.setTimeStep(timestep, **here)
-        solver = {s.name: chosen[s.name] for s in SOLVER if chosen[s.name] is not None}
+        solver = dict(PROCESS_WIDE) | given(SOLVER, chosen)
         algorithm = solver.pop("constraintSolverType")
-        pybullet.setPhysicsEngineParameter(**(dict(PROCESS_WIDE) | solver), **here)
+        pybullet.setPhysicsEngineParameter(**solver, **here)
         if algorithm != SEQUENTIAL_IMPULSE:
             number = getattr(pybullet, str(algorithm))
             with silence():
                 pybullet.setPhysicsEngineParameter(constraintSolverType=number, **here)
         self.parts = max(int(chosen["numSubSteps"]), 1)  # type: ignore[arg-type]
-        flags = 0
-        for setting in URDF_FLAGS:
-            if setting.name.startswith("URDF_") and chosen[setting.name]:
-                flags |= getattr(pybullet, setting.name)
+        flags = sum(getattr(pybullet, name) for name in urdf_flags(chosen))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder)
             self.ground = self._load(path / "ground.urdf", ground_urdf())
@@ -193,7 +189,7 @@ class PybulletWorld:
         centre, axes = pybullet.getBasePositionAndOrientation(self.can, self.client)
         self._frames = Frames(centre, axes)
         self.off_centre = case.scene.effects.point_mass is not None
-        dynamics = {s.name: chosen[s.name] for s in DYNAMICS if chosen[s.name] is not None}
+        dynamics = given(DYNAMICS, chosen)
         if dynamics:
             pybullet.changeDynamics(self.can, -1, **dynamics, **here)
         effects = case.scene.effects

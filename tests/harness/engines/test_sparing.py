@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.simulation import Simulation
-from harness.engines.mujoco import stepping
+from harness.engines.mujoco import engine as mujoco_engine
 from harness.engines.registry import engine
 from models import Horizon, Scene, load
 
@@ -22,7 +22,7 @@ def test_what_is_looked_at_has_the_bits_of_a_run_that_looks_at_every_step(
 ) -> None:
     scene = replace(load(name), horizon=Horizon(seconds=seconds))
     spared = run(scene, 1e-6)
-    monkeypatch.setattr(stepping, "WORTH_IT", 10**9)
+    monkeypatch.setattr(mujoco_engine, "WORTH_IT", 10**9)
     dense = run(scene, 1e-6)
     assert (spared.steps, spared.outcome) == (dense.steps, dense.outcome)
     mine, theirs = spared.trajectory, dense.trajectory
@@ -45,7 +45,7 @@ def test_coarse_steps_and_shaken_planes_are_looked_at_step_by_step() -> None:
             case = Case(scene=load(name), engine="mujoco", timestep=timestep)
             prepared = chosen.simulate(replace(case, scene=replace(case.scene, horizon=SHORT)))
             schedule, _ = chosen._schedule(prepared)  # noqa: SLF001 - what a run is stepped by
-            assert stepping.spares(chosen.open(case), schedule) is expected
+            assert mujoco_engine.spares(chosen.open(case), schedule) is expected
 
 
 SHORT = Horizon(seconds=1e-4)
