@@ -1,86 +1,71 @@
-"""The folder of a sweep: its plan, and one Parquet file a partition, each whole or not there.
+"""A sweep on the disk: its plan, and a file for each partition that is done.
 
-A file is named by its partition, by the digest of the plan, and by the first half of its own
-SHA-256; one that is not what its name says is damaged, and set aside to be made again. While a
-sweep is at work it holds a lock, which goes with its process however that ends.
+    sweep.json                       the plan, written once and the same ever after
+    parts/part-INDEX-PLAN-CHECK.parquet   a partition; the digest of its plan and its own checksum
+    damaged/                         partitions that are not what was written
+    .lock                            held by the one process that is at work here
 
-A partition as a table of Arrow, and back: a column each, with its meaning.
+Every file is there whole or not at all, so a sweep goes on wherever it was stopped. A partition has
+its name from its plan and its content: files of different plans never meet in one table.
 """
 
 import fcntl
-import os
+import json
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from harness.core.errors import HarnessError, OutputError
+from harness.execution.atomic_write import DRAFT_SUFFIX, write_atomically
 from harness.execution.cache_entry import checksum
 from harness.execution.signals import delay_signals
-from harness.sweep.parameters import PARAMETERS, Floats
-from harness.sweep.partition import Partition
-from harness.sweep.plan import SweepPlan
-from harness.sweep.plan_file import DAMAGED, LOCK, NAME, PARTS, SUFFIX, check_same, write_plan
-from harness.sweep.quantities import QUANTITIES
+from harness.sweep.partition import Partition, decode_partition, encode_partition
+from harness.sweep.plan import SweepPlan, digest_of
 
-_OF_PLAN = b"rockingcan.plan"
-_OUTCOME = "How the scene ended; says why where the numbers are missing."
+PLAN = "sweep.json"
+PARTS = "parts"
+DAMAGED = "damaged"
+LOCK = ".lock"
+SUFFIX = ".parquet"
+NAME = re.compile(
+    r"part-(?P<index>[0-9]{6,})-(?P<plan>[0-9a-f]{16})-(?P<check>[0-9a-f]{32})\.parquet"
+)
+"""Of the file of a partition: its number, the digest of its plan, the checksum of its content."""
 
+_FORMAT = "rockingcan-sweep"
+_PROGRAM = "program"
+_REPORT = "report"
+"""What the command makes of a sweep, beside it."""
 
-def table_of(part: Partition, digest: str) -> pa.Table:
-    """Return a part as a table; what is no number is missing, and units are in the names.
-
-    Parameters
-    ----------
-    part : Part
-    digest : str
-        Of the plan; the table carries it.
-    """
-    columns: dict[str, tuple[pa.Array, str]] = {
-        "row": (pa.array(np.arange(part.rows.start, part.rows.stop)), "Number of the scene.")
-    }
-    for known in PARAMETERS.values():
-        if known.column in part.parameters:
-            told = f"{known.name} of the scene."
-            columns[known.column] = (pa.array(part.parameters[known.column]), told)
-    for name, values in part.quantities.items():
-        numbers = pa.array(values, mask=np.isnan(values))
-        columns[name] = (numbers, QUANTITIES[name].meaning)
-    outcome = pa.DictionaryArray.from_arrays(part.code.astype(np.int32), list(part.sentences))
-    columns["outcome"] = (outcome, _OUTCOME)
-    schema = pa.schema(
-        [
-            pa.field(name, array.type, metadata={"description": told})
-            for name, (array, told) in columns.items()
-        ],
-        metadata={_OF_PLAN: digest.encode()},
-    )
-    return pa.Table.from_arrays([array for array, _ in columns.values()], schema=schema)
-
-
-def part_of(table: pa.Table, index: int, plan: SweepPlan) -> Partition:
-    """Return a table as the part that it was written from."""
-    outcome = table.column("outcome").combine_chunks()
-    sentences = [str(sentence) for sentence in outcome.dictionary.to_pylist()]
-
-    def numbers(name: str) -> Floats:
-        return np.asarray(table.column(name).to_numpy(zero_copy_only=False), dtype=np.float64)
-
-    return Partition(
-        index=index,
-        rows=plan.span(index),
-        parameters={axis.column: numbers(axis.column) for axis in plan.axes},
-        quantities={name: numbers(name) for name in plan.quantities},
-        code=outcome.indices.to_numpy(zero_copy_only=False).astype(np.int64),
-        sentences=tuple(sentences),
-    )
-
+_DRAFTS = f".*{DRAFT_SUFFIX}"
 
 _DIGITS = 32
 """Of a SHA-256, in a name: none of 2^64 damaged files passes."""
+
+
+class PlanMismatchError(HarnessError, ValueError):
+    """The folder holds another sweep than the one that is asked for."""
+
+    def __init__(self, out: Path, differing: str) -> None:
+        super().__init__(
+            f"'{out}' holds another sweep, which differs in {differing}; "
+            "choose another folder with --out, or remove this one"
+        )
+
+
+class ProgramMismatchError(PlanMismatchError):
+    """The folder holds this sweep, as far as another program made it."""
+
+    def __init__(self, out: Path, differing: str) -> None:
+        super(PlanMismatchError, self).__init__(
+            f"'{out}' holds this sweep as another program made it, with {differing}: rows of both "
+            "might not go together; choose another folder with --out, or remove this one to make "
+            "all anew"
+        )
 
 
 class Folder:
@@ -136,17 +121,11 @@ class Folder:
             If it cannot be written, such as to a full disk.
         """
         with delay_signals():
-            content = _bytes(table_of(part, self._digest))
-            name = f"part-{part.index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
-            path, draft = self.parts / name, self.parts / f".{name}.draft"
+            content = encode_partition(part, self._digest)
+            path = self.parts / (f"part-{part.index:06d}-{self._digest}-{_check(content)}{SUFFIX}")
             try:
-                with draft.open("wb") as file:
-                    file.write(content)
-                    file.flush()
-                    os.fsync(file.fileno())
-                draft.replace(path)
+                write_atomically(path, content)
             except OSError as error:
-                draft.unlink(missing_ok=True)
                 raise OutputError(
                     f"cannot write '{path}': {error.strerror or error}; what is done stays, and "
                     "the same command goes on from it"
@@ -170,7 +149,7 @@ class Folder:
                     "again to mend it"
                 )
             try:
-                yield part_of(_table(content), index, self.plan)
+                yield decode_partition(content, index, self.plan)
             except pa.ArrowException as error:  # whole, but of another Arrow
                 raise OutputError(f"cannot read '{paths[0]}' ({error}); remove it") from error
 
@@ -207,9 +186,11 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
             except BlockingIOError:
                 raise OutputError(f"a sweep is already at work in '{out}'; wait for it") from None
             check_same(out, plan)  # another sweep may have begun since
-            write_plan(out, plan)
-            for draft in folder.parts.glob(".*.draft"):
+            for draft in (*out.glob(_DRAFTS), *folder.parts.glob(_DRAFTS)):
                 draft.unlink()
+            if not (out / PLAN).exists():
+                told = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.told()}
+                write_atomically(out / PLAN, (json.dumps(told, indent=1) + "\n").encode())
         yield folder
 
 
@@ -239,15 +220,75 @@ def _content(path: Path) -> bytes | None:
     return content if name is not None and name["check"] == _check(content) else None
 
 
-def _bytes(table: pa.Table) -> bytes:
-    """Return a table as the content of a file."""
-    sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, compression="zstd", write_page_checksum=True)
-    content: bytes = sink.getvalue().to_pybytes()
-    return content
+def check_same(out: Path, plan: SweepPlan) -> None:
+    """Refuse a folder that holds anything but this sweep; one that is not there is free.
+
+    Raises
+    ------
+    PlanMismatchError
+        If another sweep is there, or this one as another program made it.
+    OutputError
+        If something else is, or the plan that is there cannot be read.
+    """
+    if not (out / PLAN).exists():
+        _check_without_plan(out, plan)
+        return
+    here, there = plan.told(), _read(out)
+    differing = [key for key in here | there if here.get(key) != there.get(key)]
+    if differing == [_PROGRAM]:
+        raise ProgramMismatchError(out, _other_program(here[_PROGRAM], there.get(_PROGRAM)))
+    if differing:
+        words = [f"{key} ({there.get(key)!r:.200} there)" for key in differing if key != "scene"]
+        raise PlanMismatchError(out, ", ".join((["the scene"] * ("scene" in differing)) + words))
 
 
-def _table(content: bytes) -> pa.Table:
-    # in this thread alone: one of Arrow's own that outlives the interpreter can abort it
-    with pq.ParquetFile(pa.BufferReader(content), pre_buffer=False) as file:
-        return file.read(use_threads=False)
+def _other_program(here: dict[str, str], there: object) -> str:
+    """Return in words in what a program differs from this one."""
+    if not isinstance(there, dict):
+        return "no word of which"
+    other = [name for name in here if here[name] != there.get(name)]
+    return ", ".join(f"{name} {there.get(name)} (now {here[name]})" for name in other)
+
+
+def _check_without_plan(out: Path, plan: SweepPlan) -> None:
+    """Refuse a folder without a plan that is not empty, nor what is left of this very sweep."""
+    drafts = set(out.glob(f".{PLAN}.*{DRAFT_SUFFIX}"))
+    names = {path.name for path in out.iterdir() if path not in drafts} if out.exists() else set()
+    # a plan may have been written since we looked for it: the lock decides whose folder it is
+    ours = {LOCK, PLAN, PARTS} | ({DAMAGED, _REPORT} if LOCK in names else set())
+    if names - ours:
+        raise _foreign(out)
+    for path in (out / PARTS).glob(f"*{SUFFIX}"):
+        name = NAME.fullmatch(path.name)
+        if name is None or name["plan"] != plan.digest():
+            raise PlanMismatchError(out, f"its partitions, such as {path.name}")
+
+
+def _read(out: Path) -> dict[str, Any]:
+    """Return the plan that a folder states."""
+    place = out / PLAN
+    try:
+        found: Any = json.loads(place.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise _unreadable(place, f"{type(error).__name__}: {error}") from error
+    if not isinstance(found, dict) or found.get("format") != _FORMAT:
+        raise _foreign(out)
+    there = found.get("plan")
+    if not isinstance(there, dict) or digest_of(there) != found.get("digest"):
+        raise _unreadable(place, "its checksum is not that of its content")
+    return there
+
+
+def _foreign(out: Path) -> OutputError:
+    return OutputError(
+        f"will not write a sweep to '{out}': the folder is not empty and holds no sweep of "
+        "rockingcan; choose another folder with --out"
+    )
+
+
+def _unreadable(place: Path, reason: str) -> OutputError:
+    return OutputError(
+        f"the plan of the sweep in '{place.parent}' cannot be read ({reason}); remove '{place}' "
+        "and start the same sweep again, which goes on with the partitions that are there, or "
+        "choose another folder with --out"
+    )

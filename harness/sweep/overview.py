@@ -1,4 +1,9 @@
-"""Reads a sweep partition by partition into what a report shows of it."""
+"""What a report shows of a sweep, read partition by partition in memory that does not grow with it.
+
+A curve over one parameter, a map over two, the extent of each quantity, and how the scenes ended.
+A cell of a map shows the scene nearest to its middle and no mean: where the sign of the turn
+changes, the mean of two turns is a turn that no can makes.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -6,24 +11,62 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.core.report_model import Artefact, Column, Figure, Prose, table_of
+from harness.core.report_model import (
+    Artefact,
+    Column,
+    Figure,
+    Heatmap,
+    Panel,
+    Prose,
+    Series,
+    table_of,
+)
 from harness.core.trajectory import Floats
-from harness.sweep.figure import Cells, Points, curves, maps
 from harness.sweep.partition import Partition
 from harness.sweep.plan import SweepPlan
-from harness.sweep.quantities import QUANTITIES
+from harness.sweep.values import QUANTITIES
+
+MOST_CELLS = 400
+"""Across, and up: a figure has about as many pixels to tell apart."""
+
+_PER_CELL = 2.0
+"""Scenes of a sample for each cell, so that few stay blank."""
+
+POINTS_MOST = 20_000
+"""Points of a curve; what lies closer no screen shows."""
+
+MOST_PANELS = 6
+"""Quantities that are drawn; the table has all."""
+
+_DECADES = 100.0
+"""Ratio of largest to least from which an axis is logarithmic."""
 
 _IN_A_MAP = 2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Extent:
     """A quantity over a sweep: how many scenes have it, and between what it lies."""
 
-    count: int
-    low: float
-    mean: float
-    high: float
+    name: str
+    count: int = 0
+    total: float = 0.0
+    low: float = np.inf
+    high: float = -np.inf
+
+    @property
+    def mean(self) -> float:
+        """Over the scenes that have it."""
+        return self.total / self.count
+
+    def add(self, values: Floats) -> None:
+        """Take further scenes into account."""
+        there = values[~np.isnan(values)]
+        if there.size:
+            self.count += there.size
+            self.total += float(there.sum())
+            self.low = min(self.low, float(there.min()))
+            self.high = max(self.high, float(there.max()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,7 +75,7 @@ class Overview:
 
     Parameters
     ----------
-    plan : Plan
+    plan : SweepPlan
     outcomes : mapping of str to int
         Scenes by how they ended, most frequent first.
     extents : mapping of str to Extent
@@ -51,105 +94,59 @@ def overview(plan: SweepPlan, parts: Iterable[Partition], against: str | None = 
 
     Parameters
     ----------
-    plan : Plan
-    parts : iterable of Part
+    plan : SweepPlan
+    parts : iterable of Partition
         All of them, in order.
     against : str, optional
         A quantity to be the horizontal axis of curves, in place of a parameter.
     """
     mapped = against is None and len(plan.axes) >= _IN_A_MAP
-    cells = Cells(plan.axes[0], plan.axes[1], plan.rows, plan.quantities) if mapped else None
-    points = None if mapped else Points(plan.rows, plan.quantities)
+    drawing = Map(plan) if mapped else Curves(plan, against)
     outcomes: Counter[str] = Counter()
-    sums = {name: _Sum() for name in plan.quantities}
+    extents = {name: Extent(name=name) for name in plan.quantities}
     for part in parts:
         counts = np.bincount(part.code, minlength=len(part.sentences)).tolist()
         outcomes.update(dict(zip(part.sentences, counts, strict=True)))
-        values = dict(part.quantities)
-        for name, total in sums.items():
-            total.add(values[name])
-        if cells is not None:
-            there = _in_the_slice(plan, part)
-            across, up = (part.parameters[axis.column][there] for axis in plan.axes[:2])
-            cells.add((across, up), {name: column[there] for name, column in values.items()})
-        elif points is not None:
-            column = values[against] if against else part.parameters[plan.axes[0].column]
-            points.add(part.rows, column, values)
-    figure = maps(plan, cells) if cells is not None else None
-    if points is not None:
-        figure = curves(plan, points, against)
-    assert figure is not None  # noqa: S101 - one of the two
+        for name, extent in extents.items():
+            extent.add(part.quantities[name])
+        drawing.add(part)
     return Overview(
         plan=plan,
         outcomes=dict(outcomes.most_common()),
-        extents={name: total.extent() for name, total in sums.items() if total.count},
-        figure=figure,
+        extents={name: extent for name, extent in extents.items() if extent.count},
+        figure=drawing.figure(),
     )
+
+
+_QUANTITIES = (
+    Column("quantity", "With its unit last.", lambda e: e.name),
+    Column(
+        "scenes",
+        "How many have it; why the others have not, their outcome says.",
+        lambda e: e.count,
+    ),
+    Column("least", "In the quantity's unit.", lambda e: e.low),
+    Column("mean", "In the quantity's unit, over the scenes that have it."),
+    Column("largest", "In the quantity's unit.", lambda e: e.high),
+)
+
+_OUTCOMES = (
+    Column("outcome", "In the words of whatever ran them.", lambda pair: pair[0]),
+    Column("scenes", "How many.", lambda pair: pair[1]),
+)
 
 
 def sweep_report(found: Overview) -> tuple[Artefact, ...]:
     """Return what a report of a sweep is made of."""
     return (
-        Prose(name="summary", title="The sweep", text=_words(found)),
+        Prose(name="summary", title="The sweep", text=_summary(found)),
         found.figure,
-        table_of("quantities", "What the scenes have", _QUANTITIES, found.extents.items()),
+        table_of("quantities", "What the scenes have", _QUANTITIES, found.extents.values()),
         table_of("outcomes", "How the scenes ended", _OUTCOMES, found.outcomes.items()),
     )
 
 
-_QUANTITIES = (
-    Column("quantity", "With its unit last.", lambda item: item[0]),
-    Column(
-        "scenes",
-        "How many have it; why the others have not, their outcome says.",
-        lambda item: item[1].count,
-    ),
-    Column("least", "In the quantity's unit.", lambda item: item[1].low),
-    Column(
-        "mean",
-        "In the quantity's unit, over the scenes that have it.",
-        lambda item: item[1].mean,
-    ),
-    Column("largest", "In the quantity's unit.", lambda item: item[1].high),
-)
-
-_OUTCOMES = (
-    Column("outcome", "In the words of whatever ran them.", lambda item: item[0]),
-    Column("scenes", "How many.", lambda item: item[1]),
-)
-
-
-class _Sum:
-    """Least, largest and mean of numbers that come in parts."""
-
-    def __init__(self) -> None:
-        self.count, self._total = 0, 0.0
-        self._low, self._high = np.inf, -np.inf
-
-    def add(self, values: Floats) -> None:
-        there = values[~np.isnan(values)]
-        if there.size:
-            self.count += there.size
-            self._total += float(there.sum())
-            self._low = min(self._low, float(there.min()))
-            self._high = max(self._high, float(there.max()))
-
-    def extent(self) -> Extent:
-        mean = self._total / self.count
-        return Extent(count=self.count, low=self._low, mean=mean, high=self._high)
-
-
-def _in_the_slice(plan: SweepPlan, part: Partition) -> Floats:
-    """Return which rows a map shows: of a grid those in the middle of all further axes."""
-    there = np.ones(len(part.rows), dtype=bool)
-    if plan.sample == "grid":
-        places = plan.places(part.rows)
-        for axis, place in zip(plan.axes[_IN_A_MAP:], places[_IN_A_MAP:], strict=True):
-            there &= place == (axis.count or 1) // 2
-    return there
-
-
-def _words(found: Overview) -> str:
+def _summary(found: Overview) -> str:
     """Return the sweep in a few sentences."""
     plan = found.plan
     over = " and ".join(axis.text() for axis in plan.axes)
@@ -160,3 +157,160 @@ def _words(found: Overview) -> str:
         label = QUANTITIES[name].axis
         sentences.append(f"The {label} lies between {extent.low:.6g} and {extent.high:.6g}.")
     return " ".join(sentences)
+
+
+class Map:
+    """A map of each quantity over the first two parameters, filled part by part."""
+
+    def __init__(self, plan: SweepPlan) -> None:
+        self._plan = plan
+        self._axes = plan.axes[:_IN_A_MAP]
+        sampled = int(np.sqrt(plan.rows / _PER_CELL))
+        self._counts = tuple(
+            min(max(1, sampled if axis.count is None else axis.count), MOST_CELLS)
+            for axis in self._axes
+        )
+        size = self._counts[0] * self._counts[1]
+        self._nearest = np.full(size, np.inf)
+        self._found = {name: np.full(size, np.nan) for name in plan.quantities}
+
+    def add(self, part: Partition) -> None:
+        """Take scenes into account: of a grid those in the middle of all further axes."""
+        there = np.ones(len(part.rows), dtype=bool)
+        if self._plan.sample == "grid":
+            places = self._plan.places(part.rows)
+            for axis, place in zip(self._plan.axes[_IN_A_MAP:], places[_IN_A_MAP:], strict=True):
+                there &= place == (axis.count or 1) // 2
+        count_there = int(there.sum())
+        cell, away = np.zeros(count_there, dtype=np.int64), np.zeros(count_there)
+        for axis, count in zip(self._axes, self._counts, strict=True):
+            share = axis.share(part.parameters[axis.column][there])
+            fine = share * (count - 1) if axis.count is not None else share * count - 0.5
+            index = np.clip(np.rint(fine), 0, count - 1).astype(np.int64)
+            away += (fine - index) ** 2
+            cell = cell * count + index
+        order = np.lexsort((away, cell))
+        first = order[np.flatnonzero(np.diff(cell[order], prepend=-1))]
+        better = first[away[first] < self._nearest[cell[first]]]
+        self._nearest[cell[better]] = away[better]
+        for name, found in self._found.items():
+            found[cell[better]] = part.quantities[name][there][better]
+
+    def image(self, name: str) -> Floats:
+        """Return a quantity, shape (up, across)."""
+        return self._found[name].reshape(self._counts).T
+
+    def figure(self) -> Figure:
+        """Return the figure of all that was added."""
+        across, up = self._axes
+        x, y = (self._edges(number) for number in range(2))
+        panels = []
+        for name in self._plan.quantities[:MOST_PANELS]:
+            known, z = QUANTITIES[name], self.image(name)
+            there = z[np.isfinite(z)]
+            signed = bool(there.size and there.min() < 0.0 < there.max())
+            panels.append(
+                Panel(
+                    title=known.label,
+                    x_label=across.label,
+                    y_label=up.label,
+                    series=(),
+                    log_x=across.log,
+                    log_y=up.log,
+                    heat=Heatmap(label=known.axis, x=x, y=y, z=z, signed=signed),
+                )
+            )
+        over, first = f"over {across.name} and {up.name}", self.image(self._plan.quantities[0])
+        return _figure(self._plan, over, panels, first)
+
+    def _edges(self, number: int) -> Floats:
+        """Return the edges of the cells along an axis."""
+        axis, count = self._axes[number], self._counts[number]
+        ends = np.arange(count + 1, dtype=np.float64)
+        if axis.low == axis.high or count == 1:
+            return np.array((axis.low, axis.high if axis.high > axis.low else axis.low + 1.0))
+        shares = (ends - 0.5) / (count - 1) if axis.count is not None else ends / count
+        edges = axis.at(shares)
+        return edges if edges[-1] > edges[0] else -np.sort(-edges)
+
+
+class Curves:
+    """A curve of each quantity over a parameter, or against another, filled part by part."""
+
+    def __init__(self, plan: SweepPlan, against: str | None) -> None:
+        self._plan = plan
+        self._against = against
+        self._stride = max(1, -(-plan.rows // POINTS_MOST))
+        self._x: list[Floats] = []
+        self._y: dict[str, list[Floats]] = {name: [] for name in plan.quantities}
+
+    def add(self, part: Partition) -> None:
+        """Take consecutive scenes into account: every so-manieth, so that memory does not grow."""
+        there = np.arange(part.rows.start, part.rows.stop) % self._stride == 0
+        parameter = part.parameters[self._plan.axes[0].column]
+        self._x.append((part.quantities[self._against] if self._against else parameter)[there])
+        for name, parts in self._y.items():
+            parts.append(part.quantities[name][there])
+
+    def curve(self, name: str) -> tuple[Floats, Floats]:
+        """Return a quantity along the horizontal axis, without what has no place there."""
+        x, y = np.concatenate(self._x), np.concatenate(self._y[name])
+        x, y = x[~np.isnan(x)], y[~np.isnan(x)]
+        order = np.argsort(x, kind="stable")
+        return x[order], y[order]
+
+    def figure(self) -> Figure:
+        """Return the figure of all that was added."""
+        plan, against, axis = self._plan, self._against, self._plan.axes[0]
+        mark = "line" if plan.sample == "grid" and len(plan.axes) == 1 else "points"
+        panels = []
+        for name in [name for name in plan.quantities if name != against][:MOST_PANELS]:
+            known, (x, y) = QUANTITIES[name], self.curve(name)
+            panels.append(
+                Panel(
+                    title=known.label,
+                    x_label=QUANTITIES[against].axis if against else axis.label,
+                    y_label=known.axis,
+                    series=(Series(label=plan.engine, kind=plan.engine, x=x, y=y, mark=mark),),
+                    log_x=_wide(x) if against else axis.log,
+                    log_y=_wide(y),
+                )
+            )
+        over = f"against {against}" if against else f"over {axis.name}"
+        return _figure(plan, over, panels, panels[0].series[0].y)
+
+
+def _wide(values: Floats) -> bool:
+    """Whether numbers span so much that a logarithm shows them better."""
+    there = values[np.isfinite(values) & (values != 0.0)]
+    return bool(there.size and there.min() > 0.0 and there.max() > _DECADES * there.min())
+
+
+def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> Figure:
+    """Return the figure of some panels; `drawn` is what the first one shows."""
+    return Figure(
+        name="sweep",
+        title=f"{plan.scene.name} {over}",
+        seen=_seen(plan, panels[0].title, drawn),
+        panels=tuple(panels),
+        columns=1 if len(panels) == 1 else 2,
+    )
+
+
+def _seen(plan: SweepPlan, title: str, drawn: Floats) -> str:
+    """Return in two sentences what the first panel shows, and what is left out of all."""
+    how = "the exact bounce" if plan.exact else plan.engine
+    there = drawn[np.isfinite(drawn)]
+    told = (
+        f"runs from {there.min():.4g} to {there.max():.4g}" if there.size else "is nowhere defined"
+    )
+    seen = f"{title} {told} in {plan.rows:,} scenes by {how}."
+    left_out = "Blank is a scene without the quantity"
+    further = plan.axes[_IN_A_MAP:]
+    if further and plan.sample == "grid":
+        middles = [axis.values(np.array([(axis.count or 1) // 2]))[0] for axis in further]
+        fixed = (f"{a.name} = {m:.6g}" for a, m in zip(further, middles, strict=True))
+        left_out += f"; drawn is the plane {', '.join(fixed)}, the table has all"
+    elif further:
+        left_out += "; the further parameters vary from cell to cell, the table has all"
+    return f"{seen} {left_out}."

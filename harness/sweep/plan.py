@@ -23,7 +23,7 @@ from harness.evaluation.case_cache import code_fingerprint, engine_version
 from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, end_of
 from harness.sweep.parameters import Floats
-from harness.sweep.quantities import DEFAULT, QUANTITIES, SOURCES
+from harness.sweep.values import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
 
 MOST_ROWS = 1_000_000_000

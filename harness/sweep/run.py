@@ -7,7 +7,7 @@ a limit of time, a task does as many rows as fit well into it, and leaves the ot
 
 from collections import defaultdict, deque
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,11 +15,12 @@ import numpy as np
 from harness.evaluation.evaluate import failed_evaluation
 from harness.execution.limits import NO_LIMITS, Limits
 from harness.execution.signals import delay_signals
+from harness.execution.tasks import run_queue
 from harness.execution.worker import Loss, LostTaskError
 from harness.sweep.folder import Folder
 from harness.sweep.partition import Partition, compute_for, concatenate, to_partition
 from harness.sweep.plan import SweepPlan
-from harness.sweep.quantities import SweepValues
+from harness.sweep.values import SweepValues
 
 _TRIES = 2
 """Of rows whose process was stopped from outside: by chance once, for their sake twice."""
@@ -29,6 +30,15 @@ _WINDOW = 4
 
 _SHARE = 0.5
 """Of the time that a task may take, for the rows it takes on: some are slower than those before."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Piece:
+    """Rows of a partition that a task is given; it may leave some of them to the next."""
+
+    index: int
+    rows: range
+    tries: int = _TRIES
 
 
 def run_sweep(
@@ -57,99 +67,51 @@ def run_sweep(
     BrokenExecutor
         If the executor can do nothing more; what is done stays.
     """
-
-    def keep(made: Partition) -> None:
-        with delay_signals():
-            folder.write(made)
-            if on_done is not None:
-                on_done(made)
-
+    plan = folder.plan
     limits: Limits = getattr(executor, "limits", NO_LIMITS)
     most = getattr(executor, "window", _WINDOW) if window is None else window
-    making = _Making(folder.plan, executor, most, _SHARE * limits.seconds)
-    making.run(folder.missing(), keep)
+    pieces = deque(_Piece(index=index, rows=plan.span(index)) for index in folder.missing())
+    parts: defaultdict[int, list[Partition]] = defaultdict(list)
 
+    def submit(piece: _Piece) -> Future[Partition]:
+        seconds = _SHARE * limits.seconds
+        return executor.submit(compute_for, plan, piece.index, piece.rows, seconds)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Piece:
-    """Rows of a partition that a task is given; it may leave some of them to the next."""
-
-    index: int
-    rows: range
-    tries: int = _TRIES
-
-
-class _Making:
-    """Partitions in the making, piece by piece."""
-
-    def __init__(self, plan: SweepPlan, executor: Executor, window: int, seconds: float) -> None:
-        self._plan = plan
-        self._executor = executor
-        self._window = window
-        self._seconds = seconds
-        self._todo: deque[_Piece] = deque()
-        self._pending: dict[Future[Partition], _Piece] = {}
-        self._parts: defaultdict[int, list[Partition]] = defaultdict(list)
-
-    def run(self, missing: list[int], keep: Callable[[Partition], None]) -> None:
-        """Make partitions; those that are begun before others."""
-        left = deque(missing)
+    def take(piece: _Piece, future: Future[Partition]) -> None:
+        made = parts[piece.index]
         try:
-            while left or self._todo or self._pending:
-                while len(self._pending) < self._window and (left or self._todo):
-                    if not self._todo:
-                        index = left.popleft()
-                        self._todo.append(_Piece(index=index, rows=self._plan.span(index)))
-                    self._begin(self._todo.popleft())
-                for future in wait(self._pending, return_when=FIRST_COMPLETED).done:
-                    index = self._end(future, self._pending.pop(future))
-                    parts = self._parts[index]
-                    if sum(len(one.rows) for one in parts) == len(self._plan.span(index)):
-                        del self._parts[index]
-                        keep(concatenate(index, sorted(parts, key=lambda one: one.rows.start)))
-        except BaseException:  # Ctrl-C too
-            for future in self._pending:
-                future.cancel()
-            raise
-
-    def _begin(self, piece: _Piece) -> None:
-        """Hand out a piece."""
-        future = self._executor.submit(
-            compute_for, self._plan, piece.index, piece.rows, self._seconds
-        )
-        self._pending[future] = piece
-
-    def _end(self, future: Future[Partition], piece: _Piece) -> int:
-        """Take what came of a piece; return its partition."""
-        try:
-            made = future.result()
+            made.append(future.result())
+            rest = range(made[-1].rows.stop, piece.rows.stop)
+            again = [replace(piece, rows=rest, tries=_TRIES)] if rest else []
         except LostTaskError as error:
-            self._lost(piece, error)
-            return piece.index
-        self._parts[piece.index].append(made)
-        rest = range(made.rows.stop, piece.rows.stop)
-        if rest:
-            self._todo.appendleft(_Piece(index=piece.index, rows=rest))
-        return piece.index
+            again = _tried_again(plan, piece, error)
+            if not again:
+                made.append(_without(plan, piece, error))
+        pieces.extendleft(again)  # what is begun before others
+        if sum(len(part.rows) for part in made) == len(plan.span(piece.index)):
+            del parts[piece.index]
+            whole = concatenate(piece.index, sorted(made, key=lambda part: part.rows.start))
+            with delay_signals():
+                folder.write(whole)
+                if on_done is not None:
+                    on_done(whole)
 
-    def _lost(self, piece: _Piece, error: LostTaskError) -> None:
-        """Try a piece again, or each of its rows by itself; of a row, it is the outcome."""
-        # with the exact bounce it is hardly a row's doing
-        again = error.loss is Loss.STOPPED or self._plan.exact
-        if again and piece.tries > 1:
-            self._todo.append(replace(piece, tries=piece.tries - 1))
-        elif len(piece.rows) > 1:
-            rows = (range(row, row + 1) for row in piece.rows)
-            self._todo.extend(_Piece(index=piece.index, rows=row) for row in rows)
-        else:
-            self._parts[piece.index].append(_without(self._plan, piece, error))
+    run_queue(pieces, submit, take, most)
+
+
+def _tried_again(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_Piece]:
+    """Return a lost piece to try again, or each of its rows by itself; of a row, nothing."""
+    # with the exact bounce it is hardly a row's doing
+    if (error.loss is Loss.STOPPED or plan.exact) and piece.tries > 1:
+        return [replace(piece, tries=piece.tries - 1)]
+    rows = [range(row, row + 1) for row in piece.rows]
+    return [_Piece(index=piece.index, rows=row) for row in rows] if len(rows) > 1 else []
 
 
 def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> Partition:
     """Return a row that has no numbers, since its process died."""
     said = failed_evaluation(plan.case(plan.scene), error).simulation
     numbers = {name: np.full(1, np.nan) for name in plan.quantities}
-    outcome = f"{said.outcome.value} ({said.note})"
     return to_partition(
-        plan, piece.index, piece.rows, SweepValues(numbers=numbers, outcomes=[outcome])
+        plan, piece.index, piece.rows, SweepValues(numbers=numbers, outcomes=[said.ending])
     )

@@ -238,7 +238,7 @@ def _wait_for_kept(store: CacheFolder, process: Program) -> None:
 
 _SMALL, _LARGE = "900k", "64m"
 
-_FILE = 2**18
+_FILE = 2**19
 """Bytes of the largest file that may be written, where no file system can be mounted."""
 
 _CASES = tuple(

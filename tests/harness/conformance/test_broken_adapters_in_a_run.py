@@ -154,10 +154,11 @@ def spoilt(monkeypatch: pytest.MonkeyPatch, brief: Scene) -> Callable[[Spoil], C
 
     def register(spoil: Spoil) -> Case:
         real = registry.engine
-        monkeypatch.setattr(
-            "harness.evaluation.evaluate.engine",
-            lambda name: Spoilt(spoil) if name == "spoilt" else real(name),
-        )
+        for module in ("evaluate", "case_cache"):
+            monkeypatch.setattr(
+                f"harness.evaluation.{module}.engine",
+                lambda name: Spoilt(spoil) if name == "spoilt" else real(name),
+            )
         monkeypatch.setattr("harness.evaluation.evaluate.check_effects", lambda *_: None)
         # it is not registered, and so nothing is known of where it comes from
         monkeypatch.setattr(

@@ -12,10 +12,9 @@ import pytest
 
 from harness.core.errors import OutputError
 from harness.execution.isolated_pool import SerialExecutor, local_executor
-from harness.sweep.folder import opened
+from harness.sweep.folder import PlanMismatchError, opened
 from harness.sweep.partition import Partition
 from harness.sweep.plan import SweepPlan
-from harness.sweep.plan_file import PlanMismatchError
 from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
 

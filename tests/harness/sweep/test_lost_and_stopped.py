@@ -88,7 +88,8 @@ def test_an_error_that_cannot_be_said_is_an_outcome_too(
     chosen = planned(
         "gentle-rock", "release.psi_dot=1:2:4", engine="mujoco", quantities=["period_s"]
     )
-    monkeypatch.setattr("harness.sweep.simulated.engine", lambda _: Mute())
+    for place in ("sweep.values", "evaluation.evaluate", "evaluation.case_cache"):
+        monkeypatch.setattr(f"harness.{place}.engine", lambda _: Mute())
     frame = carried_out(tmp_path / "out", chosen)
     assert frame.outcome.astype(str).str.contains("`simulate` raised Unspeakable").all()
 
