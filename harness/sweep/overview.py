@@ -8,6 +8,7 @@ changes, the mean of two turns is a turn that no can makes.
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -262,7 +263,8 @@ class Curves:
     def figure(self) -> Figure:
         """Return the figure of all that was added."""
         plan, against, axis = self._plan, self._against, self._plan.axes[0]
-        mark = "line" if plan.sample == "grid" and len(plan.axes) == 1 else "points"
+        line = plan.sample == "grid" and len(plan.axes) == 1
+        mark: Literal["line", "points"] = "line" if line else "points"
         panels = []
         for name in [name for name in plan.quantities if name != against][:MOST_PANELS]:
             known, (x, y) = QUANTITIES[name], self.curve(name)
