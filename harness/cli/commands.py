@@ -8,7 +8,6 @@ import typer
 from harness.cli import terminal
 from harness.cli.cache import app as store
 from harness.cli.checkout_programs import PASSED_ON, benchmark, faults
-from harness.cli.cost import cost
 from harness.cli.engines import check, engines_answer, print_engine, print_engines
 from harness.cli.gate import diff
 from harness.cli.json_output import reference_json, run_json, to_json
@@ -16,7 +15,7 @@ from harness.cli.model_answer import model_answer, sentences
 from harness.cli.paper import audit, gallery, report
 from harness.cli.run_options import parse_settings
 from harness.cli.stability import stability
-from harness.cli.studies import attribute, effects, errors
+from harness.cli.studies import attribute, cost, effects, errors
 from harness.cli.sweep import sweep
 from harness.cli.terminal import check_motion_file, write_motion, write_text
 from harness.cli.validate import validate

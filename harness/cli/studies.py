@@ -16,13 +16,19 @@ from harness import api
 from harness.cli import terminal
 from harness.cli.json_output import to_json
 from harness.cli.run_options import RunOptions, parse_settings, with_run_options
+from harness.cli.terminal import write_text
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
+from harness.engines.registry import export_settings
 from harness.evaluation.timing import single_thread_executor
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
 from harness.studies.attribution.study import AttributionStudy
+from harness.studies.cost.design import plan_cost
+from harness.studies.cost.prices import CHOICES, FIXED, FOLLOWING, TARGETS, Cost
+from harness.studies.cost.study import CostStudy
+from harness.studies.cost.tables import price_rows
 from harness.studies.effects.changes import EffectStatus
 from harness.studies.effects.friction import friction_ladder
 from harness.studies.effects.plan import plan_effects
@@ -32,6 +38,7 @@ from harness.studies.errors.study import ErrorsStudy
 from harness.studies.shared.ablation import ablation_path
 from harness.studies.study import Results, Study, StudyProgress, run_study
 from models.catalogue import load
+from models.scene_text import write_scene
 
 SceneName = Annotated[
     str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
@@ -274,3 +281,106 @@ def _assumption(word: str) -> tuple[str, float]:
         return key, float(value)
     except ValueError:
         raise InvalidSettingError("--assume", word, "EFFECT.CONSTANT=NUMBER") from None
+
+
+_TUNING = ("gentle-rock", "paper-release")
+"""Where settings are chosen: on the first that is not the scene scored."""
+
+_HARD = "paper-release"
+"""Whose spin is turned up: the paper's own bounce is the hardest."""
+
+_PRICES = (
+    "target_deg",
+    "engine",
+    "verdict",
+    "settings",
+    "tied_with",
+    "timestep_s",
+    "error_deg",
+    "cost_s_s",
+    "relative_cost",
+    "relative_to_engines",
+)
+
+
+@with_run_options
+def cost(  # noqa: PLR0917 - a parameter an option
+    scene: SceneName,
+    suite: Annotated[
+        str, typer.Option(help="quick: two minutes; full: three decades, every hardness.")
+    ] = "quick",
+    target: Annotated[
+        float | None,
+        typer.Option(help="Degrees: print what buys this accuracy, ready to paste."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the reports, one a scene.")] = Path(
+        "reports/cost"
+    ),
+    engine: EngineNames = None,
+    tune: Annotated[
+        str | None, typer.Option(help="Scene on which settings are chosen; another one.")
+    ] = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: RunOptions,
+) -> None:
+    """Say what accuracy costs: work-precision of every setting, a price list, settings to paste.
+
+    Interrupted, it goes on where it was when started again.
+
+    For example: rockingcan cost gentle-rock --target 0.1
+    """
+    if target is not None and not (math.isfinite(target) and target > 0.0):
+        raise InvalidSettingError("--target", target, "a positive number of degrees")
+    chosen = load(scene)
+    other = load(tune or next(name for name in _TUNING if name != chosen.name))
+    engines = ("reference", *(n for n in api.stepping_engines(engine) if n != "reference"))
+    plan = plan_cost(chosen, other, engines, suite, load(_HARD))
+    check_writable(out / chosen.name)
+    for hard in plan.hardness:
+        (out / "scenes").mkdir(parents=True, exist_ok=True)
+        write_text(write_scene(hard.scene), out / "scenes" / f"{hard.scene.name}.toml")
+    study, targets = CostStudy(plan=plan), (target,) if target else TARGETS
+
+    def show(done: Results, artefacts: Sequence[Artefact]) -> None:
+        found, console = study.findings(done), terminal.stdout_console()
+        for choice in CHOICES:
+            rows = [row for one in targets for row in price_rows(found, choice, one)]
+            title = f"{chosen.name}: {choice}"
+            if choice in {FIXED, FOLLOWING}:
+                title += f" (on {other.name})"
+            lines = [[row.get(name) for name in _PRICES] for row in rows]
+            console.print(terminal.table(title, _PRICES, lines))
+        shown({"-overhead": ("engine", "loop", "step_us")})(done, artefacts)
+        if target is None:
+            console.print("The rules: the fairness contract in the report. To paste: --target DEG.")
+        else:
+            _print_settings(found, target)
+
+    run_command(
+        study,
+        running,
+        out=out / chosen.name,
+        json=json,
+        answer=lambda done: study.answer(study.findings(done), targets),
+        show=show,
+    )
+
+
+def _print_settings(found: Cost, target: float) -> None:
+    """Print the cheapest tuned case of each engine, at a fixed step and at steps of its own."""
+    console, seen = terminal.stdout_console(), set()
+    for name in found.plan.engines:
+        for choice in (FIXED, FOLLOWING):
+            price = found.price(name, choice, target)
+            if price.winners:
+                point = price.winners[0].point
+                title = name if point.timestep is None else f"{name}, {choice}"
+                if title not in seen:  # not wrapped: it is to be copied
+                    seen.add(title)
+                    command, settings = point.case.command(), export_settings(point.case)
+                    console.print(f"\n[bold]{title}[/]\n{escape(command)}\n", soft_wrap=True)
+                    console.print(escape(settings), soft_wrap=True)
+            elif price.best is not None:
+                best = f"{price.best.error:.2g} degrees"
+                console.print(f"{name}, {choice}: not reached; best is {best}")

@@ -46,8 +46,8 @@ class Work(Generic[Task, Result]):
         Returns the result of a task that took its process with it, or was stopped.
     label : callable
         Returns what progress calls a task.
-    cache : callable
-        Returns where the results are kept in a folder.
+    cache : callable, optional
+        Returns where the results are kept in a folder; they are not kept if left out.
     check : callable
         Raises if a task is wrong use; called before anything of its round runs.
     alone : bool
@@ -63,7 +63,7 @@ class Work(Generic[Task, Result]):
     call: Callable[[Task], Result]
     lost: Callable[[Task, LostTaskError], Result]
     label: Callable[[Task], str]
-    cache: Callable[[CacheFolder], ResultCache[Task, Result]]
+    cache: Callable[[CacheFolder], ResultCache[Task, Result]] | None = None
     check: Callable[[Task], None] = lambda _: None
     alone: bool = False
     effort: Callable[[Task], float] | None = None
@@ -250,7 +250,7 @@ def _done(
         work.call,
         executor,
         lost=work.lost,
-        cache=None if cache is None else work.cache(cache),
+        cache=None if cache is None or work.cache is None else work.cache(cache),
         listener=ProgressListener(kept=progress.begin, done=progress.step, read=progress.read),
     )
     results = dict(zip(order, found, strict=True))

@@ -5,22 +5,11 @@ same on another scene, errors and the time of that one run, from which each engi
 chosen. *Gaps*: at the finest timestep of the engine as it ships, each gap closed alone and each
 left open, to say what a plateau is made of. *Hardness*: matched at fixed and adaptive steps, on the
 same can with its spin turned down. Nothing here runs.
-
-Scenes of any hardness: the same can, its spin turned up or down.
-
-The small parameter of the paper, epsilon = B_{-2}^2 (a_p + 1), is read off the exact motion: its
-bounce comes as near to flat as phi_min = sqrt(epsilon a_p/((a_p + 1) I)), with I/2 the largest phi
-(eq01:phi_inner; the paper's 1.43e-10 has the factor a_p + 1, see `reference.asymptotic.matched`).
-Psi' and
-theta' at release are multiplied by one factor, and epsilon goes with its square.
 """
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-
-import numpy as np
-from scipy.stats import t as student
+from dataclasses import dataclass
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
@@ -31,91 +20,13 @@ from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of, variants
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import ETA
+from harness.studies.cost.hardness import epsilon, hardened
 from harness.studies.cost.points import Family, family, timesteps
 from harness.studies.shared.ablation import AblationPath, ablation_path
-from models.scene import Horizon, Scene
+from models.scene import Scene
 
 DECADES = {"quick": (-6, -8, -10), "full": (-4, -5, -6, -7, -8, -9, -10)}
 """Powers of ten of epsilon, from mild to the paper's."""
-
-_ROUNDS = 6
-"""Of regula falsi in logarithms, each a digit or more: epsilon is nearly a power of the factor."""
-
-_NEAR = 0.02
-"""Of epsilon, by which a scene may miss the one asked for."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Exponent:
-    """Cost ~ epsilon^exponent; half-width of the 95 % interval, infinite for two points."""
-
-    exponent: float
-    confidence: float
-    points: int
-
-
-def epsilon(scene: Scene) -> float | None:
-    """Return the paper's small parameter of a scene, or None if its can does not bounce."""
-    bounces = truth(scene).bounces
-    if not bounces:
-        return None
-    can = scene.can
-    a_p = can.a + can.h**2
-    largest = max(scene.release.phi, bounces[0].phi_min)
-    return (a_p + 1.0) / a_p * 2.0 * largest * bounces[0].phi_min ** 2
-
-
-def hardened(scene: Scene, wanted: float) -> Scene | None:
-    """Return the scene with its spin changed so that epsilon is as wanted, for one bounce.
-
-    Returns
-    -------
-    Scene or None
-        None if no such spin is found: a can that stands upright does not bounce gently.
-    """
-    own = epsilon(scene)
-    if own is None or own == 0.0:
-        return None
-    factor = math.sqrt(wanted / own)
-    for _ in range(_ROUNDS):
-        made = _spun(scene, factor, wanted)
-        found = epsilon(made)
-        if found is None or not 0.0 < found < math.inf:
-            return None
-        if abs(found / wanted - 1.0) < _NEAR:
-            return made
-        factor *= math.sqrt(wanted / found)
-    return None
-
-
-def _spun(scene: Scene, factor: float, wanted: float) -> Scene:
-    release = scene.release
-    return replace(
-        scene,
-        name=f"{scene.name}-epsilon-1e{round(math.log10(wanted))}",
-        cite=f"{scene.name} with psi' and theta' multiplied by {factor:.6g}",
-        release=replace(
-            release, psi_dot=release.psi_dot * factor, theta_dot=release.theta_dot * factor
-        ),
-        horizon=Horizon(bounces=1),
-    )
-
-
-def exponent(epsilons: Sequence[float], costs: Sequence[float]) -> Exponent | None:
-    """Return the exponent of cost against epsilon, by least squares in logarithms; None of one."""
-    pairs = [(e, c) for e, c in zip(epsilons, costs, strict=True) if c > 0.0 and math.isfinite(c)]
-    if len(pairs) < 2:  # noqa: PLR2004 - a slope needs two points
-        return None
-    x, y = np.log(np.array(pairs)).T
-    slope, offset = np.polyfit(x, y, 1)
-    freedom = len(x) - 2
-    width = math.inf
-    if freedom:
-        rest = y - slope * x - offset
-        error = math.sqrt(float(rest @ rest) / freedom / float(np.sum((x - x.mean()) ** 2)))
-        width = float(student.ppf(0.975, freedom)) * error
-    return Exponent(exponent=float(slope), confidence=width, points=len(x))
-
 
 SUITES = ("quick", "full")
 
@@ -155,7 +66,7 @@ class CostPlan:
     scene, tuning_scene : Scene
     suite : str
     scored, tuning : tuple of Family
-    ways : tuple of Path
+    paths : tuple of AblationPath
         Of each engine that declares gaps, at its finest timestep.
     hardness : tuple of Hardness
     """
@@ -165,7 +76,7 @@ class CostPlan:
     suite: str
     scored: tuple[Family, ...]
     tuning: tuple[Family, ...]
-    ways: tuple[AblationPath, ...]
+    paths: tuple[AblationPath, ...]
     hardness: tuple[Hardness, ...]
 
     @property
@@ -177,6 +88,22 @@ class CostPlan:
     def target(self) -> str:
         """The error that targets are about."""
         return target_of(self.scene)
+
+    def hard_cases(self) -> tuple[Case, ...]:
+        """Return the cases of the ladder of hardness, whose scenes are in no catalogue."""
+        cases = (c for hard in self.hardness for family in hard.families for c in family.cases)
+        return tuple(dict.fromkeys(cases))
+
+    def timed_cases(self) -> tuple[Case, ...]:
+        """Return the cases to time alone: scored, and those of hardness."""
+        scored = (case for family in self.scored for case in family.cases)
+        return tuple(dict.fromkeys((*scored, *self.hard_cases())))
+
+    def cases(self) -> tuple[Case, ...]:
+        """Return the cases to run for their errors: all of them."""
+        tuning = (case for family in self.tuning for case in family.cases)
+        gaps = (case for path in self.paths for case in gap_cases(path).values())
+        return tuple(dict.fromkeys((*self.timed_cases(), *tuning, *gaps)))
 
 
 def target_of(scene: Scene) -> str:
@@ -231,7 +158,7 @@ def plan_cost(
         tuning=tuple(
             family(tuning_scene, n, v, "tuning") for n in stepping for v in priced(n, suite)
         ),
-        ways=tuple(
+        paths=tuple(
             ablation_path(scene, n, finest)
             for n in stepping
             if features_of(engine(n)).model_differences
@@ -303,19 +230,6 @@ def gap_cases(way: AblationPath) -> dict[tuple[str, str], Case]:
         found["alone", name] = way.case(frozenset(timestep | {name}))
         found["left open", name] = way.case(frozenset(way.names) - {name})
     return found
-
-
-def timing_cases(plan: CostPlan) -> tuple[Case, ...]:
-    """Return the cases to time alone: scored, and those of hardness."""
-    families = [*plan.scored, *(f for hard in plan.hardness for f in hard.families)]
-    return tuple(dict.fromkeys(case for family in families for case in family.cases))
-
-
-def error_cases(plan: CostPlan) -> tuple[Case, ...]:
-    """Return the cases to run for their errors: all of them."""
-    cases = [*timing_cases(plan), *(case for family in plan.tuning for case in family.cases)]
-    cases += [case for way in plan.ways for case in gap_cases(way).values()]
-    return tuple(dict.fromkeys(cases))
 
 
 def expected(case: Case) -> float:

@@ -8,10 +8,23 @@ import numpy as np
 from harness.core.report_model import Figure, Panel, Series
 from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import pareto_front
-from harness.studies.cost.hard_tables import exponents, hard_rows
-from harness.studies.cost.plateaus import AXES, COST_HIGH, COST_LOW
-from harness.studies.cost.points import Family, Point
-from harness.studies.cost.results import Cost
+from harness.studies.cost.points import Point
+from harness.studies.cost.prices import Cost, Ladder, exponents, hard_rows
+
+AXES = {
+    "turn_deg": (1e-8, 1e3),
+    "phi_rms_rad": (1e-12, 1.0),
+    "phi_max_rad": (1e-12, 1.0),
+    "bounce_time_s": (1e-12, 1.0),
+    "contact_locus_rms_m": (1e-9, 1e-1),
+    "peak_friction_ratio": (1e-10, 1e2),
+    "energy_drift": (1e-12, 1e2),
+    "rotation_rms_deg": (1e-8, 1e3),
+}
+"""Ends of the axis of each error of `RECORDED`, the same for all scenes."""
+
+COST_LOW, COST_HIGH = 1e-3, 1e3
+"""Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""
 
 _SHOWN = (
     "phi_rms_rad",
@@ -87,9 +100,9 @@ def _panel(cost: Cost, key: str) -> Panel:
 _VARIED, _SHIPPED = "variants", "as shipped"
 
 
-def _groups(cost: Cost) -> dict[str, list[tuple[Family, tuple[Point, ...]]]]:
+def _groups(cost: Cost) -> dict[str, list[Ladder]]:
     """Return the ladders by legend entry: a few for each engine."""
-    groups: dict[str, list[tuple[Family, tuple[Point, ...]]]] = {}
+    groups: dict[str, list[Ladder]] = {}
     for family, ladder in cost.ladders:
         profile = family.variant.profile
         if not family.steps:

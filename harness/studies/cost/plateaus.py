@@ -3,8 +3,6 @@
 A ladder of one change to `matched` owes its plateau to that change if the matched ladder lies below
 it at the same timestep. That of the engine as it ships is taken apart by its gaps, all at the
 finest timestep: the one to blame is the gap that by itself, all others closed, leaves the most.
-
-The ends of the axes that show the errors.
 """
 
 from collections.abc import Sequence
@@ -15,7 +13,7 @@ from harness.engines.registry import engine
 from harness.metrics.convergence import AsymptoticOrder, Plateau, asymptotic_order, plateau
 from harness.studies.cost.design import gap_cases
 from harness.studies.cost.points import Family, Point, Record
-from harness.studies.cost.results import Cost
+from harness.studies.cost.prices import Cost
 from harness.studies.shared.ablation import AblationPath
 
 _MOST = 0.5
@@ -71,9 +69,9 @@ def _fall(cost: Cost, family: Family, ladder: Sequence[Point], quantity: str) ->
 
 def _cause(cost: Cost, family: Family, quantity: str, found: Plateau) -> str:
     """Return what a plateau comes from, in a sentence."""
-    way = next((way for way in cost.plan.ways if way.engine == family.engine), None)
-    if family.variant.profile == "default" and not family.variant.settings and way is not None:
-        return _from_gaps(way, cost, quantity, abs(found.level))
+    path = next((path for path in cost.plan.paths if path.engine == family.engine), None)
+    if family.variant.profile == "default" and not family.variant.settings and path is not None:
+        return _from_gaps(path, cost, quantity, abs(found.level))
     matched = next(
         (
             ladder
@@ -93,10 +91,10 @@ def _cause(cost: Cost, family: Family, quantity: str, found: Plateau) -> str:
     return f"Shared with matched: {imposed or 'nothing that the engine declares'}."
 
 
-def _from_gaps(way: AblationPath, cost: Cost, quantity: str, level: float) -> str:
+def _from_gaps(path: AblationPath, cost: Cost, quantity: str, level: float) -> str:
     """Return which gap makes the plateau of an engine as it ships."""
     open_: dict[str, float] = {}
-    for (kind, gap), case in gap_cases(way).items():
+    for (kind, gap), case in gap_cases(path).items():
         size = _size(cost.gaps.get(case), quantity)
         if kind == "left open" and size is not None:
             open_[gap] = size
@@ -104,7 +102,7 @@ def _from_gaps(way: AblationPath, cost: Cost, quantity: str, level: float) -> st
         return "Not known: no run with the other gaps closed has this number."
     ranked = sorted(open_, key=open_.__getitem__, reverse=True)
     first = ranked[0]
-    sentence = next(gap.sentence for gap in way.gaps if gap.name == first)
+    sentence = next(gap.sentence for gap in path.gaps if gap.name == first)
     share = open_[first] / level
     if share >= _MOST:
         return f"{first}: alone it leaves {open_[first]:.2g}. {sentence}"
@@ -117,19 +115,3 @@ def _size(record: Record | None, quantity: str) -> float | None:
         return None
     value = record["errors"].get(quantity)
     return None if value is None else abs(value)
-
-
-AXES = {
-    "turn_deg": (1e-8, 1e3),
-    "phi_rms_rad": (1e-12, 1.0),
-    "phi_max_rad": (1e-12, 1.0),
-    "bounce_time_s": (1e-12, 1.0),
-    "contact_locus_rms_m": (1e-9, 1e-1),
-    "peak_friction_ratio": (1e-10, 1e2),
-    "energy_drift": (1e-12, 1e2),
-    "rotation_rms_deg": (1e-8, 1e3),
-}
-"""Ends of the axis of each error of `RECORDED`, the same for all scenes."""
-
-COST_LOW, COST_HIGH = 1e-3, 1e3
-"""Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""

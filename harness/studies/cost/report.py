@@ -1,8 +1,6 @@
-"""From what was measured to artefacts: words, figures, prices, and everything behind them.
+"""The report of the study of cost: words, prices to paste, the fairness contract, and all tables.
 
-The price list in sentences, and the cheapest settings in each engine's own language.
-
-The fairness contract: the rules that every price was measured under, published with it.
+The fairness contract is the rules that every price was measured under, published with it.
 """
 
 from harness.core.report_model import Artefact, Prose
@@ -11,11 +9,15 @@ from harness.engines.registry import export_settings
 from harness.evaluation.timing import FEWEST
 from harness.studies.cost.design import priced
 from harness.studies.cost.figures import hardness_figure, work_precision
-from harness.studies.cost.hard_tables import exponents, growth, hardness
-from harness.studies.cost.plateaus import falls
-from harness.studies.cost.prices import NOISE, TARGETS
-from harness.studies.cost.results import FIXED, FOLLOWING, Cost
-from harness.studies.cost.tables import orders, overhead, points, prices
+from harness.studies.cost.prices import (
+    FIXED,
+    FOLLOWING,
+    NOISE,
+    TARGETS,
+    Cost,
+    exponents,
+)
+from harness.studies.cost.tables import growth, hardness, orders, overhead, points, prices
 
 
 def summary(cost: Cost) -> str:
@@ -182,7 +184,7 @@ def cost_report(cost: Cost) -> tuple[Artefact, ...]:
             text=all_pasted(cost) or "No engine reaches a target.",
             scene=name,
         ),
-        orders(cost, falls(cost, falling)),
+        orders(cost, falling),
     ]
     if hard is not None:
         artefacts += [hard, hardness(cost), growth(cost)]

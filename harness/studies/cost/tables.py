@@ -1,96 +1,57 @@
-"""The study of cost in tables: the price list, every point, orders and plateaus, the overhead."""
+"""The study of cost in tables: price list, every point, orders and plateaus, the overhead."""
 
 import math
 import statistics
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 
-import pandas as pd
-
-from harness.core.report_model import Table
+from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import pareto_front
-from harness.studies.cost.plateaus import Fall
+from harness.metrics.quantities import finite
+from harness.studies.cost.plateaus import Fall, falls
 from harness.studies.cost.points import Point
-from harness.studies.cost.prices import TARGETS, Offer, tied
-from harness.studies.cost.results import CHOICES, Cost
+from harness.studies.cost.prices import CHOICES, TARGETS, Cost, Offer, exponents, hard_rows, tied
+from harness.studies.shared.run_columns import COMMAND, ENGINE, OUTCOME, without
 
-_PRICES: Mapping[str, str] = {
-    "choice": "Where the settings come from: shipped, tuned on another scene, or best on this one.",
-    "target_deg": "Error that is asked for, of the angle of turn; of the orientation if no bounce.",
-    "engine": "Name of the engine.",
-    "verdict": "cheapest: of all engines; tied: with it, within the noise; dearer; or not reached.",
-    "settings": "Name of the cheapest settings of this engine.",
-    "tied_with": "Other settings of this engine that cost the same within the noise.",
-    "timestep_s": "Timestep of the cheapest, s; the largest of an adaptive run.",
-    "error_deg": "Error that the setting keeps from here to the finest step.",
-    "cost_s_s": "Processor seconds per simulated second, minimum of the repeats.",
-    "cost_median_s_s": "The same, median.",
-    "relative_cost": "Cost over that of the cheapest of all at this target, reference included.",
-    "relative_to_engines": "Cost over that of the cheapest stepping engine at this target.",
-    "case": "Digest of the case; its command is in the list of cases.",
-    "command": "Runs the case again.",
-}
+_SETTINGS = Column("settings", "Name of the settings.")
+_CASE = Column("case", "Digest of the case; its command is in the list of cases.")
+_COST = Column("cost_s_s", "Processor seconds per simulated second, minimum of the repeats.")
+_MEDIAN = Column("cost_median_s_s", "The same, median.")
+_STEPS = Column("steps", "Fixed, or following the motion.")
 
-_POINTS: Mapping[str, str] = {
-    "engine": "Name of the engine.",
-    "settings": "Name of the settings.",
-    "profile": "default: as it ships; matched: what the scene declares; adaptive: and own steps.",
-    "timestep_s": "Timestep, s; the largest of an adaptive run; none if the solver chooses.",
-    "outcome": "How the run ended.",
-    **{name: quantity.meaning for name, quantity in RECORDED.items()},
-    "cost_s_s": "Processor seconds per simulated second, minimum of the repeats.",
-    "cost_median_s_s": "The same, median.",
-    "repeats": "How many times it was timed.",
-    "clock_over_processor": "Seconds by the clock over processor seconds: above 1 it waited.",
-    "setup_s": "Compiling, parity and settling, by the clock; in no cost.",
-    "simulated_s": "Length of the run.",
-    "steps": "Timesteps taken.",
-    "solver_iterations": "Of the solver over the run, from steps at 100 instants; empty: not told.",
-    "constraint_rows": "Rows that the solver worked on, summed over the steps.",
-    "on_front": "Whether no other point is both cheaper and nearer in the target error.",
-    "imposes": "What the settings make of the can that the scene does not declare.",
-    "case": "Digest of the case; its command is in the list of cases.",
-    "command": "Runs the case again.",
-}
-
-_FALLS: Mapping[str, str] = {
-    "engine": "Name of the engine.",
-    "settings": "Name of the settings.",
-    "quantity": "Which error.",
-    "order": "Slope of log error, above the plateau, against log timestep; empty: none seen.",
-    "confidence": "Half-width of its 95 % interval.",
-    "coarsest_s": "Coarsest timestep of the asymptotic range.",
-    "finest_s": "Finest timestep of it.",
-    "rungs": "Timesteps in it.",
-    "plateau": "Error that is left as the timestep goes to zero, in the unit of the quantity.",
-    "plateau_below_s": "Timestep below which it outweighs what goes with the timestep.",
-    "erratic": "Whether the ladder is flat without following a power of the timestep.",
-    "cause": "What the plateau comes from.",
-}
-
-_OVERHEAD: Mapping[str, str] = {
-    "engine": "Name of the engine.",
-    "loop": "Who loops over the steps, and whether states are read.",
-    "step_us": "Processor time of a step of one free body without contact, least of the repeats.",
-    "step_median_us": "The same, median.",
-}
+_PRICES = (
+    Column("choice", "Where settings come from: shipped, tuned on another scene, or best here."),
+    Column("target_deg", "Error asked for, of the turn; of the orientation if no bounce."),
+    ENGINE,
+    Column("verdict", "cheapest: of all; tied: with it, within the noise; dearer; not reached."),
+    Column("settings", "Name of the cheapest settings of this engine."),
+    Column("tied_with", "Other settings of this engine that cost the same within the noise."),
+    Column("timestep_s", "Timestep of the cheapest, s; the largest of an adaptive run."),
+    Column("error_deg", "Error that the setting keeps from here to the finest step."),
+    _COST,
+    _MEDIAN,
+    Column("relative_cost", "Cost over that of the cheapest at this target, reference included."),
+    Column("relative_to_engines", "Cost over that of the cheapest stepping engine at this target."),
+    _CASE,
+    COMMAND,
+)
 
 
 def prices(cost: Cost) -> Table:
     """Return the price list."""
-    rows = []
-    for choice in CHOICES:
-        for target in TARGETS:
-            rows += price_rows(cost, choice, target)
-    return Table(
-        name=f"{cost.plan.scene.name}-prices",
-        title="What accuracy costs",
-        frame=pd.DataFrame(rows, columns=list(_PRICES)),
-        columns=_PRICES,
-        shown=tuple(name for name in _PRICES if name not in {"command", "cost_median_s_s"}),
-        scene=cost.plan.scene.name,
-    )
+    rows = [
+        row for choice in CHOICES for target in TARGETS for row in price_rows(cost, choice, target)
+    ]
+    columns = without(_PRICES, "command", "cost_median_s_s")
+    return _table(cost, "prices", "What accuracy costs", columns, rows)
+
+
+def _table(
+    cost: Cost, name: str, title: str, columns: Sequence[Column], rows: Iterable[object]
+) -> Table:
+    scene = cost.plan.scene.name
+    return table_of(f"{scene}-{name}", title, columns, rows, scene=scene)
 
 
 def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]]:
@@ -141,8 +102,8 @@ def _offer(offer: Offer) -> dict[str, object]:
     return {
         "timestep_s": point.timestep,
         "error_deg": offer.error,
-        "cost_s_s": _known(point.cost),
-        "cost_median_s_s": _known(point.median),
+        "cost_s_s": finite(point.cost),
+        "cost_median_s_s": finite(point.median),
         "case": point.digest,
         "command": point.command,
     }
@@ -160,41 +121,59 @@ def _named(winners: tuple[Offer, ...]) -> list[str]:
     return list(dict.fromkeys(offer.point.family for offer in winners))
 
 
+_POINTS = (
+    ENGINE,
+    _SETTINGS,
+    Column("profile", "default: as it ships; matched: as the scene declares; adaptive: own steps."),
+    Column("timestep_s", "Timestep, s; the largest of an adaptive run; none if solver's choice."),
+    OUTCOME,
+    *(Column(key, quantity.meaning) for key, quantity in RECORDED.items()),
+    _COST,
+    _MEDIAN,
+    Column("repeats", "How many times it was timed."),
+    Column(
+        "clock_over_processor", "Seconds by the clock over processor seconds: above 1 it waited."
+    ),
+    Column("setup_s", "Compiling, parity and settling, by the clock; in no cost."),
+    Column("simulated_s", "Length of the run."),
+    Column("steps", "Timesteps taken."),
+    Column("solver_iterations", "Of the solver over the run, from 100 instants; empty: not told."),
+    Column("constraint_rows", "Rows that the solver worked on, summed over the steps."),
+    Column("on_front", "Whether no other point is both cheaper and nearer in the target error."),
+    Column("imposes", "What the settings make of the can that the scene does not declare."),
+    _CASE,
+    COMMAND,
+)
+
+_POINTS_SHOWN = (
+    "engine",
+    "settings",
+    "timestep_s",
+    "phi_rms_rad",
+    "cost_s_s",
+    "cost_median_s_s",
+    "setup_s",
+    "steps",
+    "solver_iterations",
+    "constraint_rows",
+    "on_front",
+    "outcome",
+    "case",
+    "command",
+)
+
+
 def points(cost: Cost) -> Table:
     """Return every point, failures too."""
-    target = cost.plan.target
-    known = cost.points
+    target, known = cost.plan.target, cost.points
     front = set(pareto_front([p.cost for p in known], [p.error(target) for p in known]))
-    return Table(
-        name=f"{cost.plan.scene.name}-points",
-        title="Every run: what it costs and what it errs",
-        frame=pd.DataFrame(
-            [_point(p, on_front=place in front) for place, p in enumerate(known)],
-            columns=list(_POINTS),
-        ),
-        columns=_POINTS,
-        shown=(
-            "engine",
-            "settings",
-            "timestep_s",
-            target,
-            "phi_rms_rad",
-            "cost_s_s",
-            "cost_median_s_s",
-            "setup_s",
-            "steps",
-            "solver_iterations",
-            "constraint_rows",
-            "on_front",
-            "outcome",
-            "case",
-            "command",
-        ),
-        scene=cost.plan.scene.name,
-    )
+    hidden = [c.name for c in _POINTS if c.name not in {*_POINTS_SHOWN, target}]
+    rows = [_point(p) | {"on_front": place in front} for place, p in enumerate(known)]
+    title = "Every run: what it costs and what it errs"
+    return _table(cost, "points", title, without(_POINTS, *hidden), rows)
 
 
-def _point(p: Point, *, on_front: bool) -> dict[str, object]:
+def _point(p: Point) -> dict[str, object]:
     return {
         "engine": p.case.engine,
         "settings": p.family,
@@ -202,8 +181,8 @@ def _point(p: Point, *, on_front: bool) -> dict[str, object]:
         "timestep_s": p.timestep,
         "outcome": p.outcome.value + (f" ({p.note})" if p.note else ""),
         **{name: p.errors.get(name) for name in RECORDED},
-        "cost_s_s": _known(p.cost),
-        "cost_median_s_s": _known(p.median),
+        "cost_s_s": finite(p.cost),
+        "cost_median_s_s": finite(p.median),
         "repeats": len(p.cpu),
         "clock_over_processor": sum(p.wall) / sum(p.cpu) if p.wall and sum(p.cpu) else None,
         "setup_s": p.setup,
@@ -211,40 +190,59 @@ def _point(p: Point, *, on_front: bool) -> dict[str, object]:
         "steps": p.steps,
         "solver_iterations": p.iterations,
         "constraint_rows": p.rows,
-        "on_front": on_front,
         "imposes": p.imposes,
         "case": p.digest,
         "command": p.command,
     }
 
 
-def orders(cost: Cost, found: tuple[Fall, ...]) -> Table:
+def _order(name: str) -> Callable[[Fall], object]:
+    """Return what reads a field of the order of a ladder, which may have none."""
+    return lambda fall: fall.order and getattr(fall.order, name)
+
+
+_FALLS = (
+    Column("engine", ENGINE.meaning, lambda f: f.family.engine),
+    Column("settings", _SETTINGS.meaning, lambda f: f.family.name),
+    Column("quantity", "Which error."),
+    Column(
+        "order", "Slope of log error, above the plateau, against log timestep.", _order("order")
+    ),
+    Column("confidence", "Half-width of its 95 % interval.", _order("confidence")),
+    Column("coarsest_s", "Coarsest timestep of the asymptotic range.", _order("coarsest")),
+    Column("finest_s", "Finest timestep of it.", _order("finest")),
+    Column("rungs", "Timesteps in it.", _order("points")),
+    Column(
+        "plateau",
+        "Error that is left as the timestep goes to zero, in the unit of the quantity.",
+        lambda f: f.plateau and abs(f.plateau.level),
+    ),
+    Column(
+        "plateau_below_s",
+        "Timestep below which it outweighs what goes with the timestep.",
+        lambda f: f.plateau and f.plateau.timestep,
+    ),
+    Column(
+        "erratic",
+        "Whether the ladder is flat without following a power of the timestep.",
+        lambda f: f.plateau and f.plateau.erratic,
+    ),
+    Column("cause", "What the plateau comes from."),
+)
+
+
+def orders(cost: Cost, quantities: Sequence[str]) -> Table:
     """Return the orders and plateaus."""
-    return Table(
-        name=f"{cost.plan.scene.name}-orders",
-        title="How errors fall with the timestep, and where they stop",
-        frame=pd.DataFrame([_fall(fall) for fall in found], columns=list(_FALLS)),
-        columns=_FALLS,
-        scene=cost.plan.scene.name,
-    )
+    title = "How errors fall with the timestep, and where they stop"
+    return _table(cost, "orders", title, _FALLS, falls(cost, quantities))
 
 
-def _fall(fall: Fall) -> dict[str, object]:
-    order, level = fall.order, fall.plateau
-    return {
-        "engine": fall.family.engine,
-        "settings": fall.family.name,
-        "quantity": fall.quantity,
-        "order": order and order.order,
-        "confidence": order and order.confidence,
-        "coarsest_s": order and order.coarsest,
-        "finest_s": order and order.finest,
-        "rungs": order and order.points,
-        "plateau": level and abs(level.level),
-        "plateau_below_s": level and level.timestep,
-        "erratic": level and level.erratic,
-        "cause": fall.cause,
-    }
+_OVERHEAD = (
+    ENGINE,
+    Column("loop", "Who loops over the steps, and whether states are read."),
+    Column("step_us", "Processor time of a step of one free body aloft, least of the repeats."),
+    Column("step_median_us", "The same, median."),
+)
 
 
 def overhead(cost: Cost) -> Table:
@@ -259,14 +257,44 @@ def overhead(cost: Cost) -> Table:
         for engine, record in cost.overheads.items()
         for way, taken in record["ways"].items()
     ]
-    return Table(
-        name=f"{cost.plan.scene.name}-overhead",
-        title="Overhead: one free body, no contact",
-        frame=pd.DataFrame(rows, columns=list(_OVERHEAD)),
-        columns=_OVERHEAD,
-        scene=cost.plan.scene.name,
-    )
+    return _table(cost, "overhead", "Overhead: one free body, no contact", _OVERHEAD, rows)
 
 
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+_HARD = (
+    ENGINE,
+    _STEPS,
+    Column("epsilon", "B_{-2}^2 (a_p + 1) of the exact motion: 1.4e-10 at the paper's release."),
+    Column("cost_s_s", "Processor seconds per simulated second for one degree, between rungs."),
+    Column("at_most", "Whether no coarser step has an error, so that it costs this or less."),
+    Column("case", "Digest of the finer of the two cases; its command is in the list of cases."),
+    Column("command", "Runs it again, in the folder given as --out."),
+)
+
+_EXPONENTS = (
+    ENGINE,
+    _STEPS,
+    Column("exponent", "Of the cost of one degree against epsilon: -1/2 doubles it for a quarter."),
+    Column("confidence", "Half-width of its 95 % interval; empty for two points."),
+    Column("points", "Hardnesses that it comes from; bounds count where there are not two others."),
+)
+
+
+def hardness(cost: Cost) -> Table:
+    """Return the table of costs against hardness."""
+    title = "What one degree costs as the bounce gets harder"
+    return _table(cost, "degree", title, _HARD, hard_rows(cost))
+
+
+def growth(cost: Cost) -> Table:
+    """Return the table of exponents."""
+    rows = [
+        {
+            "engine": engine,
+            "steps": steps,
+            "exponent": found.exponent,
+            "confidence": finite(found.confidence),  # two points have none
+            "points": found.points,
+        }
+        for (engine, steps), found in exponents(cost).items()
+    ]
+    return _table(cost, "exponents", "How the cost of a degree grows", _EXPONENTS, rows)

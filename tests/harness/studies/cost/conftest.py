@@ -1,6 +1,7 @@
 """A toy engine whose order, plateau and cost are known, and the study of it."""
 
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,12 @@ from harness.engines import registry
 from harness.engines.base import Capabilities, Setting, Variant, resolve
 from harness.engines.reference.truth import sample_truth, truth
 from harness.evaluation import timing
-from harness.evaluation.case_record import lost_errors, measured
-from harness.evaluation.timed_tasks import records, run_timed_tasks
-from harness.evaluation.timing import time_alone, untimed
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import SerialExecutor
-from harness.studies.cost.design import error_cases, expected, plan_cost, timing_cases
-from harness.studies.cost.results import Cost, cost
+from harness.studies.cost.design import plan_cost
+from harness.studies.cost.prices import Cost
+from harness.studies.cost.study import CostStudy
+from harness.studies.study import run_study
 from models import Scene, load
 
 COARSE = 1e-3
@@ -118,35 +118,21 @@ def study(toy: str) -> Studied:
     other = replace(scene, name="other", release=replace(scene.release, psi_dot=1.5))
 
     def run_it(folder: Path) -> tuple[Cost, list[Any]]:
-        made = plan_cost(scene, other, [toy], "quick")
+        study_of_toy = CostStudy(plan=plan_cost(scene, other, [toy], "quick"))
         worked: list[Any] = []
 
-        def noted(case: Case) -> dict[str, Any]:
-            worked.append(case)
-            return measured(case)
+        class Noted(SerialExecutor):
+            def submit(self, call: Any, case: Any, /) -> Any:  # type: ignore[override]  # noqa: ANN401
+                worked.append(case)
+                return super().submit(call, case)
 
-        def noted_time(case: Case) -> dict[str, Any]:
-            worked.append(case)
-            return time_alone(case)
-
-        store = CacheFolder(folder=folder)
-        errors = run_timed_tasks(
-            error_cases(made),
-            noted,
-            records(store, "errors", measured.__module__),
-            SerialExecutor(),
-            lost=lost_errors,
-            expected=expected,
+        done = run_study(
+            study_of_toy,
+            executor=Noted(),
+            cache=CacheFolder(folder=folder),
+            timer=lambda: nullcontext(Noted()),
         )
-        times = run_timed_tasks(
-            timing_cases(made),
-            noted_time,
-            records(store, "times", time_alone.__module__),
-            SerialExecutor(),
-            lost=untimed,
-            expected=expected,
-        )
-        return cost(made, errors, times, {}), worked
+        return study_of_toy.findings(done), worked
 
     return run_it
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from harness.studies.cost.design import epsilon, exponent, hardened
+from harness.studies.cost.hardness import epsilon, exponent, hardened
 from models import load
 
 

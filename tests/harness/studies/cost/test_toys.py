@@ -11,8 +11,8 @@ import pytest
 from harness.core.report_model import Figure, Prose, Table
 from harness.engines.reference.truth import truth
 from harness.studies.cost.plateaus import Fall, falls
+from harness.studies.cost.prices import FIXED, HERE, Cost
 from harness.studies.cost.report import cost_report
-from harness.studies.cost.results import FIXED, HERE, Cost
 from harness.studies.cost.tables import points, price_rows
 from models import load
 
