@@ -25,11 +25,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Mode
+from reference.equations.frames import length
 from reference.equations.state_vector import (
     DISSIPATED,
     LEAN,
     PSI,
-    ROWS,
     TIME,
     TOTAL,
     U1,
@@ -96,7 +96,7 @@ class CoulombEquations:
         at, found = Angles.of(y[LEAN]), self.contact(y, mode)
         w1, w2, w3 = y[W1], y[W2], y[W3]
         rotation = at.S * w3 - at.C * w1  # theta' S
-        out = np.zeros((ROWS, y.shape[1]))
+        out = np.zeros_like(y)
         out[LEAN] = -w2
         out[W1] = found.turning[0] - rotation * w2
         out[W2] = found.turning[1] + rotation * w1
@@ -144,7 +144,7 @@ class CoulombEquations:
     def _slipping(self, y: Floats) -> Contact:
         p, at = self.parameters, Angles.of(y[LEAN])
         w1, w2, w3 = y[W1], y[W2], y[W3]
-        speed = np.hypot(y[U1], y[U2])
+        speed = length(y[U1], y[U2])
         n1, n2 = self.mu * y[U1] / speed, self.mu * y[U2] / speed
         reach, height = at.C - p.h * at.S, at.S + p.h * at.C
         k1, k2, k3 = _inertial(p, at, w1, w2, w3)

@@ -150,7 +150,7 @@ class FrictionlessEquations:
         del along
         at = Angles.of(y[LEAN])
         w1, w3 = self.momenta(at)
-        out = np.zeros((ROWS, y.shape[1]))
+        out = np.zeros_like(y)
         out[LEAN] = -y[W2]
         out[W2] = self.contact(y, mode).turning[1]
         out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S

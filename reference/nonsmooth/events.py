@@ -16,7 +16,7 @@ from reference.equations.contact_laws import Contact, Equations
 from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment
-from reference.nonsmooth.slip_onset import LEAN_OF_CAN, slack
+from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, reserve
 from reference.problem.states import Floats
 
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
@@ -46,8 +46,17 @@ class What(Enum):
     ROLLS = auto()
 
 
-IMPOSSIBLE = {What.LIFTS, What.JAMS}
-"""What ends a motion wherever it is seen, not only where it sets in."""
+LIMITS = {What.LIFTS, What.JAMS, What.SLIPS, What.ROLLS, What.HELD, What.TURNS}
+"""What ends a mode wherever it is seen, not only where it sets in: also right at the start."""
+OF_THE_STATE = {
+    What.MAXIMUM,
+    What.MINIMUM,
+    What.HORIZON,
+    What.OVERTURNED,
+    What.FLAT,
+    What.HELD,
+}
+"""What a state says without its contact, also where that has no direction yet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,26 +95,29 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
         The horizon.
     """
     looks, y = np.array(LOOKS), piece.looked_at(LOOKS)
+    begun = np.ones(looks.size, dtype=bool)
     if piece.mode.slips:
-        # a slip that begins has no direction yet
-        begun = np.hypot(y[U1], y[U2]) > 0
-        looks, y = looks[begun], y[:, begun]
+        # a slip that begins has no direction yet, and so no contact
+        begun &= np.hypot(y[U1], y[U2]) > 0
     if equations.resistance and not piece.mode.rests:
         # nor has a rolling that does
-        begun = np.logical_not(stands(y))
-        looks, y = looks[begun], y[:, begun]
-    seen = Seen(y, piece, equations)
+        begun &= np.logical_not(stands(y))
+    whole, touching = Seen(y, piece, equations), Seen(y[:, begun], piece, equations)
 
     def crossings(what: What, margin: Margin) -> list[float]:
         def one(c: float) -> float:
             return float(margin(Seen(piece.at(np.array([c])), piece, equations))[0])
 
-        values = margin(seen)
+        values = margin(whole if what in OF_THE_STATE else touching)
+        places = looks if what in OF_THE_STATE else looks[begun]
+        if what is What.HELD and values[0] <= 0:
+            # a turning that begins has no sense yet
+            values, places = values[1:], places[1:]
         down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-        roots = [_root(one, float(looks[i]), float(looks[i + 1])) for i in down]
+        roots = [_root(one, float(places[i]), float(places[i + 1])) for i in down]
         # what begins was possible at its beginning, which has no direction to be looked at
-        if what in IMPOSSIBLE and looks.size and values[0] <= 0:
-            roots.insert(0, _root(one, min(BEGUN, float(looks[0])), float(looks[0])))
+        if what in LIMITS and places.size and values[0] <= 0 and values.min() < 0:
+            roots.insert(0, _root(one, min(BEGUN, float(places[0])), float(places[0])))
         return roots
 
     found = [
@@ -125,7 +137,7 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[What, M
         What.FLAT: lambda seen: seen.y[LEAN] - flat,
     }
     if mode.rests:
-        margins[What.ROLLS] = lambda seen: slack(equations, seen.contact, LEAN_OF_CAN)
+        margins[What.ROLLS] = lambda seen: reserve(equations, seen.contact, LEAN_OF_CAN)
     else:
         margins[What.MAXIMUM] = lambda seen: -seen.y[W2]
         margins[What.MINIMUM] = lambda seen: seen.y[W2]
@@ -136,17 +148,12 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[What, M
     if mode.slips or equations.drilling or equations.resistance:
         margins[What.JAMS] = lambda seen: seen.contact.grip - LEAST_GRIP
     if not mode.slips and np.isfinite(equations.mu):
-        margins[What.SLIPS] = lambda seen: slack(equations, seen.contact)
+        margins[What.SLIPS] = lambda seen: reserve(equations, seen.contact)
     if equations.drilling and mode.turns:
         margins[What.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
-        margins[What.TURNS] = lambda seen: holds(equations, seen.contact)
+        margins[What.TURNS] = lambda seen: holding(equations, seen.contact)
     return margins
-
-
-def holds(equations: Equations, found: Contact) -> Floats:
-    """How much more moment the plane could hold the can with, about the normal."""
-    return np.asarray(equations.drilling * found.force[2] - np.abs(found.moment[2]))
 
 
 def _root(margin: Callable[[float], float], left: float, right: float) -> float:

@@ -17,7 +17,6 @@ from reference.equations.frames import to_level
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
-    LEAST_SLIP,
     ROWS,
     SLIP,
     TIME,
@@ -34,7 +33,6 @@ from reference.nonsmooth.level_spin import (
     BESIDE,
     HARDLY,
     level_turning,
-    sizes_of_rolling,
     stands,
     with_level,
 )
@@ -219,18 +217,16 @@ class HybridIntegrator:
         """Take the longest step that is resolved, unless too much has been spent."""
         length = min(self._length, LONGEST, self._left())
         rows = self._equations.core(self._mode)
-        rolls = self._equations.resistance and not self._mode.rests
-        size = sizes_of_rolling if rolls else sizes
         while length > SHORTEST and self._evaluations <= MOST_WORK:
             taken = step(
                 lambda core: self._rates(core, rows)[rows],
                 self._y[rows],
                 length,
                 self._guess(length)[rows],
-                lambda core: size(rows, core),
+                lambda core: sizes(rows, core),
             )
             self._evaluations += taken.evaluations * STAGES
-            if taken.change is None:
+            if taken.change is None or not self._sets_out(taken.change[:, 0], rows):
                 length /= 4
                 continue
             series = self._completed(taken.change, rows, length)
@@ -246,6 +242,18 @@ class HybridIntegrator:
             )
         return None
 
+    def _sets_out(self, change: Floats, rows: Index) -> bool:
+        """Whether what begins with a step begins in its direction: equations of sliding have others.
+
+        Of the change in the rows of the core up to the first point of the step.
+        """
+        y = self._y.copy()
+        y[rows] += change
+        now = self._now
+        along = now.slip is None or float(y[SLIP] @ now.slip.direction) > 0
+        level = level_turning(y[:, None])[:, 0]
+        return along and (now.roll is None or float(level @ now.roll.direction) > 0)
+
     def _left(self) -> float:
         """Return how far to go while something slows down: not beyond its end."""
         if self._now.at_once:
@@ -254,7 +262,7 @@ class HybridIntegrator:
         return SHARE * min(left_of_slip(*here), left_of_roll(*here))
 
     def _rates(self, core: Floats, rows: Index) -> Floats:
-        full = np.repeat(self._y[:, None], core.shape[1], axis=1)
+        full = np.repeat(self._y[:, None], core.shape[1], axis=1).astype(core.dtype)
         full[rows] = core
         return self._equations.rates(full, self._mode, along=False)
 
@@ -281,7 +289,9 @@ class HybridIntegrator:
         size = np.maximum(size, 1e-9 * size.max())
         # of a part of the angular velocity that is zero there is only the noise of the others
         size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
-        size[SLIP] = np.maximum(size[SLIP], LEAST_SLIP)
+        # a slip has the round-off of all velocities; how well its direction is known shows in what
+        # the friction does to them
+        size[SLIP] = np.maximum(size[SLIP], QUIET * max(1.0, size[TURN].max()))
         if self._equations.resistance:
             # where it all but holds the can, moments of size 1 leave their round-off
             size[TURN] = np.maximum(size[TURN], QUIET)

@@ -8,8 +8,7 @@ vertical through its contact alone: theta' = phi' = 0.
 import numpy as np
 
 from reference.equations.frames import to_body, to_level
-from reference.equations.state_vector import LEAN, TURN, Angles, Index, sizes
-from reference.nonsmooth.radau_iia import DIFFERENCE
+from reference.equations.state_vector import LEAN, TURN, Angles
 from reference.problem.states import Floats
 
 # A slip or a rolling so small that nothing but its direction matters.
@@ -19,8 +18,6 @@ HARDLY = 1e-60
 BESIDE = 1e-11
 # Level turning below this share of the whole is the round-off of turning about the vertical.
 STILL = 1e-14
-# Of a size, so that difference quotients step by the square root of the round-off.
-SHARE = float(np.sqrt(np.finfo(float).eps)) / DIFFERENCE
 
 
 def level_turning(y: Floats) -> Floats:
@@ -46,22 +43,3 @@ def rolled(y: Floats, direction: Floats) -> Floats:
     """Return states that roll hardly, in the given directions of shape (2, n)."""
     vertical = np.abs(to_level(y[TURN], Angles.of(y[LEAN]))[2])
     return with_level(y, (HARDLY + BESIDE * vertical) * direction)
-
-
-def sizes_of_rolling(rows: Index, y: Floats) -> Floats:
-    """How large each entry is, where the direction of the level turning matters.
-
-    A difference quotient of a direction is wrong by the share that its step is of the vector, and
-    by that which the round-off of w is of its step: least for a step of sqrt(eps |w| |w_h|).
-
-    Parameters
-    ----------
-    rows : ndarray of int
-    y : ndarray, shape (rows, n)
-        The nutation and the angular velocity first.
-    """
-    size = sizes(rows, y)
-    full = np.abs(y[TURN]).max(axis=0)
-    least = float(np.finfo(float).tiny)
-    size[TURN] = SHARE * np.maximum(np.sqrt(full * np.hypot(*level_turning(y))), least)
-    return size

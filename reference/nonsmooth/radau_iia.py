@@ -30,10 +30,13 @@ ALMOST = 1e-12
 LEAST = 1e-4
 # An iteration that gains less than this is worth a new matrix.
 SLOW = 0.05
+# And so is one that moves the state by more than this: the friction of a slip that has just begun
+# turns with it, and its derivatives are those of another slip after an update of its own size.
+STRAIGHT = 1e-2
 # An update beyond this diverges.
 HOPELESS = 1e3
-# Steps of difference quotients: half the digits of a double.
-DIFFERENCE = 1e-7
+# Imaginary steps, over the size of what is stepped: nothing is subtracted, so as small as may be.
+STEP = 1e-40
 
 AT_START = np.where(np.arange(STAGES + 1) % 2 == 0, 1.0, -1.0)
 
@@ -127,12 +130,12 @@ def step(
         From states (n, m) to the size of each entry, positive.
     """
     A, n = integrator(), start.size
-    change, before, gain = guess, np.inf, np.inf
+    change, before, gain, bent = guess, np.inf, np.inf, np.inf
     factors: tuple[Floats, Floats] | None = None
     for iteration in range(MOST_ITERATIONS):
         y = start[:, None] + change
         size = scale(y)
-        if factors is None or gain > SLOW:
+        if factors is None or gain > SLOW or bent > STRAIGHT:
             rates, jacobian = _linearised(field, y, size)
             blocks = -length * np.einsum("ab,ijb->iajb", A, jacobian)
             matrix = blocks.reshape(n * STAGES, n * STAGES)
@@ -147,6 +150,7 @@ def step(
             return Step(change=None, evaluations=iteration + 1)
         update = dgetrs(*factors, residual.ravel())[0].reshape(n, STAGES)
         change = change - update
+        bent = float((np.abs(update) / size).max())
         moved = float((np.abs(update) / np.maximum(size.max(axis=1), LEAST)[:, None]).max())
         if not moved < HOPELESS:
             return Step(change=None, evaluations=iteration + 1)
@@ -158,13 +162,14 @@ def step(
 
 
 def _linearised(field: Field, y: Floats, size: Floats) -> tuple[Floats, Floats]:
-    """Rates (n, s), and their derivatives (n, n, s), all from one evaluation."""
+    """Rates (n, s), and their derivatives (n, n, s), along imaginary steps.
+
+    Those subtract nothing. Differences would: what a slip changes in a force is its direction, and
+    beside a slip that has just begun the round-off of the force is a change of any direction.
+    """
     n, s = y.shape
-    shift = DIFFERENCE * size
-    columns = np.repeat(y[:, None, :], n + 1, axis=1)
-    columns[np.arange(n), np.arange(n), :] += shift
-    # what is added in the end, rounded as it is
-    actual = columns[np.arange(n), np.arange(n), :] - y
-    values = field(columns.reshape(n, (n + 1) * s)).reshape(n, n + 1, s)
-    rates = values[:, n]
-    return rates, (values[:, :n] - rates[:, None]) / actual[None]
+    shift = STEP * size
+    columns = np.repeat(y[:, None, :], n, axis=1).astype(complex)
+    columns[np.arange(n), np.arange(n), :] += 1j * shift
+    values = field(columns.reshape(n, n * s)).reshape(n, n, s)
+    return field(y), values.imag / shift

@@ -39,9 +39,13 @@ The names are
 those of Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999, 653-677; A. R.
 Champneys and P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
 
-At the edge of the friction cone, where sticking ends, e is against the force that sticking took,
-and a(e) = 0: there slip grows as the square of time, and how fast is found a little later along the
-motion that sticks.
+On the edge of the friction cone, where sticking ends, e is against the force that sticking took,
+and a(e) = 0: there the signs of e.a(e) and of what is left of the cone are those of a round-off, and
+a motion that stays there (steady rolling, or an extremum of the friction it needs) has no instant
+at which it leaves. So what is held is held up to a share `BEYOND` outside of its cone, where all
+signs are safe, and lets go there. With a slack that falls at the rate s that is d = BEYOND/s late,
+by which the can misses an impulse of BEYOND d/2: less than the round-off of a step, unless s is
+below 1e-2, and never more than BEYOND^(3/2).
 
 The level part of the angular velocity begins in the same way, under the moment -l_r N e.
 """
@@ -65,21 +69,17 @@ ASIDE = 0.5
 # How far a root may be from the unit circle, and two from each other: what round-off makes of a
 # double root is its square root, with a margin.
 ON_CIRCLE = 1e-6
-# How far along to look for the acceleration at the edge of the cone.
-LATER = 1e-6
-# Within this share of the limit the force that holds is on the edge of the cone.
-EDGE = 1e-9
-# A direction this near to that of the edge is the one that begins there.
-NEAR = 1e-3
+# Share of its limit by which a reaction that holds may exceed it: a million times the round-off of
+# a force.
+BEYOND = 2e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlipOnset:
-    """How slip or rolling begins: u = size sigma^power (cos angle, sin angle)."""
+    """How slip or rolling begins: u = size sigma (cos angle, sin angle)."""
 
     angle: float
     size: float
-    power: int
 
     @property
     def direction(self) -> Floats:
@@ -138,34 +138,38 @@ def slack(equations: Equations, found: Contact, rest: UnilateralHold = RIM) -> F
     return np.asarray(limit - np.hypot(*reaction))
 
 
+def reserve(equations: Equations, found: Contact, rest: UnilateralHold = RIM) -> Floats:
+    """How much is left until what is held lets go, `BEYOND` its cone, times sin phi, shape (n,)."""
+    reaction, limit = rest.reaction(equations, found)
+    return np.asarray((1 + BEYOND) * limit - np.hypot(*reaction))
+
+
+def holding(equations: Equations, found: Contact) -> Floats:
+    """How much is left until turning about the normal is let go, likewise, shape (n,)."""
+    limit = (1 + BEYOND) * equations.drilling * found.force[2]
+    return np.asarray(limit - np.abs(found.moment[2]))
+
+
 def onset(
     equations: Equations, y: Floats, mode: Mode, rest: UnilateralHold = RIM
-) -> SlipOnset | Outcome | None:
-    """Return how slip, or rolling, begins from rest, or why no one can say; None if it does not.
+) -> SlipOnset | Outcome:
+    """Return the only direction in which what is at rest begins to move, or why there is not one.
 
     Parameters
     ----------
     equations : Equations
     y : ndarray, shape (13,)
     mode : Mode
-        In which it is held.
-    rest : Rest
+        In which it is free.
+    rest : UnilateralHold
         Which of the two.
     """
-    column, free = y[:, None], rest.freed(mode)
-    held = equations.contact(column, mode)
-    (R1, R2), limit = (each[..., 0] for each in rest.reaction(equations, held))
-    if abs(limit - np.hypot(R1, R2)) > EDGE * max(limit, np.hypot(R1, R2)):
-        return _only(equations, y, free, rest)
-    later = y + LATER * equations.rates(column, mode)[:, 0]
-    found = equations.contact(later[:, None], mode)
-    if slack(equations, found, rest)[0] >= 0:
-        return None
-    only = _only(equations, later, free, rest)
-    start = float(np.arctan2(-R2, -R1))
-    if isinstance(only, SlipOnset) and abs(np.sin((only.angle - start) / 2)) < NEAR / 2:
-        return SlipOnset(angle=start, size=only.size / LATER / 2, power=2)
-    return only
+    directions, others, falls = _growing(equations, y, mode, rest)
+    if len(directions) == 1:
+        return directions[0]
+    if directions or (others and not falls):
+        return Outcome.INDETERMINATE
+    return Outcome.INCONSISTENT if falls else Outcome.LIFTED
 
 
 def admissible(
@@ -173,19 +177,9 @@ def admissible(
 ) -> tuple[SlipOnset, ...]:
     """Return every direction in which slip, or rolling, may grow from rest.
 
-    Of a state as in `onset`, and the mode in which it is free.
+    Of a state and the mode in which it is free.
     """
     return _growing(equations, y, mode, rest)[0]
-
-
-def _only(equations: Equations, y: Floats, mode: Mode, rest: UnilateralHold) -> SlipOnset | Outcome:
-    """Return the only direction, or what it means that there is none or several."""
-    directions, others, falls = _growing(equations, y, mode, rest)
-    if len(directions) == 1:
-        return directions[0]
-    if directions or (others and not falls):
-        return Outcome.INDETERMINATE
-    return Outcome.INCONSISTENT if falls else Outcome.LIFTED
 
 
 def _growing(
@@ -203,7 +197,7 @@ def _growing(
     grows = (found.force[2] > 0) & (along / found.grip > 0)
     good = grows & (found.grip > 0)
     directions = tuple(
-        SlipOnset(angle=float(angle), size=float(size), power=1)
+        SlipOnset(angle=float(angle), size=float(size))
         for angle, size in zip(angles[good], (along / found.grip)[good], strict=True)
     )
     return directions, int((grows & ~good).sum()), falls

@@ -26,7 +26,16 @@ import numpy as np
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
 from reference.nonsmooth.level_spin import with_level
-from reference.nonsmooth.slip_onset import LEAN_OF_CAN, RIM, SlipOnset, onset, slack
+from reference.nonsmooth.radau_iia import integrator
+from reference.nonsmooth.slip_onset import (
+    LEAN_OF_CAN,
+    RIM,
+    SlipOnset,
+    UnilateralHold,
+    holding,
+    onset,
+    reserve,
+)
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
@@ -34,6 +43,8 @@ from reference.problem.states import Floats
 # a Newton iteration starts from them, to which a guess is enough.
 ROUNDS = 12
 AGREED = 1e-6
+# How far along to look for how the accelerations change.
+LATER = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,23 +109,21 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
 
 
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Let the rim slip, if it does."""
-    slip = onset(equations, now.hardly(y)[:, 0], now.mode)
-    if slip is None:
-        return now
+    """Let the rim slip, in the only direction that it has."""
+    free = RIM.freed(now.mode)
+    slip = onset(equations, now.hardly(y)[:, 0], free)
     if isinstance(slip, Outcome):
         return replace(now, ending=slip)
-    return replace(now, mode=RIM.freed(now.mode), slip=slip)
+    return replace(now, mode=free, slip=slip)
 
 
 def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Let the can roll, if it does."""
-    roll = onset(equations, now.hardly(y)[:, 0], now.mode, LEAN_OF_CAN)
-    if roll is None:
-        return now
+    """Let the can roll, in the only direction that it has."""
+    free = LEAN_OF_CAN.freed(now.mode)
+    roll = onset(equations, now.hardly(y)[:, 0], free, LEAN_OF_CAN)
     if isinstance(roll, Outcome):
         return replace(now, ending=roll)
-    return replace(now, mode=LEAN_OF_CAN.freed(now.mode), roll=roll)
+    return replace(now, mode=free, roll=roll)
 
 
 def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
@@ -123,11 +132,40 @@ def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Flo
     sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
     guess = equations.rates(column, sticking) * ahead
     if now.roll is not None:
-        level = now.roll.size * ahead**now.roll.power * now.roll.direction[:, None]
+        others = replace(now, roll=None, mode=replace(now.mode, rests=True))
+        level = _grown(equations, y, others, now.roll, LEAN_OF_CAN, ahead)
         guess[TURN] = with_level(y[:, None] + guess, level)[TURN] - y[TURN, None]
     if now.slip is not None:
-        guess[SLIP] = now.slip.size * ahead**now.slip.power * now.slip.direction[:, None]
+        others = replace(now, slip=None, mode=replace(now.mode, slips=False))
+        guess[SLIP] = _grown(equations, y, others, now.slip, RIM, ahead)
     return guess
+
+
+def _grown(
+    equations: Equations,
+    y: Floats,
+    others: ModeTransition,
+    begun: SlipOnset,
+    rest: UnilateralHold,
+    ahead: Floats,
+) -> Floats:
+    """Guess a slip or a rolling so much later, shape (2, n), at the points of a step.
+
+    On the edge of its cone the acceleration with which it begins is next to nothing, and soon no
+    measure of what it becomes: that follows from what would hold it, were it held further on.
+    """
+    column, held = others.hardly(y), others.mode
+    rates = equations.rates(column, held)
+    bend = (equations.rates(column + LATER * rates, held) - rates) / LATER
+    times = np.append(0.0, ahead)
+    along = column + rates * times + bend * times**2 / 2
+    reaction, _ = rest.reaction(equations, equations.contact(along, held))
+    against = -reaction / np.maximum(np.hypot(*reaction), np.finfo(float).tiny)
+    moving = rest.hardly(along, against)
+    found = equations.contact(moving, rest.freed(held))
+    gains = (rest.acceleration(found, moving) * against).sum(axis=0)
+    gains = begun.size + np.maximum(gains[1:] - gains[0], 0.0)
+    return np.asarray(ahead[-1] * (integrator() @ gains) * begun.direction[:, None])
 
 
 def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
@@ -137,11 +175,11 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
     about = float(equations.turning(column)[0])
     held = replace(mode, turns=0)
     found = equations.contact(column, held)
-    limit, needed = equations.drilling * found.force[2, 0], found.moment[2, 0]
+    needed = found.moment[2, 0]
     small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
     if abs(about) > small:
         return replace(mode, turns=int(np.sign(about)))
-    if abs(needed) < limit:
+    if holding(equations, found)[0] > 0:
         return held
     return replace(mode, turns=int(-np.sign(needed)))
 
@@ -152,13 +190,13 @@ def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTrans
     may_slip = not now.mode.slips and np.isfinite(equations.mu)
     if may_slip and found.force[2, 0] <= 0:
         return begin_slip(equations, y, now)
-    if now.mode.rests and slack(equations, found, LEAN_OF_CAN)[0] < 0:
+    if now.mode.rests and reserve(equations, found, LEAN_OF_CAN)[0] < 0:
         return begin_roll(equations, y, now)
     if equations.drilling and now.mode.turns == 0:
         mode = turning(equations, now.hardly(y), now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
-    if may_slip and slack(equations, found)[0] < 0:
+    if may_slip and reserve(equations, found)[0] < 0:
         return begin_slip(equations, y, now)
     return now
 
