@@ -243,7 +243,7 @@ class HybridIntegrator:
         return None
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
-        """Whether what begins with a step begins in its direction: equations of sliding have others.
+        """Whether what begins with a step does so in its own direction, not in an inadmissible one.
 
         Of the change in the rows of the core up to the first point of the step.
         """

@@ -40,12 +40,12 @@ those of Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999
 Champneys and P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
 
 On the edge of the friction cone, where sticking ends, e is against the force that sticking took,
-and a(e) = 0: there the signs of e.a(e) and of what is left of the cone are those of a round-off, and
-a motion that stays there (steady rolling, or an extremum of the friction it needs) has no instant
-at which it leaves. So what is held is held up to a share `BEYOND` outside of its cone, where all
-signs are safe, and lets go there. With a slack that falls at the rate s that is d = BEYOND/s late,
-by which the can misses an impulse of BEYOND d/2: less than the round-off of a step, unless s is
-below 1e-2, and never more than BEYOND^(3/2).
+and a(e) = 0: there the signs of e.a(e) and of what is left of the cone are those of a round-off,
+and a motion that stays there (steady rolling, or an extremum of the friction it needs) has no
+instant at which it leaves. So what is held is held up to a share `BEYOND` outside of its cone,
+where all signs are safe, and lets go there. Where the slack falls at the rate s that is
+d = BEYOND/s late, by which the can misses an impulse of BEYOND d/2: less than the round-off of a
+step, unless s is below 1e-2, and never more than BEYOND^(3/2).
 
 The level part of the angular velocity begins in the same way, under the moment -l_r N e.
 """

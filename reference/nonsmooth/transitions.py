@@ -133,11 +133,11 @@ def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Flo
     guess = equations.rates(column, sticking) * ahead
     if now.roll is not None:
         others = replace(now, roll=None, mode=replace(now.mode, rests=True))
-        level = _grown(equations, y, others, now.roll, LEAN_OF_CAN, ahead)
+        level = _grown(equations, y, others, now.roll, LEAN_OF_CAN, ahead=ahead)
         guess[TURN] = with_level(y[:, None] + guess, level)[TURN] - y[TURN, None]
     if now.slip is not None:
         others = replace(now, slip=None, mode=replace(now.mode, slips=False))
-        guess[SLIP] = _grown(equations, y, others, now.slip, RIM, ahead)
+        guess[SLIP] = _grown(equations, y, others, now.slip, RIM, ahead=ahead)
     return guess
 
 
@@ -147,6 +147,7 @@ def _grown(
     others: ModeTransition,
     begun: SlipOnset,
     rest: UnilateralHold,
+    *,
     ahead: Floats,
 ) -> Floats:
     """Guess a slip or a rolling so much later, shape (2, n), at the points of a step.

@@ -1,6 +1,6 @@
 """Follow random onsets of slip: ``python -m tests.onsets --out reports/onsets.md``.
 
-Leaves with code 1 if one crashed, or the plane pulled.
+Leaves with code 1 if one crashed or was given up, the plane pulled, or what is held left its cone.
 """
 
 import argparse
@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.core.provenance import provenance
-from tests.onsets.campaign import DURATION, KINDS, PIECE, Tally, campaign
+from reference.nonsmooth.slip_onset import BEYOND
+from tests.onsets.campaign import DURATION, KINDS, PIECE, ULPS, Tally, campaign
 
 ALL = list(range(20))
 """Pieces: ten thousand onsets."""
@@ -19,16 +20,21 @@ TOLD = (
     "and turning, on a plane with a friction of 0.01 to 5, each followed for "
     f"{DURATION:g} sqrt(R/g) if its rim slips at the release or later, or if it cannot stay where "
     "it is. *At rest*: the rim is released at rest; *slipping*: with a slip; *with arms*: at rest, "
-    "with drilling and rolling friction too."
+    "with drilling and rolling friction too; *on the edge*: at rest, with the friction that it "
+    f"needs there but for {ULPS} units of round-off at most, and every other one with phi' = 0, "
+    "where what it needs is stationary."
 )
 DEMANDED = (
-    "Demanded: no crash, and a normal force that is nowhere negative by more than its round-off, "
-    "from the release to the end. What ends at the release has no motion to look at."
+    "Demanded, at 25 instants of every step from the release to the end, also of the motions in "
+    "which the rim never slips: no crash, no motion given up, a normal force that is nowhere "
+    "negative by more than its round-off, and a friction that where it holds (and moments of the "
+    "arms that where they hold) is nowhere beyond its cone by more than its round-off and the "
+    f"share of {BEYOND:g} at which it lets go. What ends at the release has no motion to look at."
 )
 NAMED = (
     "Admissible directions of slip, of the rims released at rest that cannot be held so "
-    "(`reference/incipient.py`): N > 0, a positive normal mobility, an acceleration along the "
-    "direction. A free rim that would rise has none, and lifts."
+    "(`reference/nonsmooth/slip_onset.py`): N > 0, a positive normal mobility, an acceleration "
+    "along the direction. A free rim that would rise has none, and lifts."
 )
 
 
@@ -57,8 +63,10 @@ def page(tally: Tally, pieces: Sequence[int], seed: int) -> str:
         f"| {name} | {' | '.join(map(str, counts))} | {sum(counts)} |" for name, counts in rows
     ]
     told = (
-        f"In {tally.held} more releases the rim sticks throughout: no onsets. The least normal "
-        f"force is {-tally.least:.2g} of its round-off below zero, where a motion ends as lifted."
+        f"In {tally.held} more releases the rim sticks throughout: no onsets, but looked at. The "
+        f"least normal force is {-tally.least:.2g} of its round-off below zero, where a motion "
+        f"ends as lifted; what is held goes {max(tally.excess, 0.0):.2g} of its round-off beyond "
+        "where it lets go."
     )
     lines += [
         "",

@@ -31,6 +31,7 @@ from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import LEAN, PSI, ROWS, TIME, TOTAL, TURN, W3
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.segments import SegmentsPath
+from reference.nonsmooth.slip_onset import BEYOND
 from reference.problem.states import Floats
 
 GOLDEN = Path(__file__).parent / "golden" / "tangent.json"
@@ -190,7 +191,9 @@ def test_the_flow_carries_its_own_velocity_along(name: str) -> None:
         own = stretch.disturbances[:, 0] * np.exp(stretch.logarithms[0])
         scale = np.abs(stretch.rates).max()
         # what comes to rest is known to 1e-8 in direction; the rate of a slip itself turns there
-        assert np.abs(own - stretch.rates)[:-2].max() < 1e-7 * scale
+        # and what is held lets go BEYOND its cone, with a jump of forces of size 1
+        jump = 10 * BEYOND if name in SWITCHING else 0.0
+        assert np.abs(own - stretch.rates)[:-2].max() < 1e-7 * scale + jump
 
 
 @pytest.mark.parametrize("name", ["rolling", "mass", "mass and rim"])
