@@ -11,7 +11,7 @@ import numpy as np
 
 from reference.equations.reaction_force import contact_force_in_world
 from reference.problem.outcome import Outcome
-from reference.problem.states import Floats
+from reference.problem.states import Floats, States
 from reference.solution import Solution
 
 # The friction that few pairs of materials exceed.
@@ -22,6 +22,9 @@ ATOM = 1e-9
 PARADOXES = {Outcome.INCONSISTENT, Outcome.INDETERMINATE, Outcome.JAMMED}
 # Of the weight: a normal force below this is that of a can about to lift off.
 LIGHT = 1e-3
+# Of the weight, or of the largest friction if that is more: what is held lets go 2e-9 beyond its
+# cone (`reference.nonsmooth.slip_onset.BEYOND`), and a friction of large terms has their round-off.
+BESIDE_CONE = 1e-8
 # What a can does next that is no longer touching at one point of its rim.
 ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
@@ -96,8 +99,24 @@ def examine(solution: Solution, times: Floats) -> Guard:
         phi_min=found.phi_min,
         phi_max=found.phi_max,
         gap=found.gap,
-        findings=tuple(_findings(solution, found)),
+        findings=(*_findings(solution, found), *_beyond_cone(solution, states, friction, normal)),
     )
+
+
+def _beyond_cone(
+    solution: Solution, states: States, friction: Floats, normal: Floats
+) -> list[Finding]:
+    """Say that a rim sticks where there is less friction than it needs: the solution is wrong."""
+    mu = solution.problem.effects.mu
+    if mu is None or states.slip is None:
+        return []
+    needs = friction - mu * normal
+    needs[np.hypot(*states.slip.T) > 0] = 0.0
+    worst = int(np.argmax(needs))
+    if needs[worst] <= BESIDE_CONE * max(1.0, float(friction.max())):
+        return []
+    told = f"The rim sticks with a friction of {friction[worst]:.4g} m g where the plane has"
+    return [Finding(sentence=f"{told} {mu * normal[worst]:.4g}: this is no motion of the model.")]
 
 
 def _findings(solution: Solution, found: Guard) -> list[Finding]:

@@ -41,7 +41,7 @@ from reference.problem.effects import IDEAL
 from reference.problem.problem import Problem
 from reference.problem.states import Floats, States, initial_states
 from reference.smooth.extrema import Path, Run
-from reference.smooth.scipy_ivp import follow
+from reference.smooth.scipy_ivp import SCIPY_METHODS, follow
 
 
 def axial_momentum(states: States, parameters: Parameters) -> Floats:
@@ -210,7 +210,7 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedR
     tilt = 2 * np.sin(problem.phi / 2) ** 2
     apart = p.a * problem.psi_dot * np.sin(problem.phi) ** 2 - tilt * H_B
     equations = FrictionlessEquations(parameters=p, axial=H_B, apart=float(apart))
-    if method == "regular":
+    if method not in SCIPY_METHODS:
         run: Run = HybridIntegrator(replace(problem, slip=(0.0, 0.0)), equations, locus=False).run()
     else:
         run = _step_in_time(problem, H_B, method=method, rtol=rtol)
@@ -244,4 +244,5 @@ def _step_in_time(problem: Problem, H_B: float, *, method: str, rtol: float) -> 
         return np.array([Phi, Phi_dot, Psi_dot, Theta_dot, Psi, Theta])
 
     start = [problem.phi, problem.phi_dot, problem.psi_dot, problem.theta_dot]
-    return follow(problem, field, [*start, problem.psi, problem.theta], method=method, rtol=rtol)
+    start += [problem.psi, problem.theta]
+    return follow(problem, field, start, method=method, rtol=rtol, unilateral=True)

@@ -33,6 +33,8 @@ SCIPY_METHODS: dict[str, type[OdeSolver]] = {
 ABSOLUTE_OVER_RELATIVE = 1e-3
 # Samples of a step among which peaks are looked for.
 SAMPLES = 4
+# Instants of a step at which the normal force is looked at: implicit methods step half a bounce.
+LOOKS = 17
 RightHandSide = Callable[[float, Floats], Floats]
 
 
@@ -63,8 +65,9 @@ class StepsPath:
             for piece, chunk in zip(self.pieces, np.split(sorted_times, cuts), strict=True)
             if chunk.size
         ]
-        values = np.empty((chunks[0].shape[0], times.size))
-        values[:, order] = np.concatenate(chunks, axis=1)
+        values = np.empty((self.pieces[0](self.times[0]).size, times.size))
+        if chunks:
+            values[:, order] = np.concatenate(chunks, axis=1)
         return states_from(values)
 
 
@@ -136,9 +139,19 @@ def step_in_time(problem: Problem, *, method: str, rtol: float, locus: bool) -> 
 
 
 def follow(
-    problem: Problem, field: RightHandSide, start: list[float], *, method: str, rtol: float
+    problem: Problem,
+    field: RightHandSide,
+    start: list[float],
+    *,
+    method: str,
+    rtol: float,
+    unilateral: bool = False,
 ) -> Run:
-    """Integrate a field of (phi, phi', psi', theta', psi, theta, ...) to its end."""
+    """Integrate a field of (phi, phi', psi', theta', psi, theta, ...) to its end.
+
+    Where the contact is `unilateral` the motion ends as lifted where the normal force (eq01:normal)
+    comes down to zero.
+    """
     watch = ExtremumRecorder(problem)
     solver = SCIPY_METHODS[method](
         field,
@@ -156,7 +169,10 @@ def follow(
             watch.end(times[-1], Outcome.STALLED)
             break
         pieces.append(solver.dense_output())
-        _watch_step(watch, pieces[-1], times[-1], solver.t)
+        lift = None
+        if unilateral:
+            lift = _first_lift(problem.parameters, field, pieces[-1], times[-1], solver.t)
+        _watch_step(watch, pieces[-1], times[-1], solver.t, lift)
         times.append(min(solver.t, watch.t_end))
         if solver.status == "finished":
             watch.end(solver.t, Outcome.FINISHED)
@@ -164,8 +180,30 @@ def follow(
     return Run(path=path, track=watch.track(), steps=len(pieces), evaluations=solver.nfev)
 
 
-def _watch_step(watch: ExtremumRecorder, piece: DenseOutput, left: float, right: float) -> None:
-    """Report what happens to phi within one step."""
+def _first_lift(
+    parameters: Parameters, field: RightHandSide, piece: DenseOutput, left: float, right: float
+) -> float | None:
+    """Return where the normal force first is not positive within one step, if it is."""
+    h = parameters.h
+
+    def normal(t: float) -> float:
+        y = piece(t)
+        S, C = sin(y[0]), cos(y[0])
+        return float(1 + (C - h * S) * field(t, y)[1] - (S + h * C) * y[1] * y[1])
+
+    before = left
+    for t in np.linspace(left, right, LOOKS).tolist():
+        if normal(t) <= 0:
+            return _root(normal, before, t) if t > left else left
+        before = t
+    return None
+
+
+def _watch_step(
+    watch: ExtremumRecorder, piece: DenseOutput, left: float, right: float, lift: float | None
+) -> None:
+    """Report what happens to phi within one step, up to where the can lifts if it does."""
+    right = right if lift is None else lift
     before, after = piece(left), piece(right)
     if before[1] * after[1] < 0:
         crossing = _root(lambda t: float(piece(t)[1]), left, right)
@@ -186,6 +224,8 @@ def _watch_step(watch: ExtremumRecorder, piece: DenseOutput, left: float, right:
         if (before[0] - level) * (after[0] - level) < 0:
             watch.end(_root(partial(_above, piece, level), left, right), outcome)
             return
+    if lift is not None:
+        watch.end(lift, Outcome.LIFTED)
     watch.advance(right)
 
 

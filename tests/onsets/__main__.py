@@ -6,6 +6,8 @@ Leaves with code 1 if one crashed or was given up, the plane pulled, or what is 
 import argparse
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
 from pathlib import Path
 
 from harness.core.provenance import provenance
@@ -91,16 +93,18 @@ def main() -> int:
         "--pieces", type=int, nargs="+", default=ALL, help=f"which, of {PIECE} onsets each"
     )
     reader.add_argument("--seed", type=int, default=0)
+    reader.add_argument("--processes", type=int, default=1, help="pieces at a time")
     reader.add_argument("--out", type=Path, help="write the report here")
     asked = reader.parse_args()
     whole = Tally()
-    for number in asked.pieces:
-        piece = campaign(PIECE, (asked.seed, number))
-        whole.add(piece)
-        told = f"{whole.onsets} of {PIECE * len(asked.pieces)}, {len(whole.faults)} faults"
-        sys.stderr.write(f"{told}\n")
-        for kind, fault, problem in piece.faults:
-            sys.stderr.write(f"{kind}: {fault}: {problem}\n")
+    seeds = [(asked.seed, number) for number in asked.pieces]
+    with ProcessPoolExecutor(asked.processes) as pool:
+        for piece in pool.map(campaign, repeat(PIECE), seeds):
+            whole.add(piece)
+            told = f"{whole.onsets} of {PIECE * len(asked.pieces)}, {len(whole.faults)} faults"
+            sys.stderr.write(f"{told}\n")
+            for kind, fault, problem in piece.faults:
+                sys.stderr.write(f"{kind}: {fault}: {problem}\n")
     text = page(whole, asked.pieces, asked.seed)
     sys.stdout.write(text)
     if asked.out is not None:

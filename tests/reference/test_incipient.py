@@ -31,6 +31,7 @@ from reference.equations.reaction_force import contact_force
 from reference.equations.state_vector import released
 from reference.nonsmooth.slip_onset import SlipOnset, admissible, slack
 from reference.problem.states import Floats
+from reference.solve import METHODS
 from tests.onsets.__main__ import page
 from tests.onsets.campaign import Tally, campaign, drawn, pulls_and_excess
 
@@ -308,9 +309,38 @@ def test_what_stands_on_the_edge_of_its_cone_slips_if_it_needs_more_than_there_i
     least, excess = pulls_and_excess(found)
     assert least >= 0
     assert excess < 1
+    assert examine(found, found.grid()).findings == ()
     assert found.phases[-1].kind is ends
     # 200000 once; a hundred steps of a few iterations at 16 points
     assert found.evaluations < 5000
+
+
+def test_a_rim_that_sticks_beyond_its_cone_is_a_finding() -> None:
+    rolls = solve(Problem(parameters=PAPER_CAN, phi=0.4, bounces=1, effects=Effects(mu=2.0)))
+    needed = examine(rolls, rolls.grid())
+    assert needed.findings == ()
+    # as if it had been followed so with less
+    wrong = replace(rolls, problem=replace(rolls.problem, effects=Effects(mu=0.3)))
+    (finding,) = examine(wrong, wrong.grid()).findings
+    assert finding.sentence.startswith("The rim sticks with a friction of ")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_without_friction_a_can_lifts_by_whatever_method(method: str) -> None:
+    """Once only the default lifted, and the others went on with N = -11.9."""
+    fast = Problem(
+        parameters=PAPER_CAN, phi=0.3, psi_dot=0.4, theta_dot=0.2, phi_dot=-1.5, duration=0.3
+    )
+    lifts = replace(fast, effects=Effects(mu=0.0))
+    exact, found = solve(lifts, model="coulomb"), solve(lifts, method=method)
+    assert found.outcome is exact.outcome is Outcome.LIFTED
+    assert exact.t_end > 0
+    assert found.t_end == pytest.approx(exact.t_end, abs=1e-10)
+    force = found.at(np.array([found.t_end])).force
+    assert force is not None
+    assert abs(force[0, 2]) < 1e-12
+    # who would have to be pulled from the start does not begin
+    assert solve(replace(lifts, phi_dot=-4.0), method=method).t_end == 0
 
 
 FALLING = Problem(parameters=PAPER_CAN, phi=0.22, psi_dot=-1.1, theta_dot=-0.6, bounces=1)
