@@ -23,6 +23,15 @@ to rest, G y, rests in it as well. So
 (the saltation matrix of Aizerman and Gantmakher), with P without what G sees: across its direction
 friction has made a slip that ends straight already. What begins to move does so without a jump of
 f, and the disturbance goes on.
+
+What friction holds at the release (a turning about the normal, the level part of the turning) is no
+velocity that a disturbed motion has for long: moments of finite size stop it within a time of the
+size of the disturbance. What is left of a disturbance is
+
+    d+ = d - V (G V)^-1 G d,
+
+V the change of the velocities by unit impulses of those moments, with the contact kept: a
+projection in the metric of the mass.
 """
 
 from collections.abc import Iterator
@@ -149,7 +158,7 @@ def stretches(
     start : ndarray, shape (9, m)
         Disturbances of the rows `CORE` at the release.
     """
-    now, logarithms = start, np.zeros(start.shape[1])
+    now, logarithms = _held(equations, pieces[0], start), np.zeros(start.shape[1])
     before: tuple[Segment, Floats] | None = None
     for piece, ending in zip(pieces, _endings(pieces), strict=True):
         if ending:
@@ -166,6 +175,18 @@ def stretches(
         disturbances = now[:, :, None] + change
         yield Stretch(states=y, rates=rates, disturbances=disturbances, logarithms=logarithms)
         now, before = disturbances[:, :, -1], (piece, rates[:, -1])
+
+
+def _held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
+    """Bring to rest what moments of friction hold from the release on."""
+    mode, y = piece.mode, piece.start
+    if not equations.moments_that_hold(mode):
+        return start
+    G = _forms(y, turning=bool(equations.drilling and not mode.turns), level=mode.rests)
+    impulses = np.zeros((CORE.size, len(G)))
+    velocities = [NUMBER[row] for row in (W1, W2, W3, U1, U2)]
+    impulses[velocities] = equations.impulses(y, mode)
+    return np.asarray(start - impulses @ np.linalg.solve(G @ impulses, G @ start))
 
 
 def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
@@ -217,19 +238,30 @@ def _endings(pieces: tuple[Segment, ...]) -> list[bool]:
 
 def _comes_to_rest(last: Segment, piece: Segment) -> Floats:
     """Return the forms of the state that vanish from here on, or turn round, shape (g, 9)."""
-    at, w = Angles.of(last.end[LEAN]), last.end[[W1, W3]]
-    forms: list[dict[int, float]] = []
     before, after = last.mode, piece.mode
     still = np.hypot(*piece.start[[U1, U2]]) <= RESTS
-    if before.slips and (not after.slips or still):
-        forms += [{U1: 1.0}, {U2: 1.0}]
+    return _forms(
+        last.end,
+        slip=bool(before.slips and (not after.slips or still)),
+        turning=bool(before.turns and after.turns != before.turns),
+        level=after.rests and not before.rests,
+    )
+
+
+def _forms(y: Floats, *, slip: bool = False, turning: bool = False, level: bool = False) -> Floats:
+    """Return derivatives of velocities of a state, shape (13,), in the rows `CORE`."""
+    at, w = Angles.of(y[LEAN]), y[[W1, W3]]
+    forms: list[dict[int, float]] = [{U1: 1.0}, {U2: 1.0}] if slip else []
     # rates of S and C with ln tan(phi/2) are S C and -S S
-    if before.turns and after.turns != before.turns:
+    if turning:
         by_lean = at.S * at.C * w[0] - at.S * at.S * w[1]
         forms.append({LEAN: float(by_lean), W1: float(at.S), W3: float(at.C)})
-    if after.rests and not before.rests:
+    if level:
         by_lean = -at.S * at.S * w[0] - at.S * at.C * w[1]
-        forms += [{W2: 1.0}, {LEAN: float(by_lean), W1: float(at.C), W3: -float(at.S)}]
+        forms += [
+            {LEAN: float(by_lean), W1: float(at.C), W3: -float(at.S)},
+            {W2: 1.0},
+        ]
     out = np.zeros((len(forms), CORE.size))
     for row, form in enumerate(forms):
         for index, weight in form.items():

@@ -206,6 +206,47 @@ class GeneralEquations:
             shaking=shaking,
         )
 
+    def moments_that_hold(self, mode: Mode) -> list[int]:
+        """Return the components of (w, u) that moments of friction hold at zero in a mode."""
+        turning = [TURNING_Z] if self.drilling and not mode.turns else []
+        return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else [])]
+
+    def impulses(self, y: Floats, mode: Mode) -> Floats:
+        """Change of (w in frame B, u1, u2) by unit impulses of the moments that hold, the rim kept.
+
+        Parameters
+        ----------
+        y : ndarray, shape (13,)
+        mode : Mode
+
+        Returns
+        -------
+        ndarray, shape (5, k)
+            In the metric of the mass: what else the contact holds answers, and does not move.
+        """
+        column = y[:, None]
+        here, moments = self._setting(column, mode), self.moments_that_hold(mode)
+        inverse = np.asarray(np.linalg.inv(here.inertia[..., 0]))[None]
+        D = _mobility(inverse, here, here.at)[0]
+        kept = [NORMAL] if mode.slips else [SLIP_1, SLIP_2, NORMAL]
+        answers = np.column_stack([D[:, kept[:-1]], D @ self._law(column, mode)[:, 0]])
+        change = D[:, moments] - answers @ np.linalg.solve(answers[kept], D[np.ix_(kept, moments)])
+        return np.concatenate([to_body(change[:3], here.at), change[[SLIP_1, SLIP_2]]])
+
+    def _law(self, y: Floats, mode: Mode) -> Floats:
+        """Return what a unit of normal force brings with it, shape (6, n)."""
+        e = self.effects
+        law = np.zeros((6, y.shape[1]), dtype=y.dtype)
+        law[NORMAL] = 1.0
+        if mode.slips:
+            law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
+        if e.drilling and mode.turns:
+            law[TURNING_Z] = -e.drilling * mode.turns
+        if e.rolling_resistance and not mode.rests:
+            level = to_level(y[TURN], Angles.of(y[LEAN]))[:2]
+            law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
+        return law
+
     def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
         e, at, w = self.effects, here.at, here.turning
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
@@ -222,16 +263,7 @@ class GeneralEquations:
             held = [TURNING_Z, *held]
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
-        # what a unit of normal force brings with it
-        law = np.zeros((6, at.S.size), dtype=at.S.dtype)
-        law[NORMAL] = 1.0
-        if mode.slips:
-            law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
-        if e.drilling and mode.turns:
-            law[TURNING_Z] = -e.drilling * mode.turns
-        if e.rolling_resistance and not mode.rests:
-            level = to_level(w, at)[:2]
-            law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
+        law = self._law(y, mode)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
