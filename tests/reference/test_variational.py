@@ -253,6 +253,36 @@ def test_disturbances_are_differences_of_motions(name: str) -> None:
         assert np.abs(found - expected[:, column]).max() < 1e-5 * scale
 
 
+HELD = {
+    "turning": (Problem(parameters=PAPER_CAN, phi=0.4, duration=1.0), Effects(drilling=0.1)),
+    "level turning": (
+        Problem(parameters=PAPER_CAN, phi=PAPER_CAN.balancing_angle, psi_dot=0.5, duration=1.0),
+        Effects(rolling_resistance=0.1),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_what_friction_holds_at_the_release_stops_a_disturbance(name: str) -> None:
+    """A turning that is held stops within the time that its disturbance takes, and leaves less."""
+    start, effects = HELD[name]
+    problem = replace(start, effects=effects if name != "turning" else replace(effects, mass=MASS))
+    _, equations, path = solved(problem)
+    *_, last = stretches(equations, path.pieces, release_disturbances(problem))
+    late = last.disturbances[NUMBER[TIME], :, -1] / last.rates[NUMBER[TIME], -1]
+    psi = last.disturbances[NUMBER[PSI], :, -1] - last.rates[NUMBER[PSI], -1] * late
+    own = solve(problem, model="general").at(np.array([1.0]))
+    for column, field in ((2, "psi_dot"), (3, "theta_dot")):
+        found = []
+        for step in (1e-5, 1e-6):
+            other = disturbed(problem, field, step).at(np.array([1.0]))
+            expected = psi[column] * math.exp(last.logarithms[column])
+            found.append(abs(float((other.psi - own.psi)[0] / step - expected)))
+        # without it off by 0.8 and more; of first order in the step
+        assert found[1] < 1e-5
+        assert found[1] < max(0.2 * found[0], 1e-9)
+
+
 def test_the_distance_does_not_saturate_and_starts_with_the_disturbance() -> None:
     """A mass off the axis on a shaken plane, for some bounces."""
     problem = replace(posed(SMOOTH["mass on a shaken plane"]), duration=20.0)
