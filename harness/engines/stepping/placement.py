@@ -31,7 +31,8 @@ def above_origin(height: float, orientation: Floats = UPRIGHT) -> Pose:
 
 def lowered(pose: Pose, depth: float) -> Pose:
     """Return a pose, lower by a depth in m."""
-    return Pose(position=pose.position - depth * UP, quaternion=pose.quaternion)
+    down = np.array((0.0, 0.0, depth))  # an infinite depth is no number in the result, and told so
+    return Pose(position=pose.position - down, quaternion=pose.quaternion)
 
 
 def low_point(can: Can, phi: float, arc: float = 0.0) -> float:
