@@ -31,7 +31,10 @@ from harness.execution.worker_main import is_worker
 from models.catalogue import load
 from models.scene import Scene
 
-_REHEARSAL_OURS = frozenset({"harness"})
+_OURS = frozenset({"harness", "models", "reference"})
+"""Packages of this project. Their engines need no process of their own to be asked; and they are
+not to be installed when they are missing: something is wrong with them."""
+
 _PATIENCE = Limits(seconds=60.0)
 """A package that is large takes some seconds to import."""
 
@@ -41,35 +44,42 @@ _MOST_CASES = 2**14
 """Cases whose timesteps are known without asking again: more than any suite has."""
 
 
-def at_home(entry: EntryPoint) -> bool:
-    """Whether an engine is of this project, and needs no process of its own to be asked."""
-    return entry.value.partition(".")[0].partition(":")[0] in _REHEARSAL_OURS
+def is_ours(chosen: Engine) -> bool:
+    """Whether an engine is of this project."""
+    return _is_ours(type(chosen))
 
 
-def fall(entry: EntryPoint) -> str:
-    """Return in what way an engine falls while it is made; empty if it does not.
+def _is_ours(kind: type[Engine]) -> bool:
+    return kind.__module__.partition(".")[0] in _OURS
 
-    An error in Python is no fall: it is met again where it can be told. In a worker nothing is
+
+def _is_entry_of_ours(entry: EntryPoint) -> bool:
+    return entry.value.partition(":")[0].partition(".")[0] in _OURS
+
+
+def crash_reason(entry: EntryPoint) -> str:
+    """Return in what way an engine kills the process in which it is made; empty if it does not.
+
+    An error in Python is no crash: it is met again where it can be told. In a worker nothing is
     tried: it is the process of its own.
     """
-    if at_home(entry) or is_worker():
+    if _is_entry_of_ours(entry) or is_worker():
         return ""
     with IsolatedProcessPool(1, _PATIENCE) as alone:
-        task = alone.submit(_made, entry.value)
-        error = task.exception()
+        error = alone.submit(_probe_plugin, entry.value).exception()
     return error.reason if isinstance(error, LostTaskError) else ""
 
 
-def _made(value: str) -> str:
+def _probe_plugin(value: str) -> str:
     """Make an engine and ask it for what the program will ask it for; return its answers."""
-    found = EntryPoint(name="tried", value=value, group="").load()()
+    found = _made_once(value)
     told = f"{found.name} {found.version} {found.settings} {found.capabilities}"
     cases = (Case(scene=load(_SCENE), engine=found.name, profile=name) for name in PROFILES)
     return f"{told} {[found.timestep(case) for case in cases]}"
 
 
 @lru_cache(maxsize=_MOST_CASES)
-def asked(value: str, case: Case) -> float | None:
+def timestep_from_worker(value: str, case: Case) -> float | None:
     """Return the timestep of a case, from an engine that is asked in a process beside this one.
 
     There its settings are resolved, too. The process is one for all cases, and ends with this one.
@@ -89,18 +99,18 @@ def asked(value: str, case: Case) -> float | None:
     Exception
         Whatever else the engine raises.
     """
-    return _beside(value).submit(_timestep, value, case).result()
+    return _worker_for(value).submit(_timestep, value, case).result()
 
 
 @cache
-def _beside(value: str) -> IsolatedProcessPool:
+def _worker_for(value: str) -> IsolatedProcessPool:
     """Return the process in which an engine is asked; it and what it started end with this one."""
     del value
     return background_worker(_PATIENCE)
 
 
 @cache
-def _once(value: str) -> Engine:
+def _made_once(value: str) -> Engine:
     """Make an engine, the first time."""
     made: Engine = EntryPoint(name="asked", value=value, group="").load()()
     return made
@@ -108,17 +118,13 @@ def _once(value: str) -> Engine:
 
 def _timestep(value: str, case: Case) -> float | None:
     """Ask an engine for the timestep of a case; resolve its settings as the program will."""
-    chosen = _once(value)
+    chosen = _made_once(value)
     found: Any = chosen.timestep(case)
     if not is_timestep(found):
         raise TypeError(f"it returned {type(found).__name__}, not a positive number or None")
     timestep = None if found is None else float(found)
     resolve(case, chosen.settings, timestep or 0.0)
     return timestep
-
-
-_OURS = frozenset({"harness", "models", "reference"})
-"""Packages that are not to be installed when they are missing: something is wrong with them."""
 
 
 def names() -> tuple[str, ...]:
@@ -142,7 +148,7 @@ def engine(name: str) -> Engine:
     entries = _entries()
     if name not in entries:
         raise UnknownEngineError(name, entries)
-    if reason := fall(entries[name]):
+    if reason := crash_reason(entries[name]):
         raise EngineCrashError(name, entries[name].value, reason)
     try:
         found: Engine = entries[name].load()()
@@ -198,32 +204,20 @@ def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
     own = engine(case.engine) if chosen is None else chosen
     entry = None if is_worker() else _foreign(case.engine, type(own))
     try:
-        return own.timestep(case) if entry is None else asked(entry, case)
+        return own.timestep(case) if entry is None else timestep_from_worker(entry, case)
     except HarnessError:
         raise
     except Exception as error:
-        told = (
-            str(error)
-            if isinstance(error, LostTaskError)
-            else describe_exception(error, "timestep")
-        )
+        lost = isinstance(error, LostTaskError)
+        told = str(error) if lost else describe_exception(error, "timestep")
         raise EngineContractError(case.engine, case.label(), told) from error
-
-
-def is_ours(chosen: Engine) -> bool:
-    """Whether an engine is of this project."""
-    return _is_ours(type(chosen))
-
-
-def _is_ours(kind: type[Engine]) -> bool:
-    return kind.__module__.partition(".")[0] in _OURS
 
 
 @cache
 def _foreign(name: str, kind: type[Engine]) -> str | None:
     """Return the entry point of an engine that is not of this project; None if it is."""
     entry = None if _is_ours(kind) else _entries().get(name)
-    return None if entry is None or at_home(entry) else entry.value
+    return None if entry is None or _is_entry_of_ours(entry) else entry.value
 
 
 def check_effects(name: str, scene: Scene) -> None:
@@ -231,7 +225,7 @@ def check_effects(name: str, scene: Scene) -> None:
 
     Raises
     ------
-    UnsupportedEffectError, FaintEffectError
+    UnsupportedEffectError, EffectBelowMinimumError
         Names the engines that can.
     """
     for effect in missing_effects(name, scene):

@@ -191,23 +191,6 @@ def in_force(case: Case, timestep: float) -> dict[str, Value]:
     return resolve(case, SETTINGS, timestep, for_effects(case.scene))
 
 
-SHIPPED_VALUES = {
-    "splitImpulsePenetrationThreshold": "-0.04 m",
-    "contactERP": "0.08 (erp2)",
-    "frictionERP": "0.2",
-    "globalCFM": "0",
-    "contactSlop": "1e-5 m",
-    "contactBreakingThreshold": "0.02",
-    "warmStartingFactor": "0.1",
-    "enableConeFriction": "1",
-    "restitutionVelocityThreshold": "0.2",
-    "collisionMargin": "0.001 m",
-    "linearDamping": "0.04",
-    "angularDamping": "0.04",
-    "maxJointVelocity": "100",
-}
-"""What PyBullet does with a setting that it is not handed, from its sources."""
-
 PROCESS_WIDE: Mapping[str, float] = MappingProxyType({"contactBreakingThreshold": 0.02})
 """Settings that PyBullet keeps in a global variable, with the value it ships: one world's choice
 reaches every world after it in the process, so that each world must say its own."""

@@ -95,7 +95,7 @@ def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
 
 @pytest.mark.parametrize("planted", [SOUND], indirect=True)
 def test_a_sound_engine_is_made_as_before(planted: EntryPoint) -> None:
-    assert registry.fall(planted) == ""
+    assert registry.crash_reason(planted) == ""
     assert registry.engine(planted.name).version == "1"
 
 
@@ -120,7 +120,7 @@ def test_an_error_in_python_is_told_as_itself(planted: EntryPoint) -> None:
 def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
     unheard = EntryPoint(name="x", value="no_such_module:Engine", group=ENGINE_ENTRY_POINTS)
     with IsolatedProcessPool(1) as alone:
-        assert alone.submit(registry.fall, unheard).result() == ""
+        assert alone.submit(registry.crash_reason, unheard).result() == ""
         assert alone.submit(registry.is_worker).result()
     assert not registry.is_worker()
 
@@ -138,7 +138,7 @@ def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
 def test_an_engine_that_falls_over_one_case_is_named_with_it(
     planted: EntryPoint, brief: Scene, timestep: float, error: type[HarnessError], reason: str
 ) -> None:
-    assert registry.fall(planted) == ""
+    assert registry.crash_reason(planted) == ""
     case = Case(scene=brief, engine=planted.name, timestep=timestep)
     with pytest.raises(error, match=reason) as caught:
         check_case(case)
@@ -150,14 +150,14 @@ def test_one_process_is_asked_for_all_cases_and_once_for_each(
     planted: EntryPoint, brief: Scene
 ) -> None:
     cases = [Case(scene=brief, engine=planted.name, timestep=n * 1e-2) for n in (1, 2, 3)]
-    asked = registry.asked.cache_info()
+    asked = registry.timestep_from_worker.cache_info()
     told = {registry.timestep_of(case) for case in cases for _ in range(4)}
     assert len(told) == 1
     assert told != {float(os.getpid())}
-    assert registry.asked.cache_info().misses - asked.misses == len(cases)
+    assert registry.timestep_from_worker.cache_info().misses - asked.misses == len(cases)
 
 
 def test_engines_of_ours_are_asked_here(brief: Scene) -> None:
-    asked = registry.asked.cache_info()
+    asked = registry.timestep_from_worker.cache_info()
     assert registry.timestep_of(Case(scene=brief, engine="mujoco", timestep=1e-3)) == 1e-3
-    assert registry.asked.cache_info() == asked
+    assert registry.timestep_from_worker.cache_info() == asked

@@ -13,10 +13,9 @@ from harness.engines.mujoco.settings import FLAGS, GEOM, OPTIONS
 from harness.engines.mujoco.settings import SETTINGS as MUJOCO
 from harness.engines.probes import ProbeFinding, measure
 from harness.engines.pybullet.settings import SETTINGS as PYBULLET
-from harness.engines.pybullet.settings import SHIPPED_VALUES
 from harness.engines.registry import engine
 from models import load, release_state
-from tests.settings_table import ENGINES, FILE, settings_table
+from tests.settings_table import ENGINES, FILE, SHIPPED_VALUES, settings_table
 
 BARE = """
 <mujoco><worldbody>
