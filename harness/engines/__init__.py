@@ -25,7 +25,7 @@ from harness.engines.base import (
 )
 from harness.engines.stepping.generic_stepping import take_stage, walk
 from harness.engines.stepping.physics_engine import PhysicsEngine
-from harness.engines.stepping.recording import Chunk, Looks, record, trajectory_of
+from harness.engines.stepping.recording import Chunk, SamplingInterval, record, trajectory_of
 from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
 from harness.engines.stepping.settling import settle
 
@@ -44,11 +44,11 @@ __all__ = [
     "Floats",
     "HarnessError",
     "Integers",
-    "Looks",
     "ModelDifference",
     "Outcome",
     "PhysicsEngine",
     "RefusedModelError",
+    "SamplingInterval",
     "Schedule",
     "Setting",
     "Simulation",

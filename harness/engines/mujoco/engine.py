@@ -5,8 +5,8 @@ before it; the engine puts both at the same instant. Forces and the locus come f
 sensors.
 
 At a fine timestep hundreds of steps pass between two samples, and `mujoco.rollout` writes the state
-and the sensors of each. For a slow motion MuJoCo therefore steps from look to look in C and writes
-nothing, with its sensors off, which no step depends on: the same steps, fewer numbers.
+and the sensors of each. For a slow motion MuJoCo therefore steps from reading to reading in C and
+writes nothing, with its sensors off, which no step depends on: the same steps, fewer numbers.
 
 A batch of releases of one model is stepped in one call. It gives bit for bit what its cases give
 alone: the same model, each release at its own static penetration, each run in one piece from a cold
@@ -31,9 +31,9 @@ from harness.engines import (
     Fixed,
     Floats,
     Integers,
-    Looks,
     Outcome,
     PhysicsEngine,
+    SamplingInterval,
     Schedule,
     Simulation,
     Stage,
@@ -116,32 +116,32 @@ def _sound(states: Floats) -> int:
 
 
 WORTH_IT = 32
-"""Steps between two looks, where no angle moves, from which looking less often pays: a look costs
-what three steps do."""
+"""Steps between two readings, where no angle moves, from which reading less often pays: a reading
+costs what three steps do."""
 
 _OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
 def spares(world: MujocoWorld, schedule: Schedule) -> bool:
-    """Whether most steps of a run are to be taken without a look.
+    """Whether most steps of a run are to be taken without a reading.
 
     Not where forces change from step to step: MuJoCo takes those in its batched loop alone.
     """
-    looks = schedule.looks
+    sampling = schedule.sampling
     still = world.forces(np.zeros(1)) is None
-    fixed = looks is not None and isinstance(schedule, Fixed)
-    return still and fixed and looks.steps(schedule.largest) >= WORTH_IT  # type: ignore[union-attr]
+    fixed = sampling is not None and isinstance(schedule, Fixed)
+    return still and fixed and sampling.steps(schedule.largest) >= WORTH_IT  # type: ignore[union-attr]
 
 
-def take_sparsely(world: MujocoWorld, stage: Stage, looks: Looks) -> Chunk | None:
-    """Step through a stage from where the world is; return what was looked at, if anything."""
+def take_sparsely(world: MujocoWorld, stage: Stage, sampling: SamplingInterval) -> Chunk | None:
+    """Step through a stage from where the world is; return what was read, if anything."""
     model, data, option = world.model, world.data, world.model.opt
     seen = int(option.disableflags)
     state, spin = np.empty(mujoco.mj_stateSize(model, STATE)), np.empty(3)
     states: list[Floats] = []
     sensors: list[Floats] = []
 
-    def look() -> tuple[list[float], list[float]]:
+    def read_and_step() -> tuple[list[float], list[float]]:
         mujoco.mj_getState(model, data, state, STATE)
         option.disableflags = seen
         mujoco.mj_step(model, data)
@@ -153,7 +153,7 @@ def take_sparsely(world: MujocoWorld, stage: Stage, looks: Looks) -> Chunk | Non
 
     option.disableflags = seen | _OFF
     skip = partial(mujoco.mj_step, model, data)
-    places, spans = take_stage(stage, looks, look, skip)
+    places, spans = take_stage(stage, sampling, read_and_step, skip)
     option.disableflags = seen
     if not places:
         return None
@@ -276,9 +276,9 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
         state = np.empty(mujoco.mj_stateSize(world.model, STATE))
         mujoco.mj_getState(world.model, world.data, state, STATE)
-        if spares(world, schedule) and schedule.looks is not None:
+        if spares(world, schedule) and schedule.sampling is not None:
             while (stage := _next(schedule, state)) is not None:
-                world_chunk = take_sparsely(world, stage, schedule.looks)
+                world_chunk = take_sparsely(world, stage, schedule.sampling)
                 if world_chunk is not None:
                     yield world_chunk
             return

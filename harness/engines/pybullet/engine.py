@@ -1,9 +1,9 @@
 """PyBullet as an engine: open a world of its own, compare, settle, then step and read.
 
 There is no batched stepping: each step is a call, and so is each of the three readings, which
-together cost more than the step. So most steps of a slow motion are taken without a look; `Looks`
-says which. The numbers are kept as PyBullet returns them, and put into arrays chunk by chunk; the
-contacts that a step leaves are paired with the state before it.
+together cost more than the step. So most steps of a slow motion are taken without a reading;
+`SamplingInterval` says which. The numbers are kept as PyBullet returns them, and put into arrays
+chunk by chunk; the contacts that a step leaves are paired with the state before it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,8 +20,8 @@ from harness.engines import (
     Chunk,
     Floats,
     Integers,
-    Looks,
     PhysicsEngine,
+    SamplingInterval,
     Schedule,
     Stage,
     Trajectory,
@@ -39,16 +39,16 @@ _NONE = (0.0,) * _POINT
 
 
 class Steps:
-    """The states before consecutive steps that were looked at, and the contacts that they solved.
+    """The states before consecutive steps that were read, and the contacts that they solved.
 
     Parameters
     ----------
-    looks : Looks or None
-        Of the run; None looks at every step.
+    sampling : SamplingInterval or None
+        Of the run; None reads every step.
     """
 
-    def __init__(self, looks: Looks | None) -> None:
-        self._looks = looks
+    def __init__(self, sampling: SamplingInterval | None) -> None:
+        self._sampling = sampling
         self._times: list[Floats] = []
         self._parts = 1
         self._spans: list[int] = []
@@ -57,13 +57,13 @@ class Steps:
         self.taken = 0
 
     def take(self, world: PybulletWorld, stage: Stage) -> None:
-        """Take the steps of a stage, looking at the state before a step and the contacts after."""
+        """Take the steps of a stage, reading the state before a step and the contacts after."""
         client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
         keep, touch = self._states.append, self._contacts.append
 
-        def look() -> tuple[Numbers, Numbers]:
+        def read_and_step() -> tuple[Numbers, Numbers]:
             position, quaternion = pose_of(can, client)
             velocity, spin = velocity_of(can, client)
             if centred is not None:
@@ -77,7 +77,7 @@ class Steps:
             for _ in repeat(None, steps):
                 step(client)
 
-        places, spans = take_stage(stage, self._looks, look, skip)
+        places, spans = take_stage(stage, self._sampling, read_and_step, skip)
         self._parts = world.parts
         self._times.append(stage.times[places])
         self._spans += spans
@@ -85,11 +85,11 @@ class Steps:
 
     @property
     def seen(self) -> bool:
-        """Whether any step was looked at."""
+        """Whether any step was read."""
         return len(self._states) > 0
 
     def chunk(self) -> Chunk:
-        """Return what was looked at as a chunk."""
+        """Return what was read as a chunk."""
         times, numbers = np.concatenate(self._times), chain.from_iterable(self._states)
         states = np.fromiter(chain.from_iterable(numbers), np.float64).reshape(-1, _STATE)
         states[:, 3:7] = states[:, [6, 3, 4, 5]]
@@ -201,11 +201,11 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
         # the schedule is asked after a chunk was seen: what is seen may change what comes
         while (stage := _next(schedule, world)) is not None:
-            steps = Steps(schedule.looks)
+            steps = Steps(schedule.sampling)
             while stage is not None:
                 world.set_timestep(stage.timestep)
                 steps.take(world, stage)
-                # until so many are taken, and any of them was looked at
+                # until so many are taken, and any of them was read
                 stage = None if steps.taken >= size and steps.seen else _next(schedule, world)
             yield steps.chunk()
 

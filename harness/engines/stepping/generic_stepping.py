@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import World
-from harness.engines.stepping.recording import Chunk, Looks, trajectory_of
+from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from models.errors import InvalidValueError
 
@@ -104,18 +104,18 @@ def _chunk(times: Floats, rows: Floats, *, sound: bool) -> Chunk:
 
 def take_stage(
     stage: Stage,
-    looks: Looks | None,
-    look: Callable[[], tuple[Sequence[float], Sequence[float]]],
+    sampling: SamplingInterval | None,
+    read_and_step: Callable[[], tuple[Sequence[float], Sequence[float]]],
     skip: Callable[[int], object],
 ) -> tuple[list[int], list[int]]:
-    """Take the steps of a stage, and look at as many as the recorder needs.
+    """Take the steps of a stage, and read as many as the recorder needs.
 
     Parameters
     ----------
     stage : Stage
-    looks : Looks or None
-        Of the run; None looks at every step.
-    look : callable
+    sampling : SamplingInterval or None
+        Of the run; None reads every step.
+    read_and_step : callable
         Keeps the state, takes a step and keeps the contact that it solved. Returns the quaternion,
         scalar last, and the angular velocity of that state.
     skip : callable
@@ -124,26 +124,26 @@ def take_stage(
     Returns
     -------
     places, spans : list of int
-        Which of the steps were looked at, and for how many steps each stands, its own the first.
+        Which of the steps were read, and for how many steps each stands, its own the first.
     """
     places: list[int] = []
     spans: list[int] = []
     count, last, timestep = len(stage.times), stage.ahead - 1, stage.timestep
-    sparing = looks is not None and looks.spare(timestep)
-    place = 0 if looks is None else looks.left
+    sparing = sampling is not None and sampling.spare(timestep)
+    place = 0 if sampling is None else sampling.left
     if place > 0:
         skip(min(place, count))
     while place < count:
-        quaternion, spin = look()
+        quaternion, spin = read_and_step()
         after = place + 1
         if sparing and place < last:
-            # the last step of all is looked at, whatever the motion
-            after = min(place + looks.pause(quaternion, spin, timestep), last)  # type: ignore[union-attr]
+            # the last step of all is read, whatever the motion
+            after = min(place + sampling.pause(quaternion, spin, timestep), last)  # type: ignore[union-attr]
         places.append(place)
         spans.append(after - place)
         if after > place + 1 < count:
             skip(min(after, count) - place - 1)
         place = after
-    if looks is not None:
-        looks.left = place - count
+    if sampling is not None:
+        sampling.left = place - count
     return places, spans

@@ -5,8 +5,9 @@ what is recorded of it, is here.
 
 A look at the horizon costs as much as a hundred steps, and steps past the end are wasted. The end
 is not known beforehand, but rocking is symmetric in time: a rise takes about as long as the fall
-before it, and a run ends soon after a can has risen, or at a time that is given. `Foresight`
-predicts the end from this; the prediction decides how a run is cut into chunks, and nothing else.
+before it, and a run ends soon after a can has risen, or at a time that is given.
+`HorizonPrediction` predicts the end from this; the prediction decides how a run is cut into chunks,
+and nothing else.
 """
 
 import time
@@ -30,7 +31,7 @@ from harness.engines.base import (
 )
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.horizon import countable, longest_time, natural_time
-from harness.engines.stepping.recording import SAMPLES_IN_TIME, Chunk, Looks, record
+from harness.engines.stepping.recording import SAMPLES_IN_TIME, Chunk, SamplingInterval, record
 from harness.engines.stepping.schedule import (
     LARGEST_SHARE,
     SMALLEST_SHARE,
@@ -53,7 +54,7 @@ _MARGIN = 1.02
 """Share of the fall that the rise is given: past its end, so that it is seen to be over."""
 
 
-class Foresight:
+class HorizonPrediction:
     """Follows the samples of a run and foresees its end.
 
     Parameters
@@ -226,12 +227,12 @@ class PhysicsEngine(ABC, Generic[W]):
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
         schedule, size = self._schedule(prepared)
-        foresight = Foresight(prepared.case.scene)
+        prediction = HorizonPrediction(prepared.case.scene)
 
         def seen(kept: Trajectory) -> None:
-            foresight.see(kept)
+            prediction.see(kept)
             if isinstance(schedule, Fixed):
-                schedule.size = _size(foresight, schedule.largest)
+                schedule.size = _size(prediction, schedule.largest)
 
         wall, cpu = time.perf_counter(), time.process_time()
         done = record(prepared, self.chunks(world, schedule, size), seen)
@@ -242,10 +243,10 @@ class PhysicsEngine(ABC, Generic[W]):
         """Return the schedule of a case, and how many steps to take between two looks."""
         case, timestep = prepared.case, self.timestep(prepared.case)
         scene, limit = case.scene, longest_time(case.scene)
-        looks = Looks(natural_time(scene) / SAMPLES_IN_TIME)
+        sampling = SamplingInterval(natural_time(scene) / SAMPLES_IN_TIME)
         if case.profile != "adaptive":
-            fixed = Fixed(timestep, limit, _size(Foresight(scene), timestep), _FIRST)
-            fixed.looks = looks
+            fixed = Fixed(timestep, limit, _size(HorizonPrediction(scene), timestep), _FIRST)
+            fixed.sampling = sampling
             return fixed, 1  # a stage is a chunk
         adaptive = Adaptive(
             scene.can,
@@ -255,10 +256,10 @@ class PhysicsEngine(ABC, Generic[W]):
             eta=float(prepared.settings["eta"]),  # type: ignore[arg-type]
             unit=natural_time(scene),
         )
-        adaptive.looks = looks
+        adaptive.sampling = sampling
         return adaptive, _ADAPTIVE_LOOK
 
 
-def _size(foresight: Foresight, timestep: float) -> int:
+def _size(prediction: HorizonPrediction, timestep: float) -> int:
     """Return the steps to take before looking at the horizon."""
-    return int(min(max(foresight.ahead() / timestep, _FEWEST), MOST))
+    return int(min(max(prediction.ahead() / timestep, _FEWEST), MOST))

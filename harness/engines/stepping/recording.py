@@ -5,11 +5,11 @@ share, since the last sample. The path is summed over every step of the engine, 
 not depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
 
 How fast the path grows follows from a state alone, so an engine that pays for each reading need not
-read every step of a slow motion: `LOOKS` readings between two samples are enough, and where the can
-races round its rim that is every step. The rate may change in between. Near the flat state the path
-grows with 1/phi^2, so a pause also ends before phi has changed by `CHANGE`; a contact that is lost
-or made changes the rates themselves, by what a fall gives, sqrt(g/R), and a pause ends before that
-could have changed phi by as much.
+read every step of a slow motion: `READINGS_PER_SAMPLE` readings between two samples are enough, and
+where the can races round its rim that is every step. The rate may change in between. Near the flat
+state the path grows with 1/phi^2, so a pause also ends before phi has changed by `CHANGE`; a
+contact that is lost or made changes the rates themselves, by what a fall gives, sqrt(g/R), and a
+pause ends before that could have changed phi by as much.
 """
 
 import math
@@ -29,7 +29,7 @@ from models.scene import Scene
 class Chunk:
     """Consecutive steps: the states before them with the contacts that they solved.
 
-    An engine that pays for each reading may look at some of the steps only; each of those then
+    An engine that pays for each reading may read some of the steps only; each of those then
     stands for the steps up to the next.
 
     Parameters
@@ -227,17 +227,17 @@ def _spans(chunk: Chunk, taken: int, *, ended: bool) -> Integers | None:
     return np.append(spans[:-1], 1) if ended and taken else spans
 
 
-LOOKS = 2.0
-"""Looks from one sample to the next: samples lie at most half their spacing late."""
+READINGS_PER_SAMPLE = 2.0
+"""Readings from one sample to the next: samples lie at most half their spacing late."""
 
 CHANGE = 0.1
 """Share of phi, or of sin(phi/2), that may change unseen: a fifth of the rate of the path."""
 
-_OFTEN, _CHANGING = LOOKS / ANGLE_STEP, 0.5 / CHANGE
+_OFTEN, _CHANGING = READINGS_PER_SAMPLE / ANGLE_STEP, 0.5 / CHANGE
 
 
-class Looks:
-    """Says of a run, look by look, how many steps to take until the next.
+class SamplingInterval:
+    """Says of a run, reading by reading, how many steps to take until the next.
 
     Parameters
     ----------
@@ -246,25 +246,25 @@ class Looks:
     """
 
     def __init__(self, interval: float) -> None:
-        self._often = LOOKS / interval
+        self._often = READINGS_PER_SAMPLE / interval
         self._fall = 1.0 / (SAMPLES_IN_TIME * interval)
         self._due = 0.0
         self.left = 0
 
     def spare(self, timestep: float) -> bool:
-        """Whether a step of this length, s, is ever to be taken without a look."""
-        return self._often * timestep <= 1.0 / LOOKS
+        """Whether a step of this length, s, is ever to be taken without a reading."""
+        return self._often * timestep <= 1.0 / READINGS_PER_SAMPLE
 
     def steps(self, timestep: float) -> float:
-        """Return the steps of this length, s, from one look to the next where no angle moves."""
+        """Return the steps of this length, s, from one reading to the next where no angle moves."""
         return 1.0 / (self._often * timestep)
 
     def pause(
         self, quaternion: Sequence[float], angular_velocity: Sequence[float], timestep: float
     ) -> int:
-        """Return the steps from a state to the next that is worth a look, at least one.
+        """Return the steps from a state to the next that is worth a reading, at least one.
 
-        The share of a step that is left over counts towards the next pause, so that looks do not
+        The share of a step that is left over counts towards the next pause, so that readings do not
         fall into step with an engine that does something every other step.
 
         Parameters

@@ -33,7 +33,7 @@ import numpy as np
 
 from harness.core.trajectory import Floats
 from harness.engines.base import Setting
-from harness.engines.stepping.recording import Looks
+from harness.engines.stepping.recording import SamplingInterval
 from models.can import Can
 
 ETA = 0.01
@@ -89,12 +89,12 @@ class Schedule(ABC):
     ----------
     largest : float
         Timestep, s.
-    looks : Looks or None
-        Says to an engine that pays for each reading which steps to look at; None is every step.
+    sampling : SamplingInterval or None
+        Says to an engine that pays for each reading which steps to read; None is every step.
     """
 
     largest: float
-    looks: Looks | None = None
+    sampling: SamplingInterval | None = None
 
     @abstractmethod
     def next(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> Stage | None:

@@ -13,7 +13,12 @@ from harness.core.trajectory import Trajectory, join
 from harness.engines.registry import engine
 from harness.engines.stepping.generic_stepping import walk
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.recording import ANGLE_STEP, LOOKS, SAMPLES_IN_TIME, Looks
+from harness.engines.stepping.recording import (
+    ANGLE_STEP,
+    READINGS_PER_SAMPLE,
+    SAMPLES_IN_TIME,
+    SamplingInterval,
+)
 from harness.engines.stepping.schedule import Fixed
 from harness.engines.stepping.settling import settle
 from harness.evaluation.evaluate import evaluate
@@ -28,18 +33,18 @@ Patch = pytest.MonkeyPatch
 def seen(phi: float, spin: tuple[float, float, float]) -> int:
     """Return the first pause at steps of a nanosecond from a tilt, scalar last, and a spin."""
     w, x, y, z = quaternion(phi, 0.3, -0.2).tolist()
-    return Looks(INTERVAL).pause((x, y, z, w), spin, 1e-9)
+    return SamplingInterval(INTERVAL).pause((x, y, z, w), spin, 1e-9)
 
 
 def test_at_rest_time_alone_counts() -> None:
-    assert seen(0.4, (0.0, 0.0, 0.0)) == int(INTERVAL / LOOKS / 1e-9)
+    assert seen(0.4, (0.0, 0.0, 0.0)) == int(INTERVAL / READINGS_PER_SAMPLE / 1e-9)
 
 
 def test_a_pause_ends_at_its_share_of_the_path() -> None:
     # a spin of 2e4 rad/s about the vertical is psi' alone, which the path counts twice
     vertical = seen(0.4, (0.0, 0.0, 2e4))
     rate = 2.0 * 2e4 / ANGLE_STEP + 1.0 / INTERVAL
-    assert vertical == pytest.approx(1e9 / (LOOKS * rate), abs=1.0)  # whole steps
+    assert vertical == pytest.approx(1e9 / (READINGS_PER_SAMPLE * rate), abs=1.0)  # whole steps
 
 
 def test_near_the_flat_state_a_pause_ends_before_the_tilt_has_changed() -> None:
@@ -55,9 +60,9 @@ def test_of_what_is_no_state_every_step_is_looked_at(spin: tuple[float, float, f
 
 
 def test_shares_of_steps_are_not_lost() -> None:
-    looks = Looks(INTERVAL)
-    timestep = INTERVAL / LOOKS / 2.3
-    pauses = [looks.pause((0.2, 0.0, 0.0, 0.98), (0.0, 0.0, 0.0), timestep) for _ in range(1000)]
+    sampling = SamplingInterval(INTERVAL)
+    timestep = INTERVAL / READINGS_PER_SAMPLE / 2.3
+    pauses = [sampling.pause((0.2, 0.0, 0.0, 0.98), (0.0, 0.0, 0.0), timestep) for _ in range(1000)]
     assert set(pauses) == {2, 3}
     # each pause is cut down to whole steps, and what was cut off counts for the next
     assert abs(sum(pauses) - 2300) <= 1
@@ -67,7 +72,7 @@ def runs(scene: Scene, profile: str, timestep: float, patch: Patch) -> tuple[Eva
     """Return a run that looks at every step, and one that does not."""
     case = Case(scene=scene, engine="pybullet", profile=profile, timestep=timestep)
     with patch.context() as changed:
-        changed.setattr(Looks, "spare", lambda *_: False)
+        changed.setattr(SamplingInterval, "spare", lambda *_: False)
         every = evaluate(case)
     return every, evaluate(case)
 
@@ -174,4 +179,4 @@ def test_samples_are_no_further_apart_than_half_again_their_spacing() -> None:
     assert phi.min() > 0.1  # of time and little else
     limit = natural_time(load("gentle-rock")) / SAMPLES_IN_TIME
     gaps = [after - before for before, after in pairwise(run.trajectory.time.tolist())]
-    assert max(gaps) <= (1.0 + 1.0 / LOOKS) * limit + 1e-5
+    assert max(gaps) <= (1.0 + 1.0 / READINGS_PER_SAMPLE) * limit + 1e-5

@@ -10,7 +10,7 @@ from harness.core.case import Case
 from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.physics_engine import SHORTEST, Foresight
+from harness.engines.stepping.physics_engine import SHORTEST, HorizonPrediction
 from harness.engines.stepping.recording import Chunk
 from models import Horizon, load, quaternion
 
@@ -30,40 +30,40 @@ def rock(made: Made, start: float, end: float) -> Trajectory:
 
 
 def test_of_nothing_the_shortest_is_foreseen() -> None:
-    assert Foresight(GENTLE).ahead() == SHORT
+    assert HorizonPrediction(GENTLE).ahead() == SHORT
 
 
 def test_while_it_falls_the_rise_is_still_to_come(made: Made) -> None:
-    foresight = Foresight(GENTLE)
-    foresight.see(rock(made, 0.0, 0.2))
-    assert foresight.ahead() == pytest.approx(0.2)
-    foresight.see(rock(made, 0.21, 0.8))
-    assert foresight.ahead() == pytest.approx(0.8)
+    prediction = HorizonPrediction(GENTLE)
+    prediction.see(rock(made, 0.0, 0.2))
+    assert prediction.ahead() == pytest.approx(0.2)
+    prediction.see(rock(made, 0.21, 0.8))
+    assert prediction.ahead() == pytest.approx(0.8)
 
 
 def test_a_rise_takes_as_long_as_the_fall(made: Made) -> None:
-    foresight = Foresight(GENTLE)
-    foresight.see(rock(made, 0.0, 0.8))
-    foresight.see(rock(made, 0.9, 1.3))  # a sample lies at the valley itself
+    prediction = HorizonPrediction(GENTLE)
+    prediction.see(rock(made, 0.0, 0.8))
+    prediction.see(rock(made, 0.9, 1.3))  # a sample lies at the valley itself
     # 0.7 s are left, and a little more of the whole fall to be sure
-    assert 0.7 < foresight.ahead() < 0.75
-    foresight.see(rock(made, 1.31, 1.9))
-    assert 0.1 < foresight.ahead() < 0.15
-    foresight.see(rock(made, 1.91, 2.5))  # it rises longer than it fell
-    assert foresight.ahead() == SHORT
+    assert 0.7 < prediction.ahead() < 0.75
+    prediction.see(rock(made, 1.31, 1.9))
+    assert 0.1 < prediction.ahead() < 0.15
+    prediction.see(rock(made, 1.91, 2.5))  # it rises longer than it fell
+    assert prediction.ahead() == SHORT
 
 
 def test_the_fall_after_a_rise_counts_from_the_top(made: Made) -> None:
-    foresight = Foresight(GENTLE)
-    foresight.see(rock(made, 0.0, 1.5))
+    prediction = HorizonPrediction(GENTLE)
+    prediction.see(rock(made, 0.0, 1.5))
     falling = rock(made, 0.0, 1.0)
-    foresight.see(made(21, time=falling.time + 2.0, quaternion=falling.quaternion))
-    foresight.see(made(21, time=falling.time + 3.01, quaternion=falling.quaternion[::-1]))
-    assert foresight.ahead() <= 1.02 * 1.1  # not the whole run since the release
+    prediction.see(made(21, time=falling.time + 2.0, quaternion=falling.quaternion))
+    prediction.see(made(21, time=falling.time + 3.01, quaternion=falling.quaternion[::-1]))
+    assert prediction.ahead() <= 1.02 * 1.1  # not the whole run since the release
 
 
 def test_an_end_in_time_needs_no_foresight() -> None:
-    assert Foresight(replace(GENTLE, horizon=Horizon(seconds=1.0))).ahead() == np.inf
+    assert HorizonPrediction(replace(GENTLE, horizon=Horizon(seconds=1.0))).ahead() == np.inf
 
 
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
