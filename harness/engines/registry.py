@@ -28,8 +28,7 @@ from harness.execution.isolated_pool import IsolatedProcessPool, background_work
 from harness.execution.limits import Limits
 from harness.execution.worker import LostTaskError
 from harness.execution.worker_main import is_worker
-from models.catalogue import load
-from models.scene import Scene
+from models import Scene, load
 
 _OURS = frozenset({"harness", "models", "reference"})
 """Packages of this project. Their engines need no process of their own to be asked; and they are

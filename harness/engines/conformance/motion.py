@@ -37,7 +37,7 @@ from harness.engines.conformance.fixture import (
     not_applicable,
     within,
 )
-from harness.engines.stepping.placement import UP
+from harness.engines.stepping.settling import UP
 from models import (
     RESOLVED_STEP,
     Can,

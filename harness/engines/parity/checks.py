@@ -21,7 +21,7 @@ from harness.core.simulation import ParityRow
 from harness.engines.base import Floats, World
 from harness.engines.parity.contact import Compared, contact_laws, friction
 from harness.engines.stepping.generic_stepping import SteeredWorld
-from harness.engines.stepping.placement import (
+from harness.engines.stepping.settling import (
     AT_REST,
     LIFT,
     UP,

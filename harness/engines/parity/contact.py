@@ -18,7 +18,7 @@ import numpy as np
 
 from harness.engines.base import Contact, Floats, World
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.placement import (
+from harness.engines.stepping.settling import (
     AT_REST,
     UP,
     X,

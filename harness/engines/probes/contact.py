@@ -47,7 +47,7 @@ from harness.core.case import Case
 from harness.core.trajectory import Floats
 from harness.engines.probes.fixture import Opener, Reading, aloft, follow, leaning, with_gravity
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.placement import (
+from harness.engines.stepping.settling import (
     AT_REST,
     LIFT,
     UP,

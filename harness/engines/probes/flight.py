@@ -31,7 +31,7 @@ from harness.core.trajectory import Floats
 from harness.engines.base import Setting, World
 from harness.engines.probes.fixture import ALOFT, Opener, Reading, aloft
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.placement import UP, X, above_origin, moving, stepped
+from harness.engines.stepping.settling import UP, X, above_origin, moving, stepped
 from models import to_body
 from models.kinematics import half_angles, to_world
 

@@ -39,9 +39,8 @@ from harness.engines.pybullet.settings import (
     urdf_flags,
 )
 from harness.engines.pybullet.suppress_output import silence
+from models import Pose, Twist, ground_urdf, urdf
 from models.gravity import gravity_vector, shaking
-from models.state import Pose, Twist
-from models.urdf import ground_urdf, urdf
 
 Numbers: TypeAlias = Sequence[float]
 State: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]

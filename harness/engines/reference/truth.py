@@ -20,9 +20,8 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import Floats, Setting, Variant, resolve
 from harness.engines.reference.to_reference_problem import problem
 from harness.engines.stepping.horizon import natural_time
-from models.kinematics import angular_velocity, quaternion
+from models import Scene, angular_velocity, quaternion
 from models.rim import arc_of, contact_offset
-from models.scene import Scene
 from reference import (
     METHODS,
     MODELS,

@@ -41,11 +41,9 @@ from harness.engines.stepping.schedule import (
     power_of_two,
 )
 from harness.engines.stepping.settling import settle
-from models.errors import InvalidValueError
+from models import InvalidValueError, Pose, Scene, Twist
 from models.kinematics import half_angles
 from models.rim import released
-from models.scene import Scene
-from models.state import Pose, Twist
 
 SHORTEST = 0.05
 """Natural times sqrt(R/g) between two looks where the end is near, or nothing is known yet."""
