@@ -44,13 +44,13 @@ class Agreement:
 
     @property
     def resolved(self) -> bool:
-        """Whether there is an answer: agreement, or a difference that round-off does not explain.
+        """Whether there is an answer: all promised digits agree, or no ulp decides the third.
 
-        There is none where fewer digits agree than are promised and one ulp decides the third, nor
-        where no three digits agree and may.
+        Where the methods part by no more than round-off allows, three digits have to agree as well.
         """
-        few = max(self.discrepancy, self.ulp) > USEFUL
-        return not self.holds or self.discrepancy <= PROMISED or not few
+        if self.ulp > USEFUL:
+            return False
+        return not self.holds or self.discrepancy <= USEFUL
 
     @property
     def sentence(self) -> str:

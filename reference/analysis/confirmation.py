@@ -19,8 +19,8 @@ cancel, at the extrema of phi: beside a steady motion no error of the x_i amount
 
 Three cases follow. The methods agree: the answer is the closed one. They part by more: one of them
 is wrong, and the answer is the integration's, which assumes less. Or fewer digits agree than are
-promised, as they may, and one ulp of the numbers given decides the third of them, or the ending:
-then there is no answer, from where the neighbours part.
+promised, and one ulp of the numbers given decides the third of them, or the ending: then there is
+no answer, from where the neighbours part, whatever round-off may explain.
 """
 
 from collections.abc import Sequence
@@ -143,7 +143,7 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
         evaluations += _work(near)
     worst = max(apart, key=lambda name: _over(apart[name], allowed[name]))
     ulp = 0.0
-    if PROMISED < apart[worst] <= allowed[worst]:
+    if apart[worst] > PROMISED:
         near = _near(integrated, EPS)
         ulp = _moved(worst, integrated, near)
         evaluations += _work(near)

@@ -11,7 +11,8 @@ can that has gone from one extremum to the next has shown its whole motion. What
 (`reference.smooth.stepping`) runs from the release to the extremum ahead and, of a moving release,
 to the
 one behind: nothing ever comes back to a height where round-off of the energy would have been
-amplified. A motion without two extrema is marched as it is.
+amplified. One that meets a single extremum goes back on its own way as well; a motion without any
+is marched as it is.
 """
 
 from dataclasses import dataclass, replace
@@ -20,10 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.equations.regularised import NUTATION_RATE
+from reference.numerics.chebyshev import points, to_coefficients, waves
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats, Snapshot, States, initial_states, select_states
-from reference.smooth.dense_output import TIME, ElementsPath
+from reference.smooth.dense_output import TIME, ElementsPath, Piece
 from reference.smooth.extrema import PROMINENCE, Extrema, ExtremumRecorder, Run
 from reference.smooth.stepping import integrate
 
@@ -173,7 +175,7 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
         watch = FirstExtremum(back)
         behind = integrate(back, locus=locus, watch=watch)
         if not watch.met:
-            return integrate(problem, locus=locus)
+            return _back_and_beyond(problem, ahead, behind)
         pieces.insert(0, _reversed(_values(behind)))
     half = ElementsPath(values=np.concatenate(pieces, axis=1), release=initial_states(problem))
     edges = half.ends()
@@ -189,6 +191,59 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     )
     runs = (ahead,) if behind is None else (ahead, behind)
     return _until_horizon(problem, path, runs)
+
+
+def _back_and_beyond(problem: Problem, ahead: Run, beyond: Run) -> Run:
+    """Return a motion that meets one extremum, goes back on its own way, and past its release.
+
+    Followed through the extremum it would have lost, where it almost stops beyond the release, all
+    digits of the little energy it has there.
+
+    Parameters
+    ----------
+    problem : Problem
+    ahead : Run
+        From the release to the extremum.
+    beyond : Run
+        From the release turned round to the ending, which no extremum precedes.
+    """
+    values = _values(ahead)
+    for part in (_reversed(values), _values(beyond)):
+        values = np.concatenate([values, _continued(values, part)], axis=1)
+    ends, outcome = float(values[TIME, -1, -1]), beyond.track.outcome
+    if problem.duration is not None and problem.duration <= ends:
+        values, ends, outcome = _up_to(values, problem.duration), problem.duration, Outcome.FINISHED
+    return Run(
+        path=ElementsPath(values=values, release=initial_states(problem)),
+        track=replace(ahead.track, t_end=ends, outcome=outcome),
+        steps=ahead.steps + beyond.steps,
+        evaluations=ahead.evaluations + beyond.evaluations,
+    )
+
+
+def _continued(before: Floats, values: Floats) -> Floats:
+    """Return a march moved in time, about the vertical and in the plane to where another ends."""
+    angles = slice(TIME, TIME + 3)
+    moved = values.copy()
+    shift = before[angles, -1, -1] - values[angles, 0, 0]
+    moved[angles] += shift[:, None, None]
+    if len(values) > TIME + 3:
+        place, own = (part[-2] + 1j * part[-1] for part in (before, values))
+        place = place[-1, -1] + np.exp(1j * shift[1]) * (own - own[0, 0])
+        moved[-2], moved[-1] = place.real, place.imag
+    return moved
+
+
+def _up_to(values: Floats, time: float) -> Floats:
+    """Return a march up to a time, its last step interpolated."""
+    step = max(int(np.searchsorted(values[TIME, :, 0], time)) - 1, 0)
+    piece = Piece(length=1.0, values=values[:, step])
+    n = values.shape[2]
+    node = int(np.clip(np.searchsorted(piece.values[TIME], time) - 1, 0, n - 2))
+    nodes = (piece.root(TIME, time, node) + 1) / 2 * (points(n) + 1) - 1
+    last = piece.values @ to_coefficients(n).T @ waves(n, nodes.clip(-1, 1))
+    last[TIME, -1] = time
+    return np.concatenate([values[:, :step], last[:, None]], axis=1)
 
 
 def _values(run: Run) -> Floats:
