@@ -177,11 +177,11 @@ def _chunk(
     if float(points.high.max()) > highest:
         well = released_potential(can, frobenius_series(can, terms_needed(np.pi / 2)), **release)
         points = turning_points(well, certain=False)
-    code, out, doubted = _integrated(points)
+    code, out, doubted = _integrated(points, careful=False)
     if doubted.size:
         # other roots may lie between the two: isolate them all
         certain = turning_points(select_potential(well, doubted), certain=True)
-        code[doubted], better, left = _integrated(certain)
+        code[doubted], better, left = _integrated(certain, careful=True)
         for field, values in zip(out, better, strict=True):
             field[doubted] = values
         if left.size:
@@ -193,7 +193,7 @@ def _chunk(
 
 
 def _integrated(
-    points: TurningPoints,
+    points: TurningPoints, *, careful: bool
 ) -> tuple[NDArray[np.int8], list[Floats], NDArray[np.intp]]:
     """Return codes and integrals of releases, and the numbers of those in doubt."""
     code = points.code.copy()
@@ -206,7 +206,7 @@ def _integrated(
         for count in np.unique(nodes).tolist():
             group = np.flatnonzero(nodes == count)
             for part in np.array_split(group, 1 + group.size * count // CACHED):
-                values = cycle_integrals(select_points(points_there, part), count)
+                values = cycle_integrals(select_points(points_there, part), count, careful=careful)
                 for field, value in zip([*out, doubt], values, strict=True):
                     field[bounced[part]] = value
     return code, out, np.flatnonzero(doubt)

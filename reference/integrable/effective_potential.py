@@ -218,20 +218,20 @@ def evaluate_potential(well: EffectivePotential, phi: Floats, below: Floats) -> 
     return PotentialState(b=b, spin=s_r + ds, sine=S, slope=slope)
 
 
-def slope_noise(
+def energy_noise(
     well: EffectivePotential, phi: Floats, below: Floats, state: PotentialState
 ) -> Floats:
-    """Round-off of `state.slope`, shape (m, n): what may be wrong with it for the doubles given.
+    """Round-off of g, shape (m, n): what may be wrong with it for the doubles given.
 
     Parameters
     ----------
-    well : Well
+    well : EffectivePotential
     phi, below : ndarray, shape (m, n)
-    state : Level
+    state : PotentialState
         There.
     """
     can, r = well.can, well.reference
-    apart = np.maximum(np.abs(below), np.finfo(float).tiny)
+    apart = np.abs(below)
     sums = np.zeros_like(phi)
     b_size = np.abs(well.b) + np.abs(well.spin) * np.minimum(r, phi) * r
     s_size = np.abs(well.spin) + np.abs(well.b) * (1 + np.abs(np.log(phi / r)))
@@ -243,7 +243,7 @@ def slope_noise(
         sums = sums + can.a * q * dq + can.c * w * dw + (w + can.h * q) * (dw + can.h * dq)
     lean = np.sqrt(1 + can.h**2) * np.abs(well.short + below / 2)
     # differences from the reference vanish with the distance from it, and their round-off too
-    sums = sums * np.minimum(1.0, apart / phi) / apart + lean + well.excess / apart
+    sums = sums * np.minimum(1.0, apart / phi) + lean * apart + well.excess
     return np.asarray(UNCERTAIN * np.finfo(float).eps * sums)
 
 

@@ -22,11 +22,16 @@ from scipy.fft import dct
 
 from reference.equations.reaction_force import contact_from_centre
 from reference.integrable.cycle import released_potential
-from reference.integrable.effective_potential import EffectivePotential, evaluate_potential
 from reference.integrable.elliptic import EllipticSubstitution
 from reference.integrable.frobenius import can_constants, series_of
-from reference.integrable.quadrature import elliptic_substitution, nodes_needed, rates, unresolved
-from reference.integrable.turning_points import OUTCOMES, TurningPoints, fall_below, turning_points
+from reference.integrable.quadrature import (
+    elliptic_substitution,
+    energy_left,
+    nodes_needed,
+    rates,
+    unresolved,
+)
+from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
 from reference.numerics.batching import in_blocks
 from reference.numerics.rootfinding import bracketed_roots
 from reference.problem.outcome import Outcome
@@ -178,10 +183,9 @@ class ExactPath:
 
     def _states(self, phase: Floats, *, locus: bool = True) -> States:
         local = phase - 2 * np.round(phase / 2)
-        phi, _, gap = self.clock.nutation(np.abs(local)[:, None])
-        state = evaluate_potential(self.points.well, phi, gap)
-        p = self.problem.parameters
-        speed = np.sqrt(np.maximum(2 * state.slope * gap / p.pendulum_inertia, 0.0))[:, 0]
+        phi, rise, gap = self.clock.nutation(np.abs(local)[:, None])
+        state, left, _ = energy_left(self.points, phi, rise, gap, careful=True)
+        speed = np.sqrt(2 * left / self.problem.parameters.pendulum_inertia)[:, 0]
         turned = self.precession.at(phase) - self._at_start(self.precession)
         psi = self.problem.psi + turned
         released = self.problem.psi + self.problem.theta
@@ -262,15 +266,14 @@ def exact_path(problem: Problem, *, locus: bool) -> ExactPath | Outcome:
         for name in ("phi", "phi_dot", "psi_dot", "theta_dot")
     }
     series = series_of(problem.parameters)
-    released = released_potential(can, series, **release)
-    points = turning_points(released, certain=True)
+    points = turning_points(released_potential(can, series, **release), certain=True)
     outcome = OUTCOMES[int(points.code[0])]
     if outcome is not Outcome.FINISHED:
         return outcome
     clock = elliptic_substitution(points)
     nodes = MORE_NODES * int(nodes_needed(clock)[0])
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
-    found = rates(points, clock, fraction)
+    found = rates(points, clock, fraction, careful=True)
     # the turning points are certain: what is not positive between them, or has harmonics that do
     # not fall, has lost its digits
     if not (found.room > 0).all() or unresolved(found)[0]:
@@ -283,7 +286,7 @@ def exact_path(problem: Problem, *, locus: bool) -> ExactPath | Outcome:
         problem=problem,
         points=points,
         clock=clock,
-        start=_phase_at_release(problem, released, points, clock),
+        start=_phase_at_release(problem, points, clock),
         time=time,
         precession=precession,
         total=total,
@@ -296,10 +299,7 @@ def exact_path(problem: Problem, *, locus: bool) -> ExactPath | Outcome:
 
 
 def _phase_at_release(
-    problem: Problem,
-    released: EffectivePotential,
-    points: TurningPoints,
-    clock: EllipticSubstitution,
+    problem: Problem, points: TurningPoints, clock: EllipticSubstitution
 ) -> float:
     """u/K of the release: -1 at rest on a maximum, 0 at rest on a minimum.
 
@@ -308,9 +308,8 @@ def _phase_at_release(
     """
     if problem.phi_dot == 0:
         return -1.0 if points.climb[0] == 0 else 0.0
-    fall = fall_below(released, points)
-    upper = bool(points.climb[0] < fall[0])
-    goal = points.climb if upper else fall
+    upper = bool(points.climb[0] < points.fall[0])
+    goal = points.climb if upper else points.fall
 
     def apart(fraction: Floats) -> Floats:
         _, rise, gap = clock.nutation(fraction[None])

@@ -14,11 +14,12 @@ from reference.integrable.brackets import stays_positive
 from reference.integrable.effective_potential import BESIDE as SHORT
 from reference.integrable.effective_potential import (
     EffectivePotential,
+    PotentialState,
     between,
     effective_potential,
+    energy_noise,
     evaluate_potential,
     select_potential,
-    slope_noise,
 )
 from reference.integrable.elliptic import EllipticSubstitution
 from reference.integrable.turning_points import TurningPoints
@@ -31,6 +32,10 @@ MOST_NODES = 4096
 BESIDE = 1e-20
 # A peak is flat: 4^-12 of the distance between nodes is 4^-24 in the value.
 PEAK_ROUNDS = 12
+# Share of g at one of some tens of nodes: of an integral a hundredth of it.
+LOST = 1e-10
+# Two values of g whose round-off adds up, each bounded by what single roundings leave.
+ALIKE = 16.0
 # The rule's error is the square of the highest harmonic it resolves.
 TAIL = 3e-9
 
@@ -45,7 +50,7 @@ class Rates:
         g S^2 over the quartic of the clock: smooth, and positive between two turning points. Where
         it is not, the rates are no numbers.
     noise : ndarray
-        Round-off of g as a share of g, where it was asked for.
+        Round-off of g as a share of g, where care was asked for.
     """
 
     time: Floats
@@ -60,10 +65,12 @@ def select_points(points: TurningPoints, index: NDArray[np.intp]) -> TurningPoin
     """Return some of the releases."""
     return TurningPoints(
         well=select_potential(points.well, index),
+        released=select_potential(points.released, index),
         low=points.low[index],
         high=points.high[index],
         swing=points.swing[index],
         climb=points.climb[index],
+        fall=points.fall[index],
         code=points.code[index],
     )
 
@@ -105,34 +112,23 @@ def rates(
     fraction : ndarray, shape (m, 1) or (m, n)
         Where, as a fraction of K, inside (0, 1).
     careful : bool
-        Whether to compute g near phi_min by its difference from there, and to tell its round-off.
+        Whether to take g from where it is known best (`energy_left`).
 
     Returns
     -------
     Rates
     """
     phi, rise, gap = clock.nutation(fraction)
-    state = evaluate_potential(points.well, phi, gap)
+    state, g, noise = energy_left(points, phi, rise, gap, careful=careful)
     can = points.well.can
     S = state.sine
-    noise = np.zeros(0)
-    g = state.slope * gap
-    if careful:
-        noise = slope_noise(points.well, phi, gap, state) * gap
-        well = _from_below(points)
-        low_state = evaluate_potential(well, phi, -rise)
-        low_noise = slope_noise(well, phi, -rise, low_state) * rise
-        near = low_noise < noise
-        g = np.where(near, -low_state.slope * rise, g)
-        noise = np.where(near, low_noise, noise) / np.abs(g)
     outside = (phi + points.low) * ((clock.beyond - clock.high) + gap)
     room = S**2 * g / (rise * gap * outside)
     small = np.flatnonzero(points.well.poised & (points.swing < SHORT * points.high))
     if small.size:
         inside, lost = between(select_potential(points.well, small), rise[:, small], gap[:, small])
         room[:, small] = S[:, small] ** 2 * inside / outside[:, small]
-        if careful:
-            noise[:, small] = lost / np.abs(inside)
+        g[:, small], noise[:, small] = inside, lost
     time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(np.where(room > 0, room, np.nan))
     psi_dot = state.b / S**2
     return Rates(
@@ -141,52 +137,99 @@ def rates(
         total=state.spin * time,
         psi_dot=psi_dot,
         room=room,
-        noise=noise,
+        noise=noise / np.abs(g),
     )
+
+
+def energy_left(
+    points: TurningPoints, phi: Floats, rise: Floats, gap: Floats, *, careful: bool
+) -> tuple[PotentialState, Floats, Floats]:
+    """Return the state, g, and the round-off of g, at nutations of shape (m, n).
+
+    Parameters
+    ----------
+    points : TurningPoints
+    phi, rise, gap : ndarray, shape (m, n)
+        Nutation, and its distances from phi_min and phi_max.
+    careful : bool
+        Whether to refer g to phi_min and to the release as well as to phi_max, and to take it from
+        where it loses least: at phi_max and phi_min g is zero, at the release the energy is given.
+        Two that differ by more than round-off are no number: one of the two is no turning point.
+    """
+    state = evaluate_potential(points.well, phi, gap)
+    g = state.slope * gap
+    if not careful:
+        return state, g, np.zeros_like(g)
+    noise = energy_noise(points.well, phi, gap, state)
+    from_release = np.where(rise < gap, points.fall - rise, gap - points.climb)
+    for well, below in ((_from_below(points), -rise), (points.released, from_release)):
+        other = evaluate_potential(well, phi, below)
+        value = np.where(below == 0, well.excess, other.slope * below)
+        lost = energy_noise(well, phi, below, other)
+        value = np.where(np.abs(value - g) <= ALIKE * (noise + lost), value, np.nan)
+        g = np.where((lost < noise) | np.isnan(value), value, g)
+        noise = np.minimum(lost, noise)
+    return state, g, noise
 
 
 def _from_below(points: TurningPoints) -> EffectivePotential:
     """Return the wells, referred to phi_min."""
-    well = points.well
-    bottom = evaluate_potential(well, points.low[None], points.swing[None])
+    released, rests = points.released, points.fall == 0
+    bottom = evaluate_potential(released, points.low[None], points.fall[None])
     return effective_potential(
-        well.can,
-        well.series,
+        released.can,
+        released.series,
         phi=points.low,
-        b=bottom.b[0],
-        spin=bottom.spin[0],
+        # at the release itself its own values are exact
+        b=np.where(rests, released.b, bottom.b[0]),
+        spin=np.where(rests, released.spin, bottom.spin[0]),
         excess=np.zeros_like(points.low),
-        B=well.B,
-        short=well.short + points.swing,
+        B=released.B,
+        short=released.short + points.fall,
     )
 
 
-def cycle_integrals(points: TurningPoints, nodes: int) -> tuple[Floats, ...]:
+def cycle_integrals(points: TurningPoints, nodes: int, *, careful: bool) -> tuple[Floats, ...]:
     """Return period, turn, rotation, phi_min, phi_max, peak rate, each of shape (n,), and doubt.
 
     The nodes are doubled where they turn out too few. Doubt is 1, and the others mean nothing,
-    where g was not shown to be positive between the turning points, or the rule did not converge.
+    where g was not shown to be positive between the turning points, the rule did not converge, or,
+    of releases without care, g all but cancels near phi_min.
     """
     clock = elliptic_substitution(points)
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
-    found = rates(points, clock, fraction)
+    found = rates(points, clock, fraction, careful=careful)
     scale = 2 * clock.quarter / nodes
     period, turn, total = (
         scale * part.sum(axis=0) for part in (found.time, found.precession, found.total)
     )
     doubt = ~known_positive(found)
+    if not careful:
+        doubt |= _loses_digits(points, clock, found, fraction)
     rough = ~doubt & unresolved(found)
     values = [period, turn, total - turn, points.low, points.high, peak_rate(points, found)]
     if nodes < MOST_NODES:
         few = np.flatnonzero(rough)
         values.append(np.asarray(doubt, dtype=float))
         if few.size:
-            better = cycle_integrals(select_points(points, few), 2 * nodes)
+            better = cycle_integrals(select_points(points, few), 2 * nodes, careful=careful)
             for field, value in zip(values, better, strict=True):
                 field[few] = value
     else:
         values.append(np.asarray(doubt | rough, dtype=float))
     return tuple(np.array(value) for value in values)
+
+
+def _loses_digits(
+    points: TurningPoints, clock: EllipticSubstitution, found: Rates, fraction: Floats
+) -> NDArray[np.bool_]:
+    """Whether g, referred to phi_max, has lost digits where it is least or nearest to phi_min."""
+    least = np.where(found.room > 0, found.room, np.inf).argmin(axis=0)
+    at = np.stack([np.broadcast_to(fraction[0], least.shape), fraction[least, 0]])
+    phi, _, gap = clock.nutation(at)
+    state = evaluate_potential(points.well, phi, gap)
+    lost = energy_noise(points.well, phi, gap, state) / np.abs(state.slope * gap)
+    return np.asarray((lost > LOST).any(axis=0))
 
 
 def known_positive(found: Rates) -> NDArray[np.bool_]:

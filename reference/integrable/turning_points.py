@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.equations.nonholonomic import ROUND_OFFS
-from reference.integrable.brackets import first_brackets, stays_positive
+from reference.integrable.brackets import Brackets, first_brackets, stays_positive
 from reference.integrable.effective_potential import (
     EffectivePotential,
     effective_potential,
+    energy_noise,
     evaluate_potential,
     nutation_force,
     select_potential,
-    slope_noise,
 )
 from reference.numerics.chebyshev import to_coefficients
 from reference.numerics.rootfinding import bracketed_roots
@@ -45,24 +45,26 @@ class TurningPoints:
 
     Attributes
     ----------
-    well : Well
-        Referred to phi_max where there is one.
+    well, released : EffectivePotential
+        Referred to phi_max, where there is one, and to the release.
     low, high : ndarray
         phi_min and phi_max.
     swing : ndarray
         phi_max - phi_min, to relative round-off.
-    climb : ndarray
-        From the release up to phi_max, to relative round-off.
+    climb, fall : ndarray
+        From the release up to phi_max and down to phi_min, to relative round-off.
     code : ndarray of int
         Index into `OUTCOMES`; FINISHED where the can bounces, UNRESOLVED where round-off decides
         which root is the first.
     """
 
     well: EffectivePotential
+    released: EffectivePotential
     low: Floats
     high: Floats
     swing: Floats
     climb: Floats
+    fall: Floats
     code: NDArray[np.int8]
 
 
@@ -112,62 +114,45 @@ def turning_points(well: EffectivePotential, *, certain: bool) -> TurningPoints:
     )
     # a can that rests and rises is at its minimum
     rising = at_rest & ~still & ~falling
-    low, swing, bottom = release.copy(), climb.copy(), np.ones(release.shape, dtype=bool)
+    low, fall, bottom = release.copy(), np.zeros_like(release), np.ones(release.shape, dtype=bool)
     turning = np.flatnonzero(found & ~still & ~rising & decided)
     if turning.size:
-        low[turning], swing[turning], bottom[turning], decided[turning] = _lower(
-            select_potential(based, turning), certain=certain
+        low[turning], fall[turning], bottom[turning], decided[turning] = _lower(
+            select_potential(well, turning), certain=certain
         )
+    swing = climb + fall
     code = np.full(release.shape, OUTCOMES.index(Outcome.FINISHED), dtype=np.int8)
     code[~bottom] = OUTCOMES.index(Outcome.FELL_FLAT)
     code[found & bottom & (swing <= PROMINENCE * high)] = OUTCOMES.index(Outcome.STEADY)
     code[~found] = OUTCOMES.index(Outcome.OVERTURNED)
     code[~decided] = OUTCOMES.index(Outcome.UNRESOLVED)
     code[still] = OUTCOMES.index(Outcome.STEADY)
-    return TurningPoints(well=based, low=low, high=high, swing=swing, climb=climb, code=code)
+    return TurningPoints(
+        well=based,
+        released=well,
+        low=low,
+        high=high,
+        swing=swing,
+        climb=climb,
+        fall=fall,
+        code=code,
+    )
 
 
-def fall_below(well: EffectivePotential, points: TurningPoints) -> Floats:
-    """Distance from a moving release down to phi_min, to relative round-off, shape (n,).
-
-    Parameters
-    ----------
-    well : Well
-        Referred to the release, with its kinetic energy of nutation as `excess`.
-    points : TurningPoints
-    """
+def _fall(well: EffectivePotential, low: Floats) -> Floats:
+    """Distance from the reference down to the root of g, to relative round-off."""
     release = well.reference
-    fall = release - points.low
+    fall = release - low
     near = np.flatnonzero(fall < NEARBY * release)
     some = select_potential(well, near)
-
-    def g(below: Floats) -> Floats:
-        slope = evaluate_potential(some, (some.reference - below)[None], below[None]).slope[0]
-        return np.asarray(np.where(below == 0, some.excess, slope * below))
-
     # no farther than the rounding of phi_min: the next root may be near
     margin = MARGIN * np.spacing(release[near])
-    fall[near] = bracketed_roots(g, np.maximum(fall[near] - margin, 0.0), fall[near] + margin)
-    return fall
-
-
-def _swing(well: EffectivePotential, low: Floats) -> Floats:
-    """Distance from the reference down to the root of g, to relative round-off."""
-    swing = well.reference - low
-    near = np.flatnonzero(swing < NEARBY * well.reference)
-    some = select_potential(well, near)
-
-    def slope(below: Floats) -> Floats:
-        return np.asarray(
-            evaluate_potential(some, (some.reference - below)[None], below[None]).slope[0]
-        )
-
-    margin = MARGIN * np.spacing(some.reference)
-    least = BESIDE * some.reference
-    swing[near] = bracketed_roots(
-        slope, np.maximum(swing[near] - margin, least), swing[near] + margin
+    fall[near] = bracketed_roots(
+        lambda below: _left(some, (some.reference - below)[None], below[None], 1.0)[0],
+        np.maximum(fall[near] - margin, 0.0),
+        fall[near] + margin,
     )
-    return swing
+    return fall
 
 
 def _upper(
@@ -193,82 +178,82 @@ def _upper(
     unsure[open_] |= ~stays_positive(g[:, open_], to_coefficients(GRID + 1) @ g[:, open_])
     doubted = np.flatnonzero(unsure)
     if doubted.size:
-        some = select_potential(well, doubted)
-        height = some.reference
-
-        def above(which: NDArray[np.intp], phi: Floats) -> tuple[Floats, Floats]:
-            part = select_potential(some, which)
-            below = part.reference - phi
-            state = evaluate_potential(part, phi, below)
-            noise = slope_noise(part, phi, below, state)
-            moving = part.excess > 0
-            value = np.where(moving, state.slope * below, -state.slope)
-            return value, np.where(moving, noise * np.abs(below), noise)
-
-        bracket = first_brackets(above, height, np.full(height.shape, UPRIGHT))
+        height = release[doubted]
+        bracket = _first_of(select_potential(well, doubted), np.full(height.shape, UPRIGHT))
         found[doubted], decided[doubted] = bracket.found, bracket.decided
         left[doubted], right[doubted] = bracket.near - height, bracket.far - height
     root = bracketed_roots(lambda x: _above(well, x[None])[0], left, right)
     return np.asarray(np.where(found, root, UPRIGHT - release)), found, decided
 
 
-def _above(well: EffectivePotential, rise: Floats) -> Floats:
+def _left(well: EffectivePotential, phi: Floats, below: Floats, way: float) -> Floats:
     """G where the release moves, g over the distance where it rests, shape (m, n)."""
-    at = np.where(rise == 0, BESIDE * well.reference, rise)
-    slope = evaluate_potential(well, well.reference + at, -at).slope
-    moving = np.where(rise == 0, well.excess, -slope * at)
-    return np.asarray(np.where(well.excess == 0, -slope, moving))
+    rests = well.excess == 0
+    at = np.where((below == 0) & rests, way * BESIDE * well.reference, below)
+    slope = evaluate_potential(well, phi, at).slope
+    return np.asarray(np.where(rests, way * slope, np.where(at == 0, well.excess, slope * at)))
+
+
+def _above(well: EffectivePotential, rise: Floats) -> Floats:
+    """Likewise at distances above the release, shape (m, n)."""
+    return _left(well, well.reference + rise, -rise, -1.0)
+
+
+def _below(well: EffectivePotential, phi: Floats) -> Floats:
+    """Likewise at nutations that do not exceed the release, shape (m, n)."""
+    return _left(well, phi, well.reference - phi, 1.0)
 
 
 def _lower(
     well: EffectivePotential, *, certain: bool
 ) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-    """First root of g below the reference, its distance, if there is one, and if that is sure."""
-    high, B = well.reference, np.abs(well.B)
+    """First root of g below the release, its distance, if there is one, and if that is sure."""
+    release, B = well.reference, np.abs(well.B)
     turns = B > SMALLEST
-    floor = high / 2
+    floor = release / 2
     safe = np.where(turns, B, 1.0)
     # g is negative at the latest where the precession alone would take all the energy
     with np.errstate(over="ignore"):
         floor = np.minimum(floor, safe)
     for _ in range(60):
-        positive = turns & (_slope(well, floor) > 0)
+        positive = turns & (_below(well, floor[None])[0] > 0)
         if not positive.any():
             break
         floor = np.where(positive, floor / 8, floor)
     # without B the energy stays finite down to the flat state, and may yet be too little
-    floor = np.where(turns, floor, FLAT * high)
+    floor = np.where(turns, floor, FLAT * release)
     steps = np.linspace(0, 1, COARSE)[:, None]
-    phi = high * (floor / high) ** steps[1:]
-    negative = evaluate_potential(well, phi, high - phi).slope <= 0
-    first = negative.argmax(axis=0)
-    columns = np.arange(high.size)
-    right = np.where(first > 0, phi[first - 1, columns], high)
+    phi = release * (floor / release) ** steps[1:]
+    first = (_below(well, phi) <= 0).argmax(axis=0)
+    columns = np.arange(release.size)
+    right = np.where(first > 0, phi[first - 1, columns], release)
     left = phi[first, columns]
-    decided = np.ones(high.shape, dtype=bool)
+    decided = np.ones(release.shape, dtype=bool)
     # a can that rolls with a finite spin and no B: rare
     regular = ~turns & ((well.spin != 0) | (well.b != 0))
     doubted = np.flatnonzero(regular | certain)
     if doubted.size:
-        some = select_potential(well, doubted)
-
-        def slope_below(which: NDArray[np.intp], at: Floats) -> tuple[Floats, Floats]:
-            part = select_potential(some, which)
-            below = part.reference - at
-            state = evaluate_potential(part, at, below)
-            return state.slope, slope_noise(part, at, below, state)
-
-        bracket = first_brackets(slope_below, some.reference, floor[doubted])
+        bracket = _first_of(select_potential(well, doubted), floor[doubted])
         turns[doubted], decided[doubted] = bracket.found, bracket.decided
         left[doubted], right[doubted] = bracket.far, bracket.near
-    # the slope g/(r - phi) tends to -g'(r) at the reference: step off it by what a double resolves
-    right = np.minimum(right, high * (1 - 4 * np.finfo(float).eps))
     root = bracketed_roots(
-        lambda x: np.sin(x) ** 2 * _slope(well, x), np.minimum(left, right), right
+        lambda x: np.sin(x) ** 2 * _below(well, x[None])[0], np.minimum(left, right), right
     )
     low = np.where(turns, root, floor)
-    return low, _swing(well, low), turns, decided
+    return low, _fall(well, low), turns, decided
 
 
-def _slope(well: EffectivePotential, phi: Floats) -> Floats:
-    return np.asarray(evaluate_potential(well, phi[None], (well.reference - phi)[None]).slope[0])
+def _first_of(well: EffectivePotential, stop: Floats) -> Brackets:
+    """Bracket the first root of g between the release and another nutation."""
+    way = np.sign(stop - well.reference)
+
+    def left(which: NDArray[np.intp], phi: Floats) -> tuple[Floats, Floats]:
+        part = select_potential(well, which)
+        below = part.reference - phi
+        state = evaluate_potential(part, phi, below)
+        noise = energy_noise(part, phi, below, state)
+        moving = part.excess > 0
+        value = state.slope * np.where(moving, below, -way[which])
+        return value, np.where(moving, noise, noise / np.abs(below))
+
+    return first_brackets(left, well.reference, stop)

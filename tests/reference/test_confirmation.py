@@ -44,7 +44,8 @@ def forced(monkeypatch: pytest.MonkeyPatch) -> Forced:
 
 def lower(points: TurningPoints, by: float) -> TurningPoints:
     low = points.low * (1 - by)
-    return replace(points, low=low, swing=points.high - low)
+    fall = points.fall + by * points.low
+    return replace(points, low=low, fall=fall, swing=points.high - low)
 
 
 def ended(outcome: Outcome) -> Callable[[TurningPoints], TurningPoints]:
