@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
 from reference.equations.balancing_angle import short_of_balance
-from reference.integrable.frobenius import CanConstants, Series, horner
+from reference.integrable.frobenius import CanConstants, Series, evaluated, horner
 from reference.problem.states import Floats
 
 NEARLY_ALL = 0.75
@@ -189,12 +189,15 @@ def evaluate_potential(well: EffectivePotential, phi: Floats, below: Floats) -> 
     deep = share > NEARLY_ALL
     log = np.where(deep, np.log(phi / r), np.log1p(-np.minimum(share, NEARLY_ALL)))
     log *= well.B * can.residue
-    log_b = log * horner(well.series.b1, phi)
-    db = log_b - below * horner(well.quotient_b, phi)
+    b1, s1, quotient_b, quotient_s, part_b = evaluated(
+        (well.series.b1, well.series.s1, well.quotient_b, well.quotient_s, well.part_b), phi
+    )
+    log_b = log * b1
+    db = log_b - below * quotient_b
     # deep down b is the first integral and little else: there its own series, not a difference
-    b = np.where(deep, log_b + horner(well.part_b, phi), b_r + db)
+    b = np.where(deep, log_b + part_b, b_r + db)
     db = np.where(deep, b - b_r, db)
-    ds = log * horner(well.series.s1, phi) - below * horner(well.quotient_s, phi)
+    ds = log * s1 - below * quotient_s
     S_r, C_r, S = np.sin(r), np.cos(r), np.sin(phi)
     half = np.sin(below / 2)
     # chords of the circle, turned by half the way: no difference of near numbers
@@ -299,9 +302,10 @@ def _force_slope(well: EffectivePotential, down: Floats) -> tuple[Floats, Floats
 def _beside(well: EffectivePotential, phi: Floats, down: Floats) -> tuple[Floats, Floats]:
     """Return b and the spin at nutations a little below the reference, shape (m, n)."""
     log = np.log1p(-down / well.reference) * well.B * well.can.residue
-    db = log * horner(well.series.b1, phi) - down * horner(well.quotient_b, phi)
-    ds = log * horner(well.series.s1, phi) - down * horner(well.quotient_s, phi)
-    return well.b + db, well.spin + ds
+    b1, s1, quotient_b, quotient_s = evaluated(
+        (well.series.b1, well.series.s1, well.quotient_b, well.quotient_s), phi
+    )
+    return well.b + log * b1 - down * quotient_b, well.spin + log * s1 - down * quotient_s
 
 
 def _by_mean_force(
@@ -313,12 +317,11 @@ def _by_mean_force(
     fall = np.broadcast_to(below, kinetic.shape)[:, poised]
     beside = np.abs(fall) < BESIDE * some.reference
     reach = np.where(beside, fall, 0.0)
-    mean = np.zeros_like(reach)
-    for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
-        down = (node + 1) / 2 * reach
-        phi = some.reference - down
-        b, spin = _beside(some, phi, down)
-        mean += weight / 2 * _kinetic_force(some.can, b, spin, phi)
+    share = (GAUSS_NODES[:, None, None] + 1) / 2
+    down = (share * reach).reshape(-1, reach.shape[1])
+    phi = some.reference - down
+    force = _kinetic_force(some.can, *_beside(some, phi, down), phi)
+    mean = np.einsum("k,kmn->mn", GAUSS_WEIGHTS / 2, force.reshape(-1, *reach.shape))
     return np.asarray(np.where(beside, reach * mean, known))
 
 

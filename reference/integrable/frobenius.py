@@ -34,8 +34,10 @@ from reference.problem.states import Floats
 
 # At phi = pi/2 the terms fall like 2^-n, times a low power of n from the double pole at pi.
 MOST_TERMS = 72
-# Places of one polynomial up to which all its powers fit in a processor's cache.
-FEW = 512
+# Places of one polynomial up to which all its powers fit in a processor's cache, and a product with
+# them is too small for a library of linear algebra to share it among threads, on whose number the
+# last bits would depend.
+FEW = 120
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,17 +184,31 @@ def terms_needed(phi: float) -> int:
 
 
 def horner(coefficients: Floats, x: Floats) -> Floats:
-    """Value of polynomials, coefficients of shape (terms, ...) broadcast against x.
+    """Value of polynomials, coefficients of shape (terms, ...) broadcast against x."""
+    return evaluated((coefficients,), x)[0]
 
-    One polynomial at a few places is the sum of its terms, which is a product of two arrays.
+
+def evaluated(polynomials: tuple[Floats, ...], x: Floats) -> list[Floats]:
+    """Values of several polynomials at the same places, as by `horner`.
+
+    Single polynomials at a few places are sums of terms, which are one product of two arrays.
     """
-    if coefficients[0].size == 1 and 0 < x.size <= FEW:
-        powers = np.empty((coefficients.shape[0], x.size))
+    if 0 < x.size <= FEW and all(each[0].size == 1 for each in polynomials):
+        terms = max(len(each) for each in polynomials)
+        rows = np.zeros((len(polynomials), terms))
+        for row, each in zip(rows, polynomials, strict=True):
+            row[: len(each)] = each.ravel()
+        powers = np.empty((terms, x.size))
         powers[0] = 1.0
         powers[1:] = x.ravel()
         np.multiply.accumulate(powers, axis=0, out=powers)
-        shape = np.broadcast_shapes(coefficients.shape[1:], x.shape)
-        return np.asarray((coefficients.ravel() @ powers).reshape(shape))
+        # a scalar place is one of the polynomial's own shape
+        shape = x.shape or polynomials[0].shape[1:]
+        return [np.asarray(value.reshape(shape)) for value in rows @ powers]
+    return [_horner(each, x) for each in polynomials]
+
+
+def _horner(coefficients: Floats, x: Floats) -> Floats:
     value = np.asarray(coefficients[-1] * x)
     value += coefficients[-2]
     for row in coefficients[-3::-1]:

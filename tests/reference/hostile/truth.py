@@ -250,6 +250,17 @@ def _conditioning(numbers: dict[str, mp.mpf], truth: Truth) -> dict[str, float]:
     return {key: float(value) for key, value in changed.items()}
 
 
+def ulps_decide_the_ending(made: Made, truth: Truth, ulps: int) -> bool:
+    """Whether so many ulps of one of the numbers given make a bounce, or undo it."""
+    numbers = numbers_of(made)
+    for name, value in numbers.items():
+        for share in (2 * ulps * EPS, -2 * ulps * EPS) if value else ():
+            other = truth_of({**numbers, name: value * (1 + share)})
+            if (other.period is None) != (truth.period is None):
+                return True
+    return False
+
+
 def moved_by_an_ulp(made: Made, truth: Truth, enough: float) -> float:
     """Return by how much an ulp of each number moves the period, added up until it is enough.
 
