@@ -23,10 +23,10 @@ class Agreement:
         By how much, relative, an angle below 1 rad in rad; infinite where one method finds bounces
         and the other another ending.
     allowed : float
-        By how much it may, for round-off.
+        By how much it may, for round-off; of what allows the discrepancy, no more is added up.
     ulp : float
-        By how much one ulp of each number of the problem moves it, infinite if that decides how the
-        motion ends; looked at where fewer digits agree than are promised.
+        By how much one ulp of each number of the problem moves it, added up to `USEFUL`, infinite
+        if that decides how the motion ends; looked at where fewer digits agree than are promised.
     evaluations : int
         That the comparison took.
     """

@@ -13,8 +13,8 @@ so what it returns is, to within n roundings, the motion of numbers that are off
 
     n eps |f| + sum_i max |f(x_i (1 +- n eps)) - f(x_i)|,
 
-the differences taken by integration, infinite where a neighbour ends otherwise, and only where the
-first term is not enough. To it comes the share of the force on phi that is lost where its terms
+the differences taken by integration, infinite where a neighbour ends otherwise, and no more of them
+than are enough. To it comes the share of the force on phi that is lost where its terms
 cancel, at the extrema of phi: beside a steady motion no error of the x_i amounts to that.
 
 Three cases follow. The methods agree: the answer is the closed one. They part by more: one of them
@@ -136,17 +136,15 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
     evaluations = integrated.run.evaluations
     share = OPERATIONS * evaluations * EPS
     rounded = float(lost_of_force(integrated.run.track.extrema, short).max(initial=share))
-    allowed, near = dict.fromkeys(apart, share + rounded), []
-    if any(off > allowed[name] for name, off in apart.items()):
-        near = _near(integrated, share)
-        allowed = {name: share + rounded + _moved(name, integrated, near) for name in apart}
-        evaluations += _work(near)
+    near = _Neighbours(integrated, share)
+    allowed = {name: near.moved(name, off, share + rounded) for name, off in apart.items()}
+    evaluations += near.evaluations
     worst = max(apart, key=lambda name: _over(apart[name], allowed[name]))
     ulp = 0.0
     if apart[worst] > PROMISED:
-        near = _near(integrated, EPS)
-        ulp = _moved(worst, integrated, near)
-        evaluations += _work(near)
+        near = _Neighbours(integrated, EPS)
+        ulp = near.moved(worst, USEFUL)
+        evaluations += near.evaluations
     agreement = Agreement(
         quantity=worst,
         discrepancy=apart[worst],
@@ -155,7 +153,7 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
         evaluations=evaluations,
     )
     if not agreement.resolved:
-        motion = _up_to(problem, _parting(integrated, near), locus=locus)
+        motion = _up_to(problem, _parting(integrated, near.solved), locus=locus)
     elif agreement.holds and isinstance(path, ExactPath):
         motion = closed if problem == short else _closed(problem, path)
         return Confirmed(motion=motion, closed=True, agreement=agreement)
@@ -266,26 +264,50 @@ def _displacement(extrema: States) -> complex:
     return complex(np.diff(extrema.x)[-1], np.diff(extrema.y)[-1])
 
 
-def _near(own: Motion, share: float) -> list[list[Motion]]:
-    """Integrate the neighbours of a motion."""
-    locus = own.run.track.extrema.x is not None
-    return [
-        [_integrated(problem, locus=locus) for problem in beside]
-        for beside in neighbours(own.problem, share)
-    ]
+class _Neighbours:
+    """The neighbours of a motion by one share of each number, integrated as far as they are asked.
 
+    Attributes
+    ----------
+    solved : list of list of Motion
+        Those of the first numbers.
+    """
 
-def _work(near: Sequence[Sequence[Motion]]) -> int:
-    return sum(other.run.evaluations for beside in near for other in beside)
+    def __init__(self, own: Motion, share: float) -> None:
+        self.solved: list[list[Motion]] = []
+        self._own = own
+        self._rest = neighbours(own.problem, share)
 
+    @property
+    def evaluations(self) -> int:
+        """That their integration took."""
+        return sum(other.run.evaluations for beside in self.solved for other in beside)
 
-def _moved(name: str, own: Motion, near: Sequence[Sequence[Motion]]) -> float:
-    """Return by how much a quantity differs in the neighbours of each number, added up."""
-    total = 0.0
-    for beside in near:
-        apart = (_apart(other, own) for other in beside)
-        total += max(off.get(name, off.get(ENDING, 0.0)) for off in apart)
-    return total
+    def moved(self, name: str, enough: float, known: float = 0.0) -> float:
+        """Return by how much a quantity differs in the neighbours, added up until it is enough.
+
+        Parameters
+        ----------
+        name : str
+        enough : float
+            Below it a sum is complete.
+        known : float
+            What the sum begins with.
+        """
+        total, number = known, 0
+        while total < enough and (beside := self._beside(number)):
+            apart = (_apart(other, self._own) for other in beside)
+            total += max(off.get(name, off.get(ENDING, 0.0)) for off in apart)
+            number += 1
+        return total
+
+    def _beside(self, number: int) -> list[Motion]:
+        """Neighbours by one of the numbers; none beyond the last."""
+        if number == len(self.solved):
+            locus = self._own.run.track.extrema.x is not None
+            beside = next(self._rest, ())
+            self.solved.append([_integrated(problem, locus=locus) for problem in beside])
+        return self.solved[number]
 
 
 def _parting(own: Motion, near: Sequence[Sequence[Motion]]) -> float:

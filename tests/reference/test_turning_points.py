@@ -5,6 +5,10 @@ import pytest
 
 from reference import Outcome, exact_bounces
 from reference.integrable.brackets import first_brackets, stays_positive
+from reference.integrable.cycle import released_potential
+from reference.integrable.effective_potential import nutation_force
+from reference.integrable.frobenius import CanConstants, frobenius_series, lift
+from reference.integrable.turning_points import OUTCOMES, turning_points
 from reference.problem.states import Floats
 
 UPPER_WELL = {
@@ -23,6 +27,45 @@ def test_a_release_in_an_upper_well_stays_in_it() -> None:
     assert cycles.outcome(0) is Outcome.FINISHED
     assert cycles.phi_min[0] == pytest.approx(1.4638668898376, rel=1e-11)
     assert cycles.period[0] == pytest.approx(46.30751957, rel=1e-8)
+
+
+BESIDE_A_BARRIER = {
+    "a": 7.85944030336767,
+    "c": 9.93054264703082,
+    "h": 0.9529075306825475,
+    "phi": 1.1002121860593412,
+    "psi_dot": 0.3582285989643633,
+    "theta_dot": 0.0975590220140321,
+}
+
+
+def test_a_release_at_rest_beside_a_barrier_keeps_its_digits() -> None:
+    """It rises with 1e-4 of its weight; sixty digits of `tests.reference.hostile.truth`."""
+    cycles = exact_bounces(**BESIDE_A_BARRIER)
+    # an ulp of a number given changes the period by 4e-13 or less
+    assert cycles.period[0] == pytest.approx(115.4954713527583, rel=1e-12)
+
+
+FAST = 1e-4
+
+
+@pytest.mark.parametrize("phi_dot", [1e-12, -1e-12, FAST])
+def test_turning_points_of_a_moving_release(phi_dot: float) -> None:
+    """The climb and the fall of a release that hardly moves are too small for phi to hold."""
+    release = {**BESIDE_A_BARRIER, "phi_dot": phi_dot}
+    can = CanConstants(**{name: np.array(release.pop(name)) for name in "ach"})
+    series = lift(frobenius_series(can))
+    well = released_potential(
+        can, series, **{name: np.array([value]) for name, value in release.items()}
+    )
+    found = turning_points(well, certain=True)
+    assert OUTCOMES[found.code[0]] is Outcome.FINISHED
+    assert found.swing[0] == found.climb[0] + found.fall[0]
+    pull = float(nutation_force(can, well.b, well.spin, well.reference)[0])
+    assert pull > 0
+    # down to where the force has taken the energy: its slope takes a share of it
+    share = 0.2 if phi_dot == FAST else 1e-6
+    assert found.fall[0] == pytest.approx(float(well.excess[0] / pull), rel=share, abs=0.0)
 
 
 def quadratic(gap: float) -> tuple[Floats, Floats]:

@@ -38,8 +38,8 @@ def page(tally: Tally, count: int, seed: int) -> str:
         f'(`solve`), and held to the integration (`model="rolling"`). Two that part by more than '
         f"{AGREED:g} are held to what {ROUNDINGS:g} half ulps of the numbers given do to the "
         "integration, and what parts by more, every steady motion, every ending that not all three "
-        f"find, and every refusal, to sixty digits. An ending that these refute is a fault, unless {DECIDING} ulps "
-        "of a number given decide it."
+        "find, and every refusal, to sixty digits. An ending that these refute is a fault, unless "
+        f"{DECIDING} ulps of a number given decide it."
     )
     command = f"python -m tests.reference.hostile --count {count} --seed {seed}"
     lines = [

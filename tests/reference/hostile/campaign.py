@@ -159,7 +159,7 @@ def _judge(tally: Tally, release: Made, batch: Answer) -> None:
     apart = max((answer.parts(integrated) for answer in given.values()), default=0.0)
     allowed = AGREED
     if AGREED < apart < USEFUL:
-        allowed += moved_by_roundings(problem, integrated)
+        allowed += moved_by_roundings(problem, integrated, apart)
         family.conditioned += apart <= allowed
     if apart <= min(allowed, USEFUL):
         family.worst = max(family.worst, apart / allowed)
@@ -168,12 +168,14 @@ def _judge(tally: Tally, release: Made, batch: Answer) -> None:
     _by_sixty_digits(tally, release, given)
 
 
-def moved_by_roundings(problem: Problem, own: Answer) -> float:
-    """Return by how much so many roundings of each number move an answer, added up."""
-    return sum(
-        max(integrated_answer(other).parts(own) for other in beside)
-        for beside in neighbours(problem, ROUNDINGS * EPS / 2)
-    )
+def moved_by_roundings(problem: Problem, own: Answer, enough: float) -> float:
+    """Return by how much so many roundings of each number move an answer, added up to enough."""
+    total = 0.0
+    for beside in neighbours(problem, ROUNDINGS * EPS / 2):
+        if total >= enough:
+            break
+        total += max(integrated_answer(other).parts(own) for other in beside)
+    return total
 
 
 def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> None:
