@@ -134,8 +134,9 @@ def _judged(f: Sampled, which: NDArray[np.intp], x: Floats, y: Floats) -> _Verdi
     series = dct(values, axis=0) / NODES
     series[0] /= 2
     noise = noise.max(axis=0)
-    slope = derivative(NODES) @ series
-    bend = derivative(NODES) @ slope
+    # without a library of linear algebra, whose threads decide the last bits of many releases
+    slope = np.einsum("jk,kn->jn", derivative(NODES), series)
+    bend = np.einsum("jk,kn->jn", derivative(NODES), slope)
     weight = np.abs(series).max(axis=0) * np.finfo(float).eps
     keeps = _outweighs(series, noise) & (series[0] > 0)
     monotone = _outweighs(slope, MAGNIFIED * (weight + noise))

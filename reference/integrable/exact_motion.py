@@ -53,7 +53,18 @@ class Harmonics:
     def at(self, phase: Floats) -> Floats:
         """Value at u = phase K, shape of `phase`."""
         k = np.arange(1, self.waves.size + 1)
-        return np.asarray(self.slope * phase + np.sin(np.pi * phase[:, None] * k) @ self.waves)
+        return np.asarray(
+            self.slope * phase + summed(np.sin(np.pi * phase[:, None] * k), self.waves)
+        )
+
+
+def summed(waves: Floats, weights: Floats) -> Floats:
+    """Sum of waves of shape (m, k), in one order whatever the number of threads, shape (m,).
+
+    A library of linear algebra shares a large product among threads, on whose number its last bits
+    depend.
+    """
+    return np.asarray(np.einsum("mk,k->m", waves, weights))
 
 
 def harmonics_of(rate: Floats) -> Harmonics:
@@ -149,8 +160,8 @@ class ExactPath:
         for _ in range(MOST_ROUNDS):
             x, goal = phase[open_], wanted[open_]
             angle = np.pi * x[:, None] * k
-            excess = half * x + np.sin(angle) @ self.time.waves - goal
-            gradient = half + np.cos(angle) @ slopes
+            excess = half * x + summed(np.sin(angle), self.time.waves) - goal
+            gradient = half + summed(np.cos(angle), slopes)
             low[open_] = np.where(excess < 0, x, low[open_])
             high[open_] = np.where(excess > 0, x, high[open_])
             new = x - excess / np.where(gradient > 0, gradient, np.inf)
@@ -225,7 +236,7 @@ class ExactPath:
             waves[0] = np.exp(1j * rate[0] * at)
             waves[1:] = np.exp(1j * np.pi * at)
             np.multiply.accumulate(waves, axis=0, out=waves)
-            swift = weight @ np.delete(waves, slowest, axis=0) - weight.sum()
+            swift = np.einsum("k,km->m", weight, np.delete(waves, slowest, axis=0)) - weight.sum()
             # of the slowest the rate may be as good as zero
             half = at * (rate[slowest] / 2)
             slow = 1j * at * np.exp(1j * half) * np.sinc(half / np.pi)

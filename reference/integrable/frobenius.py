@@ -142,24 +142,31 @@ def frobenius_series(can: CanConstants, terms: int = MOST_TERMS) -> Series:
         for b, s, log_b, log_s in ((b1, s1, None, None), (b2, s2, b1, s1)):
             back = slice(n - 1, None, -1)
             head_b, head_s = b[:n], s[:n]
-            b[n] = kc * (sine[back] @ head_s) - kc * (tangent[back] @ head_b) - hk * b[n - 1]
+            b[n] = kc * _sum(sine[back], head_s) - kc * _sum(tangent[back], head_b) - hk * b[n - 1]
             if log_b is not None:
                 b[n] -= L * log_b[n]
             b[n] /= n
             full = b[: n + 1]
             down = slice(n, None, -1)
             s[n] = (
-                kc * (tangent[back] @ head_s)
+                kc * _sum(tangent[back], head_s)
                 + hk * s[n - 1]
-                + (quartic[down] @ full)
-                - ka * (cosecant[down] @ full)
-                - kc * (product[back] @ head_b)
-                - 2 * hk * (slope[back] @ head_b)
+                + _sum(quartic[down], full)
+                - ka * _sum(cosecant[down], full)
+                - kc * _sum(product[back], head_b)
+                - 2 * hk * _sum(slope[back], head_b)
             )
             if log_s is not None:
                 s[n] -= L * log_s[n]
             s[n] /= n
     return Series(b1=b1, s1=s1, b2=b2, s2=s2)
+
+
+def _sum(weights: Floats, terms: Floats) -> Floats:
+    """Weighted sum of terms, of many cans in an order that no number of threads decides."""
+    if terms.ndim == 1:
+        return np.asarray(weights @ terms)
+    return np.asarray(np.einsum("k,kn->n", weights, terms))
 
 
 @lru_cache(maxsize=64)

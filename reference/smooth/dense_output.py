@@ -101,12 +101,17 @@ class ElementsPath:
         """States at the given times, with the series of all of them side by side."""
         values, n = self.values, self.values.shape[2]
         step = np.clip(np.searchsorted(values[TIME, :, 0], times, side="right") - 1, 0, None)
-        coefficients = (values[:, step, :] @ to_coefficients(n).T).transpose(2, 0, 1)
-        x = _instant(coefficients[:, TIME], values[TIME, step], times)
+        used, which = np.unique(step, return_inverse=True)
+        # a product for each step: of all places together the last bits depend on their number, and
+        # on that of the threads among which a library of linear algebra shares so large a product
+        series = values[:, used].transpose(1, 0, 2) @ to_coefficients(n).T
+        slopes = series[:, TIME : TIME + 1] @ derivative(n).T
+        coefficients = series[which].transpose(2, 1, 0)
+        x = _instant(coefficients[:, TIME], slopes[which, 0].T, values[TIME, step], times)
         return _states(_series(coefficients, x))
 
 
-def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
+def _instant(coefficients: Floats, slope: Floats, node_times: Floats, times: Floats) -> Floats:
     """Solve t(x) = times on [-1, 1], each in its own step."""
     n = node_times.shape[1]
     nodes = points(n)
@@ -116,7 +121,6 @@ def _instant(coefficients: Floats, node_times: Floats, times: Floats) -> Floats:
     t_low, t_high = node_times[rows, place], node_times[rows, place + 1]
     width = np.where(t_high > t_low, t_high - t_low, 1.0)
     x = low + (high - low) * np.clip((times - t_low) / width, 0, 1)
-    slope = _derivative(coefficients)
     both = np.stack([coefficients, slope], axis=1)
     # what round-off leaves of the time, and of the sum of a series: below it a step means nothing
     noise = np.maximum(np.spacing(times), np.finfo(float).eps * np.abs(coefficients).sum(axis=0))
@@ -139,11 +143,6 @@ def _series(coefficients: Floats, x: Floats) -> Floats:
     if x.size > FEW:
         return clenshaw(coefficients, x)
     return np.asarray(np.einsum("k...n,kn->...n", coefficients, waves(coefficients.shape[0], x)))
-
-
-def _derivative(coefficients: Floats) -> Floats:
-    """Chebyshev coefficients of the derivative, terms along the first axis."""
-    return np.asarray(np.tensordot(derivative(coefficients.shape[0]), coefficients, axes=1))
 
 
 def _states(values: Floats) -> States:

@@ -5,6 +5,7 @@ The forty-digit values are of golden/make_golden.py, as those of tests/reference
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import mpmath as mp
@@ -76,6 +77,54 @@ def test_a_release_that_hardly_moves_is_a_moment_from_its_turning_point(phi_dot:
     pull = still.at(np.array([1e-4])).phi_dot[0] / 1e-4
     # phi'' changes by a share of 1e-8 in that time
     assert moving.minima[0] - still.minima[0] == pytest.approx(-phi_dot / pull, rel=1e-4)
+
+
+def test_a_release_that_falls_past_a_barrier_comes_back_over_it() -> None:
+    """It starts 3e-24 of energy above the barrier, which round-off at the bottom would bury."""
+    can = Parameters(a=0.3932274030684801, c=0.4248707810152624, h=0.04180944140173747)
+    problem = Problem(
+        parameters=can,
+        phi=1.480526840722708,
+        phi_dot=-1.931863527791174e-12,
+        psi_dot=0.8414955978119175,
+        theta_dot=-0.07087381865823705,
+        bounces=2,
+    )
+    found = solve(problem)
+    # sixty digits: there is no maximum below pi/2
+    assert found.outcome is Outcome.OVERTURNED
+    assert found.agreement is not None
+    assert found.agreement.holds
+
+
+@pytest.mark.parametrize("phi_dot", [-2.0, -0.9])
+def test_a_motion_with_one_extremum_goes_back_on_its_own_way(phi_dot: float) -> None:
+    problem = Problem(
+        parameters=Parameters(a=0.3, c=0.5, h=1.0),
+        phi=0.7,
+        phi_dot=phi_dot,
+        psi=0.4,
+        theta=0.3,
+        psi_dot=0.3,
+        theta_dot=-0.2,
+        bounces=1,
+    )
+    whole, marched = (
+        solve(problem, model="rolling", method=method, outputs={"contact_locus"})
+        for method in ("regular", "marching")
+    )
+    assert whole.outcome is marched.outcome is Outcome.OVERTURNED
+    assert whole.t_end == pytest.approx(marched.t_end, rel=1e-13)
+    assert whole.minima == pytest.approx(marched.minima, rel=1e-13)
+    short = replace(problem, bounces=None, duration=0.9 * whole.t_end)
+    cut = solve(short, model="rolling", outputs={"contact_locus"})
+    assert (cut.outcome, cut.t_end) == (Outcome.FINISHED, short.duration)
+    times = np.linspace(0.0, cut.t_end, 100)
+    here, there, part = (solution.at(times) for solution in (whole, marched, cut))
+    for name in ("phi", "phi_dot", "psi", "theta", "x", "y"):
+        for other in (there, part):
+            # round-off of rates of order ten
+            assert np.abs(getattr(here, name) - getattr(other, name)).max() < 1e-12, name
 
 
 def test_marching_comes_back_without_the_mirror() -> None:
