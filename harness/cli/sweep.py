@@ -22,12 +22,8 @@ from harness.execution.limits import Limits, default_limits
 from harness.execution.signals import Interrupted
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
-from harness.sweep.axes import read_axis
-from harness.sweep.folder import Folder, opened
+from harness.sweep import Folder, Partition, SweepPlan, opened, plan_sweep, read_axis, run_sweep
 from harness.sweep.overview import Overview, overview, sweep_report
-from harness.sweep.partition import Partition
-from harness.sweep.plan import SweepPlan, plan_sweep
-from harness.sweep.run import run_sweep as carry_out
 from models.catalogue import load
 
 REPORT = "report"
@@ -150,7 +146,7 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
                 bar.update(task, completed=done)
 
             window = jobs + 1 if isinstance(executor, ThreadPoolExecutor) else None
-            carry_out(folder, executor, show, window=window)
+            run_sweep(folder, executor, show, window=window)
     except (KeyboardInterrupt, Interrupted, HarnessError) as error:
         error.add_note(f"{chosen.rows - left + done} of {chosen.rows} scenes are written.")
         raise

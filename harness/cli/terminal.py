@@ -5,7 +5,6 @@ Single files that a command writes: whole or not at all, and never over a folder
 
 import math
 import os
-import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -25,6 +24,7 @@ from harness.core.errors import OutputError
 from harness.core.report_model import Table as Data
 from harness.core.simulation import ParityRow
 from harness.engines.reference.assumption_checks import PARTED
+from harness.execution.atomic_write import write_atomically
 from harness.metrics.motion import Motion, motion_frame
 
 _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
@@ -205,17 +205,7 @@ def write_bytes(content: bytes, out: Path) -> None:
     OutputError
         If the file cannot be written.
     """
-    draft = None
     try:
-        with tempfile.NamedTemporaryFile(
-            dir=out.absolute().parent, prefix=f".{out.name}.", delete=False
-        ) as file:
-            draft = Path(file.name)
-            file.write(content)
-        draft.chmod(0o644)  # a temporary file is for its owner only
-        draft.replace(out)
+        write_atomically(out.absolute(), content)
     except OSError as error:
         raise OutputError(f"cannot write '{out}': {error.strerror or error}") from error
-    finally:
-        if draft is not None:
-            draft.unlink(missing_ok=True)

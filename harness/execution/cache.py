@@ -26,7 +26,7 @@ import psutil
 
 from harness.core.errors import OutputError, StoreError
 from harness.execution.atomic_write import write_atomically
-from harness.execution.cache_entry import Entry, Metadata, read_entry, write_entry
+from harness.execution.cache_entry import CacheEntry, Metadata, read_entry, write_entry
 from harness.execution.signals import delay_signals
 
 DRAFTS, ASIDE, JOURNAL = "drafts", "aside", "journal.jsonl"
@@ -93,7 +93,7 @@ class CacheFolder:
             self.reject(kind, key, str(error))
             return None
 
-    def read(self, kind: str, key: str) -> Entry:
+    def read(self, kind: str, key: str) -> CacheEntry:
         """Return an entry; its `value` is what is kept.
 
         Raises

@@ -185,7 +185,7 @@ class Metadata:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Entry:
+class CacheEntry:
     """An entry as it was read: where it comes from checked, its arrays not yet.
 
     Parameters
@@ -255,7 +255,7 @@ def _planes(array: NDArray[Any]) -> bytes:
     return np.frombuffer(array.tobytes(), np.uint8).reshape(-1, array.itemsize).T.tobytes()
 
 
-def read_entry(content: bytes, kind: str, key: str) -> Entry:
+def read_entry(content: bytes, kind: str, key: str) -> CacheEntry:
     """Return an entry from its file.
 
     Raises
@@ -275,7 +275,7 @@ def read_entry(content: bytes, kind: str, key: str) -> Entry:
             raise StoreError("it is the entry of another case")
         if told["arrays"]["bytes"] != len(arrays):
             raise StoreError("its arrays are cut short")
-        return Entry(
+        return CacheEntry(
             metadata=Metadata(**Decoder().decode(told["about"])),
             encoded=told["result"],
             arrays=arrays,

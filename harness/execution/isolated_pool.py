@@ -25,7 +25,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from harness.execution.limits import NO_LIMITS, Limits, default_limits
 from harness.execution.signals import SIGNALS
-from harness.execution.worker import Worker, of_stop, of_want
+from harness.execution.worker import Loss, LostTaskError, Worker, run_stopped
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -159,11 +159,12 @@ class IsolatedProcessPool(Executor):
         """Return a new worker, unless all is being stopped."""
         with self._lock:
             if self._stopping:
-                raise of_stop()
+                raise run_stopped()
             try:
                 worker = Worker(self.limits, self._imports)
             except OSError as error:
-                raise of_want(error) from error
+                reason = f"never begun: no process can be started: {error}"
+                raise LostTaskError(Loss.STOPPED, reason) from error
             self._running.add(worker)
         return worker
 

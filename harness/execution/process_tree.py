@@ -1,8 +1,8 @@
 """A worker and what it started: weighed together, and ended together.
 
 A worker leads a process group of its own, which its children are in unless they leave it; those
-that left are known by their parents. Linux lists both; elsewhere the worker and its group alone are
-ended. What left the group and whose parent has ended is not known here: it outlives the worker.
+that left are known by their parents. What left the group and whose parent has ended is not known
+here: it outlives the worker.
 """
 
 import os
@@ -10,11 +10,8 @@ import signal
 import threading
 import time
 from contextlib import suppress
-from pathlib import Path
 
-_PROCESSES = Path("/proc")
-
-_PAGE = os.sysconf("SC_PAGE_SIZE")
+import psutil
 
 _FRESH = 0.5
 """s for which a list of all processes is used again: making one takes some milliseconds."""
@@ -22,25 +19,8 @@ _FRESH = 0.5
 _Relations = dict[int, tuple[int, int]]
 """Parent and group of each process."""
 
-
-class _Listing:
-    """The list of all processes, one for all threads that ask."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._read = -_FRESH
-        self._found: _Relations = {}
-
-    def no_older(self, seconds: float) -> _Relations:
-        """Return a list that was made at most so long ago."""
-        with self._lock:
-            if time.monotonic() - self._read >= seconds:
-                self._found = _relations()
-                self._read = time.monotonic()
-            return self._found
-
-
-_listing = _Listing()
+_lock = threading.Lock()
+_listed: tuple[float, _Relations] = (-_FRESH, {})
 
 
 def used(leader: int, limit: float) -> int:
@@ -49,12 +29,12 @@ def used(leader: int, limit: float) -> int:
     What they share is counted once, which takes longer to find out: only where the simple sum of
     what is resident exceeds the limit.
     """
-    own = _resident(leader)
+    own = _memory(leader)
     others = _family(leader, _FRESH) - {leader}
-    simple = own + sum(map(_resident, others))
+    simple = own + sum(map(_memory, others))
     if not others or simple <= limit:
         return simple
-    return sum(map(_share, {leader} | others))
+    return sum(_memory(process, share=True) for process in {leader} | others)
 
 
 def end(leader: int) -> None:
@@ -73,7 +53,7 @@ def end(leader: int) -> None:
 
 def _family(leader: int, age: float) -> set[int]:
     """Return who is in the group that a process leads, or descends from one who is."""
-    relations = _listing.no_older(age)
+    relations = _relations(age)
     found = {process for process, (_, group) in relations.items() if group == leader}
     new = found | {leader}
     while new:
@@ -82,34 +62,29 @@ def _family(leader: int, age: float) -> set[int]:
     return found
 
 
-def _relations() -> _Relations:
-    """Return parent and group of every process, as the system lists them.
+def _relations(age: float) -> _Relations:
+    """Return parent and group of every process, as they were at most `age` seconds ago.
 
     A program that has no file left to open reads nothing; it ends a worker and its group even so.
     """
-    found = {}
-    with suppress(OSError):
-        for place in _PROCESSES.glob("[0-9]*"):
-            with suppress(OSError):  # it has gone meanwhile
-                # after the name, which may hold anything: state, parent, group
-                words = (place / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
-                found[int(place.name)] = int(words[1]), int(words[2])
-    return found
+    global _listed  # noqa: PLW0603 - one list for all threads that ask
+    with _lock:
+        if time.monotonic() - _listed[0] >= age:
+            found = {}
+            with suppress(OSError, psutil.Error):
+                for process in psutil.process_iter():
+                    with suppress(OSError, psutil.Error):  # it has gone meanwhile
+                        found[process.pid] = process.ppid(), os.getpgid(process.pid)
+            _listed = time.monotonic(), found
+        return _listed[1]
 
 
-def _resident(process: int) -> int:
-    """Return the bytes that a process has in memory; zero if it is gone."""
-    with suppress(OSError):
-        told = (_PROCESSES / str(process) / "statm").read_text("ascii")
-        return int(told.split()[1]) * _PAGE
+def _memory(process: int, *, share: bool = False) -> int:
+    """Return the bytes that a process has in memory, or its share of them; zero if it is gone."""
+    with suppress(OSError, psutil.Error):
+        known = psutil.Process(process)
+        if share:
+            with suppress(OSError, psutil.Error, AttributeError):  # where it is not to be known
+                return int(known.memory_full_info().pss)
+        return int(known.memory_info().rss)
     return 0
-
-
-def _share(process: int) -> int:
-    """Return the bytes that a process has in memory, of what it shares with others its part."""
-    with suppress(OSError):
-        told = (_PROCESSES / str(process) / "smaps_rollup").read_text("ascii", "replace")
-        for line in told.splitlines():
-            if line.startswith("Pss:"):
-                return int(line.split()[1]) * 1024
-    return _resident(process)

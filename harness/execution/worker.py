@@ -48,7 +48,7 @@ class LostTaskError(BrokenExecutor):
         return self.reason
 
 
-_WORDS = {
+_FAULTS = {
     signal.SIGSEGV: "segmentation fault",
     signal.SIGBUS: "bus error",
     signal.SIGABRT: "abort",
@@ -61,45 +61,17 @@ def of_exit(code: int) -> LostTaskError:
     """Return what the exit code of a worker says that died by itself, as `subprocess` has it."""
     if code >= 0:
         return LostTaskError(Loss.CRASHED, f"killed: the engine left its process with code {code}")
-    number = -code
-    name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
-    if number in _WORDS:
-        return LostTaskError(Loss.CRASHED, f"killed: {name}, {_WORDS[signal.Signals(number)]}")
-    if number == signal.SIGKILL:
-        return LostTaskError(
-            Loss.STOPPED,
-            "killed: SIGKILL from outside, as the system does when its memory runs out",
-        )
-    return LostTaskError(Loss.STOPPED, f"killed: {name} from outside")
+    known = {number.value: number for number in signal.Signals}.get(-code)
+    name = f"signal {-code}" if known is None else known.name
+    if known is not None and known in _FAULTS:
+        return LostTaskError(Loss.CRASHED, f"killed: {name}, {_FAULTS[known]}")
+    more = ", as the system does when its memory runs out" if known is signal.SIGKILL else ""
+    return LostTaskError(Loss.STOPPED, f"killed: {name} from outside{more}")
 
 
-def of_silence() -> LostTaskError:
-    """Return that a worker was ended because it could not answer any more."""
-    return LostTaskError(
-        Loss.CRASHED, "killed: the engine closed its process's connection to the run"
-    )
-
-
-def of_stop() -> LostTaskError:
+def run_stopped() -> LostTaskError:
     """Return that a worker was ended because the run was."""
     return LostTaskError(Loss.STOPPED, "killed: the run was stopped")
-
-
-def of_want(error: OSError) -> LostTaskError:
-    """Return that the system has no process, memory or file left to begin with."""
-    return LostTaskError(Loss.STOPPED, f"never begun: no process can be started: {error}")
-
-
-def of_time(seconds: float) -> LostTaskError:
-    """Return that a task was stopped for its time."""
-    return LostTaskError(Loss.HUNG, f"killed: it ran longer than the {seconds:g} s allowed")
-
-
-def of_memory(most: float) -> LostTaskError:
-    """Return that a task was stopped for its memory."""
-    return LostTaskError(
-        Loss.OUT_OF_MEMORY, f"killed: it used more than the {most / 2**30:.3g} GiB allowed"
-    )
 
 
 _TICK = 0.05
@@ -194,10 +166,12 @@ class Worker:
             return self._silenced()
         if seconds > limits.seconds:
             self.stop()
-            return of_time(limits.seconds)
+            reason = f"killed: it ran longer than the {limits.seconds:g} s allowed"
+            return LostTaskError(Loss.HUNG, reason)
         if not math.isinf(limits.memory) and used(self._process.pid, limits.memory) > limits.memory:
             self.stop()
-            return of_memory(limits.memory)
+            reason = f"killed: it used more than the {limits.memory / 2**30:.3g} GiB allowed"
+            return LostTaskError(Loss.OUT_OF_MEMORY, reason)
         return None
 
     def _silenced(self) -> LostTaskError:
@@ -208,8 +182,9 @@ class Worker:
         closed = not self._has_ended()
         code = self.stop()
         if closed:
-            return of_silence()
-        return of_stop() if self._stopped else of_exit(code)
+            reason = "killed: the engine closed its process's connection to the run"
+            return LostTaskError(Loss.CRASHED, reason)
+        return run_stopped() if self._stopped else of_exit(code)
 
     def _has_ended(self) -> bool:
         """Whether the process has ended; it is not waited for, and so keeps its number."""

@@ -8,13 +8,13 @@ What wrong use of the gate raises.
 import json
 import math
 import os
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from harness.core.errors import HarnessError, OutputError
+from harness.execution.atomic_write import write_atomically
 from harness.gate.scores import Score, Scores, told_identity
 from harness.gate.spread import SIZES
 from harness.metrics.quantities import Number
@@ -43,24 +43,15 @@ def write_baseline(scores: Scores, folder: Path) -> Path:
     OutputError
         If it cannot be written.
     """
-    path, draft = folder / FILE, None
+    path = folder / FILE
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=f".{FILE}.", delete=False) as file:
-            draft = Path(file.name)
-            file.write(_text(scores).encode())
-            file.flush()
-            os.fsync(file.fileno())
-        draft.chmod(0o644)  # a temporary file is for its owner only
-        draft.replace(path)
+        write_atomically(path, _text(scores).encode())
     except OSError as error:
         raise OutputError(
             f"cannot write accepted results to '{path}': {error.strerror or error}; "
             "name a folder that you may write to with --baseline"
         ) from error
-    finally:
-        if draft is not None:
-            draft.unlink(missing_ok=True)
     return path
 
 

@@ -16,7 +16,7 @@ from harness.execution.cache import (
     inspect_cache,
     prune_cache,
 )
-from harness.execution.cache_entry import Entry
+from harness.execution.cache_entry import CacheEntry
 from tests.harness.store.test_store import KEY, content, put
 
 OTHER = KEY[:-2] + "cd"
@@ -54,7 +54,7 @@ def test_an_entry_that_goes_while_it_is_looked_at_is_none(
     path = put(store, OTHER)
     usual = CacheFolder.read
 
-    def read(self: CacheFolder, kind: str, key: str) -> Entry:
+    def read(self: CacheFolder, kind: str, key: str) -> CacheEntry:
         if key == OTHER:
             path.unlink()
         return usual(self, kind, key)
