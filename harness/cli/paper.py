@@ -13,7 +13,7 @@ from harness.cli import terminal
 from harness.cli.terminal import write_text
 from harness.core.errors import HarnessError, OutputError
 from harness.core.provenance import provenance
-from harness.paper.audit.tables import audit_table, audit_words, counts, markdown
+from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
 from harness.paper.gallery.figures import ABOUT, FIGURES
 from harness.paper.gallery.figures import gallery as draw
 from harness.report.atomic_folder import check_writable
@@ -24,7 +24,7 @@ from harness.report.write import write_chapters, write_report
 
 if TYPE_CHECKING:
     from harness.core.report_model import Figure, Prose
-    from harness.paper.audit.finding import AuditRow
+    from harness.paper.audit import AuditRow
 
 
 class MissingMathematicsError(HarnessError, ImportError):
@@ -50,28 +50,26 @@ def audit(
     try:
         # here and not above: sympy and mpmath are an extra, and every other command does without
         from harness.paper.audit.run import audit as run  # noqa: PLC0415
-        from harness.paper.audit.run import claims  # noqa: PLC0415
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
     _make(out)
     if page is not None:
         check_writable(page)
-    chosen = claims()
-    findings: list[AuditRow] = []
+    rows: list[AuditRow] = []
     with terminal.progress_bar() as bar:
-        task = bar.add_task("reading the paper", total=len(chosen))
-        for finding in run(chosen, lambda claim: bar.update(task, description=claim.label)):
-            findings.append(finding)
+        task = bar.add_task("reading the paper", total=len(CLAIMS))
+        for row in run(CLAIMS, lambda claim: bar.update(task, description=claim.label)):
+            rows.append(row)
             bar.advance(task)
-    write_text(markdown(findings), out / "audit.md")
-    write_text(csv_text(audit_table(findings)), out / "audit.csv")
+    write_text(markdown(rows), out / "audit.md")
+    write_text(csv_text(audit_table(rows)), out / "audit.csv")
     if page is not None:
-        told = (audit_words(findings), audit_table(findings))
+        told = (audit_words(rows), audit_table(rows))
         title = "Audit of the paper"
         write_report(told, page, title=title, cases=(), provenance=provenance())
-    rows = [(verdict.value, number) for verdict, number in counts(findings).items()]
+    numbers = [(status.value, number) for status, number in counts(rows).items()]
     console = terminal.stdout_console()
-    console.print(terminal.table("Audit of the paper", ("verdict", "claims"), rows))
+    console.print(terminal.table("Audit of the paper", ("verdict", "claims"), numbers))
     console.print(f"\nEvery claim: {out / 'audit.md'}")
 
 

@@ -1,20 +1,136 @@
-"""Kinds of evidence, and the verdict each comes to.
+"""Which check decides which claim, the kinds of evidence, and the verdict each comes to.
 
 Every kind holds the claim as data in `printed`, so that the same check can be run on another
 claim: `mutations` gives evidence about wrong ones, which it must refuse, and `as_corrected`
-evidence about the right one, which it must accept.
+evidence about the right one, which it must accept. A mutation of a form changes one place: the sign
+or the coefficient of one term, one power, one entry.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from functools import partial
+from typing import Any, Protocol, Self, TypeVar
 
 import mpmath as mp
+import sympy as sp
 
-from harness.paper.audit.finding import WRONG, ClaimStatus, Ruling
-from harness.paper.audit.mutations import mutated
-from harness.paper.audit.registry import Evidence
+from harness.paper.audit.claims import WRONG, ClaimStatus, Ruling
 from harness.paper.audit.symbols import ZERO, Expr, disagreement, vanishes
+
+
+class Evidence(Protocol):
+    """What a check computes; from it, and from nothing else, comes the verdict."""
+
+    def ruling(self) -> Ruling:
+        """Return what the evidence comes to."""
+        ...
+
+    def mutations(self) -> "Iterator[Evidence]":
+        """Return the same evidence about wrong claims, each of which it has to refuse."""
+        ...
+
+    def as_corrected(self) -> "Evidence":
+        """Return the same evidence about the right claim: itself, where the printed one is."""
+        ...
+
+
+AnyCheck = TypeVar("AnyCheck", bound=Callable[..., Evidence])
+_CHECKS: dict[str, Callable[[], Evidence]] = {}
+_NAMES: dict[str, str] = {}
+
+
+def check(label: str, *arguments: object) -> Callable[[AnyCheck], AnyCheck]:
+    """Register a function as the check of a claim.
+
+    Parameters
+    ----------
+    label : str
+        Of the claim.
+    arguments : object
+        What the function is called with: claims that differ in these alone share it.
+
+    Raises
+    ------
+    ValueError
+        If the label has a check already.
+    """
+    return check_each({label: arguments})
+
+
+def check_each(arguments: Mapping[str, tuple[Any, ...]]) -> Callable[[AnyCheck], AnyCheck]:
+    """Register a function as the check of several claims, by label what it is called with."""
+
+    def register(function: AnyCheck) -> AnyCheck:
+        for label, values in arguments.items():
+            if label in _CHECKS:
+                raise ValueError(f"'{label}' has two checks")
+            _CHECKS[label] = partial(function, *values)
+            _NAMES[label] = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+        return function
+
+    return register
+
+
+def check_of(label: str) -> Callable[[], Evidence]:
+    """Return the check of a claim."""
+    return _CHECKS[label]
+
+
+def name_of(label: str) -> str:
+    """Return module and function of a claim's check."""
+    return _NAMES[label]
+
+
+def labels_with_checks() -> frozenset[str]:
+    """Return the labels of the claims that have a check."""
+    return frozenset(_CHECKS)
+
+
+MOST = 6
+"""Mutations kept of a form, spread over it: each costs an evaluation to forty digits."""
+
+
+def mutated(form: Expr) -> list[Expr]:
+    """Return forms that differ from a form in one place, at most `MOST`.
+
+    Parameters
+    ----------
+    form : Expr
+        An expression or a matrix of expressions, in which every entry is mutated in turn.
+    """
+    if isinstance(form, sp.MatrixBase):
+        everywhere = (x for place in range(len(form)) for x in _with_entry(form, place))
+        return _spread(list(everywhere), form)
+    return _spread(list(_in_one_place(sp.sympify(form))), form)
+
+
+def _with_entry(form: Expr, place: int) -> Iterator[Expr]:
+    for entry in mutated(form[place]):
+        other = form.as_mutable()
+        other[place] = entry
+        yield other
+
+
+def _in_one_place(form: Expr) -> Iterator[Expr]:
+    if form.is_zero:
+        yield sp.Integer(1)
+        return
+    yield -form
+    yield 2 * form
+    for node in sp.preorder_traversal(form, keys=True):
+        if node.is_Add:
+            for term in node.args:
+                yield form.xreplace({node: node - 2 * term})
+                yield form.xreplace({node: node + term})
+        elif node.is_Pow and node.exp.is_Integer:
+            yield form.xreplace({node: node * node.base})
+
+
+def _spread(found: list[Expr], form: Expr) -> list[Expr]:
+    """Keep at most `MOST`, evenly over the list, and none that equals the form."""
+    step = max(1, -(-len(found) // MOST))
+    return [x for x in found[::step] if disagreement(x, form) >= ZERO]
+
 
 RATE_SLACK = 0.15
 """What a logarithm in a remainder takes off an observed rate at the parameters used here."""
@@ -39,10 +155,6 @@ class IdentityEvidence:
         form itself if left out.
     corrected : Expr or None
         The printed form put right.
-    correct : str
-        That form in words for the table.
-    wrong : Verdict
-        Which verdict it is that `corrected` holds in place of `printed`.
     others : sequence of Expr
         Wrong claims; if left out those of `mutations.mutated`.
     """
@@ -53,7 +165,6 @@ class IdentityEvidence:
     compared: Callable[[Expr], Expr] | None = None
     corrected: Expr | None = None
     correct: str = ""
-    wrong: ClaimStatus = ClaimStatus.FALSE
     others: Sequence[Expr] = ()
 
     def ruling(self) -> Ruling:
@@ -61,18 +172,18 @@ class IdentityEvidence:
         same, gap = self._compare(self.printed)
         if same:
             return Ruling(
-                verdict=ClaimStatus.HOLDS,
+                status=ClaimStatus.HOLDS,
                 correct="",
                 how=f"sympy: residual against {self.source} is 0; 40 digits: {digits(gap, 2)}",
             )
         how = f"40 digits: relative residual against {self.source} {digits(gap, 2)}"
-        verdict = ClaimStatus.INCONSISTENT
+        status = ClaimStatus.INCONSISTENT
         if self.corrected is not None:
             right, left = self._compare(self.corrected)
             if right:
-                verdict = self.wrong
+                status = ClaimStatus.FALSE
                 how += f"; with the correct form {digits(left, 2)}, and sympy: 0"
-        return Ruling(verdict=verdict, correct=self.correct, how=how)
+        return Ruling(status=status, correct=self.correct, how=how)
 
     def mutations(self) -> Iterator[Self]:
         """Return evidence about wrong claims."""
@@ -110,8 +221,8 @@ class Rate:
         Two small values between which the power is observed.
     source : str
         What the printed form is compared with.
-    corrected, correct, wrong, others
-        As of `Identity`.
+    corrected, correct, others
+        As of `IdentityEvidence`.
     corrected_to : float or None
         The power that should be stated, where that is another.
     """
@@ -124,7 +235,6 @@ class Rate:
     corrected: Any = None
     corrected_to: float | None = None
     correct: str = ""
-    wrong: ClaimStatus = ClaimStatus.FALSE
     others: Sequence[Any] = ()
 
     def ruling(self) -> Ruling:
@@ -132,13 +242,13 @@ class Rate:
         rate = self._observed()
         how = f"against {self.source}: observed rate {digits(rate, 3)}, stated {self.stated:g}"
         if rate > self.stated - RATE_SLACK:
-            return Ruling(verdict=ClaimStatus.TO_ORDER, correct="", how=how)
-        verdict, right = ClaimStatus.INCONSISTENT, self.as_corrected()
+            return Ruling(status=ClaimStatus.TO_ORDER, how=how)
+        status, right = ClaimStatus.INCONSISTENT, self.as_corrected()
         mended = right._observed()  # noqa: SLF001 - of the same class
         if mended > right.stated - RATE_SLACK:
-            verdict = self.wrong
+            status = ClaimStatus.FALSE
             how += f"; with the correct form {digits(mended, 3)}"
-        return Ruling(verdict=verdict, correct=self.correct, how=how)
+        return Ruling(status=status, correct=self.correct, how=how)
 
     def mutations(self) -> Iterator[Self]:
         """Return evidence about wrong claims: other forms, and the next power."""
@@ -176,7 +286,7 @@ class Number:
         How the value was computed.
     also : str
         What to say beside the right number.
-    wrong : Verdict
+    wrong : ClaimStatus
         Which verdict it is that the value is another.
     """
 
@@ -194,7 +304,7 @@ class Number:
         mantissa = self.printed.lower().partition("e")[0]
         shown = digits(value, max(4, sum(x.isdigit() for x in mantissa) + 2))
         return Ruling(
-            verdict=ClaimStatus.HOLDS if near else self.wrong,
+            status=ClaimStatus.HOLDS if near else self.wrong,
             correct=""
             if near
             else f"{shown} ({self.source}){'; ' if self.also else ''}{self.also}",
@@ -247,8 +357,10 @@ class Fact:
         What it could have said instead and would have been false.
     how : str
         What was computed.
-    corrected, correct, wrong
-        As of `Identity`.
+    corrected, correct
+        As of `IdentityEvidence`.
+    wrong : ClaimStatus
+        Which verdict it is that `corrected` holds in place of `printed`.
     """
 
     printed: Any
@@ -262,10 +374,10 @@ class Fact:
     def ruling(self) -> Ruling:
         """Decide by the computation."""
         if self.holds(self.printed):
-            return Ruling(verdict=ClaimStatus.HOLDS, correct="", how=self.how)
+            return Ruling(status=ClaimStatus.HOLDS, how=self.how)
         right = self.corrected is not None and self.holds(self.corrected)
-        verdict = self.wrong if right else ClaimStatus.INCONSISTENT
-        return Ruling(verdict=verdict, correct=self.correct, how=self.how)
+        status = self.wrong if right else ClaimStatus.INCONSISTENT
+        return Ruling(status=status, correct=self.correct, how=self.how)
 
     def mutations(self) -> Iterator[Self]:
         """Return evidence about wrong statements."""
@@ -287,11 +399,11 @@ class Both:
         """Decide by the gravest of the parts."""
         order = list(ClaimStatus)
         rulings = [part.ruling() for part in self.parts]
-        worst = max(rulings, key=lambda ruling: order.index(ruling.verdict))
-        wrong = [ruling for ruling in rulings if ruling.verdict in WRONG]
+        worst = max(rulings, key=lambda ruling: order.index(ruling.status))
+        wrong = [ruling for ruling in rulings if ruling.status in WRONG]
         told = [ruling.correct for ruling in (wrong or rulings) if ruling.correct]
         return Ruling(
-            verdict=worst.verdict,
+            status=worst.status,
             correct="; ".join(dict.fromkeys(told)),
             how="; ".join(ruling.how for ruling in rulings),
         )
@@ -314,7 +426,7 @@ class OutOfReach:
 
     def ruling(self) -> Ruling:
         """Say that it cannot be checked."""
-        return Ruling(verdict=ClaimStatus.NOT_CHECKABLE, correct="", how=self.reason)
+        return Ruling(status=ClaimStatus.NOT_CHECKABLE, how=self.reason)
 
     def mutations(self) -> Iterator[Self]:
         """Return nothing: what is not checked refuses nothing."""

@@ -2,10 +2,8 @@
 
 import sympy as sp
 
-from harness.paper.audit.evidence import Both, IdentityEvidence
-from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.evidence import Both, IdentityEvidence, check
 from harness.paper.audit.newton_euler import rate
-from harness.paper.audit.registry import claim
 from harness.paper.audit.symbols import (
     Co,
     Expr,
@@ -29,9 +27,7 @@ LAGRANGIAN = (
 )
 
 
-@claim(
-    "app:Lagrangian", "B", "L = A(psi'^2 sin^2 phi + phi'^2)/2 + C(psi' cos phi + theta')^2/2 + ..."
-)
+@check("app:Lagrangian")
 def lagrangian() -> IdentityEvidence:
     """I Omega Omega/2 and the height of the centre, S + h C."""
     omega = sp.Matrix([Psi * S, -Phi, Psi * Co + Theta])
@@ -44,7 +40,7 @@ def lagrangian() -> IdentityEvidence:
     )
 
 
-@claim("app:momenta", "B", "the two conserved momenta")
+@check("app:momenta")
 def conserved_momenta() -> IdentityEvidence:
     """Differentiate the Lagrangian by psi' and theta'; psi and theta are not in it."""
     spin = c * (Psi * Co + Theta)
@@ -55,7 +51,7 @@ def conserved_momenta() -> IdentityEvidence:
     )
 
 
-@claim("app:Euler-Lagrange", "B", "d/dt dL/dq' - dL/dq = 0 for q = phi, psi, theta")
+@check("app:Euler-Lagrange")
 def euler_lagrange() -> IdentityEvidence:
     """Energy is constant along what it gives."""
     moved, pushed = sp.symbols("d_dt_p dL_dq")
@@ -92,7 +88,7 @@ def _force(power: int) -> sp.Expr:
     )
 
 
-@claim("app:phi equation", "B", "the equation of motion of phi, with psi' (A - C) sin phi cos phi")
+@check("app:phi equation")
 def equation_of_nutation() -> IdentityEvidence:
     """Lagrange's equation for phi."""
     motion = rate(LAGRANGIAN.diff(Phi)) - LAGRANGIAN.diff(phi)
@@ -102,8 +98,6 @@ def equation_of_nutation() -> IdentityEvidence:
         corrected=inertia * phi_dd - _force(2),
         derived=motion,
         source="the Lagrangian",
-        wrong=ClaimStatus.MISPRINT,
-        correct="psi'^2 (A - C) sin phi cos phi",
     )
 
 
@@ -115,7 +109,7 @@ def _reduced() -> sp.Expr:
     return force / (a + (Co - h * S) ** 2)
 
 
-@claim("app01:Phi_reduced_slip", "B", "phi'' = eps (alpha_3/phi^3 + ...) + (h phi'^2 - 1)/(a + 1)")
+@check("app01:Phi_reduced_slip")
 def reduced_without_friction() -> Both:
     """Expand: only powers of phi, and the part without eps at phi = 0."""
     plain = (h * Phi**2 - 1) / (a + 1)
@@ -128,7 +122,7 @@ def reduced_without_friction() -> Both:
     )
 
 
-@claim("app:alpha_3", "B", "alpha_3 = (zeta - 1)^2/(a (a + 1))")
+@check("app:alpha_3")
 def strength_of_the_repulsion() -> IdentityEvidence:
     """Limit of phi^3 times what the momenta add."""
     leading = sp.limit(sp.simplify(_reduced().subs(Phi, 0) * S**3), phi, 0)

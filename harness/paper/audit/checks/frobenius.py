@@ -1,17 +1,13 @@
 """Section 4.1: the Frobenius series and its coefficients."""
 
-from functools import partial
-
 import mpmath as mp
 import sympy as sp
 
 from harness.paper.audit import flat_motion as exact
 from harness.paper.audit import flat_series as series
 from harness.paper.audit import paper_can
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate
-from harness.paper.audit.finding import ClaimStatus
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check, check_each
 from harness.paper.audit.flat_series import c_p, coefficient, h, in_inertias, k
-from harness.paper.audit.registry import claim
 from harness.paper.audit.symbols import B0, B2, Expr, log_phi, phi
 
 ODE = "the Frobenius series derived from the closed subsystem"
@@ -36,7 +32,7 @@ def same(printed: Expr, derived: Expr, source: str = ODE) -> IdentityEvidence:
     )
 
 
-@claim("eq01:frobenius_subs", "4.1", "the series inserted into eq01:frob_ode")
+@check("eq01:frobenius_subs")
 def inserted_series() -> IdentityEvidence:
     """Insert one power."""
     n, cot = sp.symbols("n cot")
@@ -50,7 +46,7 @@ def inserted_series() -> IdentityEvidence:
     )
 
 
-@claim("text:indicial equation", "4.1", "r (r + 2) = 0")
+@check("text:indicial equation")
 def indicial_equation() -> IdentityEvidence:
     """Lowest power of phi^r in the equation."""
     r = sp.Symbol("r")
@@ -60,7 +56,7 @@ def indicial_equation() -> IdentityEvidence:
     )
 
 
-@claim("eq01:Psi0", "4.1", "for r = 0 the solution is a power series")
+@check("eq01:Psi0")
 def regular_series() -> Fact:
     """Solve for one coefficient after the other, starting from phi^r."""
 
@@ -86,7 +82,7 @@ def regular_series() -> Fact:
     )
 
 
-@claim("text:Psi_0 to phi^3", "4.1", "Psi_0 = 1 + beta/3 phi + (beta^2 + 3 gamma)/24 phi^2 + ...")
+@check("text:Psi_0 to phi^3")
 def regular_coefficients() -> IdentityEvidence:
     """Compare four coefficients."""
     printed = (1, beta / 3, (beta**2 + 3 * gamma) / 24, beta * (beta**2 + 11 * gamma) / 360)
@@ -94,7 +90,7 @@ def regular_coefficients() -> IdentityEvidence:
     return same(sp.Matrix(printed), sp.Matrix(derived))
 
 
-@claim("eq0:Psi2", "4.1", "for r = -2 the solution has C Psi_0 log phi")
+@check("eq0:Psi2")
 def singular_series() -> Fact:
     """Insert the solution; what multiplies C log phi is Psi_0, and C is not zero."""
     solution = sp.expand(series.singular_solution())
@@ -122,7 +118,7 @@ def singular_series() -> Fact:
     )
 
 
-@claim("text:Psi_-2 inserted", "4.1", "eq0:Psi2 inserted into eq01:frob_ode")
+@check("text:Psi_-2 inserted")
 def inserted_logarithm() -> IdentityEvidence:
     """Find what the logarithm leaves behind when Psi_0 solves the equation."""
     f, g, b, cot = sp.symbols("f g b cot")  # Psi_0, its slope, its bend
@@ -139,7 +135,7 @@ def inserted_logarithm() -> IdentityEvidence:
 LOG = -(beta**2 - gamma + 2) / 2
 
 
-@claim("text:Psi_-2 to phi", "4.1", "Psi_-2 = -(beta^2-gamma+2)/2 Psi_0 log phi + 1/phi^2 - ...")
+@check("text:Psi_-2 to phi")
 def singular_coefficients() -> IdentityEvidence:
     """Compare the coefficients, the logarithm's first."""
     tail = -beta * (-2 * beta**2 + 5 * gamma - 6) / 9
@@ -192,15 +188,7 @@ def error_of_theta(form: Expr) -> "sp.Lambda":
     return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[1]
 
 
-def _series(
-    of: str,
-    printed: Expr,
-    stated: int,
-    corrected: Expr | None = None,
-    *,
-    correct: str = "",
-    wrong: ClaimStatus = ClaimStatus.FALSE,
-) -> Both:
+def _series(of: str, printed: Expr, stated: int, corrected: Expr | None = None) -> Both:
     """Compare every printed coefficient, and the remainder with the exact solution.
 
     A series up to O(phi^stated) has its terms below that, and those beside log phi with it.
@@ -218,8 +206,6 @@ def _series(
                 stated=stated,
                 at=SMALL,
                 source="the exact solution",
-                correct=correct,
-                wrong=wrong,
             ),
             IdentityEvidence(
                 printed=printed,
@@ -227,26 +213,21 @@ def _series(
                 corrected=corrected,
                 derived=listed(solution, stated),
                 source=f"every printed coefficient of {ODE}",
-                correct=correct,
-                wrong=wrong,
             ),
         )
     )
 
 
-@claim("eq01:psi_orig", "4.1", "Psi for small phi, up to O(phi^2)")
+@check("eq01:psi_orig")
 def series_of_psi() -> Both:
     """Compare terms to phi, and to phi^2 beside the logarithm."""
     return _series("Psi", PRINTED_PSI, 2)
 
 
-@claim("eq01:theta_orig", "4.1", "Theta for small phi, with ((4 c_p + 3) B_-2 - 6 B_0 c_p) k")
+@check("eq01:theta_orig")
 def series_of_theta() -> Both:
     """Compare terms to phi^0, and to phi beside the logarithm."""
-    told = "(3 c_p + 3) B_-2 in place of (4 c_p + 3) B_-2"
-    return _series(
-        "Theta", printed_theta(4), 1, printed_theta(3), correct=told, wrong=ClaimStatus.MISPRINT
-    )
+    return _series("Theta", printed_theta(4), 1, printed_theta(3))
 
 
 def _short(log_0: Expr, log_1: Expr) -> Expr:
@@ -259,47 +240,76 @@ THETA_00 = (2 - k * c_p) / (k * c_p) * B0 + (3 * k * (c_p + 1) - 4 - 9 * beta**2
 ) * B2
 
 
-@claim("eq01:psi_series", "4.1", "leading terms of Psi, with the coefficients of appendix A")
+@check("eq01:psi_series")
 def leading_psi() -> Both:
     """Compare with the exact solution."""
-    told = "with Psi_l0 and Psi_l1 of the other sign, see app:Psi_l0 and app:Psi_l1"
-    return _series("Psi", _short(PSI_L0, PSI_L1), 1, _short(-PSI_L0, -PSI_L1), correct=told)
+    return _series("Psi", _short(PSI_L0, PSI_L1), 1, _short(-PSI_L0, -PSI_L1))
 
 
-@claim("eq01:theta_series", "4.1", "leading terms of Theta, with the coefficients of appendix A")
+@check("eq01:theta_series")
 def leading_theta() -> Both:
     """Compare with the exact solution."""
     short = -B2 / phi**2 + B2 * k * h / phi + THETA_00 + THETA_LOG
     return _series("Theta", short, 1)
 
 
-@claim("eq01:series_sols", "4.1", "the leading terms of both")
+@check("eq01:series_sols")
 def leading_terms() -> Both:
     """Both of them."""
     return Both(parts=(leading_theta(), leading_psi()))
 
 
-def _in_the_table(printed: Expr, of: str, logs: int, power: int, mended: str) -> IdentityEvidence:
+@check_each(
+    {
+        "app:Psi_00": (B0, "Psi", 0, 0),
+        "app:Psi_l0": (PSI_L0, "Psi", 1, 0, -PSI_L0),
+        "app:Psi_l1": (PSI_L1, "Psi", 1, 1, -PSI_L1),
+        "app:Theta_00": (THETA_00, "Theta", 0, 0),
+        "app:Theta_l0": (coefficient(THETA_LOG, 0, 1), "Theta", 1, 0),
+        "app:Theta_l1": (coefficient(THETA_LOG, 1, 1), "Theta", 1, 1),
+    }
+)
+def listed_coefficient(
+    printed: Expr, of: str, logs: int, power: int, corrected: Expr | None = None
+) -> IdentityEvidence:
+    """Compare with the coefficient of phi^power (log phi)^logs."""
     solution = {"Psi": series.precession, "Theta": series.rotation_rate}[of]()
     return IdentityEvidence(
         printed=printed,
         compared=in_inertias,
-        corrected=-printed if mended else None,
+        corrected=corrected,
         derived=in_inertias(coefficient(solution, power, logs)),
-        correct=mended,
-        wrong=ClaimStatus.MISPRINT,
         source=ODE,
     )
 
 
-for _label, _printed, _of, _logs, _power, _mended in (
-    ("Psi_00", B0, "Psi", 0, 0, ""),
-    ("Psi_l0", PSI_L0, "Psi", 1, 0, "Psi_l0 = -B_-2 ((kh)^2 - k)/2"),
-    ("Psi_l1", PSI_L1, "Psi", 1, 1, "Psi_l1 = -B_-2 kh ((kh)^2 - k)/6"),
-    ("Theta_00", THETA_00, "Theta", 0, 0, ""),
-    ("Theta_l0", coefficient(THETA_LOG, 0, 1), "Theta", 1, 0, ""),
-    ("Theta_l1", coefficient(THETA_LOG, 1, 1), "Theta", 1, 1, ""),
-):
-    claim(
-        f"app:{_label}", "A", f"{_label} = ${series.in_latex(_printed)}$", name="listed_coefficient"
-    )(partial(_in_the_table, _printed, _of, _logs, _power, _mended))
+@check("text:log terms")
+def logarithms() -> Fact:
+    """Look for the highest power of the logarithm in the second solution."""
+    solution = sp.expand(series.singular_solution())
+    highest = max(n for n in range(4) if solution.coeff(log_phi, n) != 0)
+    strength = sp.factor(sp.together(in_inertias(1 - k * h**2)))
+    return Fact(
+        printed=1,
+        others=(0, 2),
+        holds=lambda power: power == highest,
+        how=f"sympy: C = k (1 - k h^2)/2 q_0 with 1 - k h^2 = {strength} > 0",
+    )
+
+
+@check("text:reason of the logarithms")
+def reason_of_the_logarithms() -> Fact:
+    """Solve (4.2) for any beta and gamma up to phi^0: the exponents do not depend on them."""
+    first, strength, b, c = sp.symbols("q_1 C beta gamma", real=True)
+    trial = phi**-2 + first / phi + strength * log_phi
+    left = series.slope(series.slope(trial)) + 3 * series.COT * series.slope(trial)
+    left = sp.expand(left - (c + b * series.COT) * trial).coeff(log_phi, 0)
+    value = sp.solve(left.coeff(phi, -3), first)[0]
+    found = sp.factor(sp.solve(left.coeff(phi, -2).subs(first, value), strength)[0])
+    return Fact(
+        printed=({c: 2 + k, b: k * h}, {c: 2 + b**2}),
+        corrected=({c: 2 + k, b: k * h},),
+        others=(({c: 2 + k, b: k * h}, {c: 2 + b**2}), ({c: 2 + b**2},)),
+        holds=lambda equations: all(sp.expand(found.subs(case)) != 0 for case in equations),
+        how=f"sympy: C = {found} q_0",
+    )

@@ -7,10 +7,7 @@ from scipy.integrate import solve_ivp
 
 from harness.paper.audit import paper_can, release
 from harness.paper.audit.checks.outer import POWERS, a_
-from harness.paper.audit.evidence import Fact, IdentityEvidence
-from harness.paper.audit.finding import ClaimStatus
-from harness.paper.audit.mutations import mutated
-from harness.paper.audit.registry import claim
+from harness.paper.audit.evidence import Fact, IdentityEvidence, check, mutated
 from harness.paper.audit.symbols import A, Expr, H, Phi, R, a_p, eps, g, m, phi
 from reference.asymptotic.small_nutation import reduced_of
 
@@ -40,13 +37,9 @@ MENDED = (
         - a_["3"] / (2 * phi**2)
     )
 )
-CORRECT = (
-    "ln^2(phi) (a_l1/2 + a_ll phi) + ((a_l0 - 2 a_ll) phi + a_1 - a_l2/phi) ln phi + "
-    "(a_0 + 2 a_ll - a_l0) phi - (a_2 + a_l2)/phi - a_3/(2 phi^2)"
-)
 
 
-@claim("eq01:hamiltonian1", "E", "the Hamiltonian of the reduced equation")
+@check("eq01:hamiltonian1")
 def hamiltonian() -> IdentityEvidence:
     """Its slope in phi is minus the right side of eq01:Phi_reduced, that in Phi is Phi."""
     return IdentityEvidence(
@@ -55,11 +48,10 @@ def hamiltonian() -> IdentityEvidence:
         compared=lambda energy: sp.Matrix([-energy.diff(phi), energy.diff(Phi)]),
         derived=sp.Matrix([FORCE, Phi]),
         source="eq01:Phi_reduced",
-        correct=CORRECT,
     )
 
 
-@claim("eqA:ham1", "E", "dPhi/dt = -dH/dphi = the right side of eq01:Phi_reduced")
+@check("eqA:ham1")
 def momentum_equation() -> IdentityEvidence:
     """With the H to which it refers."""
     return IdentityEvidence(
@@ -69,11 +61,10 @@ def momentum_equation() -> IdentityEvidence:
         derived=FORCE,
         others=tuple(mutated(MENDED - Phi**2 / 2)),  # Phi is constant here
         source="eq01:Phi_reduced",
-        correct="with H as under eq01:hamiltonian1",
     )
 
 
-@claim("eqA:ham2", "E", "dphi/dt = dH/dPhi = Phi")
+@check("eqA:ham2")
 def position_equation() -> IdentityEvidence:
     """Differentiate the printed H, which is right here."""
     return IdentityEvidence(
@@ -85,7 +76,7 @@ def position_equation() -> IdentityEvidence:
     )
 
 
-@claim("eq01:hamiltonian", "E", "the contour H = E meets Phi = 0 in two points, one, or none")
+@check("eq01:hamiltonian")
 def turning_points() -> Fact:
     """Count them for the release, at an energy above the minimum, at it, and below it."""
     places = np.geomspace(1e-6, np.pi / 2, 20001)
@@ -106,7 +97,7 @@ def turning_points() -> Fact:
     )
 
 
-@claim("text:clockwise contours", "E", "solutions follow the contours clockwise")
+@check("text:clockwise contours")
 def clockwise_contours() -> Fact:
     """Above the axis phi grows; the axis of Phi points up."""
     sense = "clockwise" if PRINTED.diff(Phi).subs(Phi, 1) > 0 else "anticlockwise"
@@ -118,7 +109,7 @@ def clockwise_contours() -> Fact:
     )
 
 
-@claim("text:period integral", "E", "T = 2 int dphi/Phi between the turning points")
+@check("text:period integral")
 def period_integral() -> Fact:
     """Integrate phi'' = s/phi^3 - 1 in time over half a period, and the integral over phi."""
     strength, top = 0.01, 1.0
@@ -157,7 +148,7 @@ def period_integral() -> Fact:
     )
 
 
-@claim("text:T at eps=0", "E", "T|_(eps=0) = sqrt(2) int dphi/sqrt(h - phi)")
+@check("text:T at eps=0")
 def period_without_eps() -> IdentityEvidence:
     """H is the can's height elsewhere: here it must be the energy E; squared."""
     top = paper_can.PHI
@@ -174,11 +165,10 @@ def period_without_eps() -> IdentityEvidence:
         source="2/Phi with Phi^2/2 + phi = E, the square",
         correct="sqrt(2) int dphi/sqrt(E - phi), where h means H/R elsewhere: for the release "
         f"{mp.nstr(whole, 5)}, with h = 1.473 {mp.nstr(printed, 3)}",
-        wrong=ClaimStatus.MISPRINT,
     )
 
 
-@claim("text:T of a flat fall", "E", "T|_(eps=0) = 2 sqrt(2 phi_1)")
+@check("text:T of a flat fall")
 def period_of_the_fall() -> IdentityEvidence:
     """Twice the time of fall with phi'' = -1."""
     top, t = sp.symbols("phi_1 t", positive=True)
@@ -189,7 +179,7 @@ def period_of_the_fall() -> IdentityEvidence:
     )
 
 
-@claim("text:T in seconds", "E", "T|_(eps=0) = 2 sqrt(2 phi_1 (A + m H^2 + m R^2)/(m g R))")
+@check("text:T in seconds")
 def period_in_seconds() -> IdentityEvidence:
     """Undo the scaling of time."""
     return IdentityEvidence(
@@ -199,7 +189,7 @@ def period_in_seconds() -> IdentityEvidence:
     )
 
 
-@claim("text:taller cans fall slower", "E", "cans with larger H take longer to fall")
+@check("text:taller cans fall slower")
 def taller_cans() -> Fact:
     """Differentiate by H at fixed A; A grows with H too."""
     height = sp.Symbol("H", positive=True)
@@ -211,4 +201,22 @@ def taller_cans() -> Fact:
         holds=lambda word: word == grows,
         others=("not longer",),
         how="sympy: the square of T grows with H",
+    )
+
+
+@check("caption:repulsion")
+def repulsive_term() -> Fact:
+    """Find which coefficient has the largest part in the slope of H close to phi = 0."""
+    values = reduced_of(release.bounce().problem)
+    x = float(release.bounce().bounces[0].phi_min) / 10
+    parts = {
+        f"a_{name}": abs(getattr(values, f"a_{name}") * np.log(x) ** logs / x**power)
+        for name, (power, logs) in POWERS.items()
+    }
+    return Fact(
+        printed="a_3",
+        others=("a_l2", "a_2", "a_1"),
+        holds=lambda name: max(parts, key=parts.__getitem__) == name,
+        how=f"at a tenth of phi_min a_3/phi^3 is {parts['a_3'] / sum(parts.values()):.0%} of the "
+        "slope",
     )

@@ -8,13 +8,12 @@ from scipy.optimize import brentq
 from harness.paper.audit import flat_motion, paper_can, release
 from harness.paper.audit.checks.hamiltonian import PRINTED
 from harness.paper.audit.checks.numbers import exact_constants
-from harness.paper.audit.evidence import Fact, IdentityEvidence
-from harness.paper.audit.registry import claim
+from harness.paper.audit.evidence import Fact, IdentityEvidence, check
 from harness.paper.audit.symbols import Phi, phi
 from reference.asymptotic.small_nutation import reduced_of
 
 
-@claim("text:symmetry of the contours", "E", "the contours are symmetric about Phi = 0")
+@check("text:symmetry of the contours")
 def symmetry_of_the_contours() -> IdentityEvidence:
     """Turn the sign of a momentum."""
     return IdentityEvidence(
@@ -42,7 +41,7 @@ def _rests() -> dict[str, mp.mpf]:
     return {"steady": steady, "reduced": found, "phi*": mp.atan(1 / paper_can.h)}
 
 
-@claim("text:centre of the portrait", "E", "the equilibrium of the portrait is a steady motion")
+@check("text:centre of the portrait")
 def centre_of_the_portrait() -> Fact:
     """Compare with the exact steady motion of the same constants."""
     rests = _rests()

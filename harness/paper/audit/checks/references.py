@@ -1,136 +1,107 @@
 """Cross-references, names and indices: what the text points to."""
 
-from functools import partial
+import re
 
+import mpmath as mp
 import sympy as sp
 
+from harness.paper.audit import flat_motion
 from harness.paper.audit import flat_series as series
 from harness.paper.audit.checks.integrals import INTEGRANDS
-from harness.paper.audit.evidence import Fact
-from harness.paper.audit.finding import ClaimStatus
-from harness.paper.audit.labels import DEFINED_IN, NUMBERS
-from harness.paper.audit.registry import claim
+from harness.paper.audit.claims import CLAIMS
+from harness.paper.audit.evidence import Fact, check, check_each
 from harness.paper.audit.symbols import phi
 
+PLACES = {claim.label: claim.place for claim in CLAIMS}
+DEFINED_IN = {
+    "S_bal": "eq01:bal_eqm",
+    "the Hamiltonian": "eq01:hamiltonian1",
+    "the panels a) to d)": "fig01:contact_pt_motion",
+    "the letters of appendix A": "eq01:series_sols",
+}
+"""Where the paper defines what it refers to."""
 
-def _reference(printed: str, meant: str, others: tuple[str, ...], where: str) -> Fact:
+
+@check_each(
+    {
+        "text:reference to S_bal": ("eq01:equilibrium", "S_bal", ("eq01:static_eqm",)),
+        "caption:fig01:hamiltonian_3D": ("eq01:hamiltonian", "the Hamiltonian", ("eqA:ham1",)),
+        "caption:reference of the contours": ("eq01:hamiltonian", "the Hamiltonian", ("eqA:ham2",)),
+        "text:reference to panel d": (
+            "fig01:contact_locus",
+            "the panels a) to d)",
+            ("fig01:eqm_comparison",),
+        ),
+        "text:heading of appendix A": (
+            "eq01:psi_orig",
+            "the letters of appendix A",
+            ("eq01:theta_orig",),
+        ),
+    }
+)
+def reference(printed: str, meant: str, others: tuple[str, ...]) -> Fact:
+    """Look up where it is defined."""
     right = DEFINED_IN[meant]
     return Fact(
         printed=printed,
         corrected=right,
         others=(printed, *others),
-        holds=lambda label: DEFINED_IN[meant] == label,
-        how=f"{meant}: defined in {NUMBERS.get(right, right)}; {where} cite "
-        f"{NUMBERS.get(printed, printed)}",
-        correct=f"{NUMBERS.get(right, right)} in place of {NUMBERS.get(printed, printed)}",
-        wrong=ClaimStatus.MISPRINT,
+        holds=lambda label: right == label,
+        how=f"{meant}: defined in {PLACES.get(right, right)}, cited is "
+        f"{PLACES.get(printed, printed)}",
     )
 
 
-for _label, _section, _says, _printed, _meant, _others, _where in (
-    (
-        "text:reference to S_bal",
-        "6.2",
-        "S_bal is that of (3.6)",
-        "eq01:equilibrium",
-        "S_bal",
-        ("eq01:static_eqm",),
-        "the words on bounded motion",
-    ),
-    (
-        "caption:fig01:hamiltonian_3D",
-        "E",
-        "the surface and the contours are of the Hamiltonian (E.5)",
-        "eq01:hamiltonian",
-        "the Hamiltonian",
-        ("eqA:ham1",),
-        "the captions",
-    ),
-    (
-        "text:reference to panel d",
-        "6.2",
-        "panel d) is in the figure that defines the contact locus",
-        "fig01:contact_locus",
-        "panels a) to d) of the contact locus",
-        ("fig01:eqm_comparison",),
-        "the words on bounded motion",
-    ),
-):
-    claim(_label, _section, _says, name="reference")(
-        partial(_reference, _printed, _meant, _others, _where)
-    )
-
-BOOKMARKS = {
-    "eq01:psi_orig": "(4.12)",
-    "eq01:theta_orig": "(4.13)",
-    "eq01:Phi_reduced_intermediate": "(4.21)",
-    "eq01:order1_outer": "(5.3)",
-}
-
-
-@claim(
-    "text:bookmarks",
-    "D",
-    "the bookmarks of appendices A, D and F name (4.12), (4.13), (4.21) and (5.3)",
-)
+@check("text:bookmarks")
 def bookmarks() -> Fact:
-    """Compare with the numbers that LaTeX gives to the labels beside them."""
-    right = {label: NUMBERS[label] for label in BOOKMARKS}
-    wrong = {label: number for label, number in BOOKMARKS.items() if right[label] != number}
+    """Compare with the number that LaTeX gives to the label beside it."""
     return Fact(
-        printed=BOOKMARKS,
-        corrected=right,
-        others=({**right, "eq01:order1_outer": "(5.4)"}, {**right, "eq01:psi_orig": "(4.11)"}),
-        holds=lambda numbers: numbers == right,
-        how="numbers by LaTeX's rules: "
-        + ", ".join(
-            f"{label} is {right[label]}, named {number}" for label, number in wrong.items()
-        ),
-        correct="(4.19) in the bookmark of appendix D",
-        wrong=ClaimStatus.MISPRINT,
+        printed="(4.21)",
+        corrected="(4.19)",
+        others=("(4.18)", "(4.21)"),
+        holds=lambda number: PLACES["eq01:Phi_reduced_intermediate"] == number,
+        how="by LaTeX's rules eq01:Phi_reduced_intermediate is (4.19)",
     )
 
 
-@claim("text:subscript in (4.16)", "4.2", "Psi = B_0 Psi_0 + B_-2 Psi_2")
-def subscript_of_the_singular_solution() -> Fact:
-    """Read the exponent with which the solution begins, which is its name in (4.7) and (4.9)."""
-    powers = [
-        term.as_coeff_exponent(phi)[1] for term in sp.Add.make_args(series.singular_solution())
-    ]
+@check_each({"eq01:simultaneous": (0,), "text:slopes in (4.16)": (1,)})
+def two_equations(times: int) -> Fact:
+    """Insert the solution that begins with phi^subscript; compare with an exact motion.
+
+    The names in (4.7) and (4.9) are those exponents. Differentiated as often as asked.
+    """
+    with mp.workdps(40):
+        x, constants = mp.mpf("0.005"), (mp.mpf("0.75"), mp.mpf(1))
+        at = flat_motion.flat(x)
+        values = ((at.regular, at.singular), (at.regular_slope, at.singular_slope))[times]
+        motion = mp.diff(lambda y: flat_motion.rates(y, *constants)[0], x, times)
+    starts = {
+        int(min(term.as_coeff_exponent(phi)[1] for term in sp.Add.make_args(solution))): value
+        for solution, value in zip(
+            (series.regular_solution(), series.singular_solution()), values, strict=True
+        )
+    }
+
+    def sums(claim: tuple[int, int, int]) -> bool:
+        """Whether sign B_0 Psi_m + B_-2 Psi_n is the motion, for (sign, m, n)."""
+        sign, m, n = claim
+        if not {m, n} <= set(starts):
+            return False
+        total = sign * constants[0] * starts[m] + constants[1] * starts[n]
+        # forty digits, half of which the numerical derivative takes
+        return bool(abs(total / motion - 1) < mp.mpf("1e-15"))
+
     return Fact(
-        printed=2,
-        corrected=-2,
-        others=(0, -1, 2),
-        holds=lambda subscript: min(powers) == subscript,
-        how=f"sympy: the second solution begins with phi^{min(powers)}; no Psi_2 is defined",
-        correct="Psi_-2 in place of Psi_2, twice",
-        wrong=ClaimStatus.MISPRINT,
+        printed=(1, 0, 2),
+        corrected=(1, 0, -2),
+        others=((1, 0, 2), (-1, 0, -2), (1, -2, 0), (1, 0, 0)),
+        holds=sums,
+        how=f"sympy: the solutions begin with phi^{max(starts)} and phi^{min(starts)}, no Psi_2 is "
+        "defined; 40 digits: with Psi_-2 the sum is that of an exact motion",
     )
 
 
-@claim("text:index of the sums", "5.1", "sums over n of b_i J_i in (5.6) and of b_li J_li in (5.4)")
-def index_of_the_sums() -> Fact:
-    """Ask which letters of its terms a sum leaves free."""
-    i, n = sp.symbols("i n", integer=True)
-    b, integral = sp.IndexedBase("b"), sp.IndexedBase("J")
-    letters = {"i": i, "n": n}
-
-    def bound(over: str) -> bool:
-        total = sp.Sum(b[i] * integral[i], (letters[over], 0, 2))
-        return i not in total.free_symbols
-
-    return Fact(
-        printed="n",
-        corrected="i",
-        others=("n",),
-        holds=bound,
-        how="sympy: with n as the variable of summation i stays free",
-        correct="the sums run over i: the second of (5.4), and the first two of (5.6)",
-        wrong=ClaimStatus.MISPRINT,
-    )
-
-
-@claim("text:every integral", "5.1", "each double integral of (5.5) is evaluated in appendix G")
+@check("text:every integral")
 def every_integral() -> Fact:
     """Compare the integrals that (5.4) sums over with those that appendix G lists."""
     asked = {f"J_{i}" for i in range(4)} | {f"J_l{i}" for i in range(3)} | {"J_ll"}
@@ -142,19 +113,20 @@ def every_integral() -> Fact:
         others=(whole - {"J_l0"}, whole - {"J_3"}),
         holds=lambda listed: asked <= set(listed),
         how=f"missing: {', '.join(sorted(asked - given))}",
-        correct="J_0 = T^2/2 is missing",
     )
 
 
-@claim("caption:axes of the locus", "6.2", "the axes of the trajectories are x_p and y_p")
-def axes_of_the_locus() -> Fact:
-    """Compare with the letters that the text gives to the contact locus."""
+@check_each({"caption:axes of the locus": ("x",), "caption:other axis of the locus": ("y",)})
+def axis_of_the_locus(letter: str) -> Fact:
+    """Compare with the letters that (6.8) and (6.11) give to the contact locus."""
+    defined = re.findall(
+        r"([xy]_\w)\(",
+        next(claim.printed for claim in CLAIMS if claim.label == "eq01:contact_pt_inner"),
+    )
     return Fact(
-        printed="x_p, y_p",
-        corrected=DEFINED_IN["components of the contact locus"],
-        others=("x_G, y_G", "x_p, y_p"),
-        holds=lambda letters: letters == DEFINED_IN["components of the contact locus"],
-        how="the contact locus is (x_l, y_l) in (6.8) and (6.11); x_p and y_p are not defined",
-        correct="x_l and y_l",
-        wrong=ClaimStatus.MISPRINT,
+        printed=f"{letter}_p",
+        corrected=f"{letter}_l",
+        others=(f"{letter}_G", f"{letter}_p"),
+        holds=lambda name: name in defined,
+        how=f"(6.8) and (6.11) give {', '.join(dict.fromkeys(defined))}; {letter}_p is not defined",
     )

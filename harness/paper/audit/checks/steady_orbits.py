@@ -5,10 +5,13 @@ import sympy as sp
 
 from harness.paper.audit import paper_can
 from harness.paper.audit.checks.equilibria import EQUATIONS, at_balance
-from harness.paper.audit.evidence import Fact, IdentityEvidence
-from harness.paper.audit.finding import ClaimStatus
-from harness.paper.audit.newton_euler import centre_velocity, contact_force, papers_accelerations
-from harness.paper.audit.registry import claim
+from harness.paper.audit.evidence import Fact, IdentityEvidence, check
+from harness.paper.audit.newton_euler import (
+    centre_velocity,
+    contact_force,
+    papers_accelerations,
+    rate,
+)
 from harness.paper.audit.symbols import (
     Co,
     Expr,
@@ -32,7 +35,7 @@ RADIUS = SIDE / Psi
 STEADY = {Phi: 0, phi_dd: 0, psi_dd: 0, theta_dd: 0}
 
 
-@claim("eq01:non_dimensionalised_com", "3", "the velocity of the centre without dimensions")
+@check("eq01:non_dimensionalised_com")
 def scaled_velocity() -> IdentityEvidence:
     """As printed, the parenthesis after the first minus closes only at the end."""
     y = SIDE * sp.cos(psi) - FORTH * sp.sin(psi)
@@ -40,14 +43,11 @@ def scaled_velocity() -> IdentityEvidence:
         printed=sp.Matrix([-(FORTH * sp.cos(psi) - SIDE * sp.sin(psi)), y]),
         corrected=sp.Matrix([-FORTH * sp.cos(psi) - SIDE * sp.sin(psi), y]),
         derived=centre_velocity()[:2, :],
-        wrong=ClaimStatus.MISPRINT,
-        correct="a parenthesis is missing: x' = -Phi (sin phi + h cos phi) cos psi "
-        "- (Psi (cos phi - h sin phi) + Theta) sin psi",
         source="rolling",
     )
 
 
-@claim("eq01:comcoords", "3", "in steady motion x = r cos(Psi t), y = r sin(Psi t)")
+@check("eq01:comcoords")
 def circle_of_the_centre() -> IdentityEvidence:
     """Differentiate and compare with the velocity of the centre."""
     return IdentityEvidence(
@@ -58,7 +58,7 @@ def circle_of_the_centre() -> IdentityEvidence:
     )
 
 
-@claim("text:r_circ", "3", "the radius of that circle")
+@check("text:r_circ")
 def radius_of_the_circle() -> IdentityEvidence:
     """Speed over the rate of turning, squared."""
     velocity = centre_velocity()[:2, :].subs(STEADY)
@@ -67,7 +67,7 @@ def radius_of_the_circle() -> IdentityEvidence:
     )
 
 
-@claim("eq01:comrest", "3", "the centre rests where Psi (cos phi - h sin phi) + Theta = 0")
+@check("eq01:comrest")
 def centre_at_rest() -> IdentityEvidence:
     """Insert the Theta that it asks for."""
     velocity = centre_velocity().subs(STEADY)
@@ -80,7 +80,7 @@ def centre_at_rest() -> IdentityEvidence:
     )
 
 
-@claim("text:r on S_bal", "3", "on S_bal the radius is |Theta/Psi|")
+@check("text:r on S_bal")
 def balanced_radius() -> IdentityEvidence:
     """At phi* cos phi = h sin phi; squared."""
     return IdentityEvidence(
@@ -88,7 +88,7 @@ def balanced_radius() -> IdentityEvidence:
     )
 
 
-@claim("text:balanced at rest", "3", "on S_bal with Theta = 0, Psi != 0 the centre is at rest")
+@check("text:balanced at rest")
 def balanced_and_at_rest() -> IdentityEvidence:
     """Insert Theta = 0 into the radius; that it is steady asks for a = c, which the if allows."""
     return IdentityEvidence(
@@ -99,7 +99,7 @@ def balanced_and_at_rest() -> IdentityEvidence:
     )
 
 
-@claim("text:no friction at rest", "3", "with the centre at rest there is no friction")
+@check("text:no friction at rest")
 def friction_at_rest() -> IdentityEvidence:
     """Find the force on a centre that rests: it is vertical."""
     force = contact_force().subs(STEADY).subs(Theta, -Psi * (Co - h * S))
@@ -110,11 +110,7 @@ def _rest_square(sign: int) -> Expr:
     return (Co - h * S) / (a * S * Co + sign * c * h * S**2)
 
 
-@claim(
-    "text:S_rest",
-    "3",
-    "Psi^2 = (cos phi - h sin phi)/(a sin phi cos phi + c h sin^2 phi) with the centre at rest",
-)
+@check("text:S_rest")
 def rates_at_rest() -> IdentityEvidence:
     """Solve the equation of Phi with Theta = -Psi (cos phi - h sin phi)."""
     square = sp.Symbol("square")
@@ -125,13 +121,11 @@ def rates_at_rest() -> IdentityEvidence:
         printed=_rest_square(1),
         corrected=_rest_square(-1),
         derived=-linear.subs(square, 0) / slope,
-        wrong=ClaimStatus.MISPRINT,
-        correct="Psi^2 = (cos phi - h sin phi)/(a sin phi cos phi - c h sin^2 phi)",
         source=EQUATIONS,
     )
 
 
-@claim("text:range of S_rest", "3", "S_rest only exists for phi < phi*")
+@check("text:range of S_rest")
 def range_of_rest() -> Fact:
     """With the right sign Psi^2 is positive again beyond arctan(a/(c h)), for a > c."""
     p = paper_can
@@ -160,7 +154,7 @@ def range_of_rest() -> Fact:
     )
 
 
-@claim("text:steady beyond phi*", "3", "there are equilibria for phi_0 > phi*")
+@check("text:steady beyond phi*")
 def steady_beyond_balance() -> Fact:
     """For any phi_0 and Psi the condition is linear in Theta."""
     p = paper_can
@@ -175,4 +169,20 @@ def steady_beyond_balance() -> Fact:
         holds=lambda word: (word == "exist") == steady,
         others=("do not exist",),
         how=f"phi = 60 degrees, Psi = 1 is steady with Theta = {mp.nstr(mp.mpmathify(found), 5)}",
+    )
+
+
+@check("text:circle for all")
+def circles() -> Fact:
+    """Bend of the path of the centre, over its speed squared, for several rates of precession."""
+    velocity = centre_velocity()
+    bend = (velocity[0] * rate(velocity)[1] - velocity[1] * rate(velocity)[0]).subs(STEADY)
+    per_speed = sp.simplify(bend / velocity[:2, :].dot(velocity[:2, :]).subs(STEADY))
+    return Fact(
+        printed=(sp.Integer(0), Psi),
+        corrected=(Psi,),
+        others=((sp.Integer(0), Psi), (sp.Integer(0),)),
+        holds=lambda said: all(per_speed.subs(Psi, precession) != 0 for precession in said),
+        how=f"sympy: the path of the centre turns at the rate {per_speed}, which is 0 in straight "
+        "rolling",
     )

@@ -1,8 +1,8 @@
 """Reading the paper's LaTeX source: equation numbers, and every number that it prints.
 
 The source is not part of this repository. What is read from it is committed, the equation numbers
-in `labels` and the numbers in `tests/harness/studies/audit/literals.csv`, and compared with the
-source wherever that is at hand.
+in `claims.toml` and the numbers in `literals.csv`, and compared with the source wherever that is at
+hand.
 """
 
 import re

@@ -1,20 +1,22 @@
-"""Every number and every numbered equation of the paper has a row, and every wrong row a cause."""
+"""Every number and every numbered equation of the paper has a row, quoted word for word."""
 
 import csv
+import re
 from pathlib import Path
 
 import pytest
 
-from harness.paper.audit.causes import CAUSES
-from harness.paper.audit.labels import DEFINED_IN, NEAR, NUMBERS, UNLABELLED, place
-from harness.paper.audit.run import claims
-from harness.paper.audit.source import literals, numbered_rows, numbers_of_labels
+from harness.paper.audit import CLAIMS
+from harness.paper.audit.checks.references import DEFINED_IN
+from harness.paper.audit.claims import ERRORS, Claim, folded
+from tests.harness.paper.audit.source import literals, numbered_rows, numbers_of_labels
 
 PAPER = Path(__file__).parents[5] / "shared" / "paper" / "rocking-can.tex"
 BESIDE = pytest.mark.skipif(not PAPER.exists(), reason="the paper's source is not at hand")
 with (Path(__file__).parent / "literals.csv").open(encoding="utf-8") as _file:
     LITERALS = tuple(csv.DictReader(_file))
-ROWS = {claim.label for claim in claims()}
+CLAIM = {claim.label: claim for claim in CLAIMS}
+ROWS = set(CLAIM)
 
 TOY = r"""
 \newcommand{\no}{7}
@@ -71,45 +73,55 @@ def test_every_number_of_the_paper_has_a_row_or_a_reason() -> None:
         assert not literal["row"] or literal["row"] in ROWS, literal
 
 
-def test_every_numbered_equation_has_a_row() -> None:
-    assert set(NUMBERS) <= ROWS
-    assert set(UNLABELLED.values()) <= ROWS
+def test_every_claim_says_where_it_stands_and_what_is_printed() -> None:
+    for claim in CLAIMS:
+        assert claim.place, claim.label
+        assert claim.says, claim.label
+        assert claim.printed == folded(claim.printed), claim.label
+        assert claim.right != claim.printed, claim.label
 
 
-def test_every_claim_says_where_it_stands() -> None:
-    assert {label for label in ROWS if not place(label)} == set()
-    assert not set(NEAR) - ROWS
-    assert not set(NEAR) & set(NUMBERS)
+@BESIDE
+@pytest.mark.parametrize("claim", CLAIMS, ids=[claim.label for claim in CLAIMS])
+def test_what_is_printed_is_quoted_word_for_word(claim: Claim) -> None:
+    assert claim.printed in folded(PAPER.read_text(encoding="utf-8"))
 
 
 @BESIDE
 def test_the_committed_numbers_are_the_papers() -> None:
     tex = PAPER.read_text(encoding="utf-8")
     assert [(x["number"], x["quotation"]) for x in LITERALS] == literals(tex)
-    numbers = numbers_of_labels(tex)
-    assert {"eq01:hamiltonian1": "(E.1)"} | numbers == NUMBERS
-    for number, _ in numbered_rows(tex):
-        group = f"{number[:-2]})" if number[-2].isalpha() else number
-        assert {number, group} & (set(numbers.values()) | set(UNLABELLED)), number
 
 
 @BESIDE
-@pytest.mark.parametrize(
-    ("name", "written"),
-    [
-        ("S_bal", r"S_\text{bal} :="),
-        ("S_steady", r"S_\text{steady} ="),
-        ("S_static", r"S_\text{static} :="),
-    ],
-)
+def test_every_labelled_equation_has_a_row_with_its_number() -> None:
+    numbers = numbers_of_labels(PAPER.read_text(encoding="utf-8"))
+    # its label stands in a row without a number, below the row with this one
+    numbers["eq01:hamiltonian1"] = "(E.1)"
+    # of a pair of equations each has a row of its own
+    numbers["eq01:simultaneous"] = "(4.16a)"
+    assert {label: CLAIM[label].place for label in numbers} == numbers
+
+
+@BESIDE
+def test_every_numbered_equation_has_a_row() -> None:
+    places = {number for claim in CLAIMS for number in re.findall(r"\(\w\.\w+\)", claim.place)}
+    for number, _ in numbered_rows(PAPER.read_text(encoding="utf-8")):
+        group = f"{number[:-2]})" if number[-2].isalpha() else number
+        assert {number, group, f"{group[:-1]}a)"} & places, number
+
+
+@BESIDE
+@pytest.mark.parametrize(("name", "written"), [("S_bal", r"S_\text{bal} :=")])
 def test_what_is_referred_to_is_defined_there(name: str, written: str) -> None:
     tex = PAPER.read_text(encoding="utf-8")
-    row = next(row for number, row in numbered_rows(tex) if number == NUMBERS[DEFINED_IN[name]])
-    assert written in row
+    place = CLAIM[DEFINED_IN[name]].place
+    assert written in next(row for number, row in numbered_rows(tex) if number == place)
 
 
-def test_causes_name_claims_of_the_audit() -> None:
-    assert {label for cause in CAUSES for label in cause.claims} <= ROWS
-    assert len({cause.name for cause in CAUSES}) == len(CAUSES)
-    weights = [cause.weight for cause in CAUSES]
+def test_claims_name_errors_of_the_audit() -> None:
+    named = {name for claim in CLAIMS for name in claim.errors}
+    assert named == {error.name for error in ERRORS}
+    assert len(named) == len(ERRORS)
+    weights = [error.weight for error in ERRORS]
     assert weights == sorted(weights, key=list(type(weights[0])).index)

@@ -7,10 +7,18 @@ import pytest
 import sympy as sp
 
 from harness.paper.audit import symbols
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Number, OutOfReach, Rate
-from harness.paper.audit.finding import WRONG, ClaimStatus
-from harness.paper.audit.mutations import MOST, mutated
-from harness.paper.audit.registry import Evidence
+from harness.paper.audit.claims import WRONG, AuditRow, Claim, ClaimStatus
+from harness.paper.audit.evidence import (
+    MOST,
+    Both,
+    Evidence,
+    Fact,
+    IdentityEvidence,
+    Number,
+    OutOfReach,
+    Rate,
+    mutated,
+)
 from harness.paper.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
 
 
@@ -19,13 +27,7 @@ def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
     return lambda x: 3 * x**power * (1 + x)
 
 
-def four(
-    printed: int,
-    *,
-    corrected: int | None = None,
-    correct: str = "",
-    wrong: ClaimStatus = ClaimStatus.FALSE,
-) -> Fact:
+def four(printed: int, *, corrected: int | None = None, correct: str = "") -> Fact:
     """Return evidence about whether a number is four."""
     return Fact(
         printed=printed,
@@ -34,12 +36,11 @@ def four(
         how="counted",
         corrected=corrected,
         correct=correct,
-        wrong=wrong,
     )
 
 
 def verdict(evidence: Evidence) -> ClaimStatus:
-    return evidence.ruling().verdict
+    return evidence.ruling().status
 
 
 def test_an_identity_holds() -> None:
@@ -50,17 +51,25 @@ def test_an_identity_holds() -> None:
     )
 
 
-def test_a_mended_sign_is_a_misprint() -> None:
+@pytest.mark.parametrize(
+    ("right", "expected"),
+    [("a - b", ClaimStatus.MISPRINT), ("c - b", ClaimStatus.FALSE), ("", ClaimStatus.FALSE)],
+)
+def test_what_is_false_is_a_misprint_if_one_symbol_mends_it(
+    right: str, expected: ClaimStatus
+) -> None:
     ruling = IdentityEvidence(
         printed=sp.cos(2 * phi) + 2 * S**2 + 1,
         corrected=sp.cos(2 * phi) + 2 * S**2,
         derived=sp.Integer(1),
         source="double angles",
-        correct="without the 1",
-        wrong=ClaimStatus.MISPRINT,
     ).ruling()
-    assert ruling.verdict is ClaimStatus.MISPRINT
-    assert ruling.correct == "without the 1"
+    fields = {"label": "eq", "section": "2", "place": "(2.1)", "says": "a sum", "printed": "a + b"}
+    claim = Claim(**fields, right=right, remark="without the 1")
+    row = AuditRow(claim=claim, ruling=ruling, check="toy.sum", seconds=0.0)
+    assert ruling.status is ClaimStatus.FALSE
+    assert row.status is expected
+    assert row.correct == f"`{right}`; without the 1" if right else "without the 1"
 
 
 def test_what_no_form_mends_is_inconsistent() -> None:
@@ -144,14 +153,13 @@ def test_rounded_inputs_widen_a_number() -> None:
 
 def test_the_gravest_part_decides() -> None:
     good, bad = four(4), four(5, correct="this")
-    misprint = four(3, correct="that", corrected=4, wrong=ClaimStatus.MISPRINT)
     false = four(3, correct="that", corrected=4)
     assert verdict(Both(parts=(good, good))) is ClaimStatus.HOLDS
     assert verdict(Both(parts=(good, bad))) is ClaimStatus.INCONSISTENT
-    assert verdict(Both(parts=(good, misprint))) is ClaimStatus.MISPRINT
-    assert verdict(Both(parts=(misprint, false))) is ClaimStatus.FALSE
-    assert Both(parts=(bad, misprint)).ruling().correct == "this; that"
-    assert verdict(Both(parts=(misprint, false)).as_corrected()) is ClaimStatus.HOLDS
+    assert verdict(Both(parts=(good, false))) is ClaimStatus.FALSE
+    assert verdict(Both(parts=(bad, false))) is ClaimStatus.FALSE
+    assert Both(parts=(bad, false)).ruling().correct == "this; that"
+    assert verdict(Both(parts=(good, false)).as_corrected()) is ClaimStatus.HOLDS
 
 
 def test_a_statement_is_mutated_part_by_part() -> None:
@@ -180,7 +188,7 @@ def test_a_mutation_that_says_the_same_is_none() -> None:
 
 def test_what_is_out_of_reach_says_why() -> None:
     ruling = OutOfReach(reason="an experiment").ruling()
-    assert (ruling.verdict, ruling.how) == (ClaimStatus.NOT_CHECKABLE, "an experiment")
+    assert (ruling.status, ruling.how) == (ClaimStatus.NOT_CHECKABLE, "an experiment")
 
 
 def test_zero_is_told_from_small() -> None:
