@@ -8,7 +8,7 @@ from functools import cache
 
 import mpmath as mp
 
-from harness.paper.audit.paper_can import a_p, c_p, h, k
+from harness.paper.audit.paper_can import PHI, PSI_DOT, THETA_DOT, a_p, c_p, h, k
 
 ORDER = 40
 """Powers of phi kept: at phi <= 0.01 the next is below 10^-80."""
@@ -110,3 +110,10 @@ def drive(phi: mp.mpf, zero: mp.mpf, two: mp.mpf) -> mp.mpf:
     sine, cosine = mp.sin(phi), mp.cos(phi)
     square = (a_p - c_p) * sine * cosine - h * mp.cos(2 * phi)
     return square * psi**2 - (c_p * sine + h * cosine) * theta * psi
+
+
+@cache
+def exact_constants() -> tuple[mp.mpf, mp.mpf]:
+    """Return B_0 and B_-2 of the paper's release."""
+    with mp.workdps(30):
+        return constants(PHI, PSI_DOT, THETA_DOT)

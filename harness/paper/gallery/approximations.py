@@ -5,20 +5,17 @@ import math
 import numpy as np
 
 from harness.core.report_model import Figure, Panel, Series
-from harness.paper.gallery.release import (
+from harness.paper.gallery.curves import (
     FOURTH_CURVE,
     OURS,
-    PHI,
     SECOND_CURVE,
     THIRD_CURVE,
     TIME,
     line,
-    problem,
     sampled,
-    solved,
 )
-from reference import PAPER_CAN, Problem
-from reference.asymptotic.expansions import expansions
+from harness.paper.release import of_constants, problem, solved
+from reference import PAPER_CAN
 from reference.asymptotic.matched import matched_of
 from reference.asymptotic.small_nutation import reduced_of
 
@@ -64,33 +61,12 @@ def exact_and_reduced() -> Figure:
     )
 
 
-def of_constants(epsilon: float, zeta: float, duration: float) -> Problem:
-    """Return the release at pi/100 with B_-2 = eps^(1/2) and B_0 = zeta eps^(1/2)."""
-    known = expansions(PAPER_CAN)
-    at = np.array([PHI])
-    two = math.sqrt(epsilon)
-    rates = [
-        two * (zeta * float(zero.at(at)[0]) + float(minus.at(at)[0]))
-        for zero, minus in (
-            (known.psi_zero, known.psi_minus_two),
-            (known.spin_zero, known.spin_minus_two),
-        )
-    ]
-    return Problem(
-        parameters=PAPER_CAN,
-        phi=PHI,
-        psi_dot=rates[0],
-        theta_dot=rates[1] - rates[0],
-        duration=duration,
-    )
-
-
 def family() -> Figure:
     """Three values of eps, zeta = 1 (fig01:sing_perturb)."""
     made: list[list[Series]] = [[], [], [], []]
     steps = []
     for name, epsilon, kind in FAMILY:
-        solution = solved(of_constants(epsilon, 1.0, 4.0), "reduced")
+        solution = solved(of_constants(epsilon, 1.0, duration=4.0), "reduced")
         t, s = sampled(solution)
         label = f"eps = {name}"
         dashed = kind != OURS

@@ -1,12 +1,36 @@
-"""The Hamiltonian of the reduced equation: as a surface and by its contours."""
+"""The Hamiltonian of the reduced equation; effective potential, steady motions and their folds."""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from harness.core.report_model import Figure, Panel, Series
-from harness.core.trajectory import Floats  # noqa: TC001 - as the other figures import it
-from harness.paper.gallery.release import FOURTH_CURVE, OURS, SECOND_CURVE, line, problem
+from harness.core.report_model import Figure, Heatmap, Panel, Series
+from harness.core.trajectory import Floats
+from harness.paper.gallery.curves import (
+    FIFTH_CURVE,
+    FOURTH_CURVE,
+    OURS,
+    SECOND_CURVE,
+    THIRD_CURVE,
+    line,
+    points,
+    where,
+)
+from harness.paper.release import PHI, PSI_DOT, SECOND, THETA_DOT, problem
+from reference import PAPER_CAN, Parameters
 from reference.asymptotic.small_nutation import Reduced, reduced_of
+from reference.equations.bifurcation import (
+    SteadyMotions,
+    branches,
+    effective_potential,
+    folds,
+    folds_at,
+    force_form,
+    states_at,
+    steady_motions,
+)
 
 LEVELS = (7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
 SLICES, SAMPLES = 42, 1201
@@ -117,8 +141,224 @@ def _contour(reduced: Reduced, level: float, low: float) -> Series:
     square = 2 * (level - reduced.potential(phi))
     speed = np.sqrt(np.maximum(square, 0))
     return line(
-        "orbits",
-        np.concatenate([phi, phi[::-1]]),
-        np.concatenate([speed, -speed[::-1]]),
-        OURS,
+        "orbits", np.concatenate([phi, phi[::-1]]), np.concatenate([speed, -speed[::-1]]), OURS
     )
+
+
+NUTATION_SAMPLES = 4000
+FLAT, UPRIGHT = 1e-2, np.pi / 2
+ROOM = 0.35
+"""Below and above what is marked in a potential, as a share of the height between."""
+CELLS, NUTATIONS = 80, 300
+"""Levels along each first integral whose wells are counted, and where each is looked at."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Release:
+    """A can at rest in phi, and what is drawn of it.
+
+    Parameters
+    ----------
+    name : str
+    parameters : Parameters
+    phi, psi_dot, theta_dot : float
+        Dimensionless.
+    whole, well : tuple of 2 floats
+        Nutations between which the potential is drawn, and the well of the release by itself.
+    B : tuple of 2 floats
+        Between which the steady motions are drawn.
+    plane : tuple of 4 floats
+        Least and largest B_-2, and K, of the first integrals whose wells are counted.
+    """
+
+    name: str
+    parameters: Parameters
+    phi: float
+    psi_dot: float
+    theta_dot: float
+    whole: tuple[float, float]
+    well: tuple[float, float]
+    B: tuple[float, float]
+    plane: tuple[float, float, float, float]
+
+    @property
+    def own(self) -> SteadyMotions:
+        """The first integrals and the energy of the release, shapes (1,)."""
+        return states_at(
+            self.parameters, *(np.array([x]) for x in (self.phi, self.psi_dot, self.theta_dot))
+        )
+
+
+RELEASES = (
+    Release(
+        name="two wells",
+        parameters=Parameters(a=0.2919, c=0.3791, h=0.5575),
+        phi=1.5026354274572624,
+        psi_dot=-0.39236159644870505,
+        theta_dot=-1.0199477967008015,
+        whole=(0.5, UPRIGHT),
+        well=(1.40, 1.54),
+        B=(0.45, 0.5),
+        plane=(0.3, 0.65, -0.3, 0.2),
+    ),
+    Release(
+        name="paper",
+        parameters=PAPER_CAN,
+        phi=PHI,
+        psi_dot=PSI_DOT * SECOND,
+        theta_dot=THETA_DOT * SECOND,
+        whole=(1e-3, 1.0),
+        well=(3e-5, 5e-2),
+        B=(-0.1, 0.1),
+        plane=(-0.85, 0.85, -1.6, 1.6),
+    ),
+)
+
+
+def wells() -> Figure:
+    """Two cans, one with a second well: potential, its well, steady motions, folds."""
+    rows = zip(*(_panels(release) for release in RELEASES), strict=True)
+    upper, paper = RELEASES
+    known = steady_motions(upper.parameters, *_level(upper))
+    barrier = float(known.energy[1] - upper.own.energy[0])
+    return Figure(
+        name="wells",
+        title="Effective potential, steady motions and their folds",
+        seen=(
+            f"Left, a can with a = {upper.parameters.a}, c = {upper.parameters.c} and h = "
+            f"{upper.parameters.h} has {known.phi.size} steady motions on the level of its "
+            f"release, centres at phi = {known.phi[0]:.3f} and {known.phi[2]:.3f} with a saddle at "
+            f"{known.phi[1]:.3f} between them, and released at {upper.phi:.3f} it stays in the "
+            f"upper well, under a barrier {barrier:.1e} m g R above its energy. Right, the paper's "
+            "can and release have one well, whose centre lies at phi = "
+            f"{steady_motions(paper.parameters, *_level(paper)).phi[0]:.2e}; a well begins or ends "
+            "at a fold, or where its steady motion passes phi = pi/2."
+        ),
+        panels=tuple(panel for row in rows for panel in row),
+        columns=2,
+    )
+
+
+def _level(release: Release) -> tuple[float, float]:
+    return float(release.own.K[0]), float(release.own.B[0])
+
+
+def _panels(release: Release) -> tuple[Panel, ...]:
+    return (
+        _potential(release, release.whole, "effective potential"),
+        _potential(release, release.well, "the well of the release"),
+        _branches(release),
+        _plane(release),
+    )
+
+
+def _potential(release: Release, ends: tuple[float, float], what: str) -> Panel:
+    """Draw the potential between two nutations, what is steady there, and the release's energy."""
+    can, own = release.parameters, release.own
+    K, B = _level(release)
+    wide = ends == release.well and ends[1] > 1e2 * ends[0]
+    space = np.geomspace if wide else np.linspace
+    phi = space(*ends, NUTATION_SAMPLES)
+    V = effective_potential(can, phi, K, B)
+    steady = steady_motions(can, K, B)
+    inside = (steady.phi > ends[0]) & (steady.phi < ends[1])
+    reached = np.where(own.energy[0] >= V, own.energy[0], np.nan)
+    # of the wells at that height only the one that the release is in
+    barriers = steady.phi[~steady.stable]
+    own_side = np.searchsorted(barriers, phi) == np.searchsorted(barriers, release.phi)
+    shown = [own.energy[0], *steady.energy[inside]]
+    room = (max(shown) - min(shown)) * ROOM
+    return Panel(
+        title=f"{release.name}: {what}",
+        x_label="phi [rad]",
+        y_label="V [m g R]",
+        series=(
+            line("effective potential", phi, V, OURS),
+            line("energy of the release", phi, np.where(own_side, reached, np.nan), THIRD_CURVE),
+            *_marked(steady, inside),
+            points("release", own.phi, own.energy, THIRD_CURVE),
+        ),
+        log_x=wide,
+        y_range=(min(shown) - room, max(shown) + room),
+    )
+
+
+def _marked(steady: SteadyMotions, inside: NDArray[np.bool_]) -> tuple[Series, ...]:
+    made = []
+    for label, which, kind in (
+        ("stable steady motion", steady.stable & inside, SECOND_CURVE),
+        ("unstable steady motion", ~steady.stable & inside, FOURTH_CURVE),
+    ):
+        if which.any():
+            some = points(label, steady.phi[which], steady.energy[which], kind)
+            # drawn alike over the first integrals, where saddles are dashed
+            made.append(replace(some, dashed=label.startswith("unstable")))
+    return tuple(made)
+
+
+def _branches(release: Release) -> Panel:
+    """Draw the steady motions over B_-2, the other first integral being that of the release."""
+    can = release.parameters
+    K, B = _level(release)
+    phi = np.linspace(FLAT, UPRIGHT, NUTATION_SAMPLES)
+    series = []
+    for sheet in branches(can, phi, K):
+        inside = (release.B[0] < sheet.B) & (release.B[1] > sheet.B)
+        for label, which, kind, dashed in (
+            ("stable steady motion", sheet.stable, SECOND_CURVE, False),
+            ("unstable steady motion", sheet.squared_eigenvalue > 0, FOURTH_CURVE, True),
+        ):
+            if (which & inside).any():
+                drawn = where(which & inside, sheet.B)
+                series.append(line(label, drawn, sheet.phi, kind, dashed=dashed))
+    turning = folds_at(can, K)
+    inside = (release.B[0] < turning.B) & (release.B[1] > turning.B)
+    return Panel(
+        title=f"{release.name}: steady motions, K = {K:.3g}",
+        x_label="B_-2 [sqrt(g/R)]",
+        y_label="phi [rad]",
+        series=(
+            *series,
+            points("fold", turning.B[inside], turning.phi[inside], FIFTH_CURVE),
+            points("release", np.array([B]), release.own.phi, THIRD_CURVE),
+        ),
+        x_range=release.B,
+    )
+
+
+def _plane(release: Release) -> Panel:
+    """Draw the folds in the plane of the first integrals, over how many wells there are."""
+    phi = np.linspace(FLAT, UPRIGHT, NUTATION_SAMPLES)
+    K, B = _level(release)
+    left, right, low, high = release.plane
+    return Panel(
+        title=f"{release.name}: wells and folds",
+        x_label="B_-2 [sqrt(g/R)]",
+        y_label="K [sqrt(g/R)]",
+        series=(
+            *(
+                line("fold", sign * sheet.B, sign * sheet.K, FIFTH_CURVE)
+                for sheet in folds(release.parameters, phi)
+                for sign in (1.0, -1.0)
+            ),
+            points("release", np.array([B]), np.array([K]), THIRD_CURVE),
+        ),
+        x_range=(left, right),
+        y_range=(low, high),
+        heat=_count(release),
+    )
+
+
+def _count(release: Release) -> Heatmap:
+    """Count the wells of each level: where the slope of the potential turns from down to up."""
+    left, right, low, high = release.plane
+    x, y = np.linspace(left, right, CELLS + 1), np.linspace(low, high, CELLS + 1)
+    phi = np.geomspace(1e-3, UPRIGHT, NUTATIONS)
+    phi = np.union1d(phi, np.linspace(phi[0], UPRIGHT, NUTATIONS))[:, None, None]
+    B, K = np.meshgrid((x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2)
+    own, mixed, other, gravity = (
+        part[:, None, None] for part in force_form(release.parameters, phi[:, 0, 0])
+    )
+    up = (own * K**2 + mixed * K * B + other * B**2 + gravity) < 0
+    wells = (up[1:] & ~up[:-1]).sum(axis=0)
+    return Heatmap(label="wells [number]", x=x, y=y, z=wells.astype(float))

@@ -4,12 +4,9 @@ from collections.abc import Callable, Iterator
 
 from harness.core.report_model import Figure, Prose
 from harness.paper.gallery.approximations import exact_and_reduced, family, inner_and_outer
-from harness.paper.gallery.energy import contours, surface
-from harness.paper.gallery.locus import friction, loci
-from harness.paper.gallery.motion import constants, hypergeometric, time_series
-from harness.paper.gallery.poses import equilibria, fall
-from harness.paper.gallery.signs import sign_map
-from harness.paper.gallery.wells import wells
+from harness.paper.gallery.energy import contours, surface, wells
+from harness.paper.gallery.motion import constants, equilibria, fall, hypergeometric, time_series
+from harness.paper.gallery.phenomena import friction, loci, sign_map
 
 ABOUT = Prose(
     name="summary",
@@ -21,7 +18,6 @@ ABOUT = Prose(
         "the paper: where there is a second well, which the paper does not mention."
     ),
 )
-
 FIGURES: tuple[Callable[[], Figure], ...] = (
     fall,
     time_series,

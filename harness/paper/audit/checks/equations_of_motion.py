@@ -138,13 +138,7 @@ def scaled_equations(*letters: Expr) -> IdentityEvidence:
     )
 
 
-@check_each(
-    {
-        "eq01:psi": (Psi, psi_dd),
-        "eq01:theta": (Theta, theta_dd),
-        "eq01:phi": (Phi, phi_dd),
-    }
-)
+@check_each({"eq01:psi": (Psi, psi_dd), "eq01:theta": (Theta, theta_dd), "eq01:phi": (Phi, phi_dd)})
 def rates(rate: Expr, acceleration: Expr) -> IdentityEvidence:
     """Insert eq01:Psi, eq01:Theta and eq01:Phi, read with a definition of one of their letters.
 

@@ -1,13 +1,31 @@
 """Section 6.3: the friction that rolling asks for."""
 
+import math
+from functools import cache
+
 import mpmath as mp
 import sympy as sp
 
-from harness.paper.audit import paper_can, release
+from harness.paper import release
+from harness.paper.audit import paper_can
+from harness.paper.audit.checks.locus import INNER
+from harness.paper.audit.checks.matching import STEEP
 from harness.paper.audit.claims import ClaimStatus
-from harness.paper.audit.evidence import Both, IdentityEvidence, Number, check
+from harness.paper.audit.evidence import (
+    Both,
+    Fact,
+    IdentityEvidence,
+    Number,
+    Rate,
+    check,
+    check_each,
+    mutated,
+)
 from harness.paper.audit.newton_euler import contact_force, turn_z
-from harness.paper.audit.symbols import A, H, R, a_p, h, m, psi
+from harness.paper.audit.symbols import A, Expr, H, R, a, a_p, h, m, psi
+from reference import PAPER_CAN, Parameters, Problem, solve
+from reference.equations.reaction_force import friction_ratio as ratio_of
+from reference.problem.states import initial_states
 
 
 @check("eq01:friction_short")
@@ -70,9 +88,7 @@ def predicted_friction() -> Number:
 def friction_in_short() -> Number:
     """Two digits."""
     return Number(
-        printed="0.51",
-        value=release.bounce().bounces[0].peak_friction_ratio,
-        source="exact motion",
+        printed="0.51", value=release.bounce().bounces[0].peak_friction_ratio, source="exact motion"
     )
 
 
@@ -115,4 +131,113 @@ def height_of_largest_friction() -> Number:
         source="maximum of 12 h/(3 + 16 h^2)",
         also="that is sqrt(3)/4",
         wrong=ClaimStatus.FALSE,
+    )
+
+
+@cache
+def _peak(epsilon: float, zeta: float) -> float:
+    """Return the exact peak of the friction ratio."""
+    return (
+        release.solved(release.of_constants(epsilon, zeta, bounces=1))
+        .bounces[0]
+        .peak_friction_ratio
+    )
+
+
+@check_each({"text:bound approached": (0.4,), "text:higher order": (-1.0, 0.4, 2.0)})
+def bound_approached(*zetas: float) -> Rate:
+    """Exact peaks for two values of eps, and for releases with several zeta."""
+    can = {a: PAPER_CAN.a, h: PAPER_CAN.h}
+
+    def remainder(bound: Expr) -> "sp.Lambda":
+        value = float(bound.subs(can))
+        return lambda small: mp.mpf(max(abs(_peak(float(small), z) - value) for z in zetas))
+
+    return Rate(
+        printed=h / (a + h**2),
+        remainder=remainder,
+        others=(*mutated(h / (a + h**2)), h / (a + h**2 + 1)),
+        stated=1 / 2,
+        at=STEEP,
+        source="the exact peaks, which approach it, for zeta = " + ", ".join(map(str, zetas)),
+    )
+
+
+@cache
+def _largest_ratios() -> tuple[float, float]:
+    """Return the largest |F|/N of the release in the outer and in the inner region."""
+    solution = release.bounce()
+    states = solution.at(solution.grid())
+    outside = states.phi >= INNER * release.PHI
+    ratio = ratio_of(states, PAPER_CAN)
+    return float(ratio[outside].max()), solution.bounces[0].peak_friction_ratio
+
+
+@check("text:outer friction")
+def friction_of_the_outer_region() -> Fact:
+    """Largest ratios of the exact release on either side of phi_0/10."""
+    outer, inner = _largest_ratios()
+    largest = {"outer": outer, "inner": inner}
+    return Fact(
+        printed=("outer", "inner"),
+        others=(("inner", "outer"),),
+        holds=lambda order: largest[order[0]] < largest[order[1]],
+        how=f"exact: {outer:.4f} for phi > phi_0/10 and {inner:.4f} below: falling freely near "
+        "phi = 0 asks for h/a_p too",
+    )
+
+
+@check("text:fast release")
+def friction_of_a_fast_release() -> Fact:
+    """Ratio that a release at pi/100 asks for at once, with the can pushed downwards."""
+
+    def outer_less(push: float) -> bool:
+        start = initial_states(release.problem(phi_dot=push / release.SECOND, bounces=1))
+        return float(ratio_of(start, PAPER_CAN).max()) < PAPER_CAN.h / PAPER_CAN.a_p
+
+    pushes = {"none": 0.0, "small": -0.3, "large": -0.7}
+    return Fact(
+        printed="large",
+        others=("none", "small"),
+        holds=lambda size: not outer_less(pushes[size]),
+        how="exact: with phi' = -0.7 sqrt(g/R) at pi/100, shortly before the can would lift off, "
+        "the release itself asks for more than h/a_p; from rest, and at -0.3, for less",
+    )
+
+
+DISK = Parameters(a=0.25, c=0.5, h=1e-3)
+"""A uniform disk a thousandth as thick as wide: the largest turn of a uniform cylinder."""
+LOW = math.pi / 1000
+"""Nutation of release: the friction that the fall asks for is in proportion to it."""
+
+
+def _disk_peak(rate: float) -> tuple[float, float]:
+    """Return turn in degrees and largest friction ratio of a thin disk's bounce."""
+    posed = Problem(parameters=DISK, phi=LOW, psi_dot=rate, theta_dot=-rate, bounces=1)
+    bounce = solve(posed).bounces[0]
+    return math.degrees(abs(bounce.angle_of_turn)), bounce.peak_friction_ratio
+
+
+@check("text:small a_p and friction")
+def friction_of_small_inertias() -> Fact:
+    """Let a_p = a + h^2 fall to 0 in two ways, and compute the bounce of a thin disk."""
+    a, h = sp.symbols("a h", positive=True)
+    ratio = h / (a + h**2)
+    turn, friction = _disk_peak(0.005)
+    thick, thin = (sp.limit(ratio.subs(a, h**n), h, 0) for n in (2, sp.Rational(1, 2)))
+    said = ("large for every small a_p", "small for every small a_p", "at most 1/sqrt(a_p)")
+    true = {
+        said[0]: thick == thin == sp.oo,
+        said[1]: thick == thin == 0,
+        # h/a_p <= 1/sqrt(a_p) where h^2 <= a_p
+        said[2]: bool(sp.expand(1 / ratio * h - h**2).is_positive),
+    }
+    return Fact(
+        printed=said[0],
+        corrected=said[2],
+        others=said[:2],
+        holds=true.__getitem__,
+        how=f"sympy: as a_p -> 0, h/a_p -> {thick} with a = h^2 and {thin} with a = sqrt(h); "
+        f"h <= sqrt(a_p); exact bounce of a uniform thin disk released at pi/1000: turn {turn:.1f} "
+        f"degrees, largest |F|/N {friction:.3f}",
     )

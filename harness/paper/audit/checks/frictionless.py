@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from harness.paper.audit.evidence import Both, IdentityEvidence, check
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
 from harness.paper.audit.newton_euler import rate
 from harness.paper.audit.symbols import (
     Co,
@@ -13,6 +13,7 @@ from harness.paper.audit.symbols import (
     Theta,
     a,
     c,
+    eps,
     h,
     phi,
     phi_dd,
@@ -128,4 +129,24 @@ def strength_of_the_repulsion() -> IdentityEvidence:
     leading = sp.limit(sp.simplify(_reduced().subs(Phi, 0) * S**3), phi, 0)
     return IdentityEvidence(
         printed=(zeta - 1) ** 2 / (a * (a + 1)), derived=sp.simplify(leading), source="phi -> 0"
+    )
+
+
+@check("text:expanding in eps")
+def expansion_without_friction() -> Fact:
+    """Expand what the momenta add in either letter: (B.7) has powers of phi."""
+    values = {a: 1, c: sp.Rational(1, 2), h: 1, zeta: 2, Phi: 0}
+    side = sp.cos(phi) - h * sp.sin(phi)
+    added = (eps * (_reduced() + side / (a + side**2))).subs(values)
+    expanded = {
+        "eps": sp.series(added, eps, 0, 2).removeO(),
+        "phi": sp.series(added, phi, 0, 1).removeO(),
+    }
+    return Fact(
+        printed="eps",
+        corrected="phi",
+        others=("eps",),
+        holds=lambda letter: sp.expand(expanded[letter] * phi**3).is_polynomial(phi),
+        how="sympy: eps multiplies a function of sin phi and cos phi, once and exactly; the powers "
+        "of phi in (B.7) come from expanding in phi",
     )

@@ -40,9 +40,7 @@ def inserted_series() -> IdentityEvidence:
     printed = n * (n - 1) / phi**2 + 3 * cot * n / phi - (gamma + beta * cot)
     derived = power.diff(phi, 2) + 3 * cot * power.diff(phi) - (gamma + beta * cot) * power
     return IdentityEvidence(
-        printed=printed,
-        derived=sp.simplify(derived / power),
-        source="d/dphi of phi^(n+r)",
+        printed=printed, derived=sp.simplify(derived / power), source="d/dphi of phi^(n+r)"
     )
 
 
@@ -312,4 +310,21 @@ def reason_of_the_logarithms() -> Fact:
         others=(({c: 2 + k, b: k * h}, {c: 2 + b**2}), ({c: 2 + b**2},)),
         holds=lambda equations: all(sp.expand(found.subs(case)) != 0 for case in equations),
         how=f"sympy: C = {found} q_0",
+    )
+
+
+@check("text:regular singular point")
+def regular_singular_point() -> Fact:
+    """Limits at phi = 0; divided once more by phi they have none."""
+    gamma, beta = sp.symbols("gamma beta", positive=True)
+    pair = phi * sp.cot(phi), phi**2 * (gamma + beta * sp.cot(phi))
+
+    def bounded(power: int) -> bool:
+        return all(sp.limit(form * phi**power, phi, 0).is_finite for form in pair)
+
+    return Fact(
+        printed=0,
+        others=(-1, -2),
+        holds=bounded,
+        how="sympy: their limits are 1 and 0, and both are quotients of analytic functions",
     )

@@ -1,15 +1,23 @@
-"""Appendix E: the reduced equation as a Hamiltonian system."""
+"""Appendix E: the reduced equation as a Hamiltonian system, and its phase portrait."""
+
+import math
+from functools import cache
 
 import mpmath as mp
 import numpy as np
 import sympy as sp
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
-from harness.paper.audit import paper_can, release
+from harness.paper import release
+from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit.checks.outer import POWERS, a_
+from harness.paper.audit.claims import ClaimStatus
 from harness.paper.audit.evidence import Fact, IdentityEvidence, check, mutated
+from harness.paper.audit.flat_motion import exact_constants
 from harness.paper.audit.symbols import A, Expr, H, Phi, R, a_p, eps, g, m, phi
-from reference.asymptotic.small_nutation import reduced_of
+from reference import PAPER_CAN
+from reference.asymptotic.small_nutation import reduced_equation, reduced_of
 
 log = sp.log(phi)
 FORCE = eps * sum(a_[n] * log**j / phi**i for n, (i, j) in POWERS.items()) - 1
@@ -219,4 +227,68 @@ def repulsive_term() -> Fact:
         holds=lambda name: max(parts, key=parts.__getitem__) == name,
         how=f"at a tenth of phi_min a_3/phi^3 is {parts['a_3'] / sum(parts.values()):.0%} of the "
         "slope",
+    )
+
+
+@check("text:symmetry of the contours")
+def symmetry_of_the_contours() -> IdentityEvidence:
+    """Turn the sign of a momentum."""
+    return IdentityEvidence(
+        printed=-Phi,
+        compared=lambda mirrored: PRINTED.subs(Phi, mirrored),
+        derived=PRINTED,
+        others=(-2 * Phi, 1 - Phi, Phi + phi),
+        source="the Hamiltonian itself",
+    )
+
+
+@cache
+def _rests() -> dict[str, mp.mpf]:
+    """Return where the reduced force and the exact one vanish, at the release's constants."""
+    reduced = reduced_of(release.bounce().problem)
+    with mp.workdps(30):
+        zero, two = exact_constants()
+        guess = mp.cbrt(two**2 * paper_can.a_p)  # a_3/phi^3 = 1
+
+        def exact(x: mp.mpf) -> mp.mpf:
+            return flat_motion.drive(x, zero, two) - mp.cos(x) + paper_can.h * mp.sin(x)
+
+        steady = mp.findroot(exact, (guess / 3, 3 * guess), solver="anderson")
+    found = brentq(reduced.force, float(guess) / 3, 3 * float(guess))
+    return {"steady": steady, "reduced": found, "phi*": mp.atan(1 / paper_can.h)}
+
+
+@check("text:centre of the portrait")
+def centre_of_the_portrait() -> Fact:
+    """Compare with the exact steady motion of the same constants."""
+    rests = _rests()
+    return Fact(
+        printed="steady",
+        others=("phi*",),
+        holds=lambda name: bool(abs(rests["reduced"] / rests[name] - 1) < mp.mpf("1e-3")),
+        how=f"reduced equation: phi = {mp.nstr(rests['reduced'], 6)}; exact steady motion with the "
+        f"same B_0 and B_-2: {mp.nstr(rests['steady'], 6)}",
+    )
+
+
+@check("caption:fig01:hamiltonian_contours")
+def contours_exist() -> Fact:
+    """Compare the lowest point of the Hamiltonian with the lowest contour."""
+    energies = (7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
+
+    def lowest(constants: tuple[float, float]) -> float:
+        epsilon, zeta = constants
+        two = math.sqrt(epsilon)
+        reduced = reduced_equation(PAPER_CAN, zeta * two, two)
+        return float(reduced.potential(np.geomspace(1e-5, 1e-2, 4000)).min())
+
+    printed, right = (1.43e-10, 0.40), (3.7628e-11, 0.66886)
+    return Fact(
+        printed=(printed, energies),
+        corrected=(right, energies),
+        holds=lambda said: min(said[1]) > lowest(said[0]),
+        others=((printed, energies), (right, (7e-4, *energies[1:])), ((1e-10, 0.67), energies)),
+        how=f"the Hamiltonian is at least {lowest(printed):.3e} with the printed eps and zeta, and "
+        f"{lowest(right):.3e} with those of the release",
+        wrong=ClaimStatus.INCONSISTENT,
     )

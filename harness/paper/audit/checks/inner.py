@@ -1,16 +1,20 @@
 """Sections 5.2 and 5.4: the inner solution, and the angles in the bounce."""
 
 import mpmath as mp
+import numpy as np
 import sympy as sp
 
+from harness.paper import release
 from harness.paper.audit import paper_can
 from harness.paper.audit.checks.outer import POWERS, a_
-from harness.paper.audit.checks.reduced import derived as of_reduced
+from harness.paper.audit.checks.reduced import derived
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check
 from harness.paper.audit.flat_motion import rates
 from harness.paper.audit.flat_series import in_inertias
 from harness.paper.audit.symbols import B2, A, Expr, H, I, R, T, a_p, eps, m
 
+NEAR = mp.mpf("0.01")
+"""Relative error at which an approximation is left: the power of eps does not depend on it."""
 q = sp.Symbol("a_p", positive=True)
 """The paper's a_p as a letter of its own: only that it is positive matters here."""
 x = sp.Symbol("varphi", positive=True)
@@ -57,7 +61,7 @@ def inner_problem() -> IdentityEvidence:
     log = sp.Symbol("log_full")
     force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
     leading = sp.expand(root * force).subs(eps, 0)
-    strongest = in_inertias(of_reduced("a_3") / B2**2)
+    strongest = in_inertias(derived("a_3") / B2**2)
     return IdentityEvidence(
         printed=a_p / x**3,
         derived=leading.subs(a_["3"], strongest),
@@ -263,4 +267,42 @@ def limits_of_the_turn() -> Fact:
         holds=lambda least_and_most: falls and ends == least_and_most,
         others=((2 * sp.pi, sp.oo), (sp.pi, 2 * sp.pi), (sp.Integer(0), sp.oo)),
         how="sympy: it falls with a_p, from infinity to pi",
+    )
+
+
+@check("text:inner ansatz")
+def order_of_the_inner_correction() -> Fact:
+    """Largest term that (5.8) adds to its leading order."""
+    return Fact(
+        printed=root,
+        corrected=root * sp.log(eps),
+        others=(root, root * sp.log(eps) ** 2, eps),
+        holds=largest_addition,
+        how="sympy: (5.8) adds eps^(1/2) a_l2 log(eps^(1/2) varphi)/varphi^2, which over eps^(1/2) "
+        "has no limit; (5.10) itself states O(eps^(1/2) log eps)",
+    )
+
+
+@check("text:inner valid for T<0")
+def sides_of_the_bounce() -> Fact:
+    """Compare the angle past the bounce with the exact motion, on both sides."""
+    solution = release.bounce()
+    bounce = solution.bounces[0]
+    a_p = float(paper_can.a_p)
+    factor = np.sqrt((a_p + 1) / a_p)
+    # arctan(I T/sqrt(a_p)) = arctan(rate t): the rate from the exact peak alone
+    rate = bounce.peak_psi_dot / factor
+    errors = {}
+    for side, sign in (("T < 0", -1), ("T > 0", 1)):
+        times = bounce.time + sign * np.geomspace(0.1, 100, 60) / rate
+        angle = solution.at(times).psi - solution.at(np.array([bounce.time])).psi
+        errors[side] = float(np.abs(angle - factor * np.arctan(rate * (times - bounce.time))).max())
+    return Fact(
+        printed=("T < 0",),
+        corrected=("T < 0", "T > 0"),
+        others=(("T < 0",), ("T > 0",)),
+        holds=lambda sides: set(sides) == {s for s, e in errors.items() if e < float(NEAR)},
+        how="angle from the bottom of the bounce against the exact release, "
+        "up to 100 times its "
+        "width: " + ", ".join(f"{error:.1e} rad for {side}" for side, error in errors.items()),
     )

@@ -1,13 +1,23 @@
-"""Section 5.3: the inner and the outer solution matched."""
+"""Sections 5 and 5.3: the regions of the two solutions, and how well they are matched."""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
 
 import mpmath as mp
+import numpy as np
 import sympy as sp
 
-from harness.paper.audit.checks.inner import INNER, P, Q, q, root, t, x
-from harness.paper.audit.checks.integrals import RIGHT_FORMS, time
-from harness.paper.audit.checks.validity import order_of_the_composite
-from harness.paper.audit.evidence import Both, IdentityEvidence, Rate, check
-from harness.paper.audit.symbols import Expr, I, T, eps
+from harness.paper import release
+from harness.paper.audit import flat_series as series
+from harness.paper.audit import paper_can
+from harness.paper.audit.checks.hamiltonian import MENDED
+from harness.paper.audit.checks.inner import INNER, NEAR, P, Q, q, root, t, x
+from harness.paper.audit.checks.outer import POWERS, RIGHT_FORMS, a_, time
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check, check_each
+from harness.paper.audit.symbols import B0, B2, Expr, I, Phi, T, eps, phi
+from reference import PAPER_CAN, solve
 
 
 @check("text:inner in outer")
@@ -123,4 +133,217 @@ def composite() -> Both:
             ),
             order_of_the_composite(),
         )
+    )
+
+
+DIGITS = 38
+"""An error of order 1e-27 of a time of order 0.1, to ten digits."""
+DECADES = (18, 21, 24, 27)
+"""Powers of 1/eps: here eps^(1/2) times any power of the logarithm is below a thousandth."""
+FLAT = mp.mpf("0.001")
+"""A difference this small against the one before it is none."""
+RULE = "gauss-legendre"
+"""The integrands are smooth, and no node lies so near an end that differences cancel there."""
+
+
+def _left_at(share: mp.mpf) -> mp.mpf:
+    """Return phi/eps^(1/2) where the leading outer solution is off by a share of the inner one."""
+    # near the bounce: outer sqrt(I) s, true sqrt(eps a_p/I + I s^2)
+    gap = (1 - share) ** 2 / (1 - (1 - share) ** 2) * paper_can.a_p / paper_can.WIDTH
+    return mp.sqrt(paper_can.a_p / paper_can.WIDTH + gap)
+
+
+@cache
+def reach_of_the_outer_solution() -> tuple[mp.mpf, mp.mpf]:
+    """Return the power of eps in the phi at which the outer solution is off by a hundredth.
+
+    Also the factor. Measured on the motion of phi'' = -1 + eps a_p/phi^3.
+    """
+    places = []
+    for small in (mp.mpf("1e-10"), mp.mpf("1e-14")):
+        lift = small * paper_can.a_p
+
+        def speed(y: mp.mpf, lift: mp.mpf = lift) -> mp.mpf:
+            top = paper_can.WIDTH / 2
+            return mp.sqrt(2 * (top - y) + lift * (top**-2 - y**-2))
+
+        def off(y: mp.mpf, speed: Callable[[mp.mpf], mp.mpf] = speed) -> mp.mpf:
+            top = paper_can.WIDTH / 2
+            # (top - s^2): the root at the top is gone
+            time = mp.quad(lambda s: 2 * s / speed(top - s**2), [0, mp.sqrt(top - y)], method=RULE)
+            return (paper_can.WIDTH - time**2) / 2 / y - 1 + NEAR
+
+        guess = _left_at(NEAR) * mp.sqrt(small)
+        places.append(mp.findroot(off, (guess / 2, 2 * guess), solver="anderson", tol=1e-10))
+    power = mp.log(places[0] / places[1]) / mp.log(mp.mpf("1e4"))
+    return power, places[0] / mp.mpf("1e-10") ** power
+
+
+@check_each({"text:outer region": (), "text:regular perturbation": ()})
+def outer_region() -> Fact:
+    """Find how the nutation at which the outer solution is left depends on eps."""
+    power, factor = reach_of_the_outer_solution()
+    return Fact(
+        printed=mp.mpf(0),
+        corrected=mp.mpf("0.5"),
+        others=(mp.mpf(0), mp.mpf("0.25"), mp.mpf(1)),
+        holds=lambda stated: bool(abs(power - stated) < mp.mpf("0.02")),
+        how=f"the outer solution is within 1 % down to phi = {mp.nstr(factor, 3)} "
+        f"eps^{mp.nstr(power, 4)}: quadrature at eps = 1e-10 and 1e-14; and phi is never above "
+        "pi/100 in the paper's motion",
+    )
+
+
+@check("text:inner region")
+def inner_region() -> Fact:
+    """Find how the nutation at which the inner solution is left depends on the release."""
+
+    def left(width: mp.mpf) -> mp.mpf:
+        """Return where sqrt(I) s is off by a hundredth of the fall phi'' = -1, as eps -> 0."""
+
+        def off(y: mp.mpf) -> mp.mpf:
+            return mp.sqrt(width) * (mp.sqrt(width) - mp.sqrt(width - 2 * y)) / y - 1 - NEAR
+
+        return mp.findroot(off, (width / 100, width / 10), solver="anderson", tol=1e-10)
+
+    places = left(paper_can.WIDTH), left(16 * paper_can.WIDTH)
+    power = mp.log(places[1] / places[0]) / mp.log(16)
+    return Fact(
+        printed=mp.mpf(0),
+        corrected=mp.mpf(1),
+        others=(mp.mpf(0), mp.mpf("0.5"), mp.mpf(2)),
+        holds=lambda stated: bool(abs(power - stated) < mp.mpf("0.02")),
+        how=f"the inner solution is within 1 % up to phi = {mp.nstr(places[0] / paper_can.PHI, 3)} "
+        f"phi(0), and that goes as phi(0)^{mp.nstr(power, 4)}: releases from pi/100 and 16 pi/100",
+    )
+
+
+@cache
+def _potential() -> Callable[[mp.mpf, mp.mpf], mp.mpf]:
+    """Return the potential of the reduced equation of phi and eps, for zeta = 0.4."""
+    letters = {series.k: paper_can.k, series.h: paper_can.h, series.c_p: paper_can.c_p}
+    values = []
+    for power, logs in POWERS.values():
+        form = series.coefficient(series.drive(), -power, logs).subs({B0: sp.Rational(2, 5), B2: 1})
+        values.append(sp.lambdify(list(letters), form, "mpmath")(*letters.values()))
+    function = sp.lambdify((phi, eps, *(a_[n] for n in POWERS)), MENDED.subs(Phi, 0), "mpmath")
+    return lambda y, small: function(y, small, *values)
+
+
+@cache
+def error_of_the_composite(power: int) -> mp.mpf:
+    """Return the error of (5.14) where varphi is twice its smallest, for eps = 10^-power."""
+    with mp.workdps(DIGITS):
+        small, top = mp.mpf(10) ** -power, paper_can.WIDTH / 2
+        energy = _potential()
+        low = 2 * mp.sqrt(small * paper_can.a_p / paper_can.WIDTH)
+
+        def per_log(u: mp.mpf) -> mp.mpf:
+            y = mp.exp(u)
+            return y / mp.sqrt(2 * (energy(top, small) - energy(y, small)))
+
+        def per_root(s: mp.mpf) -> mp.mpf:
+            y = top - s**2
+            return 2 * s / mp.sqrt(2 * (energy(top, small) - energy(y, small)))
+
+        middle = top / 2
+        cuts = mp.linspace(mp.log(low), mp.log(middle), power // 2)
+        time = mp.quad(per_log, cuts, method=RULE)
+        time += mp.quad(per_root, [0, mp.sqrt(top - middle)], method=RULE)
+        gap = mp.sqrt(paper_can.WIDTH) - time
+        inner = mp.sqrt(small * paper_can.a_p / paper_can.WIDTH + paper_can.WIDTH * gap**2)
+        return inner - gap**2 / 2 - low
+
+
+@cache
+def logarithms_of_the_error() -> tuple[int, list[mp.mpf]]:
+    """Return the degree of error/eps as a polynomial in log eps, and its differences."""
+    errors = [error_of_the_composite(power) * mp.mpf(10) ** power for power in DECADES]
+    differences = [errors[0]]
+    while len(errors) > 1:
+        errors = [after - before for before, after in pairwise(errors)]
+        differences.append(errors[0])
+    degree = len(DECADES) - 1
+    while abs(differences[degree]) < FLAT * abs(differences[degree - 1]):
+        degree -= 1
+    return degree, differences
+
+
+def order_of_the_composite() -> Fact:
+    """Find how often the logarithm multiplies eps in the error of (5.14), printed as O(eps)."""
+    degree, differences = logarithms_of_the_error()
+    told = ", ".join(mp.nstr(x, 4) for x in differences)
+    return Fact(
+        printed=0,
+        corrected=2,
+        others=(0, 1, 3),
+        holds=lambda power: power == degree,
+        how="error/eps where varphi is twice its smallest (zeta = 0.4), for eps = 1e-18 to 1e-27 "
+        f"in steps of 1e-3: its differences are {told}, those of a polynomial of degree {degree} "
+        "in log eps",
+    )
+
+
+SEEN = 0.05
+"""A twentieth of a panel is seen in print."""
+STEEP = (1e-8, 1e-10)
+"""Values of eps between which a rate is observed."""
+
+
+@cache
+def _truth(epsilon: float) -> "tuple[np.ndarray, np.ndarray]":
+    """Return the reduced equation's nutations before the bounce and the times they are met."""
+    posed = release.of_constants(epsilon, 0.4, bounces=1)
+    bounce_time = math.sqrt(2 * release.PHI)
+    tau = bounce_time - np.geomspace(math.sqrt(epsilon) / 10, bounce_time, 300)
+    truth = solve(posed, model="reduced").at(tau * math.sqrt(PAPER_CAN.pendulum_inertia))
+    return tau, truth.phi
+
+
+def _error(form: Expr, epsilon: float) -> float:
+    """Largest error of a form of phi(t) against the reduced equation, up to the bounce."""
+    tau, phi = _truth(epsilon)
+    value = sp.lambdify((eps, q, I, t), form, "numpy")
+    return float(np.abs(value(epsilon, PAPER_CAN.a_p, 2 * release.PHI, tau) - phi).max())
+
+
+@check("text:matched agreement")
+def matched_agreement() -> Rate:
+    """Largest error before the bounce: it is to fall as no form that is wrong at eps^(1/2) does."""
+    gap = sp.sqrt(I) - t
+    inner = sp.sqrt(eps * q / I + I * gap**2)
+    return Rate(
+        printed=inner - gap**2 / 2,
+        remainder=lambda form: lambda small: mp.mpf(_error(form, float(small))),
+        others=(
+            sp.sqrt(eps * (q + 1) / I + I * gap**2) - gap**2 / 2,
+            sp.sqrt(eps * q / I**2 + I * gap**2) - gap**2 / 2,
+            inner + gap**2 / 2,
+            (I - t**2) / 2,
+        ),
+        stated=1,
+        at=STEEP,
+        source="the reduced equation with zeta = 0.4, the largest error of phi before the bounce "
+        f"({_error(inner - gap**2 / 2, STEEP[0]):.2e} at eps = 1e-8)",
+    )
+
+
+@check("caption:fig01:inner_outer_comp")
+def outer_solution_departs() -> Fact:
+    """Distance of the leading outer solution from the composite, of the height of the panel."""
+    width, strength = float(paper_can.WIDTH), 1.43e-10 * float(paper_can.a_p)
+
+    def apart(t: float) -> float:
+        gap = math.sqrt(width) - t
+        matched = math.sqrt(strength / width + width * gap**2) - gap**2 / 2
+        return abs(matched - (width - t**2) / 2)
+
+    end = math.sqrt(width)
+    return Fact(
+        printed=0.247,
+        others=(0.0, 0.2),
+        holds=lambda start: apart(end) > SEEN * (width - start**2) / 2 > apart(start),
+        how=f"at t = sqrt(I) the two are {apart(end):.2e} apart, {apart(end) / 9.1e-4:.0%} of the "
+        f"panel, which starts at phi = {(width - 0.247**2) / 2:.2e}; at t = 0.247 "
+        f"{apart(0.247):.1e}",
     )

@@ -1,4 +1,4 @@
-"""Appendices B and C: what B_0 and B_-2 mean, and what friction does to the angular momenta."""
+"""Appendix C: what the two constants have to do with angular momenta."""
 
 from functools import cache
 
@@ -6,14 +6,140 @@ import mpmath as mp
 import numpy as np
 import sympy as sp
 
-from harness.paper.audit import flat_motion, paper_can, release
-from harness.paper.audit.checks.numbers import exact_constants
-from harness.paper.audit.evidence import Fact, IdentityEvidence, check
-from harness.paper.audit.newton_euler import ARM, VERTICAL, rotation
-from harness.paper.audit.symbols import Co, Phi, Psi, S, Theta, a, c, h, phi
+from harness.paper import release
+from harness.paper.audit import flat_motion, paper_can
+from harness.paper.audit.checks.exact_solution import EXACT, PSI, THETA, TINY, valued
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check
+from harness.paper.audit.flat_motion import exact_constants
+from harness.paper.audit.newton_euler import (
+    ARM,
+    VERTICAL,
+    contact_force,
+    papers_accelerations,
+    rotation,
+    turn_z,
+)
+from harness.paper.audit.symbols import Co, Expr, Phi, Psi, S, Theta, a, c, h, k, phi, psi
 from harness.paper.audit.symbols import psi as precession
 from reference import PAPER_CAN
-from reference.equations.reaction_force import contact_force
+from reference.equations.reaction_force import contact_force as reaction
+
+
+@check("eq01:ang_mom_B")
+def momentum_about_the_axis() -> Both:
+    """Expand."""
+    exact = c * (Theta + Psi * Co)
+    expanded = sp.series(exact, phi, 0, 4).removeO()
+    tail = -c * Psi * phi**2 / 2
+    return Both(
+        parts=(
+            IdentityEvidence(printed=exact, derived=c * Theta + c * Psi * Co, source="c Omega_z"),
+            IdentityEvidence(
+                printed=c * (Theta + Phi) + tail,
+                corrected=c * (Theta + Psi) + tail,
+                derived=sp.expand(expanded),
+                source="its Taylor series to phi^3",
+            ),
+        )
+    )
+
+
+@check("eq01:ang_mom_G")
+def momentum_about_the_vertical() -> Both:
+    """Project the angular momentum, and expand."""
+    momentum = sp.diag(a, a, c) * sp.Matrix([Psi * S, -Phi, Psi * Co + Theta])
+    exact = a * Psi * S**2 + c * Co * (Psi * Co + Theta)
+    square = -c / 2 * (Theta + 2 * Psi) + a * Psi
+    return Both(
+        parts=(
+            IdentityEvidence(
+                printed=exact, derived=(rotation() * momentum)[2], source="I Omega along z"
+            ),
+            IdentityEvidence(
+                printed=c * (Theta + Psi) + square * phi**2,
+                derived=sp.expand(sp.series(exact, phi, 0, 4).removeO()),
+                source="its Taylor series to phi^3",
+            ),
+        )
+    )
+
+
+@check("text:B_0 and H_B")
+def regular_constant_is_momentum() -> Rate:
+    """At fixed Psi and Theta."""
+    p = paper_can
+
+    def remainder(factor: Expr) -> "sp.Lambda":
+        share = sp.lambdify((a, c, h), factor, "mpmath")(p.a, p.c, p.h)
+
+        def left(x: mp.mpf) -> mp.mpf:
+            momentum = p.c * (THETA + PSI * mp.cos(x))
+            return flat_motion.constants(x, PSI, THETA)[0] - share * momentum
+
+        return left
+
+    return Rate(printed=k * (c + 1) / (2 * c), remainder=remainder, stated=1, at=TINY, source=EXACT)
+
+
+FRICTION = k * Phi * (a * Psi * S + c * h * (Psi * Co + Theta))
+
+
+@check("eq01:friction_tangential")
+def tangential_friction() -> IdentityEvidence:
+    """Insert the accelerations into the force, seen in I."""
+    seen = (turn_z(psi).T * contact_force())[1].subs(papers_accelerations())
+    return IdentityEvidence(
+        printed=FRICTION, corrected=-FRICTION, derived=seen, source="the force of eq01:n2l_lin"
+    )
+
+
+@check("text:lines of action")
+def lines_of_action() -> IdentityEvidence:
+    """Moments about the centre of unit forces along x^I and z, along both axes."""
+    arm = turn_z(-psi) * rotation() * ARM
+    axis = turn_z(-psi) * rotation() * VERTICAL
+    along, across = sp.Matrix([1, 0, 0]), sp.Matrix([0, 1, 0])
+
+    def moments(forces: Expr) -> Expr:
+        found = [arm.cross(forces[:, i]).dot(z) for i in range(2) for z in (axis, VERTICAL)]
+        return sp.Matrix(found)
+
+    return IdentityEvidence(
+        printed=sp.Matrix.hstack(along, VERTICAL),
+        compared=moments,
+        derived=sp.zeros(4, 1),
+        others=(sp.Matrix.hstack(across, VERTICAL), sp.Matrix.hstack(along, across)),
+        source="moments about the centre",
+    )
+
+
+@check("text:F_y in proportion")
+def friction_in_proportion() -> Fact:
+    """Along a motion a Psi sin phi = a B_-2/phi outgrows c h (Psi cos phi + Theta)."""
+    p = paper_can
+
+    def quotient(form: Expr, x: mp.mpf) -> mp.mpf:
+        psi_, theta_ = flat_motion.rates(x, mp.mpf("0.7"), mp.mpf(1))
+        force = p.a * psi_ * mp.sin(x) + p.c * p.h * (psi_ * mp.cos(x) + theta_)
+        return force / valued(form)(x, psi_, theta_)
+
+    def proportional(form: Expr) -> bool:
+        with mp.workdps(40):
+            far, near = (quotient(form, mp.mpf(x)) for x in ("1e-6", "1e-8"))
+            # what is left out is phi log phi of it
+            return bool(abs(near / far - 1) < mp.mpf("1e-3"))
+
+    with mp.workdps(40):
+        told = [mp.nstr(quotient(Theta + Psi, mp.mpf(x)), 3) for x in ("1e-6", "1e-8")]
+    return Fact(
+        printed=Theta + Psi,
+        holds=proportional,
+        corrected=Psi * phi,
+        others=(Theta + Psi, Psi, Psi * phi**2),
+        how="F_y^I/Phi over Theta + Psi, which should tend to a constant, goes from "
+        f"{told[0]} at phi = 1e-6 to {told[1]} at 1e-8 (B_0 = 0.7, B_-2 = 1)",
+    )
+
 
 SAME = mp.mpf("0.1")
 """Two quantities in proportion to each other keep their ratio to a tenth over the fall."""
@@ -110,7 +236,7 @@ def effect_of_friction() -> Fact:
 def smallness_of_the_tangential_friction() -> Fact:
     """Largest F_y^I of the exact release, in parts of the weight."""
     solution = release.bounce()
-    forces = contact_force(solution.at(solution.grid()), PAPER_CAN)
+    forces = reaction(solution.at(solution.grid()), PAPER_CAN)
     names = ("F_x^I", "F_y^I", "N")
     largest = {name: float(np.abs(f).max()) for name, f in zip(names, forces, strict=True)}
     return Fact(

@@ -7,7 +7,7 @@ import sympy as sp
 
 from harness.paper.audit import flat_motion
 from harness.paper.audit import flat_series as series
-from harness.paper.audit.checks.integrals import INTEGRANDS
+from harness.paper.audit.checks.outer import INTEGRANDS
 from harness.paper.audit.claims import CLAIMS
 from harness.paper.audit.evidence import Fact, check, check_each
 from harness.paper.audit.symbols import phi

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
-from harness.paper.audit.checks import equilibria, numbers, reduced, steady_orbits
-from harness.paper.audit.checks.integrals import RIGHT_FORMS, time
+from harness.paper.audit.checks import reduced, steady_motions
+from harness.paper.audit.checks.outer import RIGHT_FORMS, time
 from harness.paper.audit.flat_series import c_p, h, in_inertias, k
 from harness.paper.audit.symbols import B0, B2
 from harness.paper.audit.symbols import a as sym_a
 from harness.paper.audit.symbols import c as sym_c
 from harness.paper.audit.symbols import h as sym_h
 from harness.paper.audit.symbols import phi as sym_phi
-from reference import PAPER_CAN, Problem
+from reference import PAPER_CAN
 from reference.asymptotic.expansions import paper_constants
 from reference.asymptotic.matched import integrals
 from reference.asymptotic.small_nutation import NAMES, reduced_equation
@@ -25,17 +26,11 @@ from reference.problem.states import initial_states
 
 EPS = float(np.finfo(float).eps)
 CAN = {sym_a: PAPER_CAN.a, sym_c: PAPER_CAN.c, sym_h: PAPER_CAN.h}
-RELEASE = Problem(
-    parameters=PAPER_CAN,
-    phi=float(paper_can.PHI),
-    psi_dot=float(paper_can.PSI_DOT),
-    theta_dot=float(paper_can.THETA_DOT),
-    bounces=1,
-)
+RELEASE = release.problem(bounces=1)
 
 
 def test_the_critical_rate() -> None:
-    stiffness = float(equilibria.STIFFNESS.subs(CAN))
+    stiffness = float(steady_motions.STIFFNESS.subs(CAN))
     square = math.hypot(1, PAPER_CAN.h) / stiffness
     assert critical_rolling_rate(PAPER_CAN) == pytest.approx(math.sqrt(square), rel=8 * EPS)
 
@@ -43,7 +38,7 @@ def test_the_critical_rate() -> None:
 @pytest.mark.parametrize("degrees", [5, 20, 33])
 def test_the_rates_at_rest(degrees: float) -> None:
     angle = math.radians(degrees)
-    square = float(steady_orbits._rest_square(-1).subs(CAN | {sym_phi: angle}))  # noqa: SLF001
+    square = float(steady_motions._rest_square(-1).subs(CAN | {sym_phi: angle}))  # noqa: SLF001
     psi, theta = rest_rates(PAPER_CAN, angle)
     assert psi**2 == pytest.approx(square, rel=1e3 * EPS)  # the numerator cancels towards phi*
     side = math.cos(angle) - PAPER_CAN.h * math.sin(angle)
@@ -51,7 +46,7 @@ def test_the_rates_at_rest(degrees: float) -> None:
 
 
 def test_the_constants_of_the_release() -> None:
-    ours = [float(x) for x in numbers.exact_constants()]
+    ours = [float(x) for x in flat_motion.exact_constants()]
     theirs = [float(x[0]) for x in paper_constants(initial_states(RELEASE), PAPER_CAN)]
     # Psi + Theta is a thousandth of either: three digits fewer
     assert ours == pytest.approx(theirs, rel=1e4 * EPS)

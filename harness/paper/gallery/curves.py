@@ -1,49 +1,16 @@
-"""The releases of the paper's figures, and curves made of their solutions."""
-
-import math
-from functools import cache
+"""Curves made of solutions, and their kinds."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.core.report_model import Series
 from harness.core.trajectory import Floats
-from reference import PAPER_CAN, Problem, Solution, States, solve
+from reference import Solution, States
 
-SECOND = math.sqrt(0.037 / 9.81)
-"""sqrt(R/g) in s: the paper prints releases in rad/s, and no g."""
-PHI = math.pi / 100
-PSI_DOT, THETA_DOT = 0.1001, -0.1
 TIME = "t [sqrt(R/g)]"
 OURS, SECOND_CURVE, THIRD_CURVE = "reference", "curve 2", "curve 3"
 FOURTH_CURVE, FIFTH_CURVE = "curve 4", "curve 5"
 """Which curve of a figure it is; the exact motion is the first."""
-
-
-def problem(
-    psi_dot: float = PSI_DOT,
-    phi: float = PHI,
-    theta_dot: float = THETA_DOT,
-    *,
-    bounces: int | None = None,
-    duration: float | None = None,
-) -> Problem:
-    """Return a release of the paper's can, rates in rad/s."""
-    return Problem(
-        parameters=PAPER_CAN,
-        phi=phi,
-        psi_dot=psi_dot * SECOND,
-        theta_dot=theta_dot * SECOND,
-        bounces=bounces,
-        duration=duration,
-    )
-
-
-@cache
-def solved(posed: Problem, model: str = "rolling", *, locus: bool = False) -> Solution:
-    """Solve a problem once."""
-    outputs = frozenset({"contact_locus"}) if locus else frozenset[str]()
-    return solve(posed, model=model, outputs=outputs)
 
 
 def sampled(solution: Solution) -> tuple[Floats, States]:

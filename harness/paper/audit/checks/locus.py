@@ -1,14 +1,21 @@
-"""Section 6: the sign of the turn, the contact locus, and the friction that rolling asks for."""
+"""Sections 6.1 and 6.2: the sign of the turn, and the path of the contact point."""
+
+import math
+from functools import cache
 
 import mpmath as mp
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
-from harness.paper.audit import flat_motion, paper_can, release
+from harness.paper import release
+from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit import flat_series as series
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, mutated
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each, mutated
 from harness.paper.audit.newton_euler import ARM, centre_velocity, rate, rotation
 from harness.paper.audit.symbols import B2, I, Psi, T, Theta, a, c, c_p, eps, h, k, psi
+from reference import PAPER_CAN, solve
+from reference.asymptotic.matched import boundary_rotation
 from reference.integrable.cycle import exact_bounces
 
 q = sp.Symbol("a_p", positive=True)
@@ -156,10 +163,40 @@ def outer_locus() -> IdentityEvidence:
     return _locus(_outer_angle(sp.Integer(0)), _outer_angle(sp.Rational(-3, 2)), t)
 
 
+@cache
+def _headings(below: float) -> tuple[NDArray[np.float64], float]:
+    """Return headings of the contact locus below a nutation, and the length of its way."""
+    solution = release.bounce()
+    states = solution.at(solution.grid())
+    if states.x is None or states.y is None:
+        raise ValueError("the contact locus was asked for and is missing")
+    inside = states.phi < below
+    dx, dy = np.diff(states.x[inside]), np.diff(states.y[inside])
+    return np.unwrap(np.arctan2(dy, dx)), float(np.hypot(dx, dy)[1:].sum())
+
+
+def _turning() -> float:
+    """Sense in which the contact locus bends during the bounce: 1 anticlockwise, -1 clockwise."""
+    headings, _ = _headings(10 * release.bounce().bounces[0].phi_min)
+    return float(np.sign(headings[-1] - headings[0]))
+
+
+def _radius() -> float:
+    """Radius of the contact locus at the bottom of the bounce: length over change of heading."""
+    headings, length = _headings(3 * release.bounce().bounces[0].phi_min)
+    return float(length / abs(headings[-1] - headings[0]))
+
+
+def _arc() -> float:
+    """Turn of the contact locus below phi_0/10, in degrees."""
+    headings, _ = _headings(release.PHI / 10)
+    return float(np.degrees(abs(headings[-1] - headings[0])))
+
+
 @check("text:circle")
 def circle_of_the_bounce() -> Fact:
     """Radius of the exact locus at the bottom of the bounce."""
-    radius, arc = release.radius(), release.arc()
+    radius, arc = _radius(), _arc()
     turn = float(np.degrees(abs(release.bounce().bounces[0].angle_of_turn)))
     return Fact(
         printed=(1.0, 1.0),  # radius over R, arc over the turn
@@ -175,9 +212,7 @@ def sense_of_the_locus() -> Fact:
     """Velocity Theta (-sin psi, cos psi) with Theta = -Psi < 0 turns with psi; exact motion."""
     heading = sp.Matrix([sp.sin(psi), -sp.cos(psi)])
     bend = heading[0] * heading.diff(psi)[1] - heading[1] * heading.diff(psi)[0]
-    senses = {
-        "clockwise" if x < 0 else "anticlockwise" for x in (sp.simplify(bend), release.turning())
-    }
+    senses = {"clockwise" if x < 0 else "anticlockwise" for x in (sp.simplify(bend), _turning())}
     return Fact(
         printed="clockwise",
         holds=lambda word: senses == {word},
@@ -185,7 +220,7 @@ def sense_of_the_locus() -> Fact:
         others=("clockwise",),
         how=f"sympy: heading turns by {sp.simplify(bend)} per unit of psi, which grows for "
         "B_-2 > 0; the exact locus turns "
-        f"{'anticlockwise' if release.turning() > 0 else 'clockwise'}",
+        f"{'anticlockwise' if _turning() > 0 else 'clockwise'}",
     )
 
 
@@ -225,4 +260,104 @@ def outer_share_of_the_turn() -> Fact:
         others=("inner",),
         holds=lambda region: abs(shares[region]) < CLOSE,
         how=f"exact release: {shares['outer']:.2%} of the turn happen above phi_0/10",
+    )
+
+
+INNER = 0.1
+"""The paper colours phi < phi_0/10 as the inner region."""
+AGREES = 0.02
+"""Two curves closer than this share of the plot's height are one to the eye."""
+SMALLEST = 1e-8
+"""The smallest eps of fig01:sing_perturb, which shows what becomes of the motion as eps grows."""
+PANELS = {"a": (0.1001, -0.1), "c": (0.72667, 7.0), "d": (1.7267, 7.0)}
+"""Rates psi' and theta' of the panels of fig01:contact_pt_motion released at pi/100, in rad/s."""
+
+
+@cache
+def constants_of(panel: str) -> dict[str, float]:
+    """Return eps = B_-2^2 and the like square of B_0 of a release."""
+    with mp.workdps(30):
+        rates = [mp.mpf(repr(rate)) * paper_can.SECOND for rate in PANELS[panel]]
+        zero, two = flat_motion.constants(paper_can.PHI, *rates)
+        return {"eps": float(two**2), "B_0^2": float(zero**2)}
+
+
+@check_each({"text:panel c": ("c",), "text:panel d": ("d",)})
+def large_constant(panel: str) -> Fact:
+    """Compare eps and the like square of B_0."""
+    found, first = constants_of(panel), constants_of("a")
+    zeta = math.sqrt(found["B_0^2"] / found["eps"])
+    return Fact(
+        printed="eps",
+        corrected="B_0^2",
+        others=("eps",),
+        holds=lambda name: found[name] > SMALLEST,
+        how=f"exact constants: eps = {found['eps']:.2e}, in a) {first['eps']:.2e}; B_0^2 = "
+        f"{found['B_0^2']:.2e}, in a) {first['B_0^2']:.2e}; the least eps of fig01:sing_perturb "
+        "is 1e-8",
+        correct=f"zeta = {zeta:.3g}, against the assumption zeta = O(1)",
+    )
+
+
+@check("text:panel b")
+def fall_from_the_balance() -> Fact:
+    """Compute the first bounce of a release, and how far it has turned near the balance."""
+    balance = math.atan(1 / PAPER_CAN.h)
+
+    @cache
+    def fall(release_: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Return phi_min in parts of phi_0, the precession above 0.9 phi_0, and the turn."""
+        precession, short, rotation = release_
+        top = balance - short
+        solution = solve(release.problem(precession, top, rotation, bounces=1))
+        if not solution.bounces:
+            return math.inf, math.inf, 0.0
+        bounce = solution.bounces[0]
+        states = solution.at(np.linspace(0, bounce.time, 4000))
+        aside = float(np.degrees(np.abs(states.psi[states.phi > 0.9 * top]).max()))
+        return bounce.phi_min / top, aside, math.degrees(bounce.angle_of_turn)
+
+    def petals(release_: tuple[float, float, float]) -> bool:
+        low, aside, turn = fall(release_)
+        # falls into the inner region, on a line to the eye, and comes back
+        return low < INNER and aside < 10 and abs(turn) > 180  # noqa: PLR2004 - degrees
+
+    printed = (0.0, 1e-5, 2.0)
+    low, aside, turn = fall(printed)
+    return Fact(
+        printed=printed,
+        others=((2.0, 1e-5, 2.0), (0.0, 1e-5, 20.0), (0.0, 1e-5, 10.0)),
+        holds=petals,
+        how=f"exact: phi falls to {low:.3f} of phi_0; psi is within {aside:.1f} degrees above "
+        f"0.9 phi_0; the bounce turns by {turn:.1f} degrees",
+    )
+
+
+@check("caption:fig01:can_fall")
+def way_around_the_rim() -> Fact:
+    """Compare the change of theta, which moves the contact round the rim, with that of psi."""
+    bounce = release.bounce().bounces[0]
+    on_plane, on_rim = (math.degrees(abs(x)) for x in (bounce.angle_of_turn, bounce.rotation_turn))
+    return Fact(
+        printed=1.0,
+        others=(0.5, 2.0, 0.99),
+        holds=lambda share: abs(on_rim - share * on_plane) < 1e-3,  # noqa: PLR2004 - degrees
+        how=f"exact release: {on_rim:.5f} degrees around the rim, {on_plane:.5f} on the plane",
+    )
+
+
+@check("caption:fig01:contact_pt_motion")
+def cusps_near_the_boundary() -> Fact:
+    """Compare the ratio of the rates with the line; theta' has to change its sign."""
+    solution = release.solved(release.problem(psi_dot=1.7267, theta_dot=7.0, bounces=3))
+    rates = solution.at(solution.grid()).theta_dot
+    ratio = 7 / 1.7267
+    line = boundary_rotation(PAPER_CAN, 1.0)
+    reverses = bool(rates.min() < 0 < rates.max())
+    return Fact(
+        printed=(1.7267, 7),
+        holds=lambda pair: abs(pair[1] / pair[0] / line - 1) < AGREES and reverses,
+        others=((0.72667, 7), (1.7267, -7), (1.7267, 7.2)),
+        how=f"theta'/psi' = {ratio:.4f}, the line has {line:.4f}; theta' runs from "
+        f"{rates.min():.3g} to {rates.max():.3g} sqrt(g/R) over three bounces",
     )

@@ -1,37 +1,82 @@
-"""The path of the contact point, and the friction that rolling asks for."""
+"""Which way the can turns, the path of the contact point, and the friction of rolling."""
 
 import math
 
 import numpy as np
 
 from harness.core.report_model import Figure, Panel
-from harness.paper.gallery.release import (
+from harness.paper.gallery.curves import (
+    FIFTH_CURVE,
     FOURTH_CURVE,
     OURS,
     SECOND_CURVE,
     TIME,
     line,
-    problem,
+    points,
     sampled,
-    solved,
     where,
 )
+from harness.paper.release import PHI, SECOND, problem, solved
 from reference import PAPER_CAN, Problem
-from reference.asymptotic.matched import friction_bound
+from reference.asymptotic.matched import boundary_rotation, friction_bound
 from reference.equations.reaction_force import friction_ratio
+from reference.integrable.cycle import exact_bounces
+
+COLUMNS, ROWS = 118, 66
+"""Releases across and up: as many as there is room for marks side by side."""
+WIDEST, HIGHEST = 1.0, 5.0
+"""Range of the rates in rad/s."""
+
+
+def sign_map() -> Figure:
+    """Compute the turn of each release exactly and mark its sign."""
+    across = WIDEST * (2 * np.arange(COLUMNS) + 1 - COLUMNS) / COLUMNS
+    up = HIGHEST * (2 * np.arange(ROWS) + 1 - ROWS) / ROWS
+    x, y = (part.ravel() for part in np.meshgrid(across, up))
+    can = PAPER_CAN
+    cycles = exact_bounces(
+        a=can.a, c=can.c, h=can.h, phi=PHI, psi_dot=x * SECOND, theta_dot=y * SECOND
+    )
+    left = cycles.bounced & (cycles.angle_of_turn > 0)
+    right = cycles.bounced & (cycles.angle_of_turn < 0)
+    edge = np.array([-WIDEST, WIDEST])
+    border = boundary_rotation(can, 1.0) * edge
+    agrees = float(
+        np.mean((x * boundary_rotation(can, 1.0) > y)[cycles.bounced] == left[cycles.bounced])
+    )
+    return Figure(
+        name="fig01-left_or_right",
+        title="Which way the can turns",
+        seen=(
+            f"Of {int(cycles.bounced.sum())} releases at phi = pi/100, {agrees:.2%} turn the way "
+            f"that the line theta' = {boundary_rotation(can, 1.0):.3f} psi' says. On it B_-2 "
+            "vanishes to leading order."
+        ),
+        panels=(
+            Panel(
+                title="Sign of the turn",
+                x_label="psi' at release [rad/s]",
+                y_label="theta' at release [rad/s]",
+                series=(
+                    points("psi grows", x[left], y[left], FIFTH_CURVE),
+                    points("psi falls", x[right], y[right], SECOND_CURVE),
+                    line("B_-2 = 0 to leading order", edge, border, FOURTH_CURVE),
+                ),
+            ),
+        ),
+        columns=1,
+    )
+
 
 BOUNCE = SECOND_CURVE
 BALANCED = PAPER_CAN.balancing_angle
-RELEASES: tuple[tuple[str, Problem], ...] = (
+LOCI: tuple[tuple[str, Problem], ...] = (
     ("a) small phi, small eps: arcs of circles", problem(bounces=5)),
     (
         "b) near balance, large theta': petals",
         problem(psi_dot=0.0, phi=BALANCED - 1e-5, theta_dot=2.0, bounces=4),
     ),
-    (
-        "c) small phi, large eps: wobbles",
-        problem(psi_dot=0.72667, theta_dot=7.0, duration=24.0),
-    ),
+    ("c) small phi, large eps: wobbles", problem(psi_dot=0.72667, theta_dot=7.0, duration=24.0)),
     ("d) near the boundary: cusps", problem(psi_dot=1.7267, theta_dot=7.0, duration=24.0)),
 )
 
@@ -40,7 +85,7 @@ def loci() -> Figure:
     """Four contact loci, the bounce in a colour of its own (fig01:contact_pt_motion)."""
     panels = []
     told = []
-    for title, posed in RELEASES:
+    for title, posed in LOCI:
         solution = solved(posed, locus=True)
         _, s = sampled(solution)
         if s.x is None or s.y is None:
@@ -59,7 +104,7 @@ def loci() -> Figure:
             )
         )
         told.append(float(np.hypot(np.ptp(s.x), np.ptp(s.y))))
-    turn = math.degrees(solved(RELEASES[0][1], locus=True).bounces[0].angle_of_turn)
+    turn = math.degrees(solved(LOCI[0][1], locus=True).bounces[0].angle_of_turn)
     return Figure(
         name="fig01-contact_pt_motion",
         title="The contact locus in four regimes",
