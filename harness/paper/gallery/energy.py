@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from harness.core.report_model import Figure, Heatmap, Panel, Series
-from harness.core.trajectory import Floats
+from harness.core.trajectory import Floats  # noqa: TC001 - as the other figures import it
 from harness.paper.gallery.curves import (
     FIFTH_CURVE,
     FOURTH_CURVE,
