@@ -123,12 +123,7 @@ def rates(
     can = points.well.can
     S = state.sine
     outside = (phi + points.low) * ((clock.beyond - clock.high) + gap)
-    room = S**2 * g / (rise * gap * outside)
-    small = np.flatnonzero(points.well.poised & (points.swing < SHORT * points.high))
-    if small.size:
-        inside, lost = between(select_potential(points.well, small), rise[:, small], gap[:, small])
-        room[:, small] = S[:, small] ** 2 * inside / outside[:, small]
-        g[:, small], noise[:, small] = inside, lost
+    room = S**2 * (g / (rise * gap)) / outside
     time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(np.where(room > 0, room, np.nan))
     psi_dot = state.b / S**2
     return Rates(
@@ -137,7 +132,7 @@ def rates(
         total=state.spin * time,
         psi_dot=psi_dot,
         room=room,
-        noise=noise / np.abs(g),
+        noise=np.divide(noise, np.abs(g), out=np.zeros_like(g), where=g != 0),
     )
 
 
@@ -158,17 +153,23 @@ def energy_left(
     """
     state = evaluate_potential(points.well, phi, gap)
     g = state.slope * gap
-    if not careful:
-        return state, g, np.zeros_like(g)
-    noise = energy_noise(points.well, phi, gap, state)
+    noise = energy_noise(points.well, phi, gap, state) if careful else np.zeros_like(g)
     from_release = np.where(rise < gap, points.fall - rise, gap - points.climb)
-    for well, below in ((_from_below(points), -rise), (points.released, from_release)):
+    for well, below in (
+        ((_from_below(points), -rise), (points.released, from_release)) if careful else ()
+    ):
         other = evaluate_potential(well, phi, below)
         value = np.where(below == 0, well.excess, other.slope * below)
         lost = energy_noise(well, phi, below, other)
         value = np.where(np.abs(value - g) <= ALIKE * (noise + lost), value, np.nan)
         g = np.where((lost < noise) | np.isnan(value), value, g)
         noise = np.minimum(lost, noise)
+    # of a small oscillation even the first order of g is round-off of its terms
+    small = np.flatnonzero(points.well.poised & (points.swing < SHORT * points.high))
+    if small.size:
+        up, down = rise[:, small], gap[:, small]
+        inside, lost = between(select_potential(points.well, small), up, down)
+        g[:, small], noise[:, small] = inside * up * down, lost * up * down
     return state, g, noise
 
 
@@ -228,8 +229,8 @@ def _loses_digits(
     at = np.stack([np.broadcast_to(fraction[0], least.shape), fraction[least, 0]])
     phi, _, gap = clock.nutation(at)
     state = evaluate_potential(points.well, phi, gap)
-    lost = energy_noise(points.well, phi, gap, state) / np.abs(state.slope * gap)
-    return np.asarray((lost > LOST).any(axis=0))
+    lost = energy_noise(points.well, phi, gap, state)
+    return np.asarray((lost > LOST * np.abs(state.slope * gap)).any(axis=0))
 
 
 def known_positive(found: Rates) -> NDArray[np.bool_]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference import Outcome, Parameters, exact_bounces
+from reference import Outcome, Parameters, Problem, exact_bounces, solve
 from tests.reference.hostile.campaign import (
     AGREED,
     in_a_batch,
@@ -69,3 +69,9 @@ def test_small_oscillations_about_steady_rolling_keep_their_digits(
     assert found.period == pytest.approx(period, rel=1e-13)
     swing = np.abs(found.phi_max / found.phi_min - 1)
     assert (swing < 1e-6).all()
+    motion = solve(Problem(parameters=can, **release, bounces=2), model="exact")
+    assert motion.model == "exact"
+    states = motion.at(np.linspace(0.0, motion.t_end, 200))
+    # a harmonic oscillation: its greatest speed, of half the swing and the period
+    fastest = np.pi * (found.phi_max - found.phi_min)[0] / period
+    assert np.abs(states.phi_dot).max() == pytest.approx(fastest, rel=1e-3)
