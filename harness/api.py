@@ -1,9 +1,8 @@
 """The library face: simulate a scene, compare engines on it, run the suite; DataFrames out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack
-from dataclasses import replace
+from contextlib import nullcontext
 
 import pandas as pd
 
@@ -14,9 +13,9 @@ from harness.evaluation.evaluate import evaluate, run_cases
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
-from harness.studies.comparison.report import comparison_report
-from harness.studies.comparison.suite import SUITES, Unsupported, split_unsupported, suite_cases
+from harness.studies.comparison.study import EngineSettings, plan_comparison
 from harness.studies.comparison.tables import results
+from harness.studies.study import Listener, run_study
 from models.catalogue import load
 from models.scene import Scene
 
@@ -102,9 +101,7 @@ def compare(
 
 
 def suite(
-    name: str,
-    engines: Sequence[str] | None = None,
-    settings: Mapping[str, Mapping[str, Value]] | None = None,
+    name: str, engines: Sequence[str] | None = None, settings: EngineSettings | None = None
 ) -> tuple[Case, ...]:
     """Return the cases of a suite that its engines can represent.
 
@@ -117,31 +114,18 @@ def suite(
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
     """
-    on_top = {engine: tuple(own.items()) for engine, own in (settings or {}).items()}
-    return tuple(
-        replace(case, options=case.options + on_top.get(case.engine, ()))
-        for case in _designed(name, engines)[0]
-    )
-
-
-def _designed(
-    name: str, engines: Sequence[str] | None
-) -> tuple[tuple[Case, ...], tuple[Unsupported, ...]]:
-    """Return the cases of a suite, and what its engines cannot represent of it."""
-    scenes = {scene: load(scene) for scene in SUITES[name]}
-    return split_unsupported(suite_cases(name, stepping_engines(engines), scenes))
+    return plan_comparison(name, stepping_engines(engines), settings).cases
 
 
 def validate(
     name: str = "quick",
     engines: Sequence[str] | None = None,
     *,
-    settings: Mapping[str, Mapping[str, Value]] | None = None,
+    settings: EngineSettings | None = None,
     jobs: int = 1,
     executor: Executor | None = None,
     store: CacheFolder | None = None,
-    on_done: Callable[[Evaluation], None] | None = None,
-    on_kept: Callable[[int, int], None] | None = None,
+    on_progress: Listener | None = None,
 ) -> tuple[tuple[Evaluation, ...], tuple[Artefact, ...]]:
     """Run a suite; return its evaluations and the artefacts that a report is made of.
 
@@ -157,19 +141,15 @@ def validate(
         Processes.
     executor : Executor, optional
         Where to run instead; stays open.
-    store : Store, optional
+    store : CacheFolder, optional
         Where evaluations are kept and found.
-    on_done : callable, optional
-        Is told of each evaluation as it is ready.
-    on_kept : callable, optional
-        Is told, before anything runs, how many cases are in the store and how many there are.
+    on_progress : callable, optional
+        Is told of each evaluation as it is ready, as by `run_study`.
     """
-    with ExitStack() as stack:
-        chosen = stack.enter_context(local_executor(jobs)) if executor is None else executor
-        evaluations = run_cases(
-            suite(name, engines, settings), chosen, on_done, store=store, on_kept=on_kept
-        )
-    return evaluations, comparison_report(evaluations, _designed(name, engines)[1])
+    study = plan_comparison(name, stepping_engines(engines), settings)
+    with nullcontext(executor) if executor else local_executor(jobs) as chosen:
+        done = run_study(study, executor=chosen, cache=store, on_progress=on_progress)
+    return study.evaluations(done), study.report(done)
 
 
 def stepping_engines(engines: Sequence[str] | None) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated
 
 import typer
@@ -16,7 +15,6 @@ from rich.markup import escape
 
 from harness.cli import terminal
 from harness.cli.json_output import to_json
-from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
@@ -28,17 +26,13 @@ from harness.gate.report import GATE, SIDES, changed, gate_report, regressions, 
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import count, measured
 from harness.gate.stored_scores import read_scores, required_cases
+from harness.studies.comparison.study import ComparisonStudy
 
 BASELINE = Path("reports/baseline")
 """Where results are accepted if nothing else is said."""
 
 _ROWS = 40
 """Of the table in the terminal; the report has all."""
-
-COLUMNS = ("accepted", "found", "tolerance", "factor", "verdict", "note")
-"""Of the table in the terminal."""
-
-_WORDS = ("scene", "engine", "profile", "timestep_s", "quantity")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,9 +41,7 @@ class GateRequest:
 
     Parameters
     ----------
-    suite : str
-    designed : tuple of Case
-        Of the suite, without settings on top.
+    study : ComparisonStudy
     settings : mapping of str to str
         What is set on top, by `engine.name`.
     accepted : Scores or None
@@ -60,8 +52,7 @@ class GateRequest:
         Folder to accept the run into.
     """
 
-    suite: str
-    designed: tuple[Case, ...]
+    study: ComparisonStudy
     settings: Mapping[str, str]
     accepted: Scores | None
     owed: tuple[CaseIdentity, ...]
@@ -83,8 +74,7 @@ class GateResult:
 
 
 def open_gate(
-    suite: str,
-    designed: Sequence[Case],
+    study: ComparisonStudy,
     settings: Mapping[str, str],
     baseline: Path | None,
     *,
@@ -109,14 +99,13 @@ def open_gate(
     if folder is not None and (not accept or (folder / FILE).is_file()):
         try:
             accepted = read_scores(folder)
-            debts = required_cases(accepted, suite, designed, every_engine=every_engine)
+            debts = required_cases(accepted, study.suite, study.designed, every_engine=every_engine)
         except BaselineError:
             if not accept:
                 raise
             accepted = None  # what does not fit is what is to be replaced
     return GateRequest(
-        suite=suite,
-        designed=tuple(designed),
+        study=study,
         settings=settings,
         accepted=accepted,
         owed=debts,
@@ -127,10 +116,10 @@ def open_gate(
 def compare_to_baseline(gate: GateRequest, evaluations: Sequence[Evaluation]) -> GateResult:
     """Return a run held against what was accepted; against nothing if that is what there is."""
     scores = Scores(
-        suite=gate.suite,
-        scores=MappingProxyType({one.identity: one for one in scored(gate.designed, evaluations)}),
-        versions=MappingProxyType(_versions(evaluations)),
-        made=MappingProxyType(provenance().to_dict()),
+        suite=gate.study.suite,
+        scores={one.identity: one for one in scored(gate.study.designed, evaluations)},
+        versions=_versions(evaluations),
+        made=provenance().to_dict(),
         settings=gate.settings,
     )
     if gate.accepted is None:
@@ -156,25 +145,27 @@ def accept_baseline(gate: GateRequest, run: GateResult, executor: Executor) -> P
     place = gate.place or BASELINE
     scores = list(run.scores.scores.values())
     with terminal.progress_bar() as bar:
-        task = bar.add_task("measuring the spread", total=count(gate.designed, scores))
+        task = bar.add_task("measuring the spread", total=count(gate.study.designed, scores))
         found = measured(
-            gate.designed,
+            gate.study.designed,
             scores,
             executor,
             lambda label: bar.update(task, advance=1, description=label),
         )
-    by_identity = MappingProxyType({one.identity: one for one in found})
+    by_identity = {one.identity: one for one in found}
     return write_baseline(replace(run.scores, scores=by_identity), place)
 
 
-def show_changes(artefacts: Sequence[Artefact], console: Console, columns: Sequence[str]) -> None:
+def show_changes(artefacts: Sequence[Artefact], console: Console) -> None:
     """Print what a comparison found: what has changed, then the sentences."""
     for artefact in artefacts:
         if isinstance(artefact, Table):
             moved = artefact.frame[[v.status not in _QUIET for v in artefact.frame["verdict"]]]
             if len(moved):
                 top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
-                console.print(terminal.table_artefact(top, (*_WORDS, *columns)))
+                console.print(
+                    terminal.table_artefact(top, [name for name in top.shown if name != "case"])
+                )
             if len(moved) > _ROWS:
                 console.print(f"... and {len(moved) - _ROWS} more")
     for artefact in artefacts:
@@ -219,11 +210,6 @@ def diff(
         rows = rows_of(SIDES.columns(), changed(found))
         typer.echo(to_json({"differences": rows, "sentences": told}))
     else:
-        show_changes(
-            gate_report(found, first, second, SIDES, spreads), terminal.stdout_console(), _COLUMNS
-        )
+        show_changes(gate_report(found, first, second, SIDES, spreads), terminal.stdout_console())
     if gate and regressions(found):
         raise typer.Exit(1)
-
-
-_COLUMNS = ("a", "b", "tolerance", "factor", "verdict", "note")

@@ -56,26 +56,32 @@ Shown = Mapping[str, Sequence[str]]
 
 def run_with_progress(study: Study, running: RunOptions) -> Results:
     """Run a study beside a progress bar, where and within what limits the options say."""
-    with terminal.progress_bar() as bar, running.executor() as executor:
-        task = bar.add_task("starting the engines", total=None)
+    bar = terminal.progress_bar()
+    task = bar.add_task("starting the engines", total=None)
 
-        def show(progress: StudyProgress) -> None:
-            if not progress.label:
-                running.kept(progress.kept, progress.total)
-            bar.update(
-                task,
-                completed=progress.done,
-                total=progress.total,
-                description=f"{progress.work}: {progress.label[:60]}",
-            )
-
-        return run_study(
-            study,
-            executor=executor,
-            cache=running.store,
-            on_progress=show,
-            timer=lambda: single_thread_executor(running.limits),
+    def show(progress: StudyProgress) -> None:
+        bar.start()  # not before: wrong use is told without a bar
+        if not progress.label:
+            running.kept(progress.kept, progress.total)
+        bar.update(
+            task,
+            completed=progress.done,
+            total=progress.total,
+            description=f"{progress.work}: {progress.label[:60]}",
         )
+
+    try:
+        with running.executor() as executor:
+            return run_study(
+                study,
+                executor=executor,
+                cache=running.store,
+                on_progress=show,
+                timer=lambda: single_thread_executor(running.limits),
+            )
+    finally:
+        if bar.live.is_started:
+            bar.stop()
 
 
 def run_command(
@@ -136,7 +142,7 @@ def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
         for artefact in artefacts:
             ending = next((end for end in names if artefact.name.endswith(end)), None)
             if ending is not None and isinstance(artefact, Table):
-                columns = names[ending] or tuple(artefact.columns)
+                columns = names[ending] or artefact.shown or tuple(artefact.columns)
                 console.print(terminal.table_artefact(artefact, columns))
             elif ending is not None and isinstance(artefact, Prose):
                 console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")

@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 
 from harness import api
 from harness.cli import terminal
 from harness.cli.gate import (
     BASELINE,
-    COLUMNS,
     GateRequest,
     accept_baseline,
     compare_to_baseline,
@@ -24,12 +22,10 @@ from harness.cli.gate import (
 )
 from harness.cli.paper import joined_sections
 from harness.cli.run_options import RunOptions, engine_settings, settings_to_dict, with_run_options
-from harness.cli.studies import run_with_progress
-from harness.core.errors import InvalidSettingError
+from harness.cli.studies import run_with_progress, shown
 from harness.core.provenance import provenance
-from harness.core.report_model import Prose, Table
+from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
-from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.gate.stored_scores import gate_keys
@@ -37,11 +33,11 @@ from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
 from harness.studies.attribution.study import AttributionStudy
-from harness.studies.comparison.suite import SUITES
+from harness.studies.comparison.study import plan_comparison
 from harness.studies.errors.plan import plan_errors
 from harness.studies.errors.study import ErrorsStudy
 from harness.studies.shared.ablation import ablation_path
-from harness.studies.study import StudyGroup, case_record
+from harness.studies.study import StudyGroup
 from models.catalogue import load
 
 _ATTRIBUTED = ("gentle-rock", "paper-release")
@@ -49,9 +45,8 @@ _SPLIT = ("gentle-rock",)
 """Scenes that both studies can carry: under gravity, ideal, with a bounce."""
 
 
-def further(engines: Sequence[str] | None, running: RunOptions) -> list[Section]:
+def further(names: Sequence[str], running: RunOptions) -> list[Section]:
     """Return the attribution and the three errors of every engine, as chapters of a report."""
-    names = api.stepping_engines(engines)
     groups = (
         StudyGroup(
             name="Attribution",
@@ -81,19 +76,6 @@ def further(engines: Sequence[str] | None, running: RunOptions) -> list[Section]
         )
         for group in groups
     ]
-
-
-_SHOWN = (
-    "scene",
-    "engine",
-    "shipped_turn_error_deg",
-    "shipped_phi_rms_rad",
-    "shipped_verdict",
-    "best_turn_error_deg",
-    "best_phi_rms_rad",
-    "best_run",
-    "best_verdict",
-)
 
 
 _WHOLE = "full"
@@ -146,54 +128,35 @@ def validate(  # noqa: PLR0917 - a parameter an option
     running: RunOptions,
 ) -> None:
     """Run the validation suite in every engine and write the report: the main job."""
-    if suite not in SUITES:
-        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
-    chosen = engine_settings(set_ or [], api.stepping_engines(engine))
-    designed, cases = api.suite(suite, engine), api.suite(suite, engine, chosen)
-    for case in cases:
-        check_case(case)
+    engines = api.stepping_engines(engine)
+    chosen = engine_settings(set_ or [], engines)
+    study = plan_comparison(suite, engines, chosen)
     check_writable(out)
     others = joined_sections(with_ or [])
     gate = open_gate(
-        suite, designed, settings_to_dict(chosen), baseline, accept=accept, every_engine=not engine
+        study, settings_to_dict(chosen), baseline, accept=accept, every_engine=not engine
     )
-    with terminal.progress_bar() as bar, running.executor() as executor:
-        task = bar.add_task("starting the engines", total=len(cases))
-
-        def show(evaluation: Evaluation) -> None:
-            bar.update(task, advance=1, description=evaluation.simulation.case.label())
-
-        evaluations, artefacts = api.validate(
-            suite,
-            engine,
-            settings=chosen,
-            executor=executor,
-            store=_store(running.store, gate),
-            on_done=show,
-            on_kept=running.kept,
-        )
+    running = replace(running, store=_store(running.store, gate))
+    done = run_with_progress(study, running)
+    evaluations, artefacts = study.evaluations(done), study.report(done)
     run = compare_to_baseline(gate, evaluations)
     comparison = Section(
-        title=f"rockingcan, {suite} suite",
+        title=f"rockingcan, {study.name}",
         artefacts=(*run.artefacts, *artefacts),
         cases=tuple(
-            case_record(evaluation.simulation) | gate_keys(case, suite, gate.settings)
-            for evaluation, case in zip(evaluations, designed, strict=True)
+            {**record, **gate_keys(case, suite, gate.settings)}
+            for record, case in zip(done.manifest(), study.designed, strict=True)
         ),
         provenance=provenance(),
     )
     if suite == _WHOLE:
-        others = further(engine, replace(running, store=_store(running.store, gate))) + others
+        others = further(engines, running) + others
     page = write_chapters(
         [comparison, *others], out, title=comparison.title, provenance=comparison.provenance
     )
+    shown({"scorecard": (), "summary": ()})(done, artefacts)
     console = terminal.stdout_console()
-    for artefact in artefacts:
-        if isinstance(artefact, Table) and artefact.name == "scorecard":
-            console.print(terminal.table_artefact(artefact, _SHOWN))
-        if isinstance(artefact, Prose) and artefact.name == "summary":
-            console.print(escape(artefact.text))
-    show_changes(run.artefacts, console, COLUMNS)
+    show_changes(run.artefacts, console)
     if accept:
         with running.executor() as executor:
             console.print(f"\nAccepted: {accept_baseline(gate, run, executor)}")

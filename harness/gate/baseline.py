@@ -8,14 +8,15 @@ What wrong use of the gate raises.
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
+
+from pydantic import TypeAdapter
 
 from harness.core.errors import HarnessError, OutputError
 from harness.execution.atomic_write import write_atomically
-from harness.gate.scores import Score, Scores, told_identity
+from harness.gate.scores import Score, Scores
 from harness.gate.spread import SIZES
 from harness.metrics.quantities import Number
 
@@ -95,18 +96,19 @@ def read_baseline(folder: Path) -> Scores:
                 f"'{path}' is no file of accepted results of version {VERSION}; write it anew with "
                 "--accept"
             )
-        scores = [_score(case) for case in told["cases"]]
+        # a case is told in one flat record: what names it, and its numbers
+        scores = [_SCORE.validate_python({**case, "identity": case}) for case in told["cases"]]
         return Scores(
             suite=str(told["suite"]),
-            scores=MappingProxyType({score.identity: score for score in scores}),
-            versions=MappingProxyType(_words(told["versions"])),
-            made=MappingProxyType(dict(told["made"])),
+            scores={score.identity: score for score in scores},
+            versions=dict(told["versions"]),
+            made=dict(told["made"]),
             place=str(folder),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         if isinstance(error, BaselineError):
             raise
-        reason = f"{type(error).__name__}: {error}"
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise BaselineError(f"accepted results '{path}' are damaged ({reason})") from error
 
 
@@ -131,7 +133,7 @@ def _json(value: object) -> str:
 
 def _told(score: Score) -> dict[str, Any]:
     return {
-        **score.identity.to_dict(),
+        **asdict(score.identity),
         "scene_digest": score.scene_digest,
         "digest": score.digest,
         "outcome": score.outcome,
@@ -152,24 +154,4 @@ def _rounded_up(spread: Number) -> Number:
     return float(f"{math.ceil(spread / unit) * unit:.{_DIGITS - 1}e}")
 
 
-def _score(told: Mapping[str, Any]) -> Score:
-    return Score(
-        identity=told_identity(told),
-        scene_digest=str(told["scene_digest"]),
-        digest=str(told["digest"]),
-        outcome=str(told["outcome"]),
-        truth_pulls=bool(told["truth_pulls"]),
-        values=MappingProxyType({str(k): float(v) for k, v in told["values"].items()}),
-        members=int(told["members"]),
-        spread=MappingProxyType(dict(_widths(told["spread"]))),
-        endings=MappingProxyType({str(k): int(v) for k, v in told["endings"].items()}),
-    )
-
-
-def _widths(told: Mapping[str, Any]) -> Iterator[tuple[str, Number]]:
-    for key, value in told.items():
-        yield str(key), None if value is None else float(value)
-
-
-def _words(told: Mapping[str, Any]) -> dict[str, str]:
-    return {str(key): str(value) for key, value in told.items()}
+_SCORE = TypeAdapter(Score)

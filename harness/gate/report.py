@@ -6,7 +6,6 @@ Differences in words: of a gate, where one side is accepted, or of two sides tha
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
@@ -106,29 +105,25 @@ _UNMOVED = {
 GATE = Wording(
     first="accepted",
     second="found",
-    verdicts=MappingProxyType(
-        {
-            **_UNMOVED,
-            Change.LARGER: "worse",
-            Change.SMALLER: "better",
-            Change.ONLY_FIRST: "missing",
-            Change.ONLY_SECOND: "new",
-        }
-    ),
+    verdicts={
+        **_UNMOVED,
+        Change.LARGER: "worse",
+        Change.SMALLER: "better",
+        Change.ONLY_FIRST: "missing",
+        Change.ONLY_SECOND: "new",
+    },
 )
 
 SIDES = Wording(
     first="a",
     second="b",
-    verdicts=MappingProxyType(
-        {
-            **_UNMOVED,
-            Change.LARGER: "a is better",
-            Change.SMALLER: "b is better",
-            Change.ONLY_FIRST: "only in a",
-            Change.ONLY_SECOND: "only in b",
-        }
-    ),
+    verdicts={
+        **_UNMOVED,
+        Change.LARGER: "a is better",
+        Change.SMALLER: "b is better",
+        Change.ONLY_FIRST: "only in a",
+        Change.ONLY_SECOND: "only in b",
+    },
 )
 
 COLUMNS = (*GATE.columns(), *SIDES.columns())

@@ -14,18 +14,16 @@ that each add 1e-16 of its scale, in no order. Below its floor nothing counts as
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from types import MappingProxyType
 from typing import Any
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES as REGISTRY
-from harness.metrics.quantities import Number
-from harness.studies.comparison.tables import results
+from harness.metrics.quantities import Number, turn_error
 from models.scene import Scene
 
 
@@ -57,10 +55,6 @@ class CaseIdentity:
             if word
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what a file says of it."""
-        return {name: getattr(self, name) for name in self.__slots__}
-
 
 def identity(case: Case) -> CaseIdentity:
     """Return the identity of a case as a suite designed it."""
@@ -70,23 +64,6 @@ def identity(case: Case) -> CaseIdentity:
         profile=case.profile,
         timestep=case.timestep or 0.0,
         options=" ".join(f"{name}={value}" for name, value in case.options),
-    )
-
-
-def told_identity(told: Mapping[str, Any]) -> CaseIdentity:
-    """Return the identity that a file tells.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        If it tells none.
-    """
-    return CaseIdentity(
-        scene=str(told["scene"]),
-        engine=str(told["engine"]),
-        profile=str(told["profile"]),
-        timestep=float(told["timestep"]),
-        options=str(told["options"]),
     )
 
 
@@ -109,6 +86,9 @@ class QuantityKind(Enum):
     TIME = "time on this machine"
 
 
+_TURN = "angle_of_turn_error_deg"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GatedQuantity:
     """A column of the table of results, and how it is held against an accepted one."""
@@ -122,6 +102,10 @@ class GatedQuantity:
         """Return what it is called in a sentence."""
         label = REGISTRY[self.column].label
         return f"error of the {label}" if self.kind is QuantityKind.ERROR else label
+
+    def of_run(self, e: Evaluation) -> Number:
+        """Return the number of a run; of a turn that cannot be counted, None."""
+        return turn_error(e) if self.column == _TURN else REGISTRY[self.column].of_run(e)
 
     @property
     def unit(self) -> str:
@@ -271,38 +255,39 @@ def scored(designed: Sequence[Case], evaluations: Sequence[Evaluation]) -> tuple
         As the suite has them, in the order of the evaluations: without settings on top.
     evaluations : sequence of Evaluation
     """
-    rows = results(evaluations).frame.to_dict("records")
     return tuple(
-        score(
-            row,
+        Score(
             identity=identity(case),
-            scene=scene_digest(case.scene),
+            scene_digest=scene_digest(case.scene),
             outcome=e.simulation.outcome.name,
+            truth_pulls=e.truth_pulls,
+            values={
+                quantity.column: float(value)
+                for quantity in QUANTITIES
+                if (value := quantity.of_run(e)) is not None
+            },
+            digest=e.simulation.case.digest(e.simulation.engine_version),
         )
-        for case, e, row in zip(designed, evaluations, rows, strict=True)
+        for case, e in zip(designed, evaluations, strict=True)
     )
 
 
-def score(row: Mapping[Any, Any], *, identity: CaseIdentity, scene: str, outcome: str) -> Score:
-    """Return the score that a row of the table of results tells."""
+def stored_score(
+    row: Mapping[Any, Any], *, identity: CaseIdentity, scene: str, outcome: str
+) -> Score:
+    """Return the score that a row of the table of results in a report tells."""
+    known = {quantity.column: row.get(quantity.column) for quantity in QUANTITIES}
+    if row.get("turn_resolved") is not True:
+        del known[_TURN]  # right up to whole turns only
     return Score(
         identity=identity,
         scene_digest=scene,
         outcome=outcome,
         truth_pulls=bool(row["truth_pulls"]),
-        values=MappingProxyType(dict(_values(row))),
+        values={
+            column: float(value)
+            for column, value in known.items()
+            if isinstance(value, int | float) and math.isfinite(value)
+        },
         digest=str(row["digest"]),
     )
-
-
-def _values(row: Mapping[Any, Any]) -> Iterable[tuple[str, float]]:
-    """Yield the numbers of a row that are known; a turn that cannot be counted is not."""
-    for quantity in QUANTITIES:
-        value = row.get(quantity.column)
-        if quantity.column == _TURN and row.get("turn_resolved") is not True:
-            continue
-        if isinstance(value, int | float) and math.isfinite(value):
-            yield quantity.column, float(value)
-
-
-_TURN = "angle_of_turn_error_deg"

@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from itertools import islice
-from types import MappingProxyType
 
 from harness.core.case import Case
 from harness.evaluation.evaluate import run_cases
@@ -53,8 +52,8 @@ def spread(middle: Score, found: Sequence[Score]) -> Score:
     return replace(
         middle,
         members=len(found),
-        spread=MappingProxyType(_spreads(middle, found)),
-        endings=MappingProxyType(endings),
+        spread=_spreads(middle, found),
+        endings=endings,
     )
 
 

@@ -5,11 +5,12 @@ Whether a run may be held against accepted results at all, and which cases it ow
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import pyarrow.parquet as pq
+from pydantic import TypeAdapter
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
@@ -20,13 +21,15 @@ from harness.gate.scores import (
     Scores,
     identity,
     scene_digest,
-    score,
-    told_identity,
+    stored_score,
 )
 from harness.report.atomic_folder import FORMAT, MANIFEST
 
 RESULTS = Path("tables", "results.parquet")
 """Where a report of `validate` has its table of all cases."""
+
+
+_IDENTITY = TypeAdapter(CaseIdentity)
 
 
 def gate_keys(designed: Case, suite: str, settings: Mapping[str, str]) -> dict[str, Any]:
@@ -41,7 +44,7 @@ def gate_keys(designed: Case, suite: str, settings: Mapping[str, str]) -> dict[s
         That the run put on top, by `engine.name`.
     """
     return {
-        "identity": identity(designed).to_dict(),
+        "identity": asdict(identity(designed)),
         "scene_digest": scene_digest(designed.scene),
         "suite": suite,
         "set_on_top": dict(settings),
@@ -78,7 +81,7 @@ def read_scores(folder: Path) -> Scores:
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         if isinstance(error, BaselineError):
             raise
-        reason = f"{type(error).__name__}: {error}"
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise BaselineError(f"the report in '{folder}' cannot be read ({reason})") from error
 
 
@@ -93,9 +96,9 @@ def _scores(
     versions = {"rockingcan": str(manifest["provenance"]["rockingcan"])}
     for row in rows:
         case = told[str(row["digest"])]
-        name = told_identity(case["identity"])
+        name = _IDENTITY.validate_python(case["identity"])
         versions[name.engine] = str(case["engine_version"])
-        found[name] = score(
+        found[name] = stored_score(
             row,
             identity=name,
             scene=str(case["scene_digest"]),
@@ -104,10 +107,10 @@ def _scores(
     any_case = next(iter(told.values()))
     return Scores(
         suite=str(any_case["suite"]),
-        scores=MappingProxyType(found),
-        versions=MappingProxyType(versions),
-        made=MappingProxyType(dict(manifest["provenance"])),
-        settings=MappingProxyType({str(k): str(v) for k, v in any_case["set_on_top"].items()}),
+        scores=found,
+        versions=versions,
+        made=dict(manifest["provenance"]),
+        settings=dict(any_case["set_on_top"]),
         place=str(folder),
     )
 

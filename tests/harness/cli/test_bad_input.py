@@ -244,7 +244,9 @@ def test_a_report_that_cannot_be_written_is_refused_before_anything_runs(
     told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
-    monkeypatch.setattr("harness.api.validate", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr(
+        "harness.cli.validate.run_with_progress", lambda *_, **__: pytest.fail("it ran")
+    )
     before = sorted(tmp_path.rglob("*"))
     for out in (tmp_path / "file", tmp_path / "file" / "report"):
         is_one_clear_message(told("validate", "--out", str(out)), str(out))

@@ -57,7 +57,9 @@ def test_a_folder_without_a_report_is_named(
 def test_validate_refuses_a_missing_report_before_it_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("harness.api.validate", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr(
+        "harness.cli.validate.run_with_progress", lambda *_, **__: pytest.fail("it ran")
+    )
     words = ["validate", "--with", str(tmp_path / "none"), "--out", str(tmp_path / "out")]
     assert code_of(words) == 2
     assert "cannot read" in capsys.readouterr().err

@@ -27,7 +27,7 @@ from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.engines.registry import engine, names
 from harness.evaluation.evaluate import run_cases
 from harness.execution.isolated_pool import IsolatedProcessPool
-from harness.studies.comparison import comparison_report
+from harness.studies.comparison.study import comparison_report
 from models import load
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from harness.engines import registry
 from harness.engines.base import Capabilities, Setting, resolve
 from harness.engines.reference.truth import truth
 from harness.evaluation.evaluate import evaluate, run_cases
-from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison.study import comparison_report
 from models import Effects, RoundedRim, Scene, Slip
 
 

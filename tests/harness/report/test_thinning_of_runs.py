@@ -11,7 +11,7 @@ from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluate import run_cases
 from harness.report.simplify_curves import PAPER, SCREEN, Detail, plottable, simplify
-from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison.study import comparison_report
 from models.catalogue import load
 
 PIXELS = 1_000  # a panel as wide and as high as a screen shows it

@@ -8,7 +8,7 @@ import pytest
 
 from harness.core.report_model import Artefact, Figure, Prose, Table
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison.study import comparison_report
 from harness.studies.comparison.suite import SUITES, suite_cases
 from harness.studies.comparison.tables import results
 from models import load, names

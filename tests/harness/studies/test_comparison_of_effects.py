@@ -11,7 +11,8 @@ from harness.core.report_model import Artefact, Prose, Table
 from harness.core.verdict import Verdict
 from harness.engines.registry import missing_effects
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison import study
+from harness.studies.comparison.study import comparison_report
 from harness.studies.comparison.suite import Unsupported, split_unsupported, suite_cases
 from models import Horizon, RoundedRim, Scene, load
 from models.modelling_choices import modelling_choices
@@ -60,8 +61,8 @@ def test_the_suite_leaves_it_out_of_the_run_and_says_so(
     gentle: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = replace(rounded(gentle), horizon=Horizon(seconds=0.02))
-    monkeypatch.setattr(api, "SUITES", {"quick": {scene.name: (1e-3,)}})
-    monkeypatch.setattr(api, "load", lambda _: scene)
+    monkeypatch.setattr(study, "SUITES", {"quick": {scene.name: (1e-3,)}})
+    monkeypatch.setattr(study, "load", lambda _: scene)
     monkeypatch.setitem(suite_cases.__globals__, "SUITES", {"quick": {scene.name: (1e-3,)}})
     evaluations, artefacts = api.validate("quick")
     assert {e.simulation.case.engine for e in evaluations} == {"pybullet"}

@@ -16,7 +16,7 @@ from harness.core.case import Case
 from harness.core.provenance import Provenance
 from harness.evaluation.evaluate import run_cases
 from harness.report.write import write_report
-from harness.studies.comparison.report import comparison_report
+from harness.studies.comparison.study import comparison_report
 from models.catalogue import load
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")

@@ -1,7 +1,10 @@
-"""From evaluations to artefacts: figures first, then tables, then words."""
+"""The comparison as a study: its cases, and its report of figures, tables and words."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
+from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Artefact, Prose
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
@@ -10,9 +13,94 @@ from harness.studies.comparison.fidelity import fidelity, scorecard
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.replay import replay
 from harness.studies.comparison.selection import followed_best
-from harness.studies.comparison.suite import Unsupported
+from harness.studies.comparison.suite import (
+    SUITES,
+    Unsupported,
+    split_unsupported,
+    suite_cases,
+)
 from harness.studies.comparison.tables import bounces, orders, parity, results
+from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
+from models.catalogue import load
 from models.modelling_choices import modelling_choices
+
+EngineSettings = Mapping[str, Mapping[str, Value]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ComparisonStudy:
+    """Every engine on every scene of a suite, held against the exact motion.
+
+    Parameters
+    ----------
+    suite : str
+    designed : tuple of Case
+        The cases that the engines can represent, without settings on top.
+    unsupported : tuple of Unsupported
+        What the engines cannot represent.
+    settings : mapping
+        By engine, settings to put on top of every case of it.
+    """
+
+    suite: str
+    designed: tuple[Case, ...]
+    unsupported: tuple[Unsupported, ...] = ()
+    settings: EngineSettings = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Title of the study."""
+        return f"{self.suite} suite"
+
+    @property
+    def cases(self) -> tuple[Case, ...]:
+        """The cases that run, in the order of `designed`."""
+        on_top = {engine: tuple(own.items()) for engine, own in self.settings.items()}
+        return tuple(
+            replace(case, options=case.options + on_top.get(case.engine, ()))
+            for case in self.designed
+        )
+
+    def next_jobs(self, _: Results) -> list[Job[Case, Evaluation]]:
+        """Return all jobs: one round."""
+        return evaluation_jobs(self.cases)
+
+    def evaluations(self, done: Results) -> tuple[Evaluation, ...]:
+        """Return the evaluations in the order of `designed`."""
+        return tuple(map(done.of(EVALUATION).__getitem__, self.cases))
+
+    def report(self, done: Results) -> tuple[Artefact, ...]:
+        """Return words, scorecard, figures and tables."""
+        return comparison_report(self.evaluations(done), self.unsupported)
+
+
+def plan_comparison(
+    suite: str, engines: Sequence[str], settings: EngineSettings | None = None
+) -> ComparisonStudy:
+    """Return the comparison of some engines over a suite.
+
+    Parameters
+    ----------
+    suite : str
+        A key of `SUITES`.
+    engines : sequence of str
+        Names of engines that take a timestep.
+    settings : mapping, optional
+        By engine, settings to put on top of every case of it.
+
+    Raises
+    ------
+    InvalidSettingError
+        If there is no such suite.
+    """
+    if suite not in SUITES:
+        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    cases, unsupported = split_unsupported(
+        suite_cases(suite, engines, {name: load(name) for name in SUITES[suite]})
+    )
+    return ComparisonStudy(
+        suite=suite, designed=cases, unsupported=unsupported, settings=settings or {}
+    )
 
 
 def comparison_report(
