@@ -9,8 +9,9 @@ went round: `turn_deg`, `turn_error_deg` are then None, while `angle_of_turn_deg
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Protocol
 
@@ -102,341 +103,292 @@ def recorded_turn_error(e: Measured, place: int = 0) -> Number:
     return math.degrees(e.errors.angle_of_turn[place])
 
 
-def _period_error(e: Measured) -> Number:
-    if not (e.bounces and e.true_bounces):
-        return None
-    run, true = e.bounces[0], e.true_bounces[0]
-    return run.end - run.start - (true.end - true.start)
+_UNITS = {
+    "rad_s": "rad/s",
+    "m_s": "m/s",
+    "deg": "degrees",
+    "rad": "rad",
+    "m": "m",
+    "s": "s",
+    "fraction": "of the time",
+}
+"""Unit in words by the suffix of a key; longer suffixes first."""
+
+
+def _unit(key: str) -> tuple[str, str]:
+    """Return a key without its suffix, and the unit in words."""
+    for suffix, unit in _UNITS.items():
+        if key.endswith(f"_{suffix}"):
+            return (key if suffix == "fraction" else key.removesuffix(f"_{suffix}")), unit
+    return key, ""
+
+
+def _number(key: str, value: float) -> Number:
+    """Return a value of the library, which has radians, in the unit of a key."""
+    return finite(math.degrees(value) if key.endswith("_deg") else value)
 
 
 def _of_bounce(
-    key: str, label: str, unit: str, meaning: str, read: Callable[[Bounce], Number]
+    key: str, label: str, meaning: str, read: Callable[[Bounce], float] | None = None
 ) -> Quantity:
     """Return a quantity of bounces; that of a run is the one of its first bounce."""
+    name, unit = _unit(key)
+    value = read or attrgetter(name)
 
-    def number(bounce: Bounce) -> Number:
-        return finite(read(bounce))
+    def of_bounce(bounce: Bounce) -> Number:
+        return _number(key, value(bounce))
 
     return Quantity(
         key=key,
         label=label,
         unit=unit,
         meaning=meaning,
-        of_run=lambda e: number(e.bounces[0]) if e.bounces else None,
-        of_truth=lambda e: number(e.true_bounces[0]) if e.true_bounces else None,
-        of_bounce=number,
+        of_run=lambda e: of_bounce(e.bounces[0]) if e.bounces else None,
+        of_truth=lambda e: of_bounce(e.true_bounces[0]) if e.true_bounces else None,
+        of_bounce=of_bounce,
     )
 
 
-def _error(
-    key: str,
-    label: str,
-    unit: str,
-    meaning: str,
-    read: Callable[[Errors], float | tuple[float, ...]],
-) -> Quantity:
-    """Return a quantity of the errors of a run: one number, or that of the first bounce."""
+def _of_part(part: str, key: str, label: str, meaning: str, name: str = "") -> Quantity:
+    """Return a quantity of a part of a run: its errors, its contact, or its simulation.
 
-    def number(e: Measured) -> Number:
-        found = () if e.errors is None else read(e.errors)
+    Where the part has a number for each bounce, the quantity is that of the first.
+    """
+    of_key, unit = _unit(key)
+
+    def of_run(e: Measured) -> Number:
+        found = getattr(getattr(e, part), name or of_key, None)
         if isinstance(found, tuple):
-            return finite(found[0]) if found else None
-        return finite(found)
+            found = found[0] if found else None
+        return None if found is None else _number(key, found)
 
-    return Quantity(key=key, label=label, unit=unit, meaning=meaning, of_run=number)
+    return Quantity(key=key, label=label, unit=unit, meaning=meaning, of_run=of_run)
 
 
-def _of_contact(
-    key: str, label: str, unit: str, meaning: str, read: Callable[[ContactQuality], float]
+def _of_motion(
+    key: str, label: str, meaning: str, read: Callable[[Measured, Motion], Number]
 ) -> Quantity:
-    """Return a quantity of the contact, which is zero for a can that rolls."""
+    """Return a quantity of a whole motion."""
     return Quantity(
         key=key,
         label=label,
-        unit=unit,
+        unit=_unit(key)[1],
         meaning=meaning,
-        of_run=lambda e: finite(read(e.contact)) if e.contact else None,
+        of_run=lambda e: None if e.motion is None else read(e, e.motion),
+        of_truth=lambda e: None if e.truth is None else read(e, e.truth),
     )
 
 
 def _at_end(name: str) -> Quantity:
     """Return an angle at the horizon, carried there from the last sample at its rate."""
 
-    def read(e: Measured, motion: Motion | None) -> Number:
+    def read(e: Measured, motion: Motion) -> Number:
         end = e.simulation.case.scene.horizon.seconds
-        if motion is None or end is None:
-            return None
-        late = end - motion.time[-1]
+        late = math.inf if end is None else end - motion.time[-1]
         if abs(late) > motion.time[-1] - motion.time[-2]:
-            return None  # the run ended early
+            return None  # no such horizon, or the run ended early
         angle, rate = getattr(motion.angles, name), getattr(motion.angles, f"{name}_dot")
         return finite(math.degrees(angle[-1] + rate[-1] * late))
 
-    return Quantity(
-        key=f"{name}_end_deg",
-        label=f"{name} at the end",
-        unit="degrees",
-        meaning=f"Angle {name} at the horizon.",
-        of_run=lambda e: read(e, e.motion),
-        of_truth=lambda e: read(e, e.truth),
+    return _of_motion(
+        f"{name}_end_deg", f"{name} at the end", f"Angle {name} at the horizon.", read
     )
 
 
-def _last_phi(e: Measured) -> Number:
+def _last_phi(e: Measured, motion: Motion) -> Number:
     """Return phi at the end, where the end is a time: where it is a maximum, time tells."""
-    if e.motion is None or e.simulation.case.scene.horizon.seconds is None:
-        return None
-    return float(e.motion.angles.phi[-1])
+    timed = e.simulation.case.scene.horizon.seconds is not None
+    return float(motion.angles.phi[-1]) if timed else None
 
 
-def _last_place(axis: int) -> Callable[[Measured], Number]:
-    def read(e: Measured) -> Number:
-        return None if e.motion is None else finite(float(e.motion.trajectory.position[-1, axis]))
-
-    return read
+def _last_place(axis: int) -> Callable[[Measured, Motion], Number]:
+    return lambda _, motion: finite(float(motion.trajectory.position[-1, axis]))
 
 
-def _registry() -> Iterator[Quantity]:
-    """Yield every quantity."""
-    turn = "Change of psi between the maxima of phi around the first bounce"
-    yield _of_bounce(
+def _period_error(e: Measured) -> Number:
+    run, true = (QUANTITIES["period_s"].of_run(e), QUANTITIES["period_s"].of_truth(e))
+    return None if run is None or true is None else run - true
+
+
+_TURN = "Change of psi between the maxima of phi around the first bounce"
+_TURN_ERROR = "Angle of the first turn, engine minus truth"
+_PHI_RMS = "Root mean square error of phi over the run"
+_BETWEEN = "Angle between the true and the engine's orientation, root mean square."
+
+_ALL = (
+    _of_bounce(
         "turn_deg",
         "angle of turn",
-        "degrees",
-        f"{turn}, if it can be counted.",
-        lambda b: math.degrees(b.angle_of_turn) if b.resolved else None,
-    )
-    yield _of_bounce(
-        "angle_of_turn_deg",
-        "angle of turn",
-        "degrees",
-        f"{turn}.",
-        lambda b: math.degrees(b.angle_of_turn),
-    )
-    yield _of_bounce(
+        f"{_TURN}, if it can be counted.",
+        lambda bounce: bounce.angle_of_turn if bounce.resolved else math.nan,
+    ),
+    _of_bounce("angle_of_turn_deg", "angle of turn", f"{_TURN}."),
+    _of_bounce(
         "rotation_turn_deg",
         "turn of theta",
-        "degrees",
         "Signed change of theta between the maxima of phi around the bounce.",
-        lambda b: math.degrees(b.rotation_turn),
-    )
-    yield _of_bounce(
+    ),
+    _of_bounce(
         "period_s",
         "period",
-        "s",
         "Time between the maxima of phi around the bounce.",
-        lambda b: b.end - b.start,
-    )
-    yield _of_bounce(
+        lambda bounce: bounce.end - bounce.start,
+    ),
+    _of_bounce(
         "bounce_time_s",
         "time of the bounce",
-        "s",
         "Time of the first minimum of phi.",
-        lambda b: b.time,
-    )
-    yield _of_bounce(
-        "phi_min_rad",
-        "smallest phi",
-        "rad",
-        "Smallest phi of the first bounce.",
-        lambda b: b.phi_min,
-    )
-    yield _of_bounce(
+        lambda bounce: bounce.time,
+    ),
+    _of_bounce("phi_min_rad", "smallest phi", "Smallest phi of the first bounce."),
+    _of_bounce(
         "peak_psi_dot_rad_s",
         "peak psi'",
-        "rad/s",
         "Precession rate of largest magnitude in the bounce, with its sign.",
-        lambda b: b.peak_psi_dot,
-    )
-    yield _of_bounce(
-        "peak_friction_ratio",
-        "peak friction ratio",
-        "",
-        "Largest |F|/N of the first bounce.",
-        lambda b: b.peak_friction_ratio,
-    )
-    yield from map(_at_end, ("phi", "psi"))
-    yield Quantity(
-        key="phi_end_rad",
-        label="nutation at the end",
-        unit="rad",
-        meaning="Nutation phi at the end of a run of given time.",
-        of_run=_last_phi,
-    )
-    for axis, letter in enumerate("xy"):
-        yield Quantity(
-            key=f"{letter}_end_m",
-            label=f"place at the end ({letter})",
-            unit="m",
-            meaning=f"Coordinate {letter} of the can's centre at the end.",
-            of_run=_last_place(axis),
+    ),
+    _of_bounce("peak_friction_ratio", "peak friction ratio", "Largest |F|/N of the first bounce."),
+    _at_end("phi"),
+    _at_end("psi"),
+    _of_motion(
+        "phi_end_rad",
+        "nutation at the end",
+        "Nutation phi at the end of a run of given time.",
+        _last_phi,
+    ),
+    *(
+        _of_motion(
+            f"{letter}_end_m",
+            f"place at the end ({letter})",
+            f"Coordinate {letter} of the can's centre at the end.",
+            _last_place(axis),
         )
-    yield from _registry_of_errors()
-    yield from _registry_of_contact()
-
-
-def _registry_of_errors() -> Iterator[Quantity]:
-    """Yield the quantities that are differences from the exact motion."""
-    turn = "Angle of the first turn, engine minus truth"
-    yield Quantity(
+        for axis, letter in enumerate("xy")
+    ),
+    Quantity(
         key="turn_error_deg",
         label="angle of turn",
         unit="degrees",
-        meaning=f"{turn}, where the record can count it.",
+        meaning=f"{_TURN_ERROR}, where the record can count it.",
         of_run=turn_error,
-    )
-    yield Quantity(
+    ),
+    Quantity(
         key="angle_of_turn_error_deg",
         label="angle of turn",
         unit="degrees",
-        meaning=f"{turn}.",
+        meaning=f"{_TURN_ERROR}.",
         of_run=recorded_turn_error,
-    )
-    yield _error(
-        "bounce_time_error_s",
-        "time of the bounce",
-        "s",
-        "Time of the first minimum of phi, engine minus truth.",
-        lambda errors: errors.time_of_bounce,
-    )
-    yield _error(
-        "peak_friction_ratio_error",
-        "peak friction ratio",
-        "",
-        "Largest |F|/N of the first bounce, engine minus truth.",
-        lambda errors: errors.peak_friction_ratio,
-    )
-    yield _error(
-        "phi_min_error_rad",
-        "smallest phi",
-        "rad",
-        "Smallest phi of the first bounce, engine minus truth.",
-        lambda errors: errors.phi_min,
-    )
-    yield Quantity(
+    ),
+    Quantity(
         key="period_error_s",
         label="period",
         unit="s",
         meaning="Period of the first bounce, engine minus truth.",
         of_run=_period_error,
-    )
-    rms = "Root mean square error of phi over the run"
-    yield _error("phi_rms_rad", "nutation phi (rms)", "rad", f"{rms}.", lambda e: e.phi_rms)
-    yield _error(
-        "phi_rms_before_rad",
-        "nutation phi before the bounce (rms)",
-        "rad",
-        f"{rms}, up to the first bounce.",
-        lambda e: e.phi_rms_before,
-    )
-    yield _error(
-        "phi_rms_after_rad",
-        "nutation phi after the bounce (rms)",
-        "rad",
-        f"{rms}, after the first bounce.",
-        lambda e: e.phi_rms_after,
-    )
-    yield _error(
-        "phi_max_rad",
-        "nutation phi (largest)",
-        "rad",
-        "Largest error of phi over the run.",
-        lambda e: e.phi_max,
-    )
-    between = "Angle between the true and the engine's orientation, root mean square."
-    label = "orientation (rms)"
-    yield _error("rotation_rms_rad", label, "rad", between, lambda e: e.rotation_rms)
-    yield _error(
-        "rotation_rms_deg", label, "degrees", between, lambda e: math.degrees(e.rotation_rms)
-    )
-    for name in ("psi", "theta"):
-        yield _error(
-            f"{name}_rms_rad",
-            f"{name} (rms)",
-            "rad",
-            f"Root mean square error of {name}, without jumps.",
-            lambda e, name=name: getattr(e, f"{name}_rms"),  # type: ignore[misc]
+    ),
+    *(
+        _of_part("errors", *words)
+        for words in (
+            (
+                "bounce_time_error_s",
+                "time of the bounce",
+                "Time of the first minimum of phi, engine minus truth.",
+                "time_of_bounce",
+            ),
+            (
+                "peak_friction_ratio_error",
+                "peak friction ratio",
+                "Largest |F|/N of the first bounce, engine minus truth.",
+                "peak_friction_ratio",
+            ),
+            (
+                "phi_min_error_rad",
+                "smallest phi",
+                "Smallest phi of the first bounce, engine minus truth.",
+                "phi_min",
+            ),
+            ("phi_rms_rad", "nutation phi (rms)", f"{_PHI_RMS}."),
+            (
+                "phi_rms_before_rad",
+                "nutation phi before the bounce (rms)",
+                f"{_PHI_RMS}, up to the first bounce.",
+            ),
+            (
+                "phi_rms_after_rad",
+                "nutation phi after the bounce (rms)",
+                f"{_PHI_RMS}, after the first bounce.",
+            ),
+            ("phi_max_rad", "nutation phi (largest)", "Largest error of phi over the run."),
+            ("rotation_rms_rad", "orientation (rms)", _BETWEEN),
+            ("rotation_rms_deg", "orientation (rms)", _BETWEEN),
+            ("psi_rms_rad", "psi (rms)", "Root mean square error of psi, without jumps."),
+            ("theta_rms_rad", "theta (rms)", "Root mean square error of theta, without jumps."),
+            (
+                "contact_locus_rms_m",
+                "contact locus (rms)",
+                "Distance of the contact points at the same instant, root mean square.",
+            ),
+            (
+                "contact_locus_hausdorff_m",
+                "contact locus (Hausdorff)",
+                "Largest distance between the two loci as curves.",
+            ),
         )
-    yield _error(
-        "contact_locus_rms_m",
-        "contact locus (rms)",
-        "m",
-        "Distance of the contact points at the same instant, root mean square.",
-        lambda e: e.contact_locus_rms,
-    )
-    yield _error(
-        "contact_locus_hausdorff_m",
-        "contact locus (Hausdorff)",
-        "m",
-        "Largest distance between the two loci as curves.",
-        lambda e: e.contact_locus_hausdorff,
-    )
-
-
-def _registry_of_contact() -> Iterator[Quantity]:
-    """Yield what is zero for a can that rolls, and the work that a run took."""
-    yield Quantity(
+    ),
+    Quantity(
         key="energy_drift",
         label="energy drift",
         unit="m g R",
         meaning="Largest departure of the energy from its first value, over m g R.",
         of_run=lambda e: finite(e.energy_drift),
-    )
-    yield _of_contact(
-        "max_penetration_m",
-        "deepest penetration",
-        "m",
-        "Depth of the deepest contact.",
-        lambda contact: contact.max_penetration,
-    )
-    yield _of_contact(
-        "max_slip_m_s",
-        "fastest slip",
-        "m/s",
-        "Largest horizontal speed of the can's material at the contact point.",
-        lambda contact: contact.max_slip,
-    )
-    yield _of_contact(
-        "lift_off_fraction",
-        "time without contact",
-        "of the time",
-        "Share of the time without contact force.",
-        lambda contact: contact.lift_off_fraction,
-    )
-    yield _of_contact(
-        "multi_contact_fraction",
-        "time with several contacts",
-        "of the time",
-        "Share of the time with several contact points that bear force.",
-        lambda contact: contact.multi_contact_fraction,
-    )
-    for key, label, unit, meaning in (
-        ("steps", "steps", "", "Timesteps taken."),
-        (
-            "constraint_rows",
-            "constraint rows",
-            "",
-            "Rows that the solver worked on, summed over the steps.",
-        ),
-        ("setup_s", "time to set up", "s", "Compiling and probing, wall clock."),
-        (
-            "wall_s",
-            "time by the clock",
-            "s",
-            "Stepping and reading, wall clock, while other cases may have run beside it.",
-        ),
-        ("cpu_s", "time of the processor", "s", "Stepping and reading, processor time."),
-    ):
-        yield Quantity(
-            key=key,
-            label=label,
-            unit=unit,
-            meaning=meaning,
-            of_run=lambda e, key=key: getattr(e.simulation, key),  # type: ignore[misc]
+    ),
+    *(
+        _of_part("contact", *words)
+        for words in (
+            ("max_penetration_m", "deepest penetration", "Depth of the deepest contact."),
+            (
+                "max_slip_m_s",
+                "fastest slip",
+                "Largest horizontal speed of the can's material at the contact point.",
+            ),
+            (
+                "lift_off_fraction",
+                "time without contact",
+                "Share of the time without contact force.",
+            ),
+            (
+                "multi_contact_fraction",
+                "time with several contacts",
+                "Share of the time with several contact points that bear force.",
+            ),
         )
+    ),
+    *(
+        _of_part("simulation", *words)
+        for words in (
+            ("steps", "steps", "Timesteps taken."),
+            (
+                "constraint_rows",
+                "constraint rows",
+                "Rows that the solver worked on, summed over the steps.",
+            ),
+            ("setup_s", "time to set up", "Compiling and probing, wall clock.", "setup_s"),
+            (
+                "wall_s",
+                "time by the clock",
+                "Stepping and reading, wall clock, while other cases may have run beside it.",
+                "wall_s",
+            ),
+            (
+                "cpu_s",
+                "time of the processor",
+                "Stepping and reading, processor time.",
+                "cpu_s",
+            ),
+        )
+    ),
+)
 
-
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType({q.key: q for q in _registry()})
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType({q.key: q for q in _ALL})
 """Every quantity by its key."""
 
 

@@ -1,14 +1,13 @@
 """A table as the page shows it: headings with units, cells with what they sort by and link to."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from harness.core.plain_json import is_missing
 from harness.core.report_model import Table
 from harness.core.verdict import Status, Verdict
 from harness.report.number_format import heading, is_number, readable, slug
-from harness.report.tables import is_numeric, rows, shown
+from harness.report.tables import is_numeric, shown
 
 Tone = Literal["", "good", "fair", "bad", "none"]
 
@@ -45,50 +44,8 @@ _WORD_TONES: dict[str, Tone] = {
 }  # by the first word of an outcome, and of what is judged in a word
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Head:
-    """A column's heading."""
-
-    words: str
-    unit: str
-    name: str
-    meaning: str
-    numeric: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
-    """A cell: what is read, what it sorts by, all its digits, where it leads, how it is judged.
-
-    A verdict that stands beside a number has words of its own.
-    """
-
-    text: str
-    sort: str
-    exact: str
-    link: str
-    tone: Tone
-    verdict: str
-    code: bool
-    numeric: bool
-    long: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Grid:
-    """A table ready to be shown, its dictionary of all columns, how many rows its files have."""
-
-    name: str
-    title: str
-    heads: tuple[Head, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    meanings: tuple[tuple[str, str], ...]
-    judged: bool
-    count: int
-
-
-def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
-    """Return the shown columns of a table.
+def grid(name: str, table: Table, digests: Collection[str]) -> dict[str, Any]:
+    """Return the shown columns of a table, as its template takes them.
 
     Parameters
     ----------
@@ -97,32 +54,38 @@ def grid(name: str, table: Table, digests: Collection[str]) -> Grid:
     table : Table
     digests : collection of str
         Cases that the page lists; a cell in the column `case` that names one links to it.
+
+    Returns
+    -------
+    dict
+        `heads` with words, unit and meaning; `rows` of cells: what is read, what it sorts by, all
+        its digits, where it leads, how it is judged, and the verdict that stands beside a number;
+        `meanings` of all columns; `count` of the rows that the files have.
     """
-    heads = tuple(_head(table, column) for column in _on_page(table))
-    names = [str(column) for column in table.frame.columns]
-    return Grid(
-        name=name,
-        title=table.title,
-        heads=heads,
-        rows=tuple(
-            tuple(_cell(head, dict(zip(names, row, strict=True)), table, digests) for head in heads)
-            for row in rows(table.frame.head(_MOST))
-        ),
-        count=len(table.frame),
-        judged=bool(table.verdicts),
-        meanings=tuple((str(c), table.columns.get(str(c), "")) for c in table.frame.columns),
-    )
+    heads = [_head(table, column) for column in _on_page(table)]
+    return {
+        "name": name,
+        "title": table.title,
+        "heads": heads,
+        "rows": [
+            [_cell(head, row, table, digests) for head in heads]
+            for row in table.frame.head(_MOST).to_dict("records")
+        ],
+        "count": len(table.frame),
+        "judged": bool(table.verdicts),
+        "meanings": [(str(c), table.columns.get(str(c), "")) for c in table.frame.columns],
+    }
 
 
-def _head(table: Table, column: str) -> Head:
+def _head(table: Table, column: str) -> dict[str, Any]:
     words, unit = heading(column)
-    return Head(
-        words=words,
-        unit=unit,
-        name=column,
-        meaning=table.columns.get(column, ""),
-        numeric=is_numeric(table, column),
-    )
+    return {
+        "words": words,
+        "unit": unit,
+        "name": column,
+        "meaning": table.columns.get(column, ""),
+        "numeric": is_numeric(table, column),
+    }
 
 
 def _on_page(table: Table) -> tuple[str, ...]:
@@ -134,25 +97,27 @@ def _on_page(table: Table) -> tuple[str, ...]:
     return chosen if way is None else (*chosen, way)
 
 
-def _cell(head: Head, row: Mapping[str, object], table: Table, digests: Collection[str]) -> Cell:
-    value = row[head.name]
+def _cell(
+    head: Mapping[str, Any], row: Mapping[Any, Any], table: Table, digests: Collection[str]
+) -> dict[str, Any]:
+    name, value = head["name"], row[head["name"]]
     missing = is_missing(value)
     number = is_number(value) and not missing
     text = readable(value)
-    judged = head.name in _JUDGED or head.name.endswith(tuple(f"_{word}" for word in _JUDGED))
-    verdict = row.get(table.verdicts.get(head.name, ""))
-    digest = text if head.name in CASE else str(row.get(table.cases.get(head.name, "")))
-    return Cell(
-        text=text,
-        sort="" if missing else (repr(float(str(value))) if number else text.lower()),
-        exact=repr(value) if number else "",
-        link=f"case-{slug(digest)}" if digest in digests else "",
-        long=len(text) > _LONG,
-        tone=tone(value if verdict is None else verdict) if judged or verdict else "",
-        verdict="" if is_missing(verdict) else str(verdict),
-        code=head.name == COMMAND and not missing,
-        numeric=head.numeric,
-    )
+    verdict = row.get(table.verdicts.get(name, ""))
+    judged = name.endswith(_JUDGED) or verdict
+    digest = text if name in CASE else str(row.get(table.cases.get(name, "")))
+    return {
+        "text": text,
+        "sort": "" if missing else (repr(float(value)) if number else text.lower()),
+        "exact": repr(value) if number else "",
+        "link": f"case-{slug(digest)}" if digest in digests else "",
+        "long": len(text) > _LONG,
+        "tone": tone(value if verdict is None else verdict) if judged else "",
+        "verdict": "" if is_missing(verdict) else str(verdict),
+        "code": name == COMMAND and not missing,
+        "numeric": head["numeric"],
+    }
 
 
 def tone(judged: object) -> Tone:

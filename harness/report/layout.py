@@ -57,28 +57,25 @@ SCORECARD = "scorecard"
 _OWN_NAME = "rockingcan, "  # what the titles of reports begin with, and sections need not
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Picture:
-    """A figure, and how it looks on paper."""
-
-    figure: Figure
-    printed: RenderedFigure
+Named = Mapping[str, Artefact]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReportPart:
     """What stands together in one section; the keys name files and anchors.
 
-    What leads comes before the figures.
+    Parameters
+    ----------
+    title : str
+    leading : mapping of str to Prose or Table
+        What comes before the figures: texts, then tables.
+    rest : mapping of str to Artefact
+        Replays, figures, tables, texts, in this order.
     """
 
     title: str
-    leading_texts: Mapping[str, Prose]
-    leading_tables: Mapping[str, Table]
-    replays: Mapping[str, Replay]
-    figures: Mapping[str, Figure]
-    tables: Mapping[str, Table]
-    texts: Mapping[str, Prose]
+    leading: Named
+    rest: Named
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,15 +85,12 @@ class Report:
     title: str
     opening: ReportPart
     parts: tuple[ReportPart, ...]
-    pictures: Mapping[str, Picture]
+    pictures: Mapping[str, RenderedFigure]
     tables: Mapping[str, Table]
     inks: Mapping[str, LineStyle]
     cases: tuple[Mapping[str, Any], ...]
     provenance: Provenance
     chapters: tuple[Section, ...]
-
-
-Named = Mapping[str, Artefact]
 
 
 def unique_names(
@@ -123,7 +117,7 @@ def arrange(
         Title and artefacts.
     """
     opening = _opening(derived, chapters[0][1])
-    used = {*opening.leading_texts, *opening.leading_tables}
+    used = set(opening.leading)
     first = {name: artefact for name, artefact in chapters[0][1].items() if name not in used}
     scenes = dict.fromkeys(a.scene for a in (*derived.values(), *first.values()) if a.scene)
     sections = [_part(scene, _of(first, scene), leading=_of(derived, scene)) for scene in scenes]
@@ -132,7 +126,7 @@ def arrange(
         leading = _before(artefacts)
         others = {name: artefact for name, artefact in artefacts.items() if name not in leading}
         sections.append(_part(_heading(title), _with_scene(others), leading=leading))
-    return opening, tuple(part for part in sections if _filled(part))
+    return opening, tuple(part for part in sections if part.leading or part.rest)
 
 
 def _heading(title: str) -> str:
@@ -184,24 +178,13 @@ def _of(artefacts: Named, scene: str) -> Named:
 
 
 def _part(title: str, artefacts: Named, *, leading: Named | None = None) -> ReportPart:
-    leading = leading or {}
     return ReportPart(
         title=title,
-        leading_texts={n: a for n, a in leading.items() if isinstance(a, Prose)},
-        leading_tables={n: a for n, a in leading.items() if isinstance(a, Table)},
-        replays={n: a for n, a in artefacts.items() if isinstance(a, Replay)},
-        figures={n: a for n, a in artefacts.items() if isinstance(a, Figure)},
-        tables={n: a for n, a in artefacts.items() if isinstance(a, Table)},
-        texts={n: a for n, a in artefacts.items() if isinstance(a, Prose)},
+        leading=_sorted(leading or {}, (Prose, Table)),
+        rest=_sorted(artefacts, (Replay, Figure, Table, Prose)),
     )
 
 
-def _filled(part: ReportPart) -> bool:
-    return bool(
-        part.leading_texts
-        or part.leading_tables
-        or part.replays
-        or part.figures
-        or part.tables
-        or part.texts
-    )
+def _sorted(artefacts: Named, kinds: Sequence[type[Artefact]]) -> Named:
+    """Return the artefacts of some kinds, kind by kind."""
+    return {n: a for kind in kinds for n, a in artefacts.items() if isinstance(a, kind)}

@@ -17,8 +17,7 @@ import base64
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -28,13 +27,13 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from harness.core.provenance import Provenance
-from harness.core.report_model import Prose, Replay
+from harness.core.report_model import Replay
 from harness.core.trajectory import Floats
-from harness.report.html_table import Grid, grid
-from harness.report.layout import Picture, Report, ReportPart, Section
+from harness.report.html_table import grid
+from harness.report.layout import Report, Section
 from harness.report.number_format import slug, slugs
 from harness.report.plotly_renderer import description, packed, plotly_packed
-from harness.report.style import PAPER_DARK, PAPER_LIGHT, Entry, LineStyle, entries
+from harness.report.style import PAPER_DARK, PAPER_LIGHT, LineStyle, entries
 
 
 def frames(replay: Replay) -> dict[str, Any]:
@@ -155,51 +154,8 @@ def _classed(text: str) -> str:
 _TEMPLATES = Path(__file__).parent / "templates"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FigureView:
-    """A figure as the template needs it."""
-
-    name: str
-    title: str
-    seen: str
-    columns: int
-    panels: tuple[Mapping[str, Any], ...]
-    described: tuple[Mapping[str, Any], ...]
-    legend: tuple[Entry, ...]
-    still: str
-    cases: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ReplayView:
-    """A replay as the template needs it."""
-
-    name: str
-    title: str
-    seen: str
-    bodies: tuple[tuple[str, str], ...]
-    frames: int
-    told: str
-    described: Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PageSection:
-    """A section of the page with its anchor; what leads comes first."""
-
-    anchor: str
-    title: str
-    leading_texts: Mapping[str, Prose]
-    leading_grids: tuple[Grid, ...]
-    screens: tuple[ReplayView, ...]
-    drawings: tuple[FigureView, ...]
-    grids: tuple[Grid, ...]
-    texts: Mapping[str, Prose]
-
-
 def page(report: Report) -> str:
     """Return the whole page as HTML."""
-    anchors = slugs(part.title for part in report.parts)
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
         autoescape=True,
@@ -208,79 +164,36 @@ def page(report: Report) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["paragraphs"] = _paragraphs
-    environment.filters["slug"] = slug
-    environment.filters["packed"] = lambda told: packed(json.dumps(told, separators=(",", ":")))
+    environment.filters |= {
+        "paragraphs": _paragraphs,
+        "slug": slug,
+        "packed": lambda told: packed(json.dumps(told, separators=(",", ":"))),
+        "kind": lambda artefact: type(artefact).__name__.lower(),
+    }
+    digests = {str(case["digest"]) for case in report.cases if "digest" in case}
+    environment.globals |= {
+        "digests": digests,
+        "kinds": {kind: f"--kind-{number}" for number, kind in enumerate(report.inks)},
+        "grid": lambda name, table: grid(name, table, digests),
+        "entries": entries,
+        "description": lambda figure: description(figure, report.inks),
+        "still": lambda name: address(report.pictures[name].svg),
+        "frames": frames,
+    }
+    replays = any(isinstance(a, Replay) for part in report.parts for a in part.rest.values())
     return environment.get_template("index.html").render(
         title=report.title,
-        opening=_section(report, report.opening, anchor="summary"),
-        sections=[
-            _section(report, part, anchor=f"part-{anchor}")
-            for part, anchor in zip(report.parts, anchors, strict=True)
-        ],
+        opening=report.opening,
+        anchors=[f"part-{anchor}" for anchor in slugs(part.title for part in report.parts)],
+        sections=report.parts,
         cases=report.cases,
         provenance=_made(report.chapters, report.provenance),
         written=report.provenance.written,
         face=_face(report.inks),
         style=_asset("report.css"),
         script=_asset("report.js"),
-        replays=_asset("replay.js") if any(part.replays for part in report.parts) else "",
+        replays=_asset("replay.js") if replays else "",
         plotly=plotly_packed() if report.pictures else "",
-        kinds={kind: f"--kind-{number}" for number, kind in enumerate(report.inks)},
-    )
-
-
-def _section(report: Report, part: ReportPart, *, anchor: str) -> PageSection:
-    digests = {str(case["digest"]) for case in report.cases if "digest" in case}
-    return PageSection(
-        anchor=anchor,
-        title=part.title,
-        leading_texts=part.leading_texts,
-        leading_grids=tuple(grid(n, table, digests) for n, table in part.leading_tables.items()),
-        screens=tuple(_screen(n, replay) for n, replay in part.replays.items()),
-        drawings=tuple(
-            replace(_drawing(n, report.pictures[n], report.inks, digests), title=figure.title)
-            for n, figure in part.figures.items()
-        ),
-        grids=tuple(grid(n, table, digests) for n, table in part.tables.items()),
-        texts=part.texts,
-    )
-
-
-def _screen(name: str, replay: Replay) -> ReplayView:
-    names = ", ".join(body.label for body in replay.bodies)
-    return ReplayView(
-        name=name,
-        title=replay.title,
-        seen=replay.seen,
-        bodies=tuple((body.label, body.kind) for body in replay.bodies),
-        frames=len(replay.time),
-        told=f"The can rolling, seen from above at a slant: {names}",
-        described=frames(replay),
-    )
-
-
-def _drawing(
-    name: str, picture: Picture, inks: Mapping[str, LineStyle], digests: Collection[str]
-) -> FigureView:
-    figure = picture.figure
-    return FigureView(
-        name=name,
-        title=figure.title,
-        seen=figure.seen,
-        columns=max(1, min(figure.columns, len(figure.panels))),
-        panels=tuple(
-            {
-                "title": panel.title,
-                "told": f"{panel.title}: {panel.y_label} against {panel.x_label}",
-                "equal": panel.equal,
-            }
-            for panel in figure.panels
-        ),
-        described=tuple(description(figure, inks)),
-        legend=entries(figure),
-        still=address(picture.printed.svg),
-        cases=tuple(digest for digest in figure.cases if digest in digests),
     )
 
 

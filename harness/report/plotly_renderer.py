@@ -78,56 +78,42 @@ def description(figure: Figure, inks: Mapping[str, LineStyle]) -> list[dict[str,
 def _trace(
     series: Series, panel: Panel, number: int, entry: Entry, ink: LineStyle
 ) -> dict[str, Any]:
-    if series.mark == "bars":
-        return _bars(series, panel, number, entry)
     x, y = plottable(series, panel)
-    mode = {"line": "lines", "points": "markers", "both": "lines+markers"}[series.mark]
     label = _text(series.label)
     trace: dict[str, Any] = {
-        "type": "scatter",
-        "mode": mode,
         "name": label,
         "legendgroup": label,
         "showlegend": False,  # the legend is the page's: buttons that a keyboard reaches
         "meta": {"kind": series.kind, "entry": number},
         "opacity": entry.opacity,
-        "line": {
-            "width": ink.width,
-            "dash": ",".join(f"{length}px" for length in entry.dashes) or "solid",
-        },
-        "marker": {"size": 8, "symbol": SYMBOLS[entry.rank % len(SYMBOLS)]},
         "x": _packed(x),
-        "y": _packed(y),
-        "hovertemplate": f"%{{x:.6g}}, %{{y:.6g}}<extra>{label}</extra>",
     }
+    if series.mark == "bars":
+        base = np.zeros(len(y)) if series.base is None else series.base
+        trace |= {
+            "type": "bar",
+            "width": BAR_WIDTH,
+            "y": _packed(y - base),
+            "base": _packed(base),
+            "customdata": _packed(y),
+        }
+        numbers, texts = "%{customdata:.6g}", "hovertext"
+    else:
+        trace |= {
+            "type": "scatter",
+            "mode": {"line": "lines", "points": "markers", "both": "lines+markers"}[series.mark],
+            "line": {
+                "width": ink.width,
+                "dash": ",".join(f"{length}px" for length in entry.dashes) or "solid",
+            },
+            "marker": {"size": 8, "symbol": SYMBOLS[entry.rank % len(SYMBOLS)]},
+            "y": _packed(y),
+        }
+        numbers, texts = "%{x:.6g}, %{y:.6g}", "text"
     if series.hover:
-        trace["text"] = [_text(text) for text in series.hover]
-        trace["hovertemplate"] = f"%{{text}}<br>%{{x:.6g}}, %{{y:.6g}}<extra>{label}</extra>"
-    return trace
-
-
-def _bars(series: Series, panel: Panel, number: int, entry: Entry) -> dict[str, Any]:
-    x, y = plottable(series, panel)
-    base = np.zeros(len(y)) if series.base is None else series.base
-    label = _text(series.label)
-    trace: dict[str, Any] = {
-        "type": "bar",
-        "name": label,
-        "legendgroup": label,
-        "showlegend": False,
-        "meta": {"kind": series.kind, "entry": number},
-        "opacity": entry.opacity,
-        "width": BAR_WIDTH,
-        "x": _packed(x),
-        "y": _packed(y - base),
-        "base": _packed(base),
-        "customdata": _packed(y),
-        "hovertemplate": f"%{{customdata:.6g}}<extra>{label}</extra>",
-    }
-    if series.hover:
-        trace["hovertext"] = [_text(text) for text in series.hover]
-        trace["hovertemplate"] = f"%{{hovertext}}<br>%{{customdata:.6g}}<extra>{label}</extra>"
-    return trace
+        trace[texts] = [_text(text) for text in series.hover]
+        numbers = f"%{{{texts}}}<br>{numbers}"
+    return trace | {"hovertemplate": f"{numbers}<extra>{label}</extra>"}
 
 
 def _cells(heat: Heatmap) -> dict[str, Any]:
@@ -146,41 +132,19 @@ def _cells(heat: Heatmap) -> dict[str, Any]:
 
 
 def _layout(panel: Panel) -> dict[str, Any]:
-    x_axis: dict[str, Any] = {
-        "title": {"text": _text(panel.x_label), "standoff": 8},
-        "type": "log" if panel.log_x else "linear",
-        "exponentformat": "power",
-        "automargin": True,
-        "zeroline": False,
-    }
-    y_axis: dict[str, Any] = {
-        **x_axis,
-        "title": {"text": _text(panel.y_label), "standoff": 6},
-        "type": "log" if panel.log_y else "linear",
-        "automargin": False,  # one margin for all panels: axes below each other stay aligned
-    }
-    for axis, logarithmic in ((x_axis, panel.log_x), (y_axis, panel.log_y)):
-        if logarithmic:
-            axis["dtick"] = 1  # powers of ten
-            axis["minor"] = {"ticks": "inside", "ticklen": 3, "dtick": "D1"}
+    x_axis = _axis(panel, "x", panel.x_label, panel.x_range, log=panel.log_x)
+    y_axis = _axis(panel, "y", panel.y_label, panel.y_range, log=panel.log_y)
+    y_axis["automargin"] = False  # one margin for all panels: axes below each other stay aligned
     if panel.x_names:
-        x_axis["tickvals"] = list(range(len(panel.x_names)))
-        x_axis["ticktext"] = [_text(name) for name in panel.x_names]
-        x_axis["tickangle"] = -30
-        x_axis["range"] = [-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH]
-    for axis, ends, logarithmic in (
-        (x_axis, panel.x_range, panel.log_x),
-        (y_axis, panel.y_range, panel.log_y),
-    ):
-        if ends is not None:
-            axis["range"] = [math.log10(end) if logarithmic else end for end in ends]
+        x_axis |= {
+            "tickvals": list(range(len(panel.x_names))),
+            "ticktext": [_text(name) for name in panel.x_names],
+            "tickangle": -30,
+            "range": [-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH],
+        }
     if panel.equal:
         x_axis["constrain"] = y_axis["constrain"] = "domain"
         y_axis |= {"scaleanchor": "x", "scaleratio": 1}
-    if _decades(panel, "x") > _MANY_DECADES:
-        x_axis.pop("dtick", None)
-    if _decades(panel, "y") > _MANY_DECADES:
-        y_axis.pop("dtick", None)
     return {
         "xaxis": x_axis,
         "yaxis": y_axis,
@@ -195,11 +159,25 @@ def _layout(panel: Panel) -> dict[str, Any]:
 _MANY_DECADES = 8.0  # more powers of ten than that crowd the axis; plotly then leaves some out
 
 
-def _decades(panel: Panel, axis: str) -> float:
-    ends = panel.x_range if axis == "x" else panel.y_range
-    data = _together(panel, axis) if ends is None else np.array(ends)
-    positive = data[data > 0.0]
-    return float(np.log10(positive.max() / positive.min())) if positive.size else 0.0
+def _axis(
+    panel: Panel, name: str, label: str, ends: tuple[float, float] | None, *, log: bool
+) -> dict[str, Any]:
+    axis: dict[str, Any] = {
+        "title": {"text": _text(label), "standoff": 8 if name == "x" else 6},
+        "type": "log" if log else "linear",
+        "exponentformat": "power",
+        "automargin": True,
+        "zeroline": False,
+    }
+    if log:
+        axis["minor"] = {"ticks": "inside", "ticklen": 3, "dtick": "D1"}
+        data = _together(panel, name) if ends is None else np.array(ends)
+        positive = data[data > 0.0]
+        if not positive.size or positive.max() <= positive.min() * 10.0**_MANY_DECADES:
+            axis["dtick"] = 1  # powers of ten
+    if ends is not None:
+        axis["range"] = [math.log10(end) if log else end for end in ends]
+    return axis
 
 
 def _together(panel: Panel, axis: str) -> Floats:

@@ -15,7 +15,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from harness.core.report_model import Figure, Heatmap, Series
+from harness.core.report_model import Figure, Heatmap
 
 PAPER_LIGHT = "#fcfbf8"
 PAPER_DARK = "#14171c"
@@ -120,7 +120,7 @@ class Entry:
 def entries(figure: Figure) -> tuple[Entry, ...]:
     """Return the legend of a figure, in the order of first appearance."""
     found: dict[str, Entry] = {}
-    for series in _all(figure):
+    for series in (series for panel in figure.panels for series in panel.series):
         if series.label in found:
             continue
         kin = [entry for entry in found.values() if entry.kind == series.kind]
@@ -137,10 +137,6 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
             rank=len(kin),
         )
     return tuple(found.values())
-
-
-def _all(figure: Figure) -> list[Series]:
-    return [series for panel in figure.panels for series in panel.series]
 
 
 Scale = tuple[tuple[float, str], ...]

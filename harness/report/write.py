@@ -12,10 +12,10 @@ from typing import Any
 
 from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
-from harness.core.report_model import Artefact, Figure, Replay, Table
+from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
 from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
 from harness.report.junit import junit
-from harness.report.layout import Picture, Report, Section, arrange, ordered, unique_names
+from harness.report.layout import Report, Section, arrange, ordered, unique_names
 from harness.report.matplotlib_renderer import render
 from harness.report.page import page
 from harness.report.scorecard import derived
@@ -29,11 +29,11 @@ def summary(report: Report) -> str:
     """Return title, headline texts and tables, and one line of provenance."""
     opening = report.opening
     parts = [f"# {plain_text(report.title)}\n"]
-    for text in opening.leading_texts.values():
-        parts += [plain_text(paragraph) + "\n" for paragraph in text.text.split("\n\n")]
-    for table in opening.leading_tables.values():
-        parts.append(f"## {plain_text(table.title)}\n")
-        parts.append(markdown(table))
+    for artefact in opening.leading.values():
+        if isinstance(artefact, Prose):
+            parts += [plain_text(paragraph) + "\n" for paragraph in artefact.text.split("\n\n")]
+        elif isinstance(artefact, Table):
+            parts += [f"## {plain_text(artefact.title)}\n", markdown(artefact)]
     parts.append(_made_by(report) + "\n")
     return "\n".join(parts)
 
@@ -156,10 +156,7 @@ def _report(chapters: Sequence[Section], title: str, provenance: Provenance) -> 
         title=title,
         opening=opening,
         parts=parts,
-        pictures={
-            name: Picture(figure=figure, printed=render(simplify(figure, PAPER), inks))
-            for name, figure in figures.items()
-        },
+        pictures={name: render(simplify(figure, PAPER), inks) for name, figure in figures.items()},
         tables={n: a for n, a in everything.items() if isinstance(a, Table)},
         inks=inks,
         cases=_once(chapters),
@@ -188,8 +185,8 @@ def _once(chapters: Sequence[Section]) -> tuple[Mapping[str, Any], ...]:
 def _write_files(report: Report, folder: Path) -> None:
     (folder / "figures").mkdir()
     for name, picture in report.pictures.items():
-        (folder / "figures" / f"{name}.png").write_bytes(picture.printed.png)
-        _write_text(folder / "figures" / f"{name}.svg", picture.printed.svg)
+        (folder / "figures" / f"{name}.png").write_bytes(picture.png)
+        _write_text(folder / "figures" / f"{name}.svg", picture.svg)
     (folder / "tables").mkdir()
     for name, table in report.tables.items():
         _write_text(folder / "tables" / f"{name}.csv", csv_text(table))

@@ -12,6 +12,14 @@ from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
 from harness.studies.comparison.selection import MS, digests, label, longest
 
+ANGLES = {"phi": "Nutation phi", "psi": "Precession psi", "theta": "Rotation theta"}
+
+
+def degrees(name: str) -> Callable[[Motion], Floats]:
+    """Return what reads an angle of a motion, deg."""
+    return lambda motion: np.degrees(getattr(motion.angles, name))
+
+
 _WINDOW = 12.0
 """Half-width of the zoom in 1/(peak precession rate): the turn is then 94 % done."""
 
@@ -20,12 +28,6 @@ _FEW = 40
 
 _ENDS = 2
 """Points of a curve in the zoom that are no samples: where it enters and where it leaves."""
-
-_QUANTITIES: tuple[tuple[str, str, str, Callable[[Motion], Floats]], ...] = (
-    ("phi", "Nutation phi", "phi [deg]", lambda motion: np.degrees(motion.angles.phi)),
-    ("psi", "Precession psi", "psi [deg]", lambda motion: np.degrees(motion.angles.psi)),
-    ("theta", "Rotation theta", "theta [deg]", lambda motion: np.degrees(motion.angles.theta)),
-)
 
 
 def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
@@ -37,11 +39,11 @@ def bounce_figure(scene: str, drawn: Sequence[Evaluation]) -> Figure | None:
         Panel(
             title=title,
             x_label="time from the bounce [ms]",
-            y_label=y_label,
-            series=in_bounce(drawn, true, values),
+            y_label=f"{name} [deg]",
+            series=in_bounce(drawn, true, degrees(name)),
             log_y=name == "phi",
         )
-        for name, title, y_label, values in _QUANTITIES
+        for name, title in ANGLES.items()
     ]
     turn, width = math.degrees(true.angle_of_turn), 2.0 / abs(true.peak_psi_dot)
     return Figure(

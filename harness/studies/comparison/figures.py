@@ -4,18 +4,22 @@ The figure of convergence: errors against the timestep.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from harness.core.report_model import Figure, Panel, Series
-from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
-from harness.metrics.motion import Motion
-from harness.metrics.quantities import recorded_turn_error
-from harness.studies.comparison.bounce_figure import bounce_figure, first_bounce, in_bounce
+from harness.metrics.quantities import QUANTITIES
+from harness.studies.comparison.bounce_figure import (
+    ANGLES,
+    bounce_figure,
+    degrees,
+    first_bounce,
+    in_bounce,
+)
 from harness.studies.comparison.selection import (
     MM,
     MS,
@@ -37,10 +41,10 @@ def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure 
     if all(len({e.simulation.timestep for e in own}) == 1 for own in ladders.values()):
         return None
     panels = []
-    for title, y_label, read in _QUANTITIES:
+    for title, y_label, key in _QUANTITIES:
         series = []
         for (engine, profile), ladder in ladders.items():
-            points = sorted((e.simulation.timestep, abs(read(e))) for e in ladder)
+            points = sorted((e.simulation.timestep, abs(_error(e, key))) for e in ladder)
             x, y = np.array(points).T
             series.append(
                 Series(
@@ -76,7 +80,7 @@ def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure 
 def _seen(ladders: Mapping[tuple[str, str], Sequence[Evaluation]]) -> str:
     """Return two sentences: whose error is smallest and largest, and how errors fall."""
     every = [
-        (_convergence_figure_phi(e), f"{engine}, {profile}")
+        (_phi_error(e), f"{engine}, {profile}")
         for (engine, profile), own in ladders.items()
         for e in own
     ]
@@ -94,30 +98,23 @@ def _seen(ladders: Mapping[tuple[str, str], Sequence[Evaluation]]) -> str:
 
 def _order(ladder: Sequence[Evaluation]) -> float:
     steps = [e.simulation.timestep or math.nan for e in ladder]
-    return observed_order(steps, [_convergence_figure_phi(e) for e in ladder]).order
+    return observed_order(steps, [_phi_error(e) for e in ladder]).order
 
 
-def _turn(e: Evaluation) -> float:
-    """Return the error of the first angle of turn as recorded, deg."""
-    error = recorded_turn_error(e)
+def _phi_error(e: Evaluation) -> float:
+    """Return the root mean square error of phi, rad."""
+    return _error(e, "phi_rms_rad")
+
+
+def _error(e: Evaluation, key: str) -> float:
+    """Return an error of a run; NaN where it has none."""
+    error = QUANTITIES[key].of_run(e)
     return math.nan if error is None else error
 
 
-def _convergence_figure_phi(e: Evaluation) -> float:
-    """Return the root mean square error of phi, rad."""
-    return math.nan if e.errors is None else e.errors.phi_rms
-
-
-_QUANTITIES: tuple[tuple[str, str, Callable[[Evaluation], float]], ...] = (
-    ("Nutation", "phi, rms [rad]", _convergence_figure_phi),
-    ("Angle of turn", "error of the turn [deg]", _turn),
-)
-
-
-_ANGLES: tuple[tuple[str, str, Callable[[Motion], tuple[Floats, Floats]]], ...] = (
-    ("phi", "Nutation phi", lambda m: (m.time * MS, np.degrees(m.angles.phi))),
-    ("psi", "Precession psi", lambda m: (m.time * MS, np.degrees(m.angles.psi))),
-    ("theta", "Rotation theta", lambda m: (m.time * MS, np.degrees(m.angles.theta))),
+_QUANTITIES = (
+    ("Nutation", "phi, rms [rad]", "phi_rms_rad"),
+    ("Angle of turn", "error of the turn [deg]", "angle_of_turn_error_deg"),
 )
 
 
@@ -147,6 +144,11 @@ def scene_figures(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Figure
     )
 
 
+def _over_time(read: Callable[[Motion], Floats]) -> Callable[[Motion], tuple[Floats, Floats]]:
+    """Return what reads a curve over time, ms."""
+    return lambda motion: (motion.time * MS, read(motion))
+
+
 def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the three angles over the whole run."""
     panels = tuple(
@@ -154,9 +156,9 @@ def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
             title=title,
             x_label="time [ms]",
             y_label=f"{name} [deg]",
-            series=overlaid(drawn, curve),
+            series=overlaid(drawn, _over_time(degrees(name))),
         )
-        for name, title, curve in _ANGLES
+        for name, title in ANGLES.items()
     )
     return Figure(
         name=f"{scene}-angles",
@@ -169,9 +171,14 @@ def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     )
 
 
-def _closest(drawn: Sequence[Evaluation]) -> str:
-    worst = max(drawn, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
+def _extremes(drawn: Sequence[Evaluation]) -> tuple[Evaluation, Evaluation]:
+    """Return the runs with the smallest and the largest error of phi."""
     best = min(drawn, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
+    return best, max(drawn, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
+
+
+def _closest(drawn: Sequence[Evaluation]) -> str:
+    best, worst = _extremes(drawn)
     return (
         f"Closest to the exact motion is {label(best)}, with {_phi(best)} rad rms in phi. "
         f"Farthest is {label(worst)}, with {_phi(worst)} rad."
@@ -219,7 +226,7 @@ def _apart(drawn: Sequence[Evaluation]) -> str:
 
 def _friction(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the friction ratio over time."""
-    series = overlaid(drawn, lambda m: (m.time * MS, m.friction_ratio))
+    series = overlaid(drawn, _over_time(lambda m: m.friction_ratio))
     exact = longest(drawn).truth
     peak = np.nanmax(exact.friction_ratio) if exact is not None else math.nan
     slip = drawn[0].simulation.case.scene.effects.slip
@@ -305,8 +312,7 @@ def _told(drawn: Sequence[Evaluation]) -> str:
     known = [e for e in drawn if e.errors is not None]
     if not known:
         return followed_best(drawn)
-    worst = max(known, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
-    best = min(known, key=lambda e: e.errors.phi_rms if e.errors else math.inf)
+    best, worst = _extremes(known)
     first = (
         f"The distance from the exact motion at the same instant: {label(best)} stays within "
         f"{_most(best)} rad in phi, {label(worst)} within {_most(worst)} rad."
