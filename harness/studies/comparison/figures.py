@@ -4,14 +4,16 @@ The figure of convergence: errors against the timestep.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from harness.core.report_model import Figure, Panel, Series
+from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
+from harness.metrics.motion import Motion
 from harness.metrics.quantities import QUANTITIES
 from harness.studies.comparison.bounce_figure import (
     ANGLES,
