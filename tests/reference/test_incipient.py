@@ -29,6 +29,7 @@ from reference.equations.coulomb import CoulombEquations
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.reaction_force import contact_force
 from reference.equations.state_vector import released
+from reference.nonsmooth.segments import SegmentsPath
 from reference.nonsmooth.slip_onset import SlipOnset, admissible, slack
 from reference.problem.states import Floats
 from reference.solve import METHODS
@@ -324,6 +325,26 @@ def test_a_rim_that_sticks_beyond_its_cone_is_a_finding() -> None:
     wrong = replace(rolls, problem=replace(rolls.problem, effects=Effects(mu=0.26)))
     (finding,) = examine(wrong, wrong.grid()).findings
     assert finding.sentence.startswith("The rim sticks with a friction of ")
+
+
+def test_a_turning_that_stops_in_the_step_in_which_rolling_begins_is_seen() -> None:
+    """Once followed as if friction went on against a turning that it had already turned round."""
+    found = solve(
+        Problem(
+            parameters=Parameters(a=0.844324671342653, c=0.4093693761472177, h=0.6147681066005056),
+            phi=1.0390712947482998,
+            psi_dot=-0.00014877262193151657,
+            duration=0.3,
+            effects=Effects(
+                mu=7.9203538225587735,
+                drilling=0.11003449511211205,
+                rolling_resistance=0.01902974846793292,
+            ),
+        )
+    )
+    assert pulls_and_excess(found)[1] < 1
+    assert isinstance(found.path, SegmentsPath)
+    assert [piece.mode.turns for piece in found.path.pieces][:2] == [-1, 0]
 
 
 @pytest.mark.parametrize("method", METHODS)
