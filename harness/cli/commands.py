@@ -14,8 +14,7 @@ from harness.cli.json_output import reference_json, run_json, to_json
 from harness.cli.model_answer import model_answer, sentences
 from harness.cli.paper import audit, gallery, report
 from harness.cli.run_options import parse_settings
-from harness.cli.stability import stability
-from harness.cli.studies import attribute, cost, effects, errors
+from harness.cli.studies import attribute, cost, effects, errors, stability
 from harness.cli.sweep import sweep
 from harness.cli.terminal import check_motion_file, write_motion, write_text
 from harness.cli.validate import validate

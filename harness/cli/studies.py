@@ -1,29 +1,36 @@
 """The commands of the studies: attribute, errors, effects, stability, cost.
 
-Each turns its options into a study; running it, writing its report and printing it is one function.
+Each turns its options into a study, and says which of its tables the terminal shows.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.markup import escape
 
 from harness import api
 from harness.cli import terminal
-from harness.cli.json_output import to_json
 from harness.cli.run_options import RunOptions, parse_settings, with_run_options
+from harness.cli.study_command import (
+    EngineName,
+    EngineNames,
+    Json,
+    ReportFolder,
+    SceneName,
+    run_command,
+    shown,
+    tables_answer,
+)
 from harness.cli.terminal import write_text
-from harness.core.errors import InvalidSettingError
-from harness.core.provenance import provenance
-from harness.core.report_model import Artefact, Prose, Table
-from harness.engines.registry import export_settings
-from harness.evaluation.timing import single_thread_executor
+from harness.core.case import Case
+from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.core.report_model import Artefact, Table
+from harness.engines.registry import export_settings, timestep_of
 from harness.report.atomic_folder import check_writable
-from harness.report.write import write_report
 from harness.studies.attribution.study import AttributionStudy
 from harness.studies.cost.design import plan_cost
 from harness.studies.cost.prices import CHOICES, FIXED, FOLLOWING, TARGETS, Cost
@@ -36,118 +43,11 @@ from harness.studies.effects.study import EffectsStudy
 from harness.studies.errors.plan import plan_errors
 from harness.studies.errors.study import ErrorsStudy
 from harness.studies.shared.ablation import ablation_path
-from harness.studies.study import Results, Study, StudyProgress, run_study
+from harness.studies.stability.study import StabilityStudy
+from harness.studies.stability.suite import SUITES
+from harness.studies.study import Results
 from models.catalogue import load
 from models.scene_text import write_scene
-
-SceneName = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
-]
-EngineName = Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")]
-EngineNames = Annotated[
-    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
-]
-ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-
-Shown = Mapping[str, Sequence[str]]
-"""Artefacts that the terminal shows, by the end of their names; of tables the columns, () all."""
-
-
-def run_with_progress(study: Study, running: RunOptions) -> Results:
-    """Run a study beside a progress bar, where and within what limits the options say."""
-    bar = terminal.progress_bar()
-    task = bar.add_task("starting the engines", total=None)
-
-    def show(progress: StudyProgress) -> None:
-        bar.start()  # not before: wrong use is told without a bar
-        if not progress.label:
-            running.kept(progress.kept, progress.total)
-        bar.update(
-            task,
-            completed=progress.done,
-            total=progress.total,
-            description=f"{progress.work}: {progress.label[:60]}",
-        )
-
-    try:
-        with running.executor() as executor:
-            return run_study(
-                study,
-                executor=executor,
-                cache=running.store,
-                on_progress=show,
-                timer=lambda: single_thread_executor(running.limits),
-            )
-    finally:
-        if bar.live.is_started:
-            bar.stop()
-
-
-def run_command(
-    study: Study,
-    running: RunOptions,
-    *,
-    out: Path | None,
-    json: bool,
-    answer: Callable[[Results], Mapping[str, Any]],
-    show: Callable[[Results, Sequence[Artefact]], None],
-) -> Results:
-    """Run a study, write its report, and print what it says, or one JSON object.
-
-    Parameters
-    ----------
-    study : Study
-    running : RunOptions
-    out : Path, optional
-        Folder of the report; none is written if left out.
-    json : bool
-    answer : callable
-        Returns what `--json` prints.
-    show : callable
-        Prints what a person reads.
-    """
-    if out is not None:
-        check_writable(out)
-    done = run_with_progress(study, running)
-    artefacts = study.report(done)
-    page = out and write_report(
-        _with_summary(artefacts),
-        out,
-        title=f"rockingcan, {study.name}",
-        cases=done.manifest(),
-        provenance=provenance(),
-    )
-    if json:
-        typer.echo(to_json(answer(done)))
-        return done
-    show(done, artefacts)
-    if page is not None:
-        terminal.stdout_console().print(f"\nThe report: {page}")
-    return done
-
-
-def _with_summary(artefacts: Sequence[Artefact]) -> list[Artefact]:
-    """Return artefacts of which some words open the page, whatever the study calls them."""
-    if any(a.name == "summary" for a in artefacts):
-        return list(artefacts)
-    return [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts]
-
-
-def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
-    """Return what prints some artefacts of a report: columns of tables, and words."""
-
-    def show(_: Results, artefacts: Sequence[Artefact]) -> None:
-        console = terminal.stdout_console()
-        for artefact in artefacts:
-            ending = next((end for end in names if artefact.name.endswith(end)), None)
-            if ending is not None and isinstance(artefact, Table):
-                columns = names[ending] or artefact.shown or tuple(artefact.columns)
-                console.print(terminal.table_artefact(artefact, columns))
-            elif ending is not None and isinstance(artefact, Prose):
-                console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")
-
-    return show
 
 
 @with_run_options
@@ -287,6 +187,51 @@ def _assumption(word: str) -> tuple[str, float]:
         return key, float(value)
     except ValueError:
         raise InvalidSettingError("--assume", word, "EFFECT.CONSTANT=NUMBER") from None
+
+
+@with_run_options
+def stability(
+    suite: Annotated[
+        str, typer.Option(help="quick: about two minutes; full: every hard case.")
+    ] = "quick",
+    engine: EngineNames = None,
+    out: Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")] = Path(
+        "reports/stability"
+    ),
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: RunOptions,
+) -> None:
+    """Run hard cases until engines fail, say how they fail, and from which timestep on."""
+    if suite not in SUITES:
+        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    engines = api.stepping_engines(engine)
+    for name in engines:
+        if not _takes_timesteps(name):
+            able = ", ".join(each for each in api.stepping_engines(None) if _takes_timesteps(each))
+            allowed = f"{able}: stability judges engines that take timesteps"
+            raise InvalidSettingError("--engine", name, allowed)
+    study = StabilityStudy(suite=SUITES[suite], engines=engines)
+    names = {"largest-timesteps": (), "random-scenes": (), "summary": ()}
+    show = shown(names | {f"verdict-{name}": () for name in engines})
+    done = run_command(
+        study,
+        running,
+        out=out,
+        json=json,
+        answer=lambda done: tables_answer(study.report(done)),
+        show=show,
+    )
+    if any(check.failure for checks in study.checks(done) for check in checks):
+        raise typer.Exit(1)
+
+
+def _takes_timesteps(name: str) -> bool:
+    """Whether an engine takes timesteps; one whose package is missing may."""
+    try:
+        return timestep_of(Case(scene=load("gentle-rock"), engine=name)) is not None
+    except MissingPackageError:
+        return True
 
 
 _TUNING = ("gentle-rock", "paper-release")

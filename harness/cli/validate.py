@@ -22,7 +22,7 @@ from harness.cli.gate import (
 )
 from harness.cli.paper import joined_sections
 from harness.cli.run_options import RunOptions, engine_settings, settings_to_dict, with_run_options
-from harness.cli.studies import run_with_progress, shown
+from harness.cli.study_command import run_with_progress, shown
 from harness.core.provenance import provenance
 from harness.core.report_model import Prose
 from harness.core.simulation import Outcome

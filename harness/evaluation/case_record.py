@@ -24,7 +24,7 @@ from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import SMALLEST_SHARE, Adaptive
 from harness.evaluation.evaluate import evaluate_case, failed_evaluation
-from harness.evaluation.timed_tasks import Record
+from harness.evaluation.evaluation import Record
 from harness.execution.worker import LostTaskError
 from harness.metrics.motion import shares
 from harness.metrics.quantities import QUANTITIES, finite

@@ -1,6 +1,7 @@
 """A simulation with what was measured of it."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from harness.core.bounce import Bounce
 from harness.core.simulation import Simulation
@@ -9,6 +10,9 @@ from harness.engines.reference.assumption_checks import Divergence
 from harness.metrics.contact import ContactQuality
 from harness.metrics.error import Errors
 from harness.metrics.motion import Motion
+
+Record = dict[str, Any]
+"""What is measured of a case as numbers by name, such as its times: what JSON can hold."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

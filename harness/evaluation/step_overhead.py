@@ -14,7 +14,7 @@ from harness.core.errors import BrokenEngineError
 from harness.engines.base import World, features_of
 from harness.engines.registry import engine, is_ours
 from harness.engines.stepping.schedule import Fixed
-from harness.evaluation.timed_tasks import Record
+from harness.evaluation.evaluation import Record
 from harness.evaluation.timing import FEWEST
 from models.scene import Scene
 from models.state import Pose, Twist

@@ -22,7 +22,7 @@ from harness.core.errors import BrokenEngineError
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine, is_ours
 from harness.engines.stepping.horizon import natural_time
-from harness.evaluation.timed_tasks import Record
+from harness.evaluation.evaluation import Record
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.worker import LostTaskError

@@ -18,7 +18,7 @@ from harness.core.report_model import Artefact
 from harness.core.simulation import Simulation
 from harness.evaluation.case_cache import case_key, case_metadata, evaluation_cache
 from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
-from harness.evaluation.evaluation import Evaluation
+from harness.evaluation.evaluation import Evaluation, Record
 from harness.evaluation.timing import single_thread_executor, time_alone, untimed
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import SerialExecutor
@@ -27,9 +27,6 @@ from harness.execution.worker import LostTaskError
 
 Task = TypeVar("Task", bound=Hashable)
 Result = TypeVar("Result")
-
-Record = dict[str, Any]
-"""What JSON can hold."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

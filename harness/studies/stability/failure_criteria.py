@@ -23,6 +23,7 @@ from enum import Enum
 import numpy as np
 
 from harness.core.bounce import Bounce
+from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.stepping.horizon import natural_time
@@ -73,7 +74,7 @@ SOUND = frozenset({StabilityStatus.ACCURATE, StabilityStatus.STABLE, StabilitySt
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sign:
+class Symptom:
     """Something that was seen in a run.
 
     Parameters
@@ -99,14 +100,19 @@ class ClassifiedRun:
     ----------
     simulation : Simulation
         Its trajectory is left out, so that thousands can be kept.
-    verdict : Verdict
-    sign : Sign
+    verdict : StabilityStatus
+    symptom : Symptom
         The number behind the verdict, and when.
     """
 
     simulation: Simulation
     verdict: StabilityStatus
-    sign: Sign
+    symptom: Symptom
+
+    @property
+    def case(self) -> Case:
+        """The case that was run."""
+        return self.simulation.case
 
     @property
     def sound(self) -> bool:
@@ -207,27 +213,27 @@ HIGH = 0.5
 """Of the largest phi: above it the exact motion is plainly not flat."""
 
 
-def spendable(trajectory: Trajectory, scene: Scene) -> float:
+def available_energy(trajectory: Trajectory, scene: Scene) -> float:
     """Return the energy over that of the can at rest, flat or on its side, at release, J."""
     can = scene.can
     lowest = can.half_height if scene.release.phi < can.balancing_angle else can.radius
     return float(energy(trajectory, scene)[0]) - can.mass * scene.gravity * lowest
 
 
-def diverged(e: Evaluation) -> Sign | None:
+def diverged(e: Evaluation) -> Symptom | None:
     """Return when the numbers broke: the record of such a run ends there."""
     if e.simulation.outcome is not Outcome.DIVERGED:
         return None
     trajectory = e.simulation.trajectory
     if trajectory is None:
-        return Sign(time=0.0, number=math.nan, words="no numbers in the first step")
+        return Symptom(time=0.0, number=math.nan, words="no numbers in the first step")
     speed = np.linalg.norm(trajectory.velocity, axis=1)
-    return Sign(
+    return Symptom(
         time=float(trajectory.time[-1]), number=float(speed.max()), words="speed reached, m/s"
     )
 
 
-def tunnelled(e: Evaluation) -> Sign | None:
+def tunnelled(e: Evaluation) -> Symptom | None:
     """Return when the ideal rim was deeper in the plane than a tenth of the radius."""
     trajectory, scene = e.simulation.trajectory, e.simulation.case.scene
     if trajectory is None or scene.gravity == 0.0:
@@ -237,19 +243,19 @@ def tunnelled(e: Evaluation) -> Sign | None:
     return _first(trajectory.time, depth, DEEP, "depth over the radius")
 
 
-def gained(e: Evaluation) -> Sign | None:
+def gained(e: Evaluation) -> Symptom | None:
     """Return when the energy had grown by a twentieth of what the can has to spend."""
     return _first(*_spent(e, -1.0), GAIN, "energy gained over what the can has to spend")
 
 
-def dissipated(e: Evaluation, until: float) -> Sign | None:
+def dissipated(e: Evaluation, until: float) -> Symptom | None:
     """Return when a twentieth of what the can has to spend was lost, up to a time in s."""
     time, lost = _spent(e, 1.0)
     within = time <= until
     return _first(time[within], lost[within], LOSS, "energy lost over what the can has to spend")
 
 
-def stuck_flat(e: Evaluation, truth: Exact | None) -> Sign | None:
+def stuck_flat(e: Evaluation, truth: Exact | None) -> Symptom | None:
     """Return when the can lay down for good although the exact motion rises.
 
     Without an exact motion: when it lay down for longer than the natural time sqrt(R/g).
@@ -268,10 +274,10 @@ def stuck_flat(e: Evaluation, truth: Exact | None) -> Sign | None:
     else:
         flat = bool((truth.phi[truth.time >= since] > HIGH * largest).any())
     words = "largest phi since, rad"
-    return Sign(time=since, number=float(phi[first:].max()), words=words) if flat else None
+    return Symptom(time=since, number=float(phi[first:].max()), words=words) if flat else None
 
 
-def unresolved(e: Evaluation, true: Sequence[Bounce]) -> Sign | None:
+def unresolved(e: Evaluation, true: Sequence[Bounce]) -> Symptom | None:
     """Return when the contact point first went round too fast to be counted, in a true bounce."""
     if e.motion is None:
         return None
@@ -279,7 +285,7 @@ def unresolved(e: Evaluation, true: Sequence[Bounce]) -> Sign | None:
         if not bounce.resolved:
             inside = (e.motion.time >= bounce.start) & (e.motion.time <= bounce.end)
             step = float(np.abs(np.diff(e.motion.angles.psi[inside])).max())
-            return Sign(time=bounce.time, number=step, words="change of psi in a step, rad")
+            return Symptom(time=bounce.time, number=step, words="change of psi in a step, rad")
     return None
 
 
@@ -292,12 +298,12 @@ def _spent(e: Evaluation, sign: float) -> tuple[Floats, Floats]:
     # lifting the can out of the plane costs what its depth is worth, and is no gain
     lift = scene.can.mass * scene.gravity * max(0.0, -scene.release.height)
     change = sign * (total[0] - total) - (lift if sign < 0.0 else 0.0)
-    return trajectory.time, change / spendable(trajectory, scene)
+    return trajectory.time, change / available_energy(trajectory, scene)
 
 
-def _first(time: Floats, values: Floats, limit: float, words: str) -> Sign | None:
+def _first(time: Floats, values: Floats, limit: float, words: str) -> Symptom | None:
     """Return when values first exceed a limit, and the most they reach."""
     beyond = np.flatnonzero(values > limit)
     if len(beyond) == 0:
         return None
-    return Sign(time=float(time[beyond[0]]), number=float(values.max()), words=words)
+    return Symptom(time=float(time[beyond[0]]), number=float(values.max()), words=words)

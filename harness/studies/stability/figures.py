@@ -38,15 +38,15 @@ def map_figures(judged: Sequence[ClassifiedRun], names: Sequence[str]) -> tuple[
     names : sequence of str
         Hard cases, in the order in which they are drawn.
     """
-    engines = dict.fromkeys(one.simulation.case.engine for one in judged)
+    engines = dict.fromkeys(one.case.engine for one in judged)
     figures = []
     for engine in engines:
         for profile in _PROFILES:
             own = [
                 one
                 for one in judged
-                if (one.simulation.case.engine, one.simulation.case.profile) == (engine, profile)
-                and one.simulation.case.scene.name in names
+                if (one.case.engine, one.case.profile) == (engine, profile)
+                and one.case.scene.name in names
                 and one.simulation.timestep is not None
             ]
             if own:
@@ -89,20 +89,16 @@ def _series(own: Sequence[ClassifiedRun], names: Sequence[str]) -> Iterator[Seri
     """Yield the points of each verdict."""
     places = {name: place for place, name in enumerate(names)}
     for verdict, kind in _KINDS.items():
-        points = [
-            one
-            for one in own
-            if one.verdict is verdict and one.simulation.case.scene.name in places
-        ]
+        points = [one for one in own if one.verdict is verdict and one.case.scene.name in places]
         yield Series(
             label=verdict.value,
             kind=kind,
             mark="points",
-            x=np.array([float(places[one.simulation.case.scene.name]) for one in points]),
+            x=np.array([float(places[one.case.scene.name]) for one in points]),
             y=np.array([one.simulation.timestep or np.nan for one in points]),
             hover=tuple(
-                f"{one.simulation.case.scene.name}: {one.sign.words} {one.sign.number:.3g} "
-                f"at {one.sign.time:.3g} s"
+                f"{one.case.scene.name}: {one.symptom.words} {one.symptom.number:.3g} "
+                f"at {one.symptom.time:.3g} s"
                 for one in points
             ),
         )

@@ -133,7 +133,7 @@ def by_scene(judged: Sequence[ClassifiedRun]) -> Known:
     """Return verdicts as a search looks for them."""
     found: dict[tuple[Scene, str], list[ClassifiedRun]] = {}
     for one in judged:
-        case = one.simulation.case
+        case = one.case
         if case.profile == PROFILE:
             found.setdefault((case.scene, case.engine), []).append(one)
     return found
@@ -190,7 +190,7 @@ def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Timestep
 def _tried(known: Known, scene: Scene, engine: str, standard: str) -> dict[float, bool]:
     """Return which timesteps of a release were tried, s, and whether each was usable."""
     return {
-        one.simulation.case.timestep: getattr(one, standard)
+        one.case.timestep: getattr(one, standard)
         for one in known.get((scene, engine), ())
-        if one.simulation.case.timestep is not None
+        if one.case.timestep is not None
     }

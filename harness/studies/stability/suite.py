@@ -42,6 +42,7 @@ class Suite:
 
     Parameters
     ----------
+    name : str
     scenes : tuple of str
         Names of hard cases.
     timesteps : tuple of float
@@ -57,6 +58,7 @@ class Suite:
         On which the reference is tried.
     """
 
+    name: str
     scenes: tuple[str, ...]
     timesteps: tuple[float, ...]
     most_steps: int
@@ -67,6 +69,7 @@ class Suite:
 
 SUITES = {
     "quick": Suite(
+        name="quick",
         scenes=_QUICK,
         timesteps=(2e-2, 5e-3, 1e-3, 2e-4, 5e-5),
         most_steps=10_000,
@@ -75,6 +78,7 @@ SUITES = {
         random_scenes=200,
     ),
     "full": Suite(
+        name="full",
         scenes=hard_names(),
         timesteps=(
             *(2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5),

@@ -16,7 +16,7 @@ from harness.engines.reference.truth import Truth, apart, beside, cancelled, sol
 from harness.engines.stepping.horizon import natural_time
 from harness.metrics.energy import energy
 from harness.metrics.error import rotation_between
-from harness.studies.stability.failure_criteria import spendable
+from harness.studies.stability.failure_criteria import available_energy
 from models.effects import IDEAL
 from models.scene import Scene
 
@@ -216,5 +216,5 @@ def _energy_error(scene: Scene, truth: Truth) -> float:
     change = np.abs(whole - whole[0]).max()
     # heights are known to an ulp of the can's size
     size = scene.can.mass * scene.gravity * scene.can.bounding_radius
-    error = float(change) / max(spendable(record, scene), size)
+    error = float(change) / max(available_energy(record, scene), size)
     return error if math.isfinite(error) else math.inf

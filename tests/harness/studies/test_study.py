@@ -126,6 +126,29 @@ def test_long_jobs_begin_first_and_results_keep_the_order_asked() -> None:
     assert seen[-1].remaining_s == 0.0
 
 
+def test_an_interrupted_study_goes_on_where_it_was(
+    tmp_path: Path,
+) -> None:
+    store = CacheFolder(folder=tmp_path)
+    jobs = [Job(SQUARE, float(number)) for number in range(4)]
+
+    def stop(progress: StudyProgress) -> None:
+        if progress.done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        run_study(Once(jobs), cache=store, on_progress=stop)
+    assert stopped.value.__notes__ == [f"2 of 4 are done and kept in '{store.folder}'."]
+    first = list(RAN)
+    RAN.clear()
+    seen: list[StudyProgress] = []
+    found = run_study(Once(jobs), cache=store, on_progress=seen.append).of(SQUARE)
+    assert found == {0.0: 0.0, 1.0: 1.0, 2.0: 4.0, 3.0: 9.0}
+    assert sorted(first + RAN) == [0.0, 1.0, 2.0, 3.0]
+    assert {(p.kept, p.total) for p in seen} == {(2, 4)}
+    assert seen[-1].done == 4
+
+
 def test_a_job_alone_runs_on_the_timer() -> None:
     alone: Work[float, float] = Work(
         name="alone", call=squared, lost=lost, label=str, cache=cache, alone=True

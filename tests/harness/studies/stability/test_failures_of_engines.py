@@ -43,11 +43,11 @@ def test_a_failure_is_recognised(  # noqa: PLR0917 - a parameter a column
     least: float,
 ) -> None:
     found = run(scene, engine, profile, timestep)
-    assert found.verdict is verdict, found.sign
-    assert found.sign.number >= least
+    assert found.verdict is verdict, found.symptom
+    assert found.symptom.number >= least
     seconds = load(scene).horizon.seconds
     assert seconds is not None
-    assert 0.0 <= found.sign.time <= seconds
+    assert 0.0 <= found.symptom.time <= seconds
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
@@ -61,10 +61,10 @@ def test_a_run_ends_when_its_numbers_break(engine: str) -> None:
     limit = 24.0  # m/s: a thousand times the energy of this can at its release, and a little less
     assert speed[-1] > limit
     assert (speed[:-1] < 1.1 * limit).all()
-    assert (found.sign.time, found.sign.number) == (path.time[-1], speed[-1])
+    assert (found.symptom.time, found.symptom.number) == (path.time[-1], speed[-1])
     # the can is shot up within a millisecond, and nothing is stepped after the chunk that shows it
-    assert found.sign.time < 1e-3
-    assert e.simulation.steps == round(found.sign.time / 5e-6) + 1
+    assert found.symptom.time < 1e-3
+    assert e.simulation.steps == round(found.symptom.time / 5e-6) + 1
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_friction_that_is_hard_to_probe_is_not_mistaken_for_another(
     scene: str, engine: str, profile: str, timestep: float | None
 ) -> None:
     found = run(scene, engine, profile, timestep)
-    assert found.verdict is not StabilityStatus.REFUSED, found.sign
+    assert found.verdict is not StabilityStatus.REFUSED, found.symptom
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
@@ -94,4 +94,4 @@ def test_a_failure_does_not_poison_the_next_case() -> None:
     before = run("tall-can", "pybullet", "matched", 2e-3)
     run("start-in-penetration", "pybullet", "matched", 2e-6)
     after = run("tall-can", "pybullet", "matched", 2e-3)
-    assert (after.verdict, after.sign) == (before.verdict, before.sign)
+    assert (after.verdict, after.symptom) == (before.verdict, before.symptom)

@@ -8,7 +8,7 @@ from harness.core.case import Case
 from harness.evaluation.evaluate import evaluate
 from harness.execution.cache import CacheFolder
 from harness.studies.stability.classify import classify
-from harness.studies.stability.keeping import classified_cache, reference_check_cache
+from harness.studies.stability.study import classified_cache, reference_check_cache
 from harness.studies.stability.suite import random_scenes
 from harness.studies.stability.survey import examine
 from models import Scene
@@ -17,13 +17,13 @@ from models import Scene
 def test_a_verdict_comes_back(gentle: Scene, tmp_path: Path) -> None:
     case = Case(scene=gentle, engine="mujoco", timestep=1e-3)
     made = classify(evaluate(case))
-    odd = replace(made, sign=replace(made.sign, number=math.inf))
+    odd = replace(made, symptom=replace(made.symptom, number=math.inf))
     shelf = classified_cache(CacheFolder(folder=tmp_path / "store"))
     shelf.put(case, odd)
     kept = shelf.get(case)
     assert kept is not None
-    assert (kept.verdict, kept.sign) == (odd.verdict, odd.sign)
-    assert type(kept.sign.time) is type(odd.sign.time)
+    assert (kept.verdict, kept.symptom) == (odd.verdict, odd.symptom)
+    assert type(kept.symptom.time) is type(odd.symptom.time)
     for field in fields(kept.simulation):
         assert getattr(kept.simulation, field.name) == getattr(odd.simulation, field.name)
     assert shelf.get(replace(case, timestep=2e-3)) is None

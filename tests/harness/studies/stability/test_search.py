@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.studies.shared.perturbation import SIZE, member
-from harness.studies.stability.failure_criteria import ClassifiedRun, Sign, StabilityStatus
+from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus, Symptom
 from harness.studies.stability.limits import bracket, by_scene, limits, next_round, next_timestep
 from harness.studies.stability.suite import SUITES, Suite, ladder, scenes, stability_cases
 from models import hard_names, load
@@ -111,7 +111,7 @@ def judged(case: Case) -> ClassifiedRun:
     # at 5 % below its limit a symplectic step swings three times as far as it should
     verdict = StabilityStatus.DIVERGES if most > 100.0 else StabilityStatus.ACCURATE
     return ClassifiedRun(
-        simulation=simulation, verdict=verdict, sign=Sign(time=0.0, number=most, words="")
+        simulation=simulation, verdict=verdict, symptom=Symptom(time=0.0, number=most, words="")
     )
 
 

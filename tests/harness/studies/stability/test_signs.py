@@ -54,7 +54,7 @@ def verdict(change: Change, scene: Scene | None = None) -> tuple[StabilityStatus
     scene = scene_of() if scene is None else scene
     found = classify(evaluated(scene, changed(exact_trajectory(scene), change)))
     assert found.simulation.trajectory is None
-    return found.verdict, found.sign.time, found.sign.number
+    return found.verdict, found.symptom.time, found.symptom.number
 
 
 def test_the_exact_motion_is_accurate() -> None:
@@ -115,7 +115,7 @@ def test_steps_too_long_to_count_the_turns_are_unresolved() -> None:
     sparse = np.unique(np.searchsorted(whole.time, np.arange(0.0, whole.time[-1], 1e-3)))
     found = classify(evaluated(scene, take(whole, sparse)))
     assert found.verdict is StabilityStatus.UNRESOLVED
-    assert found.sign.time == pytest.approx(0.031, abs=1e-3)
+    assert found.symptom.time == pytest.approx(0.031, abs=1e-3)
 
 
 def test_another_motion_is_inaccurate_and_says_by_how_much() -> None:

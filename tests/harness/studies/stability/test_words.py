@@ -6,8 +6,8 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
-from harness.studies.stability.failure_criteria import ClassifiedRun, Sign, StabilityStatus
-from harness.studies.stability.report import engine_page, seen
+from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus, Symptom
+from harness.studies.stability.words import engine_page, seen
 from models import load
 
 
@@ -26,7 +26,7 @@ from models import load
     ],
 )
 def test_a_unit_stays_with_its_number(words: str, number: float, said: str) -> None:
-    assert seen(Sign(time=0.12, number=number, words=words)) == said
+    assert seen(Symptom(time=0.12, number=number, words=words)) == said
 
 
 def judged(
@@ -52,8 +52,8 @@ def judged(
         model="mujoco",
         timestep=timestep,
     )
-    sign = Sign(time=0.12, number=0.001, words="largest phi since, rad")
-    return ClassifiedRun(simulation=simulation, verdict=verdict, sign=sign)
+    symptom = Symptom(time=0.12, number=0.001, words="largest phi since, rad")
+    return ClassifiedRun(simulation=simulation, verdict=verdict, symptom=symptom)
 
 
 def test_what_cures_a_case_is_told_with_its_largest_timestep() -> None:

@@ -1,11 +1,10 @@
-"""Keeping, resuming, and an honest account of what is left."""
+"""Times are measured alone, repeated, and within limits; what an error run leaves."""
 
 import fcntl
 import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,7 +13,6 @@ from harness.core.case import Case
 from harness.evaluation.case_record import LOST, iterations, lost_errors
 from harness.evaluation.step_overhead import case as aloft
 from harness.evaluation.step_overhead import overhead
-from harness.evaluation.timed_tasks import Spent, TaskProgress, Timed, records, run_timed_tasks
 from harness.evaluation.timing import (
     FEWEST,
     LOCK,
@@ -23,101 +21,15 @@ from harness.evaluation.timing import (
     timing_lock,
     untimed,
 )
-from harness.execution.cache import CacheFolder
-from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.limits import Limits
-from harness.execution.tasks import ResultCache
 from harness.execution.worker import Loss, LostTaskError
 from models import Scene
 
 Evaluator = Callable[..., Any]
 
 
-def cases(scene: Scene, count: int) -> list[Case]:
-    return [Case(scene=scene, engine="mujoco", timestep=1e-4 * (n + 1)) for n in range(count)]
-
-
-def size(case: Case) -> float:
-    return 1.0 / (case.timestep or 1.0)
-
-
-Kept = ResultCache[Case, Timed]
-
-
-@pytest.fixture
-def shelf(tmp_path: Path) -> Kept:
-    """Return where records are kept."""
-    return records(CacheFolder(folder=tmp_path / "store"), "toys", __name__)
-
-
-def failed(case: Case, error: LostTaskError) -> dict[str, Any]:
-    raise AssertionError(case, error)
-
-
-def test_an_interrupted_campaign_goes_on_where_it_was(gentle: Scene, shelf: Kept) -> None:
-    done: list[Case] = []
-    wanted = cases(gentle, 4)
-
-    def work(case: Case) -> dict[str, Any]:
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(case)
-        return {"timestep": case.timestep, "times": [1.0, 2.0], "pair": (1, None)}
-
-    def complete_with(work: Callable[[Case], dict[str, Any]]) -> dict[Case, dict[str, Any]]:
-        return run_timed_tasks(wanted, work, shelf, SerialExecutor(), lost=failed, expected=size)
-
-    with pytest.raises(KeyboardInterrupt) as stopped:
-        complete_with(work)
-    assert stopped.value.__notes__ == [f"2 of 4 are done and kept in '{shelf.store.folder}'."]
-    first, done = done, []
-    kept = complete_with(work)
-    assert set(first) | set(done) == set(wanted)
-    assert not set(first) & set(done)
-    nothing: list[Case] = []
-
-    def never(case: Case) -> dict[str, Any]:
-        nothing.append(case)
-        return {}
-
-    again = complete_with(never)
-    assert list(again) == wanted
-    assert again == kept
-    assert [kept[case] for case in wanted] == [
-        {"timestep": case.timestep, "times": [1.0, 2.0], "pair": (1, None)} for case in wanted
-    ]
-    assert nothing == []
-
-
-def test_what_is_left_goes_with_the_work_that_is_left(gentle: Scene) -> None:
-    left = {case: float(n + 1) for n, case in enumerate(cases(gentle, 4))}
-    spent = Spent(left, workers=2)
-    spent.add(next(iter(left)), 0.5)  # a unit took half a second: 9 units are left, two at once
-    assert spent.remaining() == pytest.approx(9 * 0.5 / 2)
-
-
-def test_progress_counts_what_was_kept_before(gentle: Scene, shelf: Kept) -> None:
-    told, kept = list[TaskProgress](), list[tuple[int, int]]()
-    wanted = cases(gentle, 3)
-    run_timed_tasks(wanted[:1], lambda _: {}, shelf, SerialExecutor(), lost=failed, expected=size)
-    run_timed_tasks(
-        wanted,
-        lambda _: {},
-        shelf,
-        SerialExecutor(),
-        lost=failed,
-        expected=size,
-        on_done=told.append,
-        on_kept=lambda *counts: kept.append(counts),
-    )
-    assert kept == [(1, 3)]
-    assert [p.done for p in told] == [2, 3]
-    assert {p.total for p in told} == {3}
-    assert told[-1].remaining_s == 0.0
-
-
 def test_a_case_that_takes_its_process_along_is_named_and_not_timed(gentle: Scene) -> None:
-    case = cases(gentle, 1)[0]
+    case = Case(scene=gentle, engine="mujoco", timestep=1e-4)
     error = LostTaskError(Loss.CRASHED, "killed: SIGSEGV, segmentation fault")
     record = lost_errors(case, error)
     assert record["outcome"] in LOST

@@ -1,24 +1,18 @@
-"""From verdicts to artefacts: words, maps, tables.
-
-What was found, in words: a summary, and one page an engine.
-"""
+"""The stability study in words: a summary, and one page an engine."""
 
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from harness.core.report_model import Artefact, Prose
+from harness.core.report_model import Prose
 from harness.studies.stability.failure_criteria import (
     MEANINGS,
     ClassifiedRun,
-    Sign,
     StabilityStatus,
+    Symptom,
 )
-from harness.studies.stability.figures import limit_figure, map_figures
 from harness.studies.stability.limits import TimestepLimit
-from harness.studies.stability.suite import Suite
 from harness.studies.stability.survey import ReferenceCheck
-from harness.studies.stability.tables import case_table, limit_table, run_table, survey_table
 
 _PROFILES = {
     "default": "As it ships",
@@ -31,7 +25,7 @@ _VERBS = {StabilityStatus.UNRESOLVED: "is unresolved", StabilityStatus.REFUSED: 
 """What an engine is said to do where the verdict is no verb."""
 
 _UNITS = {"rad", "m/s", "s"}
-"""Units in which the words of a sign may end."""
+"""Units in which the words of a symptom may end."""
 
 
 def summary(
@@ -40,7 +34,7 @@ def summary(
     random: Sequence[ReferenceCheck],
 ) -> Prose:
     """Return the summary: counts, and how the reference fared."""
-    engines = dict.fromkeys(one.simulation.case.engine for one in judged)
+    engines = dict.fromkeys(one.case.engine for one in judged)
     solved = sum(not finding.failure and not finding.refusal for finding in hard)
     refused = sum(bool(finding.refusal) for finding in hard)
     failed = [finding for finding in hard if finding.failure]
@@ -77,15 +71,11 @@ def engine_page(
     names : sequence of str
         Of the hard cases.
     """
-    own = [
-        one
-        for one in judged
-        if one.simulation.case.engine == engine and one.simulation.case.scene.name in names
-    ]
+    own = [one for one in judged if one.case.engine == engine and one.case.scene.name in names]
     paragraphs = [
         _counted(own, profile, words)
         for profile, words in _PROFILES.items()
-        if any(one.simulation.case.profile == profile for one in own)
+        if any(one.case.profile == profile for one in own)
     ]
     paragraphs.append(_steps([limit for limit in limits if limit.engine == engine]))
     paragraphs.append(" ".join(_cures(own, names)))
@@ -96,7 +86,7 @@ def engine_page(
 
 def _counted(own: Sequence[ClassifiedRun], profile: str, words: str) -> str:
     """Return how the runs of a profile went, and an example of each failure."""
-    runs = [one for one in own if one.simulation.case.profile == profile]
+    runs = [one for one in own if one.case.profile == profile]
     counts = Counter(one.verdict for one in runs)
     told = ", ".join(
         f"{verdict.value} {counts[verdict]}" for verdict in StabilityStatus if counts[verdict]
@@ -109,21 +99,21 @@ def _counted(own: Sequence[ClassifiedRun], profile: str, words: str) -> str:
             one = min(failed, key=lambda one: one.simulation.timestep or 0.0)
             step = one.simulation.timestep or 0.0
             examples.append(
-                f"{_VERBS.get(verdict, verdict.value)} in {one.simulation.case.scene.name} down to "
-                f"a timestep of {step:.2g} s ({seen(one.sign)})"
+                f"{_VERBS.get(verdict, verdict.value)} in {one.case.scene.name} down to "
+                f"a timestep of {step:.2g} s ({seen(one.symptom)})"
             )
     tail = f" It {'; it '.join(examples)}." if examples else ""
     return f"{words}, {len(runs)} runs: {told}.{tail}"
 
 
-def seen(sign: Sign) -> str:
-    """Return a sign as a person says it: what was seen, how much of it, and when."""
-    if math.isnan(sign.number):
-        return sign.words
-    words, _, unit = sign.words.rpartition(", ")
-    much = f"{sign.number:.2g}"
-    told = f"{words} {much} {unit}" if words and unit in _UNITS else f"{sign.words} {much}"
-    return f"{told}, at {sign.time:.2g} s"
+def seen(symptom: Symptom) -> str:
+    """Return a symptom as a person says it: what was seen, how much of it, and when."""
+    if math.isnan(symptom.number):
+        return symptom.words
+    words, _, unit = symptom.words.rpartition(", ")
+    much = f"{symptom.number:.2g}"
+    told = f"{words} {much} {unit}" if words and unit in _UNITS else f"{symptom.words} {much}"
+    return f"{told}, at {symptom.time:.2g} s"
 
 
 def _steps(limits: Sequence[TimestepLimit]) -> str:
@@ -146,7 +136,7 @@ def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
     """Return for each case that fails as shipped what cures it, if anything does."""
     cured: dict[str, list[str]] = {}
     for name in names:
-        runs = [one for one in own if one.simulation.case.scene.name == name]
+        runs = [one for one in own if one.case.scene.name == name]
         shipped = next((one for one in runs if _as_shipped(one)), None)
         if shipped is None or shipped.good:
             continue
@@ -155,7 +145,7 @@ def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
 
 
 def _as_shipped(one: ClassifiedRun) -> bool:
-    case = one.simulation.case
+    case = one.case
     return case.profile == "default" and case.timestep is None
 
 
@@ -166,7 +156,7 @@ def _cure(runs: Sequence[ClassifiedRun], shipped: ClassifiedRun) -> str:
             (
                 one.simulation.timestep or 0.0
                 for one in runs
-                if one.simulation.case.profile == profile and one.good
+                if one.case.profile == profile and one.good
             ),
             default=0.0,
         )
@@ -180,40 +170,3 @@ def _cure(runs: Sequence[ClassifiedRun], shipped: ClassifiedRun) -> str:
     if best["adaptive"]:
         return "Cured by profile adaptive"
     return "Cured by nothing that was tried"
-
-
-def stability_report(
-    suite: Suite,
-    judged: Sequence[ClassifiedRun],
-    limits: Sequence[TimestepLimit],
-    hard: Sequence[ReferenceCheck],
-    random: Sequence[ReferenceCheck],
-) -> tuple[Artefact, ...]:
-    """Return the artefacts of the study.
-
-    Parameters
-    ----------
-    suite : Suite
-    judged : sequence of Judged
-        Every run: of the map and of the searches.
-    limits : sequence of Limit
-    hard, random : sequence of Finding
-        Of the reference on the hard cases and on random scenes.
-    """
-    names = suite.scenes
-    engines = dict.fromkeys(one.simulation.case.engine for one in judged)
-    on_grid = [
-        one
-        for one in judged
-        if one.simulation.case.timestep is None or one.simulation.case.timestep in suite.timesteps
-    ]
-    return (
-        summary(judged, hard, random),
-        *(engine_page(engine, on_grid, limits, names) for engine in engines),
-        *map_figures(on_grid, names),
-        limit_figure(limits, names),
-        limit_table(limits),
-        case_table(hard),
-        survey_table(random),
-        run_table(judged),
-    )

@@ -1,0 +1,137 @@
+"""What the commands of studies share: options, running with progress, the report, the answer."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from harness.cli import terminal
+from harness.cli.json_output import to_json
+from harness.cli.run_options import RunOptions
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact, Prose, Table
+from harness.evaluation.timing import single_thread_executor
+from harness.report.atomic_folder import check_writable
+from harness.report.write import write_report
+from harness.studies.study import Results, Study, StudyProgress, run_study
+
+SceneName = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
+]
+EngineName = Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")]
+EngineNames = Annotated[
+    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
+]
+ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+Shown = Mapping[str, Sequence[str]]
+"""Artefacts that the terminal shows, by the end of their names; of tables the columns, () all."""
+
+
+def run_with_progress(study: Study, running: RunOptions) -> Results:
+    """Run a study beside a progress bar, where and within what limits the options say."""
+    bar = terminal.progress_bar()
+    task = bar.add_task("starting the engines", total=None)
+
+    def show(progress: StudyProgress) -> None:
+        bar.start()  # not before: wrong use is told without a bar
+        if not progress.label:
+            running.kept(progress.kept, progress.total)
+        bar.update(
+            task,
+            completed=progress.done,
+            total=progress.total,
+            description=f"{progress.work}: {progress.label[:60]}",
+        )
+
+    try:
+        with running.executor() as executor:
+            return run_study(
+                study,
+                executor=executor,
+                cache=running.store,
+                on_progress=show,
+                timer=lambda: single_thread_executor(running.limits),
+            )
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+
+
+def run_command(
+    study: Study,
+    running: RunOptions,
+    *,
+    out: Path | None,
+    json: bool,
+    answer: Callable[[Results], Mapping[str, Any]],
+    show: Callable[[Results, Sequence[Artefact]], None],
+) -> Results:
+    """Run a study, write its report, and print what it says, or one JSON object.
+
+    Parameters
+    ----------
+    study : Study
+    running : RunOptions
+    out : Path, optional
+        Folder of the report; none is written if left out.
+    json : bool
+    answer : callable
+        Returns what `--json` prints.
+    show : callable
+        Prints what a person reads.
+    """
+    if out is not None:
+        check_writable(out)
+    done = run_with_progress(study, running)
+    artefacts = study.report(done)
+    page = out and write_report(
+        _with_summary(artefacts),
+        out,
+        title=f"rockingcan, {study.name}",
+        cases=done.manifest(),
+        provenance=provenance(),
+    )
+    if json:
+        typer.echo(to_json(answer(done)))
+        return done
+    show(done, artefacts)
+    if page is not None:
+        terminal.stdout_console().print(f"\nThe report: {page}")
+    return done
+
+
+def _with_summary(artefacts: Sequence[Artefact]) -> list[Artefact]:
+    """Return artefacts of which some words open the page, whatever the study calls them."""
+    if any(a.name == "summary" for a in artefacts):
+        return list(artefacts)
+    return [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts]
+
+
+def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
+    """Return what prints some artefacts of a report: columns of tables, and words."""
+
+    def show(_: Results, artefacts: Sequence[Artefact]) -> None:
+        console = terminal.stdout_console()
+        for artefact in artefacts:
+            ending = next((end for end in names if artefact.name.endswith(end)), None)
+            if ending is not None and isinstance(artefact, Table):
+                columns = names[ending] or artefact.shown or tuple(artefact.columns)
+                console.print(terminal.table_artefact(artefact, columns))
+            elif ending is not None and isinstance(artefact, Prose):
+                console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")
+
+    return show
+
+
+def tables_answer(artefacts: Sequence[Artefact]) -> dict[str, Any]:
+    """Return the tables of a report as `--json` prints them: rows by the name of the table."""
+    return {
+        a.name: a.frame.astype(object).where(a.frame.notna(), None).to_dict("records")
+        for a in artefacts
+        if isinstance(a, Table)
+    }
