@@ -167,8 +167,9 @@ class Column:
         Words joined by underscores, the unit last: "angle_of_turn_deg".
     meaning : str
         One sentence for the dictionary of columns.
-    value : callable, optional
-        From the record of a row to its cell; if left out, the record's attribute or key `name`.
+    value : str or callable, optional
+        From the record of a row to its cell: a function, or the path to an attribute, such as
+        "limit.value", which is None where a part of it is None; the path `name` if left out.
     shown : bool
         Whether the page and the terminal show it; files have every column.
     verdict, case : str
@@ -178,18 +179,21 @@ class Column:
 
     name: str
     meaning: str
-    value: Callable[[Any], object] | None = None
+    value: str | Callable[[Any], object] | None = None
     shown: bool = True
     verdict: str = ""
     case: str = ""
 
     def cell(self, record: object) -> object:
         """Return the cell of a record; None if a mapping has no such key."""
-        if self.value is not None:
+        if callable(self.value):
             return self.value(record)
-        if isinstance(record, Mapping):
-            return record.get(self.name)
-        return getattr(record, self.name)
+        value: object = record
+        for part in (self.value or self.name).split("."):
+            value = value.get(part) if isinstance(value, Mapping) else getattr(value, part)
+            if value is None:
+                return None
+        return value
 
 
 def table_of(

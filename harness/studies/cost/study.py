@@ -10,6 +10,7 @@ from harness.engines.base import features_of
 from harness.engines.registry import engine, export_settings
 from harness.evaluation.case_record import LOST, lost_errors, measured
 from harness.evaluation.evaluate import check_case
+from harness.evaluation.evaluation import Record
 from harness.evaluation.step_overhead import case as overhead_case
 from harness.evaluation.step_overhead import overhead
 from harness.evaluation.timing import untimed
@@ -17,7 +18,7 @@ from harness.studies.cost.design import CostPlan, expected
 from harness.studies.cost.prices import CHOICES, Cost, cost, hard_command
 from harness.studies.cost.report import cost_report
 from harness.studies.cost.tables import price_rows
-from harness.studies.study import TIMING, Job, Record, Results, Work, record_cache
+from harness.studies.study import TIMING, Job, Results, Work, record_cache
 
 
 def _manifest(case: Case, record: Record) -> Record:

@@ -2,14 +2,14 @@
 
 import math
 import statistics
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import pareto_front
 from harness.metrics.quantities import finite
-from harness.studies.cost.plateaus import Fall, falls
+from harness.studies.cost.plateaus import falls
 from harness.studies.cost.points import Point
 from harness.studies.cost.prices import CHOICES, TARGETS, Cost, Offer, exponents, hard_rows, tied
 from harness.studies.shared.run_columns import COMMAND, ENGINE, OUTCOME, without
@@ -196,37 +196,22 @@ def _point(p: Point) -> dict[str, object]:
     }
 
 
-def _order(name: str) -> Callable[[Fall], object]:
-    """Return what reads a field of the order of a ladder, which may have none."""
-    return lambda fall: fall.order and getattr(fall.order, name)
-
-
 _FALLS = (
-    Column("engine", ENGINE.meaning, lambda f: f.family.engine),
-    Column("settings", _SETTINGS.meaning, lambda f: f.family.name),
+    Column("engine", ENGINE.meaning, "family.engine"),
+    Column("settings", _SETTINGS.meaning, "family.name"),
     Column("quantity", "Which error."),
-    Column(
-        "order", "Slope of log error, above the plateau, against log timestep.", _order("order")
-    ),
-    Column("confidence", "Half-width of its 95 % interval.", _order("confidence")),
-    Column("coarsest_s", "Coarsest timestep of the asymptotic range.", _order("coarsest")),
-    Column("finest_s", "Finest timestep of it.", _order("finest")),
-    Column("rungs", "Timesteps in it.", _order("points")),
+    Column("order", "Slope of log error above the plateau against log timestep.", "order.order"),
+    Column("confidence", "Half-width of its 95 % interval.", "order.confidence"),
+    Column("coarsest_s", "Coarsest timestep of the asymptotic range.", "order.coarsest"),
+    Column("finest_s", "Finest timestep of it.", "order.finest"),
+    Column("rungs", "Timesteps in it.", "order.points"),
     Column(
         "plateau",
         "Error that is left as the timestep goes to zero, in the unit of the quantity.",
-        lambda f: f.plateau and abs(f.plateau.level),
+        lambda fall: fall.plateau and abs(fall.plateau.level),
     ),
-    Column(
-        "plateau_below_s",
-        "Timestep below which it outweighs what goes with the timestep.",
-        lambda f: f.plateau and f.plateau.timestep,
-    ),
-    Column(
-        "erratic",
-        "Whether the ladder is flat without following a power of the timestep.",
-        lambda f: f.plateau and f.plateau.erratic,
-    ),
+    Column("plateau_below_s", "Timestep below which it outweighs the rest.", "plateau.timestep"),
+    Column("erratic", "Whether the ladder is flat, but follows no power.", "plateau.erratic"),
     Column("cause", "What the plateau comes from."),
 )
 

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from harness.core.case import Case
 from harness.metrics.quantities import Number
 from harness.studies.errors.extrapolation import ExtrapolatedLimit
 
@@ -32,6 +33,10 @@ class Split:
 
     Parameters
     ----------
+    case : Case
+        At h, the solver as it is set.
+    way, quantity : str
+        How the timestep is shrunk, and which number.
     true, value, converged : float or None
         T, Q(h) and Q*(h).
     limit : ExtrapolatedLimit or None
@@ -41,6 +46,9 @@ class Split:
         perturbed releases spread.
     """
 
+    case: Case
+    way: str
+    quantity: str
     true: Number
     value: Number
     converged: Number

@@ -1,11 +1,11 @@
 """The study of three errors: model form, discretisation and solver, told apart and never mixed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Prose, Table, table_of
+from harness.core.report_model import Artefact, Column, Prose, Table, rows_of, table_of
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES, Number, Quantity
 from harness.studies.errors.extrapolation import limit
@@ -91,49 +91,23 @@ class ThreeErrors:
                 scene=plan.scene.name,
             ),
             *(figure for figure in figures if figure is not None),
-            self._table("split", "Three errors, never mixed", _SPLIT, self.split_rows()),
+            self._table("split", "Three errors, never mixed", _SPLIT, self.splits.values()),
             self._table("ladder", "Every rung of the ladders", _LADDER, self._ladder_rows()),
             self._table("efforts", "The solver at several efforts", _EFFORTS, self._effort_rows()),
             self._table("spreads", "What is not decidable", _ENSEMBLE, self._ensemble_rows()),
         )
 
     def _table(
-        self, name: str, title: str, columns: tuple[Column, ...], rows: list[dict[str, Any]]
+        self, name: str, title: str, columns: tuple[Column, ...], records: Iterable[object]
     ) -> Table:
         plan = self.plan
-        head = {"scene": plan.scene.name, "engine": plan.engine, "profile": plan.profile}
         return table_of(
             f"{plan.scene.name}-{plan.engine}-{plan.profile}-{name}",
             f"{title}: {plan.engine}, {plan.profile}",
-            without(columns, *head),
-            [row | head for row in rows],
+            without(columns, "scene", "engine", "profile"),
+            records,
             scene=plan.scene.name,
         )
-
-    def split_rows(self) -> list[dict[str, Any]]:
-        """Return the three errors, a row a way and quantity."""
-        return [
-            {
-                "way": way.name,
-                "quantity": quantity.key,
-                "timestep_s": self.plan.probe,
-                "true": found.true,
-                "value": found.value,
-                "limit": found.limit_value,
-                "limit_uncertainty": found.limit and found.limit.uncertainty,
-                "model_form": found.model_form,
-                "discretisation": found.discretisation,
-                "solver": found.solver,
-                "total": found.total,
-                "observed_order": found.limit and found.limit.order,
-                "order_spread": found.limit and found.limit.spread,
-                "not_decidable_within": found.band,
-                "verdict": found.verdict.value,
-                "command": self.plan.tried(way, None).command(),
-            }
-            for way, quantity in self._ways_and_quantities()
-            for found in (self.splits[way.name, quantity.key],)
-        ]
 
     def _ways_and_quantities(self) -> list[tuple[Way, Quantity]]:
         return [(way, quantity) for way in self.plan.ways for quantity in quantities(self.plan)]
@@ -170,10 +144,14 @@ class ThreeErrors:
 
     def _ensemble_rows(self) -> list[dict[str, Any]]:
         """Return how far perturbed releases spread."""
+        plan = self.plan
         return [
             {
+                "scene": plan.scene.name,
+                "engine": plan.engine,
+                "profile": plan.profile,
                 "quantity": key,
-                "timestep_s": self.plan.probe,
+                "timestep_s": plan.probe,
                 "relative_size": size,
                 "spread_of_engine": found.of_engine,
                 "spread_of_truth": found.of_truth,
@@ -184,32 +162,36 @@ class ThreeErrors:
         ]
 
 
-_HEAD = (SCENE, ENGINE, Column("profile", "Where the settings start from."))
+_PROFILE = Column("profile", "Where the settings start from.")
+_HEAD = (SCENE, ENGINE, _PROFILE)
 _WAY = Column("way", "How the timestep is shrunk.")
 _QUANTITY = Column("quantity", "Which number; the unit is its suffix.")
 
 _SPLIT = (
-    *_HEAD,
+    Column("scene", SCENE.meaning, "case.scene.name"),
+    Column("engine", ENGINE.meaning, "case.engine"),
+    Column("profile", _PROFILE.meaning, "case.profile"),
     _WAY,
     _QUANTITY,
-    Column("timestep_s", "Timestep at which the error is split, s."),
+    Column("timestep_s", "Timestep at which the error is split, s.", "case.timestep"),
     Column("true", "Of the exact motion."),
     Column("value", "Of the engine at this timestep, solver as set."),
-    Column("limit", "Of the engine for a timestep of zero, solver converged, extrapolated."),
-    Column("limit_uncertainty", "Half-width of the interval about the limit."),
+    Column("limit", "Of the engine for a timestep of zero, solver converged.", "limit.value"),
+    Column("limit_uncertainty", "Half-width of the interval about it.", "limit.uncertainty"),
     Column("model_form", "Limit less true: what no timestep and no solver takes away."),
     Column("discretisation", "Value with the solver converged less limit."),
     Column("solver", "Value less value with the solver converged."),
     Column("total", "Value less true: the sum of the three."),
-    Column("observed_order", "Order at which the limit is approached."),
-    Column("order_spread", "Half the range of the last observed orders."),
-    Column("not_decidable_within", "Spread of releases that differ by 1e-6, of engine or truth."),
+    Column("observed_order", "Order at which the limit is approached.", "limit.order"),
+    Column("order_spread", "Half the range of the last observed orders.", "limit.spread"),
+    Column("not_decidable_within", "Spread of releases that differ by 1e-6.", "band"),
     Column(
         "verdict",
         "undecidable: the total is within that band; no model error seen: model form is within "
         "band and uncertainty; model error: it stands out.",
+        "verdict.value",
     ),
-    COMMAND,
+    Column("command", COMMAND.meaning, lambda split: split.case.command()),
 )
 
 _LADDER = (
@@ -242,8 +224,8 @@ _ENSEMBLE = (
     *_HEAD,
     _QUANTITY,
     TIMESTEP,
-    Column("relative_size", "Of the perturbations of phi, psi' and theta' at the release."),
-    Column("spread_of_engine", "Largest departure from the value at the exact release."),
+    Column("relative_size", "Of the perturbations of phi, psi' and theta' at release."),
+    Column("spread_of_engine", "Largest departure from that of the exact release."),
     Column("spread_of_truth", "The same of the exact motion."),
     Column("spread_of_error", "The same of engine minus truth."),
     Column("members", "Perturbed releases that it rests on."),
@@ -332,6 +314,9 @@ class ErrorsStudy:
                 # releases that differ by no more than a few roundings show what of it is noise
                 noise = spreads[q.key, SIZES[0]].of_error or 0.0
                 splits[way.name, q.key] = Split(
+                    case=plan.tried(way, None),
+                    way=way.name,
+                    quantity=q.key,
                     true=true,
                     value=value,
                     converged=q.of_run(runs[plan.on_ladder(way, plan.probe)]),
@@ -348,7 +333,7 @@ class ErrorsStudy:
     def answer(self, done: Results) -> dict[str, Any]:
         """Return the three errors as `--json` prints them."""
         found = self.findings(done)
-        left_out = ("timestep_s", "order_spread", "command")
+        left_out = ("scene", "engine", "profile", "timestep_s", "order_spread", "command")
         return {
             "scene": self.plan.scene.name,
             "engine": self.plan.engine,
@@ -357,7 +342,7 @@ class ErrorsStudy:
             "ladder_s": list(self.plan.timesteps),
             "errors": [
                 {key: value for key, value in row.items() if key not in left_out}
-                for row in found.split_rows()
+                for row in rows_of(_SPLIT, found.splits.values())
             ],
             "sentences": list(found.sentences),
         }

@@ -4,11 +4,14 @@ import math
 
 import pytest
 
+from harness.core.case import Case
 from harness.studies.errors.extrapolation import limit
 from harness.studies.errors.split import ErrorStatus, Split
+from models import load
 
 RATE, END = 1.0, 1.0
 TRUE = math.exp(-RATE * END)
+CASE = Case(scene=load("gentle-rock"), engine="mujoco")
 STEPS = tuple(0.05 / 2.0**k for k in range(5))
 
 
@@ -33,6 +36,9 @@ def midpoint_decay(step: float, rate: float) -> float:
 def split_of(rate: float, iterations: int | None, band: float | None = None) -> Split:
     probe = STEPS[2]
     return Split(
+        case=CASE,
+        way="tied",
+        quantity="turn_deg",
         true=TRUE,
         value=implicit_decay(probe, rate, iterations),
         converged=implicit_decay(probe, rate, None),
@@ -83,13 +89,31 @@ def test_verdicts() -> None:
     assert split_of(1.0, None).verdict is ErrorStatus.NO_MODEL_ERROR
     assert split_of(0.7, None).verdict is ErrorStatus.MODEL_ERROR
     assert split_of(0.7, None, band=1.0).verdict is ErrorStatus.UNDECIDABLE
-    lost = Split(true=TRUE, value=None, converged=None, limit=None, band=None)
+    lost = Split(
+        case=CASE,
+        way="tied",
+        quantity="turn_deg",
+        true=TRUE,
+        value=None,
+        converged=None,
+        limit=None,
+        band=None,
+    )
     assert lost.verdict is ErrorStatus.UNKNOWN
     assert lost.total is None
 
 
 def test_without_a_converged_solve_the_solver_s_share_is_not_known() -> None:
-    found = Split(true=1.0, value=1.5, converged=None, limit=limit(STEPS, [1.0] * 5), band=0.0)
+    found = Split(
+        case=CASE,
+        way="tied",
+        quantity="turn_deg",
+        true=1.0,
+        value=1.5,
+        converged=None,
+        limit=limit(STEPS, [1.0] * 5),
+        band=0.0,
+    )
     assert found.solver is None
     assert found.discretisation is None
     assert found.total == 0.5
