@@ -82,6 +82,7 @@ def runge_kutta(x: float, v: float, h: float) -> tuple[float, float]:
 
 TOYS = {"symplectic": (symplectic, 2.0 / OMEGA), "rk4": (runge_kutta, 8**0.5 / OMEGA)}
 SUITE = Suite(
+    name="toy",
     scenes=("free-axial", "free-transverse"),
     timesteps=(1e-1, 2e-2, 5e-3, 1e-3),
     most_steps=10_000,
