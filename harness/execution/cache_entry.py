@@ -32,7 +32,7 @@ _TUPLE, _FLOAT, _ARRAY, _CLASS, _SAME, _ENUM = (
     *("(same)", "(enum)"),
 )
 
-_PROGRAM = ("harness.", "models.", "reference.", "tests.")
+_PROGRAM = ("harness.", "models.", "reference.")
 """Modules whose classes an entry may name: nothing else is imported for what a file says."""
 
 _CODEC = "zstd"

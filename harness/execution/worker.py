@@ -1,6 +1,8 @@
-"""A worker as its owner sees it: started once, given one task at a time, watched.
+"""A worker as its owner sees it: started once, given one task at a time, watched, ended.
 
-What is said of a task whose process did not come back.
+What a worker started is weighed with it and ended with it. A worker leads a process group of its
+own, which its children are in unless they leave it; those that left are known by their parents.
+What left the group and whose parent has ended is not known here: it outlives the worker.
 """
 
 import math
@@ -11,11 +13,13 @@ import sys
 import threading
 import time
 from concurrent.futures import BrokenExecutor
+from contextlib import suppress
 from enum import Enum
 from multiprocessing import Pipe
 
+import psutil
+
 from harness.execution.limits import Limits
-from harness.execution.process_tree import end, used
 from harness.execution.worker_main import READY
 
 
@@ -89,7 +93,7 @@ class Worker:
     """A process that does tasks one after the other.
 
     Starting it takes a second or so, which no task's time counts. What a task starts is weighed
-    with it and ended with it, as far as `family` knows of it, when this program ends the process.
+    with it and ended with it, as far as `_family` knows of it, when this program ends the process.
     When this program is killed, the system ends the process, on Linux, and not what that started.
 
     Parameters
@@ -168,7 +172,10 @@ class Worker:
             self.stop()
             reason = f"killed: it ran longer than the {limits.seconds:g} s allowed"
             return LostTaskError(Loss.HUNG, reason)
-        if not math.isinf(limits.memory) and used(self._process.pid, limits.memory) > limits.memory:
+        if (
+            not math.isinf(limits.memory)
+            and memory_used(self._process.pid, limits.memory) > limits.memory
+        ):
             self.stop()
             reason = f"killed: it used more than the {limits.memory / 2**30:.3g} GiB allowed"
             return LostTaskError(Loss.OUT_OF_MEMORY, reason)
@@ -198,10 +205,87 @@ class Worker:
         with self._ending:
             if self._process.returncode is None:
                 self._stopped = not self._has_ended()
-                end(self._process.pid)
+                end_tree(self._process.pid)
             return self._process.wait()
 
     def close(self) -> None:
         """End an idle process."""
         self.stop()
         self._mine.close()
+
+
+_FRESH = 0.5
+"""s for which a list of all processes is used again: making one takes some milliseconds."""
+
+_Relations = dict[int, tuple[int, int]]
+"""Parent and group of each process."""
+
+_lock = threading.Lock()
+_listed: tuple[float, _Relations] = (-_FRESH, {})
+
+
+def memory_used(leader: int, limit: float) -> int:
+    """Return the bytes of memory that a worker and what it started use; zero if it is not known.
+
+    What they share is counted once, which takes longer to find out: only where the simple sum of
+    what is resident exceeds the limit.
+    """
+    own = _memory(leader)
+    others = _family(leader, _FRESH) - {leader}
+    simple = own + sum(map(_memory, others))
+    if not others or simple <= limit:
+        return simple
+    return sum(_memory(process, share=True) for process in {leader} | others)
+
+
+def end_tree(leader: int) -> None:
+    """Kill a worker that was not waited for yet, so that its number is still its own; and its own.
+
+    One that has ended by itself may have left others in its group, and one that runs may have
+    left the group itself.
+    """
+    strays = _family(leader, 0.0) - {leader}
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(leader, signal.SIGKILL)
+    for process in (leader, *strays):
+        with suppress(ProcessLookupError, PermissionError):
+            os.kill(process, signal.SIGKILL)
+
+
+def _family(leader: int, age: float) -> set[int]:
+    """Return who is in the group that a process leads, or descends from one who is."""
+    relations = _relations(age)
+    found = {process for process, (_, group) in relations.items() if group == leader}
+    new = found | {leader}
+    while new:
+        new = {process for process, (parent, _) in relations.items() if parent in new} - found
+        found |= new
+    return found
+
+
+def _relations(age: float) -> _Relations:
+    """Return parent and group of every process, as they were at most `age` seconds ago.
+
+    A program that has no file left to open reads nothing; it ends a worker and its group even so.
+    """
+    global _listed  # noqa: PLW0603 - one list for all threads that ask
+    with _lock:
+        if time.monotonic() - _listed[0] >= age:
+            found = {}
+            with suppress(OSError, psutil.Error):
+                for process in psutil.process_iter():
+                    with suppress(OSError, psutil.Error):  # it has gone meanwhile
+                        found[process.pid] = process.ppid(), os.getpgid(process.pid)
+            _listed = time.monotonic(), found
+        return _listed[1]
+
+
+def _memory(process: int, *, share: bool = False) -> int:
+    """Return the bytes that a process has in memory, or its share of them; zero if it is gone."""
+    with suppress(OSError, psutil.Error):
+        known = psutil.Process(process)
+        if share:
+            with suppress(OSError, psutil.Error, AttributeError):  # where it is not to be known
+                return int(known.memory_full_info().pss)
+        return int(known.memory_info().rss)
+    return 0
