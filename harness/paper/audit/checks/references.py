@@ -17,7 +17,6 @@ DEFINED_IN = {
     "S_bal": "eq01:bal_eqm",
     "the Hamiltonian": "eq01:hamiltonian1",
     "the panels a) to d)": "fig01:contact_pt_motion",
-    "the letters of appendix A": "eq01:series_sols",
 }
 """Where the paper defines what it refers to."""
 
@@ -31,11 +30,6 @@ DEFINED_IN = {
             "fig01:contact_locus",
             "the panels a) to d)",
             ("fig01:eqm_comparison",),
-        ),
-        "text:heading of appendix A": (
-            "eq01:psi_orig",
-            "the letters of appendix A",
-            ("eq01:theta_orig",),
         ),
     }
 )
