@@ -1,44 +1,58 @@
-"""Which modules are mutated, and which tests are asked about each."""
+"""Which modules are mutated, and which tests are asked about each.
+
+By packages, so that a module that is added or moved is mutated too: it is asked of the tests in its
+package's folder that import it, and of all of them if none does.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-_METRICS = "tests/harness/metrics"
-_GATE = "tests/harness/gate"
-_QUALITY = (f"{_METRICS}/test_energy_and_contact.py", f"{_METRICS}/test_energy_of_effects.py")
-_LADDER = (f"{_METRICS}/test_order.py", f"{_METRICS}/test_plateau_and_front.py")
-_LIMITS = (f"{_METRICS}/test_limits.py",)
-_JUDGED = (f"{_GATE}/test_limits.py", f"{_GATE}/test_comparison.py")
+LIMITS = "limits"
+"""In the name of a file of tests at the boundaries of constants: they are quick, and kill most."""
 
-TESTS: dict[str, tuple[str, ...]] = {
-    "harness/engines/stepping/schedule.py": (
-        "tests/harness/engines/test_schedule_limits.py",
-        "tests/harness/engines/test_schedule.py",
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Package:
+    """Modules, and where their tests are.
+
+    Parameters
+    ----------
+    modules : str
+        Glob from the root of the checkout.
+    tests : str
+        Folder.
+    left_out : tuple of str
+        Files of tests that take a minute and more, of whole runs.
+    always : tuple of str
+        Tests that are asked about each module though they import none of them, last.
+    """
+
+    modules: str
+    tests: str
+    left_out: tuple[str, ...] = ()
+    always: tuple[str, ...] = ()
+
+
+PACKAGES = (
+    Package(
+        modules="harness/engines/stepping/schedule.py",
+        tests="tests/harness/engines",
+        left_out=("test_looks.py",),
     ),
-    "harness/metrics/energy.py": _QUALITY,
-    "harness/metrics/contact.py": (*_LIMITS, *_QUALITY),
-    "harness/metrics/error.py": (*_LIMITS, f"{_METRICS}/test_error.py"),
-    "harness/metrics/bounces.py": (*_LIMITS, f"{_METRICS}/test_features.py"),
-    "harness/metrics/motion.py": (
-        *_QUALITY,
-        f"{_METRICS}/test_features.py",
-        f"{_METRICS}/test_error.py",
+    Package(modules="harness/metrics/**/*.py", tests="tests/harness/metrics"),
+    Package(
+        modules="harness/gate/**/*.py",
+        tests="tests/harness/gate",
+        left_out=("test_commands.py", "test_runs.py"),
     ),
-    "harness/metrics/convergence.py": (*_LIMITS, *_LADDER),
-    "harness/gate/baseline.py": (f"{_GATE}/test_baseline.py", f"{_GATE}/test_limits.py"),
-    "harness/gate/comparison.py": (*_JUDGED, f"{_GATE}/test_words.py"),
-    "harness/gate/spread.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_ensemble.py"),
-    "harness/gate/stored_scores.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_owed.py"),
-    "harness/gate/scores.py": (*_JUDGED, f"{_GATE}/test_ensemble.py", f"{_GATE}/test_owed.py"),
-    "harness/gate/report.py": (f"{_GATE}/test_limits.py", f"{_GATE}/test_words.py"),
-    "reference/integrable/turning_points.py": (
-        "tests/reference/test_turning_points.py",
-        "tests/reference/test_exact.py",
+    Package(
+        modules="reference/integrable/turning_points.py",
+        tests="tests/reference",
+        left_out=("test_confirmation.py",),
     ),
-    "reference/integrable/brackets.py": ("tests/reference/test_turning_points.py",),
-}
-"""Those that are quickest to fail first; whole runs, of a minute and more, are left out."""
+    Package(modules="reference/integrable/brackets.py", tests="tests/reference"),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +69,27 @@ class Target:
 
 
 def targets() -> Iterator[Target]:
-    """Yield every module that is mutated."""
-    for path, tests in TESTS.items():
-        yield Target(path=Path(path), tests=tests)
+    """Yield every module that is mutated.
+
+    Raises
+    ------
+    FileNotFoundError
+        If a package has no module.
+    """
+    for package in PACKAGES:
+        paths = [path for path in sorted(Path().glob(package.modules)) if path.stem != "__init__"]
+        if not paths:
+            raise FileNotFoundError(f"no module is '{package.modules}': name where it is now")
+        for path in paths:
+            yield Target(path=path, tests=tests_of(path, package))
+
+
+def tests_of(path: Path, package: Package) -> tuple[str, ...]:
+    """Return the files of tests that are asked about a module, the quickest to fail first."""
+    files = [
+        one for one in Path(package.tests).glob("test_*.py") if one.name not in package.left_out
+    ]
+    name = ".".join(path.with_suffix("").parts)
+    direct = [one for one in files if f"from {name} import" in one.read_text(encoding="utf-8")]
+    asked = sorted(direct or files, key=lambda one: (LIMITS not in one.name, one.name))
+    return (*map(str, asked), *package.always)
