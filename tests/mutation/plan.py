@@ -24,15 +24,24 @@ class Package:
         Folder.
     left_out : tuple of str
         Files of tests that take a minute and more, of whole runs.
-    always : tuple of str
-        Tests that are asked about each module though they import none of them, last.
+    only : tuple of str
+        Tests that are asked, if not those that import the module.
     """
 
     modules: str
     tests: str
     left_out: tuple[str, ...] = ()
-    always: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
+
+_EXACT = "tests/reference/test_exact.py::test_{}"
+_OF_MANY = (
+    "releases_that_never_bounce",
+    "forty_digits",
+    "cost_does_not_grow_with_the_hardness",
+    "random_releases_leave_no_nan",
+)
+"""Tests of whole batches: they look at every turning point and cost less than one motion does."""
 
 PACKAGES = (
     Package(
@@ -49,9 +58,13 @@ PACKAGES = (
     Package(
         modules="reference/integrable/turning_points.py",
         tests="tests/reference",
-        left_out=("test_confirmation.py",),
+        only=("tests/reference/test_turning_points.py", *map(_EXACT.format, _OF_MANY)),
     ),
-    Package(modules="reference/integrable/brackets.py", tests="tests/reference"),
+    Package(
+        modules="reference/integrable/brackets.py",
+        tests="tests/reference",
+        only=("tests/reference/test_turning_points.py",),
+    ),
 )
 
 
@@ -86,10 +99,12 @@ def targets() -> Iterator[Target]:
 
 def tests_of(path: Path, package: Package) -> tuple[str, ...]:
     """Return the files of tests that are asked about a module, the quickest to fail first."""
+    if package.only:
+        return package.only
     files = [
         one for one in Path(package.tests).glob("test_*.py") if one.name not in package.left_out
     ]
     name = ".".join(path.with_suffix("").parts)
     direct = [one for one in files if f"from {name} import" in one.read_text(encoding="utf-8")]
     asked = sorted(direct or files, key=lambda one: (LIMITS not in one.name, one.name))
-    return (*map(str, asked), *package.always)
+    return tuple(map(str, asked))

@@ -32,6 +32,16 @@ def test_the_rate_is_that_of_the_tilt_along_its_line(phi: float) -> None:
     assert rate == pytest.approx(expected, rel=max(phi**2, 1e-9))
 
 
+@pytest.mark.parametrize("psi", [0.3, 2.0, -2.5])
+def test_the_rate_of_a_can_far_from_flat_heeds_each_direction(psi: float) -> None:
+    phi, phi_dot, psi_dot = 0.6, -PHI_DOT, 3.0
+    theta_dot = -psi_dot * math.cos(phi)  # no spin about the axis, which would hide the tilt's rate
+    omega = angular_velocity(phi, psi, phi_dot, psi_dot, theta_dot)
+    rate = adaptive().rate(quaternion(phi, psi, 0.4).tolist(), omega.tolist())
+    expected = math.hypot(phi_dot / math.tan(phi), CAN.slowness * psi_dot)
+    assert rate == pytest.approx(expected, rel=1e-12)
+
+
 def test_a_step_moves_the_tilt_by_eta_at_most_and_by_half_of_it_at_least() -> None:
     for phi in np.geomspace(1e-6, 1e-3, 40):
         schedule = adaptive()

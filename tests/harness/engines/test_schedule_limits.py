@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
 from harness.engines.registry import engine
 from harness.engines.stepping.recording import Chunk
 from harness.engines.stepping.schedule import (
@@ -141,7 +142,16 @@ def test_a_long_run_goes_on_after_its_first_stage() -> None:
     assert stage(schedule, rocking(0.0)).times.tolist() == [256.0 * 2.0**-10]
 
 
-@pytest.mark.parametrize(("limit", "count"), [(0.3, 4), (0.3 * (1.0 - 1e-11), 3)])
+@pytest.mark.parametrize("eta", [0.0, -0.01])
+def test_the_share_of_the_way_is_positive(eta: float) -> None:
+    case = Case(scene=load("paper-release"), engine="mujoco", profile="adaptive")
+    with pytest.raises(InvalidSettingError, match="greater than zero"):
+        engine("mujoco").resolve(replace(case, options=(("eta", eta),)))
+
+
+@pytest.mark.parametrize(
+    ("limit", "count"), [(0.3, 4), (0.3 * (1.0 - 0.8e-12), 4), (0.3 * (1.0 - 1.2e-12), 3)]
+)
 def test_round_off_of_a_division_takes_no_fixed_step_away(limit: float, count: int) -> None:
     assert limit / 0.1 < 3.0
     found = Fixed(0.1, limit, 100).next(UPRIGHT, (0.0, 0.0, 0.0))

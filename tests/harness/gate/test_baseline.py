@@ -58,6 +58,16 @@ def test_a_spread_is_never_rounded_down(value: float) -> None:
     assert rounded <= max(1.01 * value, 1e-299) or value == 0.0
 
 
+def test_the_file_is_for_everyone_to_read_and_of_version_1(some: Scores, tmp_path: Path) -> None:
+    path = write_baseline(some, tmp_path / "new" / "folder")
+    assert path.stat().st_mode & 0o777 == 0o644
+    told = json.loads(path.read_text(encoding="utf-8"))
+    assert (told["format"], told["version"]) == ("rockingcan-baseline", 1)
+    path.write_text(json.dumps(told | {"version": 2}), encoding="utf-8")
+    with pytest.raises(BaselineError, match="no file of accepted results of version 1"):
+        read_baseline(path.parent)
+
+
 def test_a_line_a_case(some: Scores, tmp_path: Path) -> None:
     lines = write_baseline(some, tmp_path).read_text(encoding="utf-8").splitlines()
     assert sum('"scene"' in line for line in lines) == len(some.scores)

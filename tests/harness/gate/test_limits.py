@@ -153,7 +153,8 @@ def test_twelve_cases_are_named(count: int, words: str, score: Make, scores: Mak
 
 
 @pytest.mark.parametrize(
-    ("spread", "kept"), [(1.2341e-7, 1.24e-7), (1.23e-7, 1.23e-7), (9.991e-3, 1e-2)]
+    ("spread", "kept"),
+    [(1.2341e-7, 1.24e-7), (1.23e-7, 1.23e-7), (9.991e-3, 1e-2), (5e-324, 1e-300), (0.0, 0.0)],
 )
 def test_a_spread_is_kept_in_three_digits_rounded_up(
     spread: float, kept: float, score: Make, scores: MakeAll, tmp_path: object
