@@ -28,8 +28,6 @@ def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
     """
     phi = motion.angles.phi
     minima, _ = find_peaks(-phi, prominence=PROMINENCE * phi.max())
-    if len(minima) == 0:
-        return ()
     edges = [0, *minima.tolist(), len(phi) - 1]
     peaks = [left + int(np.argmax(phi[left : right + 1])) for left, right in pairwise(edges)]
     found = []

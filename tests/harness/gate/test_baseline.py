@@ -1,6 +1,7 @@
 """Accepted results on disk: all of them or none, and one message for what is none."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -68,6 +69,15 @@ def test_the_file_is_for_everyone_to_read_and_of_version_1(some: Scores, tmp_pat
         read_baseline(path.parent)
 
 
+def test_what_is_no_number_is_not_written_and_letters_are_as_they_are(
+    score: Make, scores: MakeAll, tmp_path: Path
+) -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_baseline(scores(score({"phi_rms_rad": math.nan})), tmp_path)
+    path = write_baseline(scores(score(), made={"platform": "Zürich"}), tmp_path)
+    assert "Zürich" in path.read_text(encoding="utf-8")
+
+
 def test_a_line_a_case(some: Scores, tmp_path: Path) -> None:
     lines = write_baseline(some, tmp_path).read_text(encoding="utf-8").splitlines()
     assert sum('"scene"' in line for line in lines) == len(some.scores)
@@ -83,7 +93,7 @@ def test_what_cannot_be_written_leaves_what_was_there(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(OutputError, match="No space left"):
+    with pytest.raises(OutputError, match="': No space left on device; name"):
         write_baseline(some, tmp_path)
     assert path.read_bytes() == before
     assert [one.name for one in tmp_path.iterdir()] == [FILE]

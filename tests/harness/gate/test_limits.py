@@ -4,6 +4,7 @@ They are written out here as CONTRIBUTING and the docstrings have them, and not 
 changes one in the code is told which sentence no longer holds.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
@@ -12,12 +13,13 @@ import pytest
 
 from harness.core.case import Case
 from harness.gate.baseline import BaselineError, read_baseline, write_baseline
-from harness.gate.comparison import Change, differences, judge
+from harness.gate.comparison import Change, Difference, differences, judge
 from harness.gate.report import GATE, sentences
-from harness.gate.scores import Score, Scores, identity
+from harness.gate.scores import CaseIdentity, Number, Score, Scores, identity, scene_digest
+from harness.gate.scores import score as score_of_row
 from harness.gate.spread import member, members
 from harness.gate.stored_scores import required_cases
-from models import load
+from models import Scene, load
 
 Make = Callable[..., Score]
 MakeAll = Callable[..., Scores]
@@ -55,6 +57,63 @@ def test_better_is_the_same_rule_mirrored(found: float, change: Change) -> None:
 def test_both_limits_must_be_exceeded_not_met() -> None:
     assert judge(1.0, 1.5, 0.5)[0] is Change.SAME
     assert judge(0.0, 0.0, 0.0)[0] is Change.SAME
+    assert judge(1.0, 1.1, 0.0)[0] is Change.SAME
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "factor", "severity"),
+    [
+        (1.0, 2.0, 2.0, 2.0),
+        (2.0, 1.0, 0.5, 2.0),
+        (1.0, 1.0, 1.0, 1.0),
+        (2.0, 0.0, 0.0, math.inf),
+        (0.0, 2.0, math.inf, math.inf),
+        (0.0, 0.0, 1.0, 1.0),
+        (None, 1.0, None, math.inf),
+        (1.0, None, None, math.inf),
+    ],
+)
+def test_a_factor_is_second_over_first_and_a_severity_the_larger_over_the_smaller(
+    first: Number, second: Number, factor: Number, severity: float, score: Make
+) -> None:
+    found = Difference(
+        identity=score().identity, quantity=PHI, first=first, second=second, change=Change.SAME
+    )
+    assert (found.factor, found.severity) == (factor, severity)
+
+
+@pytest.mark.parametrize("pulled", [(True, False), (False, True)])
+def test_an_error_is_not_judged_where_either_exact_motion_pulls(
+    pulled: tuple[bool, bool], score: Make, scores: MakeAll
+) -> None:
+    first, second = (
+        scores(score({PHI: value}, truth_pulls=one))
+        for value, one in zip((1.0, 9.0), pulled, strict=True)
+    )
+    assert differences(first, second)[1].change is Change.INFORMATION
+
+
+def test_of_two_spreads_the_larger_counts(score: Make, scores: MakeAll) -> None:
+    first, second = scores(score({PHI: 1.0}, spread={PHI: 0.5})), scores(score({PHI: 2.0}))
+    lender = scores(score({PHI: 1.0}, spread={PHI: 0.1}))
+    assert differences(first, second, spreads=lender)[1].spread == 0.5
+
+
+def test_a_case_without_a_timestep_has_its_own(gentle: Scene) -> None:
+    own = identity(Case(scene=gentle, engine="mujoco"))
+    assert own.timestep == 0.0
+    assert own == CaseIdentity(scene=gentle.name, engine="mujoco", profile="matched")
+    assert own.label() == "gentle-rock in mujoco (matched, its own timestep)"
+    fixed = identity(Case(scene=gentle, engine="mujoco", timestep=1.0))
+    assert fixed.label() == "gentle-rock in mujoco (matched, 1 s)"
+
+
+def test_a_motion_is_named_by_16_digits_that_heed_no_name_and_no_order(gentle: Scene) -> None:
+    name = scene_digest(gentle)
+    assert len(name) == 16
+    assert int(name, 16) >= 0
+    assert scene_digest(replace(gentle, name="another")) == name
+    assert scene_digest(replace(gentle, gravity=9.8)) != name
 
 
 @pytest.mark.parametrize(
@@ -162,3 +221,40 @@ def test_a_spread_is_kept_in_three_digits_rounded_up(
     write_baseline(scores(score({PHI: 1.0}, spread={PHI: spread})), tmp_path)  # type: ignore[arg-type]
     (found,) = read_baseline(tmp_path).scores.values()  # type: ignore[arg-type]
     assert found.spread[PHI] == kept
+
+
+@pytest.mark.parametrize(("resolved", "turn"), [(True, True), (False, False), (None, False)])
+def test_a_score_holds_the_numbers_that_are_known(resolved: object, turn: object) -> None:
+    row = {
+        "truth_pulls": True,
+        "digest": "abc",
+        "turn_resolved": resolved,
+        "angle_of_turn_error_deg": 2.0,
+        "phi_rms_rad": math.nan,
+        "max_slip_m_s": math.inf,
+        "energy_drift": None,
+        "steps": 5,
+        "not a quantity": 1.0,
+    }
+    name = CaseIdentity(scene="s", engine="e", profile="p")
+    found = score_of_row(row, identity=name, scene="0", outcome="FLAT")
+    expected = {"steps": 5.0} | ({"angle_of_turn_error_deg": 2.0} if turn else {})
+    assert dict(found.values) == expected
+    assert (found.truth_pulls, found.digest, found.members) == (True, "abc", 0)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "endings", "finish", "fail"),
+    [
+        ("FINISHED", {}, True, False),
+        ("FLAT", {}, False, True),
+        ("FINISHED", {"FINISHED": 5}, True, False),
+        ("FINISHED", {"FLAT": 1}, True, True),
+        ("FLAT", {"FINISHED": 1}, True, True),
+    ],
+)
+def test_a_run_may_finish_or_fail_where_one_member_does(
+    outcome: str, endings: dict[str, int], score: Make, *, finish: bool, fail: bool
+) -> None:
+    found = score(outcome=outcome, endings=endings)
+    assert (found.may_finish, found.may_fail) == (finish, fail)

@@ -6,6 +6,7 @@ code is told which sentence no longer holds.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from harness.metrics.bounces import bounces
 from harness.metrics.contact import contact_quality
 from harness.metrics.convergence import asymptotic_order, observed_order, pareto_front, plateau
 from harness.metrics.error import hausdorff
-from harness.metrics.motion import motion
+from harness.metrics.motion import Motion, motion
 from models import Scene, angular_velocity, quaternion
 
 Made = Callable[..., Trajectory]
@@ -197,6 +198,74 @@ def test_a_bounce_stands_out_by_a_hundredth_of_the_largest_phi(
     phi = 0.1 * (1.0 - depth * np.sin(np.pi * time) ** 2)
     rate = -0.1 * depth * np.pi * np.sin(2.0 * np.pi * time)
     assert rocked(made, gentle, time, phi, rate) == found
+
+
+def test_a_ripple_of_a_small_phi_stands_out_from_it_and_not_from_the_largest(
+    made: Made, gentle: Scene
+) -> None:
+    time = np.linspace(0.0, 1.0, 401)
+    phi = 0.21 + 0.19 * np.cos(2.0 * np.pi * time) - 1e-3 * np.cos(100.0 * np.pi * time)
+    assert rocked(made, gentle, time, phi, np.zeros(401)) == 1
+
+
+def sampled(made: Made, scene: Scene, phi: tuple[float, ...], rate: tuple[float, ...]) -> Motion:
+    """Return the motion of a can that rocks in a plane, a sample a second; phi in tenths."""
+    still = np.zeros(len(phi))
+    record = made(
+        len(phi),
+        quaternion=quaternion(0.1 * np.array(phi), still, still),
+        angular_velocity=angular_velocity(0.1 * np.array(phi), still, np.array(rate), still, still),
+    )
+    return motion(record, scene)
+
+
+TWO = ((3.0, 2.0, 1.0, 2.0, 3.0, 2.0, 1.0, 2.0, 3.0), (0.0,) * 9)
+"""Two bounces, from sample 0 to 4 and from there to 8."""
+
+
+def test_a_bounce_holds_the_samples_from_maximum_to_maximum(made: Made, gentle: Scene) -> None:
+    rest = sampled(made, gentle, *TWO)
+    seen = replace(
+        rest,
+        angles=replace(rest.angles, psi_dot=np.array((1.0, 0, 0, 0, -2.0, 9.0, 0, 0, 0))),
+        friction_ratio=np.array((0.1, 0.2, 0.1, 0.1, 0.3, 0.5, 0.4, 0.4, 0.4)),
+    )
+    first, second = bounces(seen, gentle.can)
+    assert (first.peak_psi_dot, second.peak_psi_dot) == (-2.0, 9.0)
+    assert (first.peak_friction_ratio, second.peak_friction_ratio) == (0.3, 0.5)
+    assert (first.start, first.end, second.start, second.end) == (0.0, 4.0, 4.0, 8.0)
+
+
+@pytest.mark.parametrize("place", range(9))
+def test_a_turn_is_unresolved_where_a_step_within_its_bounce_is(
+    place: int, made: Made, gentle: Scene
+) -> None:
+    rest = sampled(made, gentle, *TWO)
+    lost = np.arange(9) == place  # the step that ends with this sample
+    first, second = bounces(replace(rest, angles=replace(rest.angles, unresolved=lost)), gentle.can)
+    assert first.resolved is not (1 <= place <= 4)
+    assert second.resolved is not (5 <= place <= 8)
+
+
+@pytest.mark.parametrize(
+    ("phi", "rate", "ends"),
+    [
+        ((3.0, 1.0, 4.0), (0.0, 0.0, 0.0), (0.0, 2.0)),
+        # a release that falls, and a record that ends on a rise
+        ((3.0, 1.0, 3.0, 2.0, 2.5), (-1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 2.0)),
+        # phi' is zero half way between the first two samples, and between the last two
+        ((2.9, 3.0, 1.0, 3.0, 2.9), (1.0, -1.0, 0.0, 1.0, -1.0), (0.5, 3.5)),
+    ],
+)
+def test_a_bounce_of_a_few_samples_begins_and_ends_at_its_maxima(
+    phi: tuple[float, ...],
+    rate: tuple[float, ...],
+    ends: tuple[float, float],
+    made: Made,
+    gentle: Scene,
+) -> None:
+    (found,) = bounces(sampled(made, gentle, phi, rate), gentle.can)
+    assert (found.start, found.end) == pytest.approx(ends, abs=1e-9)
 
 
 @pytest.mark.parametrize(("share", "found"), [(0.9e-6, 1), (1.1e-6, 0)])

@@ -30,7 +30,7 @@ BOUNCE = Bounce(
     peak_friction_ratio=0.75,
 )
 TRUE_BOUNCE = replace(
-    BOUNCE, start=0.0, end=2.0, time=1.0, phi_min=0.02, angle_of_turn=3.0, peak_friction_ratio=0.5
+    BOUNCE, start=0.25, end=2.25, time=1.0, phi_min=0.02, angle_of_turn=3.0, peak_friction_ratio=0.5
 )
 ERRORS = Errors(
     **{
@@ -79,20 +79,20 @@ def empty(gentle: Scene) -> Run:
 
 
 def rolled(made: Made, scene: Scene, end: float, psi: float = 1.0) -> Motion:
-    """Return two samples of a can whose angles grow at constant rates, 0.1 s apart."""
-    time = np.array((end - 0.1, end))
-    phi, psi_now = np.array((0.3, 0.4)), psi + np.array((0.0, 0.5))
+    """Return four samples of a can, 0.2, 0.2 and 0.1 s apart, the last alone at 1 and 5 rad/s."""
+    time = end - np.array((0.5, 0.3, 0.1, 0.0))
+    phi, psi_now = np.array((0.1, 0.2, 0.3, 0.4)), psi + np.array((-1.0, -0.5, 0.0, 0.5))
     return motion(
         made(
-            2,
+            4,
             time=time,
-            position=np.array(((0.0, 0.0, 0.0), (0.7, 0.8, 0.0))),
-            quaternion=quaternion(phi, psi_now, np.zeros(2)),
+            position=np.outer((0.0, 0.0, 0.0, 1.0), (0.7, 0.8, 0.0)),
+            quaternion=quaternion(phi, psi_now, np.zeros(4)),
             angular_velocity=angular_velocity(
-                phi, psi_now, np.full(2, 1.0), np.full(2, 5.0), np.zeros(2)
+                phi, psi_now, np.array((9, 9, 9, 1)), np.array((9, 9, 9, 5)), np.zeros(4)
             ),
         ),
-        replace(scene, release=replace(scene.release, psi=psi, theta=0.0)),
+        replace(scene, release=replace(scene.release, psi=psi - 1.0, theta=0.0)),
     )
 
 
@@ -104,7 +104,7 @@ def full(empty: Run, made: Made, gentle: Scene) -> Run:
         motion=rolled(made, gentle, 1.95),
         truth=rolled(made, gentle, 2.0, psi=1.25),
         bounces=(BOUNCE, TRUE_BOUNCE),
-        true_bounces=(TRUE_BOUNCE,),
+        true_bounces=(TRUE_BOUNCE, BOUNCE),
         energy_drift=-0.125,
         contact=CONTACT,
         errors=ERRORS,
