@@ -15,8 +15,15 @@ from harness.core.case import Case
 from harness.gate.baseline import BaselineError, read_baseline, write_baseline
 from harness.gate.comparison import Change, Difference, differences, judge
 from harness.gate.report import GATE, sentences
-from harness.gate.scores import CaseIdentity, Number, Score, Scores, identity, scene_digest
-from harness.gate.scores import score as score_of_row
+from harness.gate.scores import (
+    CaseIdentity,
+    Number,
+    Score,
+    Scores,
+    identity,
+    scene_digest,
+    stored_score,
+)
 from harness.gate.spread import member, members
 from harness.gate.stored_scores import required_cases
 from models import Scene, load
@@ -237,7 +244,7 @@ def test_a_score_holds_the_numbers_that_are_known(resolved: object, turn: object
         "not a quantity": 1.0,
     }
     name = CaseIdentity(scene="s", engine="e", profile="p")
-    found = score_of_row(row, identity=name, scene="0", outcome="FLAT")
+    found = stored_score(row, identity=name, scene="0", outcome="FLAT")
     expected = {"steps": 5.0} | ({"angle_of_turn_error_deg": 2.0} if turn else {})
     assert dict(found.values) == expected
     assert (found.truth_pulls, found.digest, found.members) == (True, "abc", 0)

@@ -160,6 +160,9 @@ OF_TRUTH = {
     "peak_friction_ratio": 0.5,
     "phi_end_deg": math.degrees(0.4),
     "psi_end_deg": math.degrees(1.75),
+    "phi_end_rad": 0.4,
+    "x_end_m": 0.7,
+    "y_end_m": 0.8,
 }
 
 
