@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from harness.core.deprecated_paths import install
-from harness.core.lazy_exports import lazy_exports
+from harness.core.public_paths import install, lazy_exports
 
 if TYPE_CHECKING:
     from harness.api import compare, simulate, validate

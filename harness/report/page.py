@@ -29,11 +29,11 @@ from markupsafe import Markup
 from harness.core.provenance import Provenance
 from harness.core.report_model import Replay
 from harness.core.trajectory import Floats
-from harness.report.html_table import grid
 from harness.report.layout import Report, Section
 from harness.report.number_format import slug, slugs
 from harness.report.plotly_renderer import description, packed, plotly_packed
 from harness.report.style import PAPER_DARK, PAPER_LIGHT, LineStyle, entries
+from harness.report.tables import grid
 
 
 def frames(replay: Replay) -> dict[str, Any]:

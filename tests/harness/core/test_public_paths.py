@@ -9,7 +9,7 @@ import pytest
 
 import harness
 import harness.engines
-from harness.core.deprecated_paths import MOVED
+from harness.core.public_paths import MOVED
 from harness.engines import base
 
 

@@ -1,12 +1,16 @@
-"""Import paths of the previous release: they work for one release more, with a warning.
+"""Public names of a package, each imported when it is first asked for, and paths that have moved.
 
-An adapter that was written against them goes on working; `harness.engines` has all that it needs.
+The program must handle signals before anything heavy is imported, and `rockingcan --help` needs no
+engine: so a package with a public interface states its names and imports nothing itself.
+
+Import paths of the previous release work for one release more, with a warning. An adapter that was
+written against them goes on working; `harness.engines` has all that it needs.
 """
 
 import importlib
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import MappingProxyType, ModuleType
@@ -73,3 +77,30 @@ def install() -> None:
     """Have old import paths work, once."""
     if not any(isinstance(finder, _MovedFinder) for finder in sys.meta_path):
         sys.meta_path.append(_MovedFinder())
+
+
+def lazy_exports(
+    package: str, places: Mapping[str, str]
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """Return `__getattr__` and `__dir__` of a package.
+
+    Parameters
+    ----------
+    package : str
+        Its `__name__`.
+    places : mapping of str to str
+        By public name, the module that defines it, or "module:name" where its name is another.
+    """
+
+    def get(name: str) -> object:
+        if name not in places:
+            raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        module, _, inner = places[name].partition(":")
+        value: object = getattr(importlib.import_module(module), inner or name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    def names() -> list[str]:
+        return sorted({*vars(sys.modules[package]), *places})
+
+    return get, names
