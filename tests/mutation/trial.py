@@ -154,7 +154,8 @@ def _forget(modules: frozenset[str]) -> None:
                 package.pop(public, None)
             continue
         parent, _, leaf = name.rpartition(".")
-        vars(sys.modules[parent]).pop(leaf, None)
+        if parent:
+            vars(sys.modules[parent]).pop(leaf, None)
     for name in modules:
         if not _lazy(name):
             del sys.modules[name]
