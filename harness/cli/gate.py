@@ -46,7 +46,7 @@ class GateRequest:
         What is set on top, by `engine.name`.
     accepted : Scores or None
         None if nothing was accepted before.
-    owed : tuple of Identity
+    owed : tuple of CaseIdentity
         Accepted cases that the run must have.
     place : Path or None
         Folder to accept the run into.

@@ -71,7 +71,7 @@ class RunOptions:
         Address of a Dask scheduler to run on instead.
     limits : Limits
         Of each case.
-    store : Store or None
+    store : CacheFolder or None
         Where results are kept and found.
     """
 

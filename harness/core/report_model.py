@@ -82,7 +82,7 @@ class Panel:
         What stands at the places 0, 1, 2, ... of the horizontal axis instead of numbers.
     x_range, y_range : tuple of 2 floats, optional
         Ends of the axes, for figures whose axes are to be alike; from the data if left out.
-    heat : Heat, optional
+    heat : Heatmap, optional
         Lies below the series.
     """
 

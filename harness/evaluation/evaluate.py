@@ -244,7 +244,7 @@ def run_cases(
         Where they run; here and one by one if left out.
     on_done : callable, optional
         Is told of each evaluation as it is ready.
-    store : Store, optional
+    store : CacheFolder, optional
         Where evaluations are kept. What is there is not run again, and has the same bits as if it
         were; times are those that were measured when it ran.
     on_kept : callable, optional

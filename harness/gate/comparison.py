@@ -49,7 +49,7 @@ class Difference:
 
     Parameters
     ----------
-    identity : Identity
+    identity : CaseIdentity
     quantity : str
         A column of `QUANTITIES`, or `OUTCOME`.
     first, second : float or None
@@ -103,7 +103,7 @@ def differences(
     Parameters
     ----------
     first, second : Scores
-    expected : iterable of Identity, optional
+    expected : iterable of CaseIdentity, optional
         Cases of the first that the second should have; all of them if left out.
     spreads : Scores, optional
         Whose spreads count too, where the two were measured without.

@@ -175,7 +175,7 @@ class Score:
 
     Parameters
     ----------
-    identity : Identity
+    identity : CaseIdentity
     scene_digest : str
         Names the motion that was asked for.
     outcome : str
@@ -227,7 +227,7 @@ class Scores:
     Parameters
     ----------
     suite : str
-    scores : mapping of Identity to Score
+    scores : mapping of CaseIdentity to Score
     versions : mapping of str to str
         Of rockingcan and of each engine that ran.
     made : mapping

@@ -69,7 +69,7 @@ def render(figure: Figure, inks: Mapping[str, LineStyle]) -> RenderedFigure:
     Parameters
     ----------
     figure : Figure
-    inks : mapping of str to Ink
+    inks : mapping of str to LineStyle
         For each kind of series in it.
     """
     with mpl.rc_context(), warnings.catch_warnings():

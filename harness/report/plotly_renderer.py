@@ -45,7 +45,7 @@ def description(figure: Figure, inks: Mapping[str, LineStyle]) -> list[dict[str,
     ----------
     figure : Figure
         Thinned already.
-    inks : mapping of str to Ink
+    inks : mapping of str to LineStyle
         Gives the widths; the page gives the colours.
 
     Returns

@@ -58,7 +58,7 @@ _FURTHER = (
 
 
 def palette(kinds: Iterable[str]) -> Mapping[str, LineStyle]:
-    """Return the ink of each kind; what is not known by name takes the further ones in order.
+    """Return the line style of each kind; others take the further ones in order.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ def write_chapters(
 
     Parameters
     ----------
-    chapters : sequence of Chapter
+    chapters : sequence of Section
         At least one; the comparison of engines comes first on the page wherever it stands here.
     out, title, provenance
         As for `write_report`.
