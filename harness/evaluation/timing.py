@@ -1,9 +1,15 @@
-"""The time that a case takes alone: serially, after a warm-up, several times over.
+"""The time that a case takes alone, and what a step costs when there is nothing to solve.
+
+A case is timed serially, after a warm-up, several times over.
 
 Processor time is what counts, since a clock also sees the other programs of the machine; both are
 kept, and where they differ the machine was not alone. A lock on the machine keeps two programs that
 time from running at once, and a worker started for timing alone has one thread for linear algebra.
 The program takes the lock, not its worker, whose limits so are those of the work without the wait.
+
+The overhead of a step is that of one free body aloft, no contact: stepped in a loop of Python, and
+in the engine's own loop where it has one. The difference is what the language costs, not the
+engine; who compares engines at small scenes compares mostly that.
 """
 
 import fcntl
@@ -17,16 +23,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
+import numpy as np
+
 from harness.core.case import Case
 from harness.core.errors import BrokenEngineError
+from harness.engines.base import World, features_of
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine, is_ours
 from harness.engines.stepping.horizon import natural_time
+from harness.engines.stepping.schedule import Fixed
 from harness.evaluation.evaluation import Record
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.worker import LostTaskError
-from models.scene import Horizon
+from models.scene import Horizon, Scene
+from models.state import Pose, Twist
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -63,14 +74,19 @@ def time_alone(case: Case) -> Record:
         `cpu_s`, `wall_s`: a list each, of stepping only; `setup_s`: the shortest of compiling,
         parity and settling; None where the engine did not start.
     """
+    return _unless_it_raises(_timed, case, untimed(case))
+
+
+def _unless_it_raises(measure: Callable[[Case], Record], case: Case, nothing: Record) -> Record:
+    """Return what is measured of a case; nothing where an engine of somebody else's raises."""
     try:
-        return _timed(case)
+        return measure(case)
     except BrokenEngineError:  # it cannot even be made here
-        return untimed(case)
+        return nothing
     except Exception:
         if is_ours(engine(case.engine)):
             raise
-        return untimed(case)
+        return nothing
 
 
 def _timed(case: Case) -> Record:
@@ -184,3 +200,79 @@ def single_thread_executor(limits: Limits | None = None) -> Iterator[Executor]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+_ALOFT_STEPS = 4000
+"""A few milliseconds in C."""
+
+_ALOFT_TIMESTEP = 1e-5
+"""s: in all steps together the can falls by 8 mm."""
+
+_HEIGHT = 10.0
+"""m."""
+
+_LEANEST = "the engine's loop that steps and keeps nothing: in C where it has one"
+
+_REPEATS = 3 * FEWEST
+
+
+def aloft(scene: Scene, name: str) -> Case:
+    """Return the case whose world is stepped aloft."""
+    return Case(scene=scene, engine=name, timestep=_ALOFT_TIMESTEP)
+
+
+def overhead(chosen: Case) -> Record:
+    """Return processor seconds of one step aloft, by the loop that takes it.
+
+    Parameters
+    ----------
+    chosen : Case
+        Of an engine that opens a world.
+
+    Returns
+    -------
+    dict
+        `ways`: for each way of stepping, the repeats in s a step; empty for an engine without a
+        world, and for one of somebody else's that raises.
+    """
+    return _unless_it_raises(_overheads, chosen, {"ways": {}})
+
+
+def _overheads(chosen: Case) -> Record:
+    """Time each way of stepping that an engine has."""
+    found = engine(chosen.engine)
+    features = features_of(found)
+    opens, chunks, bare_loop = features.open, features.chunks, features.bare_loop
+    if opens is None:
+        return {"ways": {}}
+    world = opens(chosen)
+
+    def python() -> None:
+        for _ in range(_ALOFT_STEPS):
+            world.step()
+
+    def harness() -> None:
+        schedule = Fixed(_ALOFT_TIMESTEP, _ALOFT_TIMESTEP * (_ALOFT_STEPS - 1), _ALOFT_STEPS)
+        for _ in chunks(world, schedule, _ALOFT_STEPS):  # type: ignore[misc]
+            pass
+
+    ways: dict[str, Callable[[], None]] = {"a call of Python for each step, nothing read": python}
+    if chunks is not None:
+        ways["every step read, as in a run where the can races"] = harness
+    if bare_loop is not None:
+        ways[_LEANEST] = lambda: bare_loop(world, _ALOFT_STEPS)
+    return {"ways": {name: _repeated(world, way) for name, way in ways.items()}}
+
+
+def _repeated(world: World, way: Callable[[], None]) -> list[float]:
+    """Return the seconds a step of each repeat; a first one warms up."""
+    taken = []
+    for _ in range(_REPEATS + 1):
+        world.place(
+            Pose(position=np.array((0.0, 0.0, _HEIGHT)), quaternion=np.array((1.0, 0.0, 0.0, 0.0))),
+            Twist(velocity=np.zeros(3), angular_velocity=np.array((1.0, 0.0, 2.0))),
+        )
+        started = time.process_time()
+        way()
+        taken.append((time.process_time() - started) / _ALOFT_STEPS)
+    return taken[1:]

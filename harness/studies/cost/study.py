@@ -11,9 +11,7 @@ from harness.engines.registry import engine, export_settings
 from harness.evaluation.case_record import LOST, lost_errors, measured
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Record
-from harness.evaluation.step_overhead import case as overhead_case
-from harness.evaluation.step_overhead import overhead
-from harness.evaluation.timing import untimed
+from harness.evaluation.timing import aloft, overhead, untimed
 from harness.studies.cost.design import CostPlan, expected
 from harness.studies.cost.prices import CHOICES, Cost, cost, hard_command
 from harness.studies.cost.report import cost_report
@@ -100,19 +98,19 @@ class CostStudy:
     def _overhead_cases(self) -> dict[str, Case]:
         """Return by engine the case whose world is stepped aloft, of engines that open one."""
         return {
-            name: overhead_case(self.plan.scene, name)
+            name: aloft(self.plan.scene, name)
             for name in self.plan.engines
             if features_of(engine(name)).open is not None
         }
 
     def findings(self, done: Results) -> Cost:
         """Return every point with its price."""
-        times, aloft = done.of(TIMING_BY_LENGTH), done.of(OVERHEAD)
+        times, overheads = done.of(TIMING_BY_LENGTH), done.of(OVERHEAD)
         return cost(
             self.plan,
             self._errors(done),
             {case: times.get(case, untimed(case)) for case in self.plan.timed_cases()},
-            {name: aloft[case] for name, case in self._overhead_cases().items()},
+            {name: overheads[case] for name, case in self._overhead_cases().items()},
         )
 
     def report(self, done: Results) -> tuple[Artefact, ...]:

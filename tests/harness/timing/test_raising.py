@@ -6,7 +6,7 @@ from harness.core.case import Case
 from harness.core.errors import EngineContractError
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities
-from harness.evaluation import evaluate, step_overhead, timing
+from harness.evaluation import evaluate, timing
 from models import Scene
 
 
@@ -32,14 +32,14 @@ class Raising:
 @pytest.fixture
 def case(brief: Scene, monkeypatch: pytest.MonkeyPatch) -> Case:
     """Return a case of an engine that raises."""
-    for module in (timing, step_overhead, evaluate):
+    for module in (timing, evaluate):
         monkeypatch.setattr(module, "engine", lambda _: Raising())
     return Case(scene=brief, engine="raising", timestep=1e-3)
 
 
 def test_it_is_untimed(case: Case) -> None:
     assert timing.time_alone(case) == timing.untimed(case)
-    assert step_overhead.overhead(case) == {"ways": {}}
+    assert timing.overhead(case) == {"ways": {}}
 
 
 def test_a_case_of_which_it_no_longer_says_the_timestep_is_broken(

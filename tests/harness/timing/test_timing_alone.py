@@ -11,11 +11,11 @@ import pytest
 
 from harness.core.case import Case
 from harness.evaluation.case_record import LOST, iterations, lost_errors
-from harness.evaluation.step_overhead import case as aloft
-from harness.evaluation.step_overhead import overhead
 from harness.evaluation.timing import (
     FEWEST,
     LOCK,
+    aloft,
+    overhead,
     single_thread_executor,
     time_alone,
     timing_lock,
