@@ -10,7 +10,7 @@ from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import Number, Quantity
-from harness.studies.errors.plan import ErrorsPlan
+from harness.studies.errors.plan import ErrorsPlan, Way
 from harness.studies.errors.split import Split, Spread
 from harness.studies.shared.perturbation import SIZES
 
@@ -36,7 +36,7 @@ def ladder_figure(
                 series.append(
                     Series(
                         label=f"off {told}, {way.name}",
-                        kind=plan.engine if way is plan.ways[0] else f"{plan.engine}, {way.name}",
+                        kind=_kind(plan, way),
                         x=x,
                         y=_off(values, level),
                         mark="both",
@@ -44,14 +44,20 @@ def ladder_figure(
                     )
                 )
         panels.append(_panel(quantity, "timestep [s]", tuple(series)))
+    seen = (
+        "Off its own limit (dashed) an engine falls with the timestep: discretisation. Where the "
+        "error against the truth (solid) falls with it, the limit is the truth; where it levels "
+        "off, what is left is model form, and no timestep takes it away."
+    )
+    return _figure(plan, "errors", "Model form and discretisation", seen, panels)
+
+
+def _figure(plan: ErrorsPlan, name: str, title: str, seen: str, panels: Sequence[Panel]) -> Figure:
+    """Return a figure whose name and title say engine and profile."""
     return Figure(
-        name=f"{plan.scene.name}-{plan.engine}-{plan.profile}-errors",
-        title=f"Model form and discretisation: {plan.engine}, {plan.profile}",
-        seen=(
-            "Off its own limit (dashed) an engine falls with the timestep: discretisation. Where "
-            "the error against the truth (solid) falls with it, the limit is the truth; where it "
-            "levels off, what is left is model form, and no timestep takes it away."
-        ),
+        name=f"{plan.scene.name}-{plan.engine}-{plan.profile}-{name}",
+        title=f"{title}: {plan.engine}, {plan.profile}",
+        seen=seen,
         panels=tuple(panels),
         scene=plan.scene.name,
     )
@@ -73,7 +79,7 @@ def effort_figure(
             series.append(
                 Series(
                     label=way.name,
-                    kind=plan.engine if way is plan.ways[0] else f"{plan.engine}, {way.name}",
+                    kind=_kind(plan, way),
                     x=np.arange(float(len(lesser))),
                     y=_off(values, converged),
                     mark="points",
@@ -87,16 +93,11 @@ def effort_figure(
                 names=tuple(effort.name for effort in lesser),
             )
         )
-    return Figure(
-        name=f"{plan.scene.name}-{plan.engine}-{plan.profile}-solver",
-        title=f"Solver error: {plan.engine}, {plan.profile}",
-        seen=(
-            f"Each mark is how far the engine, at a timestep of {plan.probe:.2g} s, is from itself "
-            "with its solver converged. Efforts without a mark are equal to it in every digit."
-        ),
-        panels=tuple(panels),
-        scene=plan.scene.name,
+    seen = (
+        f"Each mark is how far the engine, at a timestep of {plan.probe:.2g} s, is from itself "
+        "with its solver converged. Efforts without a mark are equal to it in every digit."
     )
+    return _figure(plan, "solver", "Solver error", seen, panels)
 
 
 def ensemble_figure(
@@ -124,17 +125,17 @@ def ensemble_figure(
             ),
         )
         panels.append(_panel(quantity, "relative size of the perturbation", series, log_x=True))
-    return Figure(
-        name=f"{plan.scene.name}-{plan.engine}-{plan.profile}-ensemble",
-        title=f"What is not decidable: {plan.engine}, {plan.profile}",
-        seen=(
-            "How far releases spread that differ by so little. A discrepancy smaller than that "
-            "cannot be told from a release known no better; where the engine lies above the exact "
-            "motion, it is itself not smooth at this size."
-        ),
-        panels=tuple(panels),
-        scene=plan.scene.name,
+    seen = (
+        "How far releases spread that differ by so little. A discrepancy smaller than that cannot "
+        "be told from a release known no better; where the engine lies above the exact motion, it "
+        "is itself not smooth at this size."
     )
+    return _figure(plan, "ensemble", "What is not decidable", seen, panels)
+
+
+def _kind(plan: ErrorsPlan, way: Way) -> str:
+    """Return what decides the colour of a way."""
+    return plan.engine if way is plan.ways[0] else f"{plan.engine}, {way.name}"
 
 
 def _panel(

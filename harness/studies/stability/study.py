@@ -20,11 +20,10 @@ from harness.execution.worker import LostTaskError
 from harness.studies.shared.run_columns import ENGINE, OUTCOME, run_cells, without
 from harness.studies.stability.classify import classify
 from harness.studies.stability.failure_criteria import ClassifiedRun
-from harness.studies.stability.figures import limit_figure, map_figures
 from harness.studies.stability.limits import TimestepLimit, by_scene, limits, next_round
+from harness.studies.stability.report import engine_page, limit_figure, map_figures, summary
 from harness.studies.stability.suite import Suite, random_scenes, scenes, stability_cases
 from harness.studies.stability.survey import ALLOWED, ReferenceCheck, examine
-from harness.studies.stability.words import engine_page, summary
 from harness.studies.study import Job, Results, Work, case_record
 from models.catalogue import load
 from models.effects import IDEAL
