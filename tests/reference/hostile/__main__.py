@@ -39,7 +39,8 @@ def page(tally: Tally, count: int, seed: int) -> str:
         f"{AGREED:g} are held to what {ROUNDINGS:g} half ulps of the numbers given do to the "
         "integration, and what parts by more, every steady motion, every ending that not all three "
         "find, and every refusal, to sixty digits. An ending that these refute is a fault, unless "
-        f"{DECIDING} ulps of a number given decide it."
+        f"{DECIDING} ulps of a number given decide it; so is a refusal, unless these decide the "
+        "ending or one ulp the third digit of the period."
     )
     command = f"python -m tests.reference.hostile --count {count} --seed {seed}"
     lines = [

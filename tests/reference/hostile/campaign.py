@@ -29,7 +29,8 @@ AGREED = 1e-9
 # A bounce takes a hundred evaluations of some tens of rounded operations each, of which a share
 # adds up: a thousand, on numbers each known to half an ulp.
 ROUNDINGS = 1000.0
-# An ending is refuted unless so many ulps of a number given change it.
+# An ending is refuted, and a refusal without a reason, unless so many ulps of a number given change
+# the ending: the energy that decides it is a sum of some ten rounded terms.
 DECIDING = 8
 # s of the processor, for one scene.
 LONGEST = 5.0
@@ -186,12 +187,15 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
     refused = " and ".join(name for name in ("batch", "single") if name not in given)
     if refused:
         moved = moved_by_an_ulp(release, truth, USEFUL)
-        tally.refusals.append(
-            f"{refused}: an ulp moves the period by {moved:.1e} or more, and the least gap of the "
-            f"energy is {float(truth.gap):.1e}: {release}"
-        )
+        moves = f"an ulp moves the period by {moved:.1e} or more"
         if moved <= USEFUL:
-            tally.faults.append(f"refused by {refused}, though an ulp decides nothing: {release}")
+            moves = f"{DECIDING} ulps or fewer change the ending"
+        tally.refusals.append(
+            f"{refused}: {moves}, and the least gap of the energy is {float(truth.gap):.1e}: "
+            f"{release}"
+        )
+        if moved <= USEFUL and not ulps_decide_the_ending(release, truth, DECIDING):
+            tally.faults.append(f"refused by {refused}, though no ulp decides it: {release}")
     errors = {name: _errors(answer, truth) for name, answer in given.items()}
     known: dict[str, float] | None = None
     for name, found in errors.items():
