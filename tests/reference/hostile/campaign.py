@@ -187,15 +187,17 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
     refused = " and ".join(name for name in ("batch", "single") if name not in given)
     if refused:
         moved = moved_by_an_ulp(release, truth, USEFUL)
-        moves = f"an ulp moves the period by {moved:.1e} or more"
-        if moved <= USEFUL:
-            moves = f"{DECIDING} ulps or fewer change the ending"
+        if moved > USEFUL:
+            reason = f"an ulp moves the period by {moved:.1e} or more"
+        elif ulps_decide_the_ending(release, truth, DECIDING):
+            reason = f"{DECIDING} ulps change the ending"
+        else:
+            reason = "no ulp decides it"
+            tally.faults.append(f"refused by {refused}, though no ulp decides it: {release}")
         tally.refusals.append(
-            f"{refused}: {moves}, and the least gap of the energy is {float(truth.gap):.1e}: "
+            f"{refused}: {reason}, and the least gap of the energy is {float(truth.gap):.1e}: "
             f"{release}"
         )
-        if moved <= USEFUL and not ulps_decide_the_ending(release, truth, DECIDING):
-            tally.faults.append(f"refused by {refused}, though no ulp decides it: {release}")
     errors = {name: _errors(answer, truth) for name, answer in given.items()}
     known: dict[str, float] | None = None
     for name, found in errors.items():
