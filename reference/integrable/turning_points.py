@@ -188,10 +188,14 @@ def _upper(
 
 def _left(well: EffectivePotential, phi: Floats, below: Floats, way: float) -> Floats:
     """G where the release moves, g over the distance where it rests, shape (m, n)."""
-    rests = well.excess == 0
-    at = np.where((below == 0) & rests, way * BESIDE * well.reference, below)
+    at = _beside(well, below, way)
     slope = evaluate_potential(well, phi, at).slope
-    return np.asarray(np.where(rests, way * slope, np.where(at == 0, well.excess, slope * at)))
+    return np.asarray(np.where(well.excess == 0, way * slope, slope * at))
+
+
+def _beside(well: EffectivePotential, below: Floats, way: float | Floats) -> Floats:
+    """Distances from the release, of which none is zero: there g/(r - phi) has its limit."""
+    return np.where(below == 0, way * BESIDE * well.reference, below)
 
 
 def _above(well: EffectivePotential, rise: Floats) -> Floats:
@@ -249,11 +253,11 @@ def _first_of(well: EffectivePotential, stop: Floats) -> Brackets:
 
     def left(which: NDArray[np.intp], phi: Floats) -> tuple[Floats, Floats]:
         part = select_potential(well, which)
-        below = part.reference - phi
-        state = evaluate_potential(part, phi, below)
-        noise = energy_noise(part, phi, below, state)
-        moving = part.excess > 0
-        value = state.slope * np.where(moving, below, -way[which])
-        return value, np.where(moving, noise, noise / np.abs(below))
+        at = _beside(part, part.reference - phi, -way[which])
+        state = evaluate_potential(part, phi, at)
+        noise = energy_noise(part, phi, at, state)
+        rests = part.excess == 0
+        value = np.where(rests, -way[which] * state.slope, state.slope * at)
+        return value, np.where(rests, noise / np.abs(at), noise)
 
     return first_brackets(left, well.reference, stop)

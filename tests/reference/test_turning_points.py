@@ -111,3 +111,26 @@ def test_a_cosine_series_is_positive_only_where_it_is() -> None:
     positive = stays_positive(values, series)
     assert positive[0]
     assert not positive[2:].any()
+
+
+def test_a_release_that_leaves_a_steady_motion_overturns_in_any_company() -> None:
+    # g is least at the release itself, where it is the energy of the release and not round-off
+    cans = {"a": 0.051641924872913275, "c": 0.03047555427588795, "h": 1.693891301575401}
+    release = {
+        "phi": 0.6704213976242159,
+        "phi_dot": 5.907536597786241e-10,
+        "psi_dot": 0.19238364279213538,
+        "theta_dot": 0.7625935640693936,
+    }
+    other = {
+        "a": 0.04473633279240803,
+        "c": 0.04874630833408937,
+        "h": 0.012686000972961492,
+        "phi": 1.0464214046822744,
+        "phi_dot": -0.17578841554403193,
+        "psi_dot": 0.6647522651024191,
+        "theta_dot": -1.0356700623658022,
+    }
+    alone = exact_bounces(**cans, **release)
+    both = exact_bounces(**{name: [one, other[name]] for name, one in (cans | release).items()})
+    assert alone.outcome(0) is both.outcome(0) is Outcome.OVERTURNED
