@@ -311,7 +311,10 @@ class _Neighbours:
 
 
 def _parting(own: Motion, near: Sequence[Sequence[Motion]]) -> float:
-    """Return the time up to which the neighbours of a motion are the same to three digits."""
+    """Return the time up to which the neighbours of a motion are the same to three digits.
+
+    Its end, where none parts from it by itself, and only all of them together do.
+    """
     times, states = own.run.path.nodes()
     apart = np.zeros_like(times)
     for other in (other for beside in near for other in beside):
@@ -324,7 +327,7 @@ def _parting(own: Motion, near: Sequence[Sequence[Motion]]) -> float:
         apart[known] = np.maximum(apart[known], off)
         apart[~known] = np.inf
     gone = np.flatnonzero(apart > USEFUL)
-    return float(times[max(gone[0] - 1, 1)]) if gone.size else np.inf
+    return float(times[max(gone[0] - 1, 1)] if gone.size else times[-1])
 
 
 def _over(off: float, allowed: float) -> float:

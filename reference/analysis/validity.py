@@ -108,7 +108,8 @@ def _beyond_cone(
 ) -> list[Finding]:
     """Say that a rim sticks where there is less friction than it needs: the solution is wrong."""
     mu = solution.problem.effects.mu
-    if mu is None or states.slip is None:
+    # of what ends where it begins the release is all there is, and nothing that sticks
+    if mu is None or states.slip is None or solution.t_end == 0:
         return []
     needs = friction - mu * normal
     needs[np.hypot(*states.slip.T) > 0] = 0.0

@@ -178,8 +178,8 @@ class HybridIntegrator:
         if equations.resistance and stands(self._y[:, None])[0]:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
-        falls = equations.rates(now.hardly(self._y), now.mode)[W2, 0]
-        self.watch = ExtremumRecorder(problem, fall=-float(falls))
+        rates = equations.rates(now.hardly(self._y), now.mode)[:, 0]
+        self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 
     @property
@@ -331,7 +331,7 @@ class HybridIntegrator:
         self._y, self._now = piece.end, ModeTransition(mode=self._mode)
         self._switch(ending)
         if not self.watch.ended():
-            self.watch.advance(float(self._y[TIME]))
+            self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
 
     def _switch(self, event: Event | None) -> None:
         """Change the law, or end, at what happened."""

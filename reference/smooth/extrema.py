@@ -20,10 +20,13 @@ from reference.problem.states import Floats, Snapshot, States, initial_states, s
 PROMINENCE = 1e-9
 # Ripples in a row before a motion is called steady.
 RIPPLES = 4
-# A motion without an extremum for this many pendulum times stands balanced: a fall from one double
-# off the balancing angle takes ln(1e16) = 37 of them, and rolling at any rate slows it by less
-# than 10.
+# A motion in which phi stays within `PROMINENCE` for this many pendulum times is steady: beside a
+# saddle with the rate s per pendulum time what an ulp leaves takes ln(1e7)/s = 16/s to be seen.
+# Where steady motions merge s is next to nothing; there the pull of the release says how long.
 LONGEST_WAIT = 400.0
+# Times in which a constant pull moves phi by `PROMINENCE`: a pull that grows takes less than one,
+# and a small oscillation goes half round in pi/2.
+PULLED = 4.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +67,9 @@ class ExtremumRecorder:
 
     A release that falls, or rests where phi'' < 0, counts as a maximum at t = 0. Of a can that does
     not simply roll, phi'' there is given as `fall`.
+
+    Where bounces are asked for a motion in which phi no longer moves ends as steady. One that
+    moves, however slowly, is followed: near a fold of the steady motions a bounce may take any time.
     """
 
     def __init__(self, problem: Problem, fall: float | None = None) -> None:
@@ -71,21 +77,21 @@ class ExtremumRecorder:
         self._outcome: Outcome | None = None
         self.t_end = np.inf if problem.duration is None else problem.duration
         self._ripples = 0
-        self._last = 0.0
+        self._seen = (0.0, problem.phi)
         self._closed = 0
         self._still = fall is None and stands_still(problem)
         self._extrema: list[tuple[float, Snapshot, bool]] = []
         release = initial_states(problem)
-        if problem.phi_dot != 0:
-            fall = problem.phi_dot
-        elif fall is None:
+        if fall is None:
             fall = float(
                 nutation_acceleration(
                     release.phi, release.psi_dot, release.spin, problem.parameters
                 )[0]
             )
-        if fall < 0 or problem.phi_dot == 0:
-            self._extrema.append((0.0, Snapshot.of(problem), fall < 0))
+        self._wait = _longest_wait(problem, fall, still=self._still)
+        falls = (problem.phi_dot or fall) < 0
+        if falls or problem.phi_dot == 0:
+            self._extrema.append((0.0, Snapshot.of(problem), falls))
 
     @property
     def last_is_prominent_maximum(self) -> bool:
@@ -94,7 +100,7 @@ class ExtremumRecorder:
 
     def extremum(self, time: float, snapshot: Snapshot, *, maximum: bool) -> None:
         """Report that phi' changed sign."""
-        self._last = time
+        self._seen = (time, snapshot.phi)
         if self._extrema:
             _, previous, previous_maximum = self._extrema[-1]
             if maximum == previous_maximum:
@@ -115,13 +121,12 @@ class ExtremumRecorder:
             if self._problem.bounces is not None and self._closed >= self._problem.bounces:
                 self.end(time, Outcome.FINISHED)
 
-    def advance(self, time: float) -> None:
-        """Report that the motion was followed up to `time`."""
-        wait = LONGEST_WAIT * np.sqrt(self._problem.parameters.pendulum_inertia)
-        if self._still:
-            # round-off grows by e^(2 pi) or less meanwhile: nothing to see
-            wait = 2 * np.pi
-        if self._problem.bounces is not None and time - self._last > wait:
+    def advance(self, time: float, phi: float) -> None:
+        """Report that the motion was followed up to `time`, and where phi is there."""
+        since, place = self._seen
+        if abs(phi - place) > PROMINENCE * max(phi, place):
+            self._seen = (time, phi)
+        elif self._problem.bounces is not None and time - since > self._wait:
             self.end(time, Outcome.STEADY)
 
     def ended(self) -> bool:
@@ -155,6 +160,18 @@ class ExtremumRecorder:
             extrema=states_of([snapshot for _, snapshot, _ in seen]),
             maximum=np.array([maximum for _, _, maximum in seen], dtype=bool),
         )
+
+
+def _longest_wait(problem: Problem, pull: float, *, still: bool) -> float:
+    """Return for how long phi of a moving can may stay within `PROMINENCE`."""
+    if still:
+        # round-off grows by e^(2 pi) or less meanwhile: nothing to see
+        return 2 * np.pi
+    wait = LONGEST_WAIT * np.sqrt(problem.parameters.pendulum_inertia)
+    if pull == 0:
+        return float(wait)
+    seen = np.sqrt(2 * PROMINENCE * problem.phi / max(abs(pull), np.finfo(float).eps))
+    return float(max(wait, PULLED * seen))
 
 
 class Path(Protocol):

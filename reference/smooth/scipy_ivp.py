@@ -226,7 +226,7 @@ def _watch_step(
             return
     if lift is not None:
         watch.end(lift, Outcome.LIFTED)
-    watch.advance(right)
+    watch.advance(right, float(after[0]))
 
 
 def _above(piece: DenseOutput, level: float, time: float) -> float:

@@ -231,7 +231,7 @@ def _cut_at_events(
             cut, outcome = at, None
             break
     if cut >= 1 and outcome is None:
-        watch.advance(piece.values[TIME, -1])
+        watch.advance(piece.values[TIME, -1], 2 * atan(piece.values[TANGENT, -1]))
         return piece, element
     guess = shortened(element, (cut + 1) / 2)
     short = advance(equations, state.y, guess.length, guess)
