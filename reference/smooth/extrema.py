@@ -69,7 +69,7 @@ class ExtremumRecorder:
     not simply roll, phi'' there is given as `fall`.
 
     Where bounces are asked for a motion in which phi no longer moves ends as steady. One that
-    moves, however slowly, is followed: near a fold of the steady motions a bounce may take any time.
+    moves, however slowly, is followed: near a fold of the steady motions a bounce takes any time.
     """
 
     def __init__(self, problem: Problem, fall: float | None = None) -> None:
