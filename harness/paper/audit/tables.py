@@ -97,7 +97,8 @@ a rotation, the contact and Newton's laws; series by recurrence; integrals by qu
 from the exact motion of the paper's release (g = 9.81 m/s^2). An expression is compared at random
 points to forty digits and, where it agrees, symbolically; a stated order by the rate at which the
 remainder falls; a number by rounding. Every check is tried on altered claims, which it has to
-refuse, and on the right one, which it has to accept.
+refuse, and on the right one, which it has to accept. A result holds
+where it is right as printed, even if a formula on the way to it is wrong: that has its own row.
 
 Each number of text and captions, each numbered equation and each list of coefficients has a row,
 and so have the statements about where a formula holds, what follows from what, and what the figures

@@ -17,4 +17,5 @@ from harness.paper.audit.checks import (  # noqa: F401 - each registers its chec
     reduced,
     references,
     steady_motions,
+    steady_paths,
 )

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
-from harness.paper.audit.newton_euler import rate
+from harness.paper.audit.newton_euler import body_rates, rate
 from harness.paper.audit.symbols import (
     Co,
     Expr,
@@ -31,7 +31,7 @@ LAGRANGIAN = (
 @check("app:Lagrangian")
 def lagrangian() -> IdentityEvidence:
     """I Omega Omega/2 and the height of the centre, S + h C."""
-    omega = sp.Matrix([Psi * S, -Phi, Psi * Co + Theta])
+    omega = body_rates()[1]
     height = S + h * Co
     turning = omega.dot(sp.diag(a, a, c) * omega) / 2
     return IdentityEvidence(

@@ -46,7 +46,7 @@ MASSES = MOMENT_A / (paper_can.a * RADIUS**2), MOMENT_C / (paper_can.c * RADIUS*
 """What A with a, and C with c, imply: they agree to a thousandth, and not with the printed m."""
 SQUARE = sum(MASSES) / 2 * RADIUS**2
 """m R^2 with that mass: one number with which A, C, a and c all round as printed."""
-IMPLIED = f"m = {mp.nstr(SQUARE / RADIUS**2, 3)} kg, which A/(a R^2) and C/(c R^2) imply"
+IMPLIED = f"m = {mp.nstr(SQUARE / RADIUS**2, 4)} kg, which A/(a R^2) and C/(c R^2) imply"
 
 
 @check_each({"text:A": ("6.97e-5", paper_can.a), "text:C": ("5.89e-5", paper_can.c)})
@@ -137,9 +137,9 @@ def initial_conditions() -> Fact:
             ("0.1001", "-0.1000", mp.pi / 99, "rad/s"),
         ),
         how=f"(a_p+1) B_-2^2 = {mp.nstr(implied(right)[0], 4)} with the rates in rad/s, "
-        f"{mp.nstr(implied(printed)[0], 4)} with them in sqrt(g/R); the paper's eps is 1.43e-10, "
-        f"and its zeta is {mp.nstr(implied(right)[1], 3)} as it seems to have been computed; the "
-        f"exact peak of dpsi/dt is {float(release.bounce().bounces[0].peak_psi_dot):.1f} with "
+        f"{mp.nstr(implied(printed)[0], 4)} with them in sqrt(g/R); the paper's eps is 1.43e-10; "
+        f"with rad/s its zeta, computed as under text:zeta, is {mp.nstr(implied(right)[1], 3)}; "
+        f"the exact peak of dpsi/dt is {float(release.bounce().bounces[0].peak_psi_dot):.1f} with "
         "rad/s, and the paper prints 3575 and 3449",
     )
 
