@@ -4,7 +4,7 @@ Putting the expansions of Psi and Theta into eq01:Phi, with time in units of sqr
 gives (eq01:Phi_reduced_intermediate)
 
     phi'' = a_3/phi^3 + (a_l2 log phi + a_2)/phi^2 + (a_l1 log phi + a_1)/phi
-            + a_ll log^2 phi + a_l0 log phi + a_0 - 1 + O(phi log phi),
+            + a_ll log^2 phi + a_l0 log phi + a_0 - 1 + O(phi log^2 phi),
 
 each coefficient quadratic in (B_0, B_{-2}). They are multiplied out here from the exact series and
 not taken from the paper, whose list (app:coefficients) holds misprints; the tests say which agree.
