@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 
 from harness.core.trajectory import Trajectory, take
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.recording import ANGLE_STEP, SAMPLES_IN_TIME, Chunk, Recorder
+from harness.engines.stepping.recording import Chunk, Recorder
 from models import Scene, load, quaternion
 
 GENTLE = load("gentle-rock")
-TIME_STEP = natural_time(GENTLE) / SAMPLES_IN_TIME
+# as the docstrings have them, and not imported: whoever changes one is told
+TIME_STEP = natural_time(GENTLE) / 200.0
+ANGLE_STEP = 0.02
 Made = Callable[..., Trajectory]
 
 

@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 
 from harness.core.bounce import PROMINENCE
+from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Trajectory, take
-from harness.engines.stepping.horizon import FLAT_ALLOWANCE, Watch, longest_time, natural_time
+from harness.engines.stepping.horizon import Watch, countable, longest_time, natural_time
 from models import Horizon, Scene, quaternion
 
 Made = Callable[..., Trajectory]
 TIME = np.linspace(0.0, 1.0, 4001)
+
+FLAT_ALLOWANCE = 20.0
+"""As the docstring has it, and not imported: whoever changes it is told."""
 
 
 def told(
@@ -179,3 +183,28 @@ def test_the_longest_time_goes_with_the_horizon(gentle: Scene) -> None:
     one, two = (longest_time(replace(gentle, horizon=Horizon(bounces=n))) for n in (1, 2))
     assert two == 2.0 * one
     assert math.isfinite(longest_time(replace(gentle, gravity=0.0)))
+
+
+def test_a_bounce_is_allowed_a_hundred_natural_times(gentle: Scene) -> None:
+    one = replace(gentle, horizon=Horizon(bounces=1))
+    assert longest_time(one) == pytest.approx(100.0 * natural_time(gentle), rel=1e-12)
+
+
+def test_more_than_1e15_steps_are_refused(gentle: Scene) -> None:
+    scene = replace(gentle, horizon=Horizon(seconds=1.0))
+    countable(1.01e-15, scene)
+    with pytest.raises(InvalidSettingError):
+        countable(0.99e-15, scene)
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(0.999, None), (1.001, Outcome.DIVERGED)])
+def test_a_thousand_times_the_energy_of_the_release_has_diverged(
+    made: Made, gentle: Scene, share: float, outcome: Outcome | None
+) -> None:
+    still = replace(gentle.release, phi_dot=0.0, psi_dot=0.0, theta_dot=0.0)
+    weight = gentle.gravity * gentle.can.bounding_radius
+    velocity = np.zeros((3, 3))
+    velocity[1, 2] = np.sqrt(share * 1e3 * weight)
+    flat = quaternion(np.full(3, 0.4), np.zeros(3), np.zeros(3))
+    watch = Watch(replace(gentle, release=still, horizon=Horizon(seconds=1.0)))
+    assert watch.over(made(3, velocity=velocity, quaternion=flat)) is outcome
