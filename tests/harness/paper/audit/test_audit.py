@@ -96,7 +96,6 @@ def test_a_double_integral_may_have_any_constants(
         "eq01:material_parameters",
         "eq01:simultaneous",
         "eq01:outer_sol",
-        "caption:fig01:hamiltonian_contours",
     ],
 )
 def test_what_holds_only_when_mended_does_not_hold(
