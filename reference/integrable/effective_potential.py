@@ -175,7 +175,7 @@ def evaluate_potential(well: EffectivePotential, phi: Floats, below: Floats) -> 
 
     Parameters
     ----------
-    well : Well
+    well : EffectivePotential
         With `excess` zero, for the slope to be finite at the reference.
     phi, below : ndarray, shape (m, n)
         Each to its own relative round-off; `slope is given as 0 where `below` is.
@@ -259,7 +259,7 @@ def between(well: EffectivePotential, rise: Floats, gap: Floats) -> tuple[Floats
 
     Parameters
     ----------
-    well : Well
+    well : EffectivePotential
         Referred to the upper root.
     rise, gap : ndarray, shape (m, n)
         Distances from the lower root, and from the upper one.

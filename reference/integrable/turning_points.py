@@ -73,7 +73,7 @@ def turning_points(well: EffectivePotential, *, certain: bool) -> TurningPoints:
 
     Parameters
     ----------
-    well : Well
+    well : EffectivePotential
         Referred to the release, with `excess` its kinetic energy of nutation.
     certain : bool
         Whether no root is stepped over. Otherwise a few trial nutations bracket a root, and

@@ -88,7 +88,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
     Parameters
     ----------
-    piece : Piece
+    piece : Segment
         With cut 1.
     equations : Equations
     t_end : float

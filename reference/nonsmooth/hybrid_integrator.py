@@ -2,10 +2,7 @@
 
 The motion is smooth between switches. Each switch is found to round-off on the polynomial of the
 step in which it falls (`reference.nonsmooth.events`), the step is cut there, and the next one
-begins with the
-other law.
-
-How far it is to where a slip, or a rolling that meets resistance, comes to rest, or jams.
+begins with the other law.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Equations, Kind, Mode, Phase
-from reference.equations.frames import to_level
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
@@ -22,20 +18,13 @@ from reference.equations.state_vector import (
     TIME,
     TURN,
     W2,
-    Angles,
     Index,
     released,
     sizes,
     snapshot_of,
 )
 from reference.nonsmooth.events import Event, What, events
-from reference.nonsmooth.level_spin import (
-    BESIDE,
-    HARDLY,
-    level_turning,
-    stands,
-    with_level,
-)
+from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
 from reference.nonsmooth.radau_iia import (
     STAGES,
     basis,
@@ -46,6 +35,7 @@ from reference.nonsmooth.radau_iia import (
     step,
 )
 from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.stopping import at_rest, halted, left_of_roll, left_of_slip, left_to_jam
 from reference.nonsmooth.transitions import (
     ModeTransition,
     begin,
@@ -59,79 +49,12 @@ from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.smooth.extrema import ExtremumRecorder, Run
 
-# A slip or a level turning slower than this and slowing is about to stop: round-off of the can's
-# own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
-# step no longer moves a double.
-STOPPED = 1e-14
-
-
-def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
-    """Return sigma until the slip of a state, shape (13,), stops at its rate; inf if it never does.
-
-    Parameters
-    ----------
-    equations : Equations
-    y : ndarray, shape (13,)
-    mode : Mode
-    """
-    if not mode.slips:
-        return np.inf
-    rates = equations.rates(y[:, None], mode, along=False)
-    return _until_none(y[SLIP], rates[SLIP, 0])
-
-
-def left_to_jam(equations: Equations, piece: Segment) -> float:
-    """Return sigma from the end of a piece until the rim jams; inf if it does not.
-
-    Where the normal mobility G falls to zero N = -n/G grows without bound, and with it what lets G
-    fall: G G' tends to a constant, so that G^2 falls to zero in a straight line.
-    """
-    found = equations.contact(piece.at(np.array([piece.cut / 2, piece.cut])), piece.mode)
-    before, after = (found.grip**2).tolist()
-    falls = before > after and found.force[2, 1] > found.force[2, 0] > 0
-    return piece.cut * piece.length / 2 * after / (before - after) if falls else np.inf
-
-
-def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
-    """Return sigma until the level turning stops; inf if nothing resists it, or it never does."""
-    if not equations.resistance or mode.rests:
-        return np.inf
-    column = y[:, None]
-    turning = to_level(equations.contact(column, mode).turning, Angles.of(column[LEAN]))
-    return _until_none(level_turning(column)[:, 0], turning[:2, 0])
-
-
-def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
-    """Return a state without what has all but stopped, and the mode that holds it."""
-    left = left_of_slip(equations, y, mode)
-    if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
-        y, mode = y.copy(), replace(mode, slips=False)
-        y[SLIP] = 0.0
-    if not equations.resistance:
-        return y, mode
-    # beside a turning about the vertical the little that is left has no direction
-    least = STOPPED + BESIDE * float(np.abs(y[TURN]).max())
-    speed = float(np.hypot(*level_turning(y[:, None])[:, 0]))
-    if speed <= least and np.isfinite(left_of_roll(equations, y, mode)):
-        y, mode = at_rest(y, mode)
-    return y, mode
-
-
-def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
-    """Return a state without level turning, of which there was only round-off, that is held."""
-    return with_level(y[:, None], np.zeros((2, 1)))[:, 0], replace(mode, rests=True)
-
-
-def _until_none(velocity: Floats, acceleration: Floats) -> float:
-    speed = np.hypot(*velocity)
-    slowing = -(velocity @ acceleration) / speed
-    return float(speed / slowing) if slowing > 0 else np.inf
-
-
 # Chebyshev coefficients of a step fall geometrically: the last two below this leave no error that
 # the roundings of the step itself would not.
 RESOLVED = 3e-14
+# Some round-offs: below it they say nothing of how long the next step may be.
 NOISE = 2e-15
+# Of the velocities, or of forces of size 1: a part smaller than this share has their round-off.
 QUIET = 1e-3
 # No step is longer, in sigma: longer ones are mostly refused, which costs more than they save.
 LONGEST = 8.0

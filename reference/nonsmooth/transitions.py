@@ -54,7 +54,7 @@ class ModeTransition:
     Attributes
     ----------
     mode : Mode
-    slip, roll : Onset or None
+    slip, roll : SlipOnset or None
         How it begins, if it does.
     ending : Outcome or None
         Why there is nothing to follow.

@@ -193,7 +193,7 @@ class Run:
     Attributes
     ----------
     path : Path
-    track : Track
+    track : Extrema
     steps, evaluations : int
         Solver work.
     """

@@ -71,7 +71,7 @@ def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None =
     problem : Problem
     locus : bool
         Whether to integrate the contact point as well.
-    watch : Watch or None
+    watch : ExtremumRecorder or None
         Decides the ending; by default the horizon of the problem does.
 
     Returns

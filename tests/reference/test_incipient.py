@@ -16,25 +16,20 @@ from reference import (
     Effects,
     Gravity,
     Kind,
-    Mass,
     Outcome,
     Parameters,
     Problem,
     examine,
     solve,
 )
-from reference.analysis.validity import LIGHT
 from reference.equations.contact_laws import Mode
 from reference.equations.coulomb import CoulombEquations
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.reaction_force import contact_force
 from reference.equations.state_vector import released
-from reference.nonsmooth.segments import SegmentsPath
 from reference.nonsmooth.slip_onset import SlipOnset, admissible, slack
 from reference.problem.states import Floats
-from reference.solve import METHODS
 from tests.onsets.__main__ import page
-from tests.onsets.campaign import Tally, campaign, drawn, pulls_and_excess
+from tests.onsets.campaign import Tally, campaign, drawn
 
 UP = np.array([0.0, 0.0, 1.0])
 PULLED = Problem(
@@ -270,140 +265,6 @@ def test_at_the_edge_of_the_cone_a_rim_that_goes_on_sticking_is_held() -> None:
         assert found.outcome is Outcome.FINISHED
         slips.add(found.phases[-1].kind)
     assert slips == {Kind.STICK, Kind.SLIP}
-
-
-EDGES = {
-    # once stuck for ever, where it needs 4.9 and mu is 0.85
-    "stuck": (
-        Parameters(a=2.4458977454944817, c=1.3709009350341448, h=0.12161682424675234),
-        (1.195138536954516, 1.402611426528888, -4.259781777600158),
-        Kind.SLIP,
-    ),
-    # which needs less soon; once slipped below its own round-off, for 20 s and no further
-    "slow": (
-        Parameters(a=0.06489918545350426, c=0.08141464191271924, h=0.8570613661397004),
-        (0.4655989909526477, 1.8513302278749264, -0.30971247595006696),
-        Kind.STICK,
-    ),
-    # of two slips that the equations have near the edge one has a negative mobility
-    "inadmissible": (
-        Parameters(a=0.3084541791326839, c=0.06675889360328628, h=0.3397888709079677),
-        (1.1274629064613455, 3.3251030742457695, 1.2779116146293827),
-        Kind.SLIP,
-    ),
-}
-
-
-@pytest.mark.parametrize("model", ["coulomb", "general"])
-@pytest.mark.parametrize("ulps", [-2, 0, 2])
-@pytest.mark.parametrize("name", EDGES)
-def test_what_stands_on_the_edge_of_its_cone_slips_if_it_needs_more_than_there_is(
-    name: str, ulps: int, model: str
-) -> None:
-    """At phi' = 0 the friction that is needed is stationary: its slack falls below round-off."""
-    can, (phi, psi_dot, theta_dot), ends = EDGES[name]
-    start = Problem(parameters=can, phi=phi, psi_dot=psi_dot, theta_dot=theta_dot, duration=0.3)
-    force = CoulombEquations(parameters=can, mu=1.0).contact(released(start)[:, None], Mode()).force
-    mu = float(np.hypot(*force[:2, 0]) / force[2, 0]) * (1 + ulps * np.finfo(float).eps)
-    found = solve(replace(start, effects=Effects(mu=mu)), model=model)
-    assert found.outcome is Outcome.FINISHED
-    least, excess = pulls_and_excess(found)
-    assert least >= 0
-    assert excess < 1
-    assert examine(found, found.grid()).findings == ()
-    assert found.phases[-1].kind is ends
-    # 200000 once; a hundred steps of a few iterations at 16 points
-    assert found.evaluations < 5000
-
-
-def test_a_rim_that_sticks_beyond_its_cone_is_a_finding() -> None:
-    start = Problem(parameters=PAPER_CAN, phi=0.9, psi_dot=0.3, theta_dot=-0.4, duration=0.5)
-    rolls = solve(replace(start, effects=Effects(mu=2.0)))
-    needed = examine(rolls, rolls.grid())
-    assert needed.findings == ()
-    # as if it had been followed so with less
-    wrong = replace(rolls, problem=replace(rolls.problem, effects=Effects(mu=0.26)))
-    (finding,) = examine(wrong, wrong.grid()).findings
-    assert finding.sentence.startswith("The rim sticks with a friction of ")
-
-
-def test_a_turning_that_stops_in_the_step_in_which_rolling_begins_is_seen() -> None:
-    """Once followed as if friction went on against a turning that it had already turned round."""
-    found = solve(
-        Problem(
-            parameters=Parameters(a=0.844324671342653, c=0.4093693761472177, h=0.6147681066005056),
-            phi=1.0390712947482998,
-            psi_dot=-0.00014877262193151657,
-            duration=0.3,
-            effects=Effects(
-                mu=7.9203538225587735,
-                drilling=0.11003449511211205,
-                rolling_resistance=0.01902974846793292,
-            ),
-        )
-    )
-    assert pulls_and_excess(found)[1] < 1
-    assert isinstance(found.path, SegmentsPath)
-    assert [piece.mode.turns for piece in found.path.pieces][:2] == [-1, 0]
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_without_friction_a_can_lifts_by_whatever_method(method: str) -> None:
-    """Once only the default lifted, and the others went on with N = -11.9."""
-    lifts = Problem(
-        parameters=Parameters(a=0.4, c=0.2, h=1.2),
-        phi=0.68,
-        phi_dot=0.4,
-        psi_dot=4.85,
-        theta_dot=-2.06,
-        duration=0.3,
-        effects=Effects(mu=0.0),
-    )
-    exact, found = solve(lifts, model="coulomb"), solve(lifts, method=method)
-    assert found.outcome is exact.outcome is Outcome.LIFTED
-    assert exact.t_end > 0
-    assert found.t_end == pytest.approx(exact.t_end, abs=1e-10)
-    force = found.at(np.array([found.t_end])).force
-    assert force is not None
-    assert abs(force[0, 2]) < 1e-12
-    # who would have to be pulled from the start does not begin
-    assert solve(replace(lifts, phi_dot=-4.0), method=method).t_end == 0
-
-
-FALLING = Problem(parameters=PAPER_CAN, phi=0.22, psi_dot=-1.1, theta_dot=-0.6, bounces=1)
-"""Its bounce asks for a pull of 1.2 m g."""
-SMALL = 1e-12
-
-
-@pytest.mark.parametrize(
-    "effects",
-    [
-        Effects(drilling=SMALL),
-        Effects(rolling_resistance=SMALL),
-        Effects(linear_damping=SMALL),
-        Effects(angular_damping=SMALL),
-        Effects(rim=SMALL),
-        Effects(mass=Mass(share=SMALL)),
-        Effects(gravity=Gravity(amplitude=(0.0, 0.0, SMALL), rate=1.0)),
-    ],
-)
-def test_whatever_effect_is_declared_the_can_lifts_where_the_normal_force_is_zero(
-    effects: Effects,
-) -> None:
-    ideal = solve(FALLING, model="rolling")
-    assert ideal.outcome is Outcome.FINISHED
-    finding = examine(ideal, ideal.grid()).findings[0].sentence
-    assert finding.startswith("Rolling asks the plane to pull")
-    found = solve(replace(FALLING, effects=effects))
-    assert found.outcome is Outcome.LIFTED
-    # there the force of the ideal motion is zero, but for what SMALL changes
-    normal = contact_force(ideal.at(np.array([found.t_end])), PAPER_CAN)[2]
-    assert abs(normal[0]) < 100 * SMALL
-    seen = examine(found, found.grid())
-    assert abs(seen.normal_force) < 1e-12
-    # |F| is some tenths of the weight: over LIGHT at most
-    assert 1 < seen.friction_ratio < 1 / LIGHT
-    assert not any("to pull, with" in finding.sentence for finding in seen.findings)
 
 
 def test_the_arms_have_a_mobility_of_their_own() -> None:

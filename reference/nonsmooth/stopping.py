@@ -1,0 +1,84 @@
+"""How far it is to where a slip, or a rolling that meets resistance, comes to rest, or jams.
+
+Friction stops what it is against in a finite time, at which its direction is lost: a step ends
+before, and what round-off would be left of is held.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.equations.contact_laws import Equations, Mode
+from reference.equations.frames import to_level
+from reference.equations.state_vector import LEAN, SLIP, TURN, Angles
+from reference.nonsmooth.level_spin import BESIDE, level_turning, with_level
+from reference.nonsmooth.segments import Segment
+from reference.problem.states import Floats
+
+# A slip or a level turning slower than this and slowing is about to stop: round-off of the can's
+# own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
+# step no longer moves a double.
+STOPPED = 1e-14
+
+
+def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
+    """Return sigma until the slip of a state, shape (13,), stops at its rate; inf if it never does.
+
+    Parameters
+    ----------
+    equations : Equations
+    y : ndarray, shape (13,)
+    mode : Mode
+    """
+    if not mode.slips:
+        return np.inf
+    rates = equations.rates(y[:, None], mode, along=False)
+    return _until_none(y[SLIP], rates[SLIP, 0])
+
+
+def left_to_jam(equations: Equations, piece: Segment) -> float:
+    """Return sigma from the end of a piece until the rim jams; inf if it does not.
+
+    Where the normal mobility G falls to zero N = -n/G grows without bound, and with it what lets G
+    fall: G G' tends to a constant, so that G^2 falls to zero in a straight line.
+    """
+    found = equations.contact(piece.at(np.array([piece.cut / 2, piece.cut])), piece.mode)
+    before, after = (found.grip**2).tolist()
+    falls = before > after and found.force[2, 1] > found.force[2, 0] > 0
+    return piece.cut * piece.length / 2 * after / (before - after) if falls else np.inf
+
+
+def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
+    """Return sigma until the level turning stops; inf if nothing resists it, or it never does."""
+    if not equations.resistance or mode.rests:
+        return np.inf
+    column = y[:, None]
+    turning = to_level(equations.contact(column, mode).turning, Angles.of(column[LEAN]))
+    return _until_none(level_turning(column)[:, 0], turning[:2, 0])
+
+
+def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
+    """Return a state without what has all but stopped, and the mode that holds it."""
+    left = left_of_slip(equations, y, mode)
+    if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
+        y, mode = y.copy(), replace(mode, slips=False)
+        y[SLIP] = 0.0
+    if not equations.resistance:
+        return y, mode
+    # beside a turning about the vertical the little that is left has no direction
+    least = STOPPED + BESIDE * float(np.abs(y[TURN]).max())
+    speed = float(np.hypot(*level_turning(y[:, None])[:, 0]))
+    if speed <= least and np.isfinite(left_of_roll(equations, y, mode)):
+        y, mode = at_rest(y, mode)
+    return y, mode
+
+
+def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
+    """Return a state without level turning, of which there was only round-off, that is held."""
+    return with_level(y[:, None], np.zeros((2, 1)))[:, 0], replace(mode, rests=True)
+
+
+def _until_none(velocity: Floats, acceleration: Floats) -> float:
+    speed = np.hypot(*velocity)
+    slowing = -(velocity @ acceleration) / speed
+    return float(speed / slowing) if slowing > 0 else np.inf
