@@ -31,7 +31,7 @@ def measure_bounces(
     Parameters
     ----------
     path : Path
-    track : Track
+    track : Extrema
     parameters : Parameters
     sliding : bool
         Whether the plane is without friction, so that there is no force to ask for.
