@@ -31,6 +31,7 @@ def test_a_regression_is_named(score: Make, scores: MakeAll) -> None:
         "0.0001 rad -> 0.0005 rad (5 times) and 1 more."
     ) in text
     assert "Better: petals in mujoco (matched, 0.001 s), error of the nutation phi (rms)" in text
+    assert "0.0001 rad -> 1e-05 rad (0.1 times)" in text
     assert "New: wobble in mujoco" in text
     assert "mujoco 4.0.0 accepted, 4.0.1 found" in text
     assert "found has set: mujoco.impratio = 1" in text
@@ -65,6 +66,7 @@ def test_the_artefacts_hold_every_difference(score: Make, scores: MakeAll) -> No
     assert list(map(str, table.frame["verdict"])) == ["worse", "same", "undecidable"]
     figure = next(one for one in artefacts if isinstance(one, Figure))
     (panel,) = figure.panels
+    assert panel.log_y  # ten times better is as far from the line of one as ten times worse
     drawn = {series.label: list(series.y) for series in panel.series}
     assert drawn == {"worse": [3.0], "undecidable": [1.0]}
     assert "1 of 2 have moved" in figure.seen

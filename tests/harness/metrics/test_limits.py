@@ -336,3 +336,14 @@ def test_two_lists_are_of_one_length(
 ) -> None:
     with pytest.raises(ValueError, match="shorter"):
         measure(HALVES, HALVES[:2])
+
+
+@pytest.mark.parametrize(("power", "told_apart"), [(0.31, True), (0.25, False)])
+def test_no_power_below_three_tenths_is_told_from_a_level(
+    power: float, *, told_apart: bool
+) -> None:
+    """The first order that is tried is 0.4, and it is refined by a step of 0.1 at most."""
+    steps = [2.0**-k for k in range(8)]
+    found = plateau(steps, [1.0 + 0.5 * step**power for step in steps])
+    assert found is not None
+    assert (abs(found.level - 1.0) < 1e-3) is told_apart
