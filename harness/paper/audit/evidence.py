@@ -2,8 +2,8 @@
 
 Every kind holds the claim as data in `printed`, so that the same check can be run on another
 claim: `mutations` gives evidence about wrong ones, which it must refuse, and `as_corrected`
-evidence about the right one, which it must accept. A mutation of a form changes one place: the sign
-or the coefficient of one term, one power, one entry.
+evidence about the right one, which it must accept. How a form
+is mutated, `symbols.mutated` says.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,10 +12,9 @@ from functools import partial
 from typing import Any, Protocol, Self, TypeVar
 
 import mpmath as mp
-import sympy as sp
 
 from harness.paper.audit.claims import WRONG, ClaimStatus, Ruling
-from harness.paper.audit.symbols import ZERO, Expr, disagreement, vanishes
+from harness.paper.audit.symbols import ZERO, Expr, disagreement, mutated, vanishes
 
 
 class Evidence(Protocol):
@@ -86,52 +85,6 @@ def labels_with_checks() -> frozenset[str]:
     return frozenset(_CHECKS)
 
 
-MOST = 6
-"""Mutations kept of a form, spread over it: each costs an evaluation to forty digits."""
-
-
-def mutated(form: Expr) -> list[Expr]:
-    """Return forms that differ from a form in one place, at most `MOST`.
-
-    Parameters
-    ----------
-    form : Expr
-        An expression or a matrix of expressions, in which every entry is mutated in turn.
-    """
-    if isinstance(form, sp.MatrixBase):
-        everywhere = (x for place in range(len(form)) for x in _with_entry(form, place))
-        return _spread(list(everywhere), form)
-    return _spread(list(_in_one_place(sp.sympify(form))), form)
-
-
-def _with_entry(form: Expr, place: int) -> Iterator[Expr]:
-    for entry in mutated(form[place]):
-        other = form.as_mutable()
-        other[place] = entry
-        yield other
-
-
-def _in_one_place(form: Expr) -> Iterator[Expr]:
-    if form.is_zero:
-        yield sp.Integer(1)
-        return
-    yield -form
-    yield 2 * form
-    for node in sp.preorder_traversal(form, keys=True):
-        if node.is_Add:
-            for term in node.args:
-                yield form.xreplace({node: node - 2 * term})
-                yield form.xreplace({node: node + term})
-        elif node.is_Pow and node.exp.is_Integer:
-            yield form.xreplace({node: node * node.base})
-
-
-def _spread(found: list[Expr], form: Expr) -> list[Expr]:
-    """Keep at most `MOST`, evenly over the list, and none that equals the form."""
-    step = max(1, -(-len(found) // MOST))
-    return [x for x in found[::step] if disagreement(x, form) >= ZERO]
-
-
 RATE_SLACK = 0.15
 """What a logarithm in a remainder takes off an observed rate at the parameters used here."""
 
@@ -156,7 +109,7 @@ class IdentityEvidence:
     corrected : Expr or None
         The printed form put right.
     others : sequence of Expr
-        Wrong claims; if left out those of `mutations.mutated`.
+        Wrong claims; if left out those of `symbols.mutated`.
     """
 
     printed: Expr

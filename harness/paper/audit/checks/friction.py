@@ -19,10 +19,9 @@ from harness.paper.audit.evidence import (
     Rate,
     check,
     check_each,
-    mutated,
 )
 from harness.paper.audit.newton_euler import contact_force, turn_z
-from harness.paper.audit.symbols import A, Expr, H, R, a, a_p, h, m, psi
+from harness.paper.audit.symbols import A, Expr, H, R, a, a_p, h, m, mutated, psi
 from reference import PAPER_CAN, Parameters, Problem, solve
 from reference.equations.reaction_force import friction_ratio as ratio_of
 from reference.problem.states import initial_states

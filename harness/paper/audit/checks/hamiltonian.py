@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit.checks.outer import POWERS, a_
-from harness.paper.audit.evidence import Fact, IdentityEvidence, check, mutated
+from harness.paper.audit.evidence import Fact, IdentityEvidence, check
 from harness.paper.audit.flat_motion import exact_constants
-from harness.paper.audit.symbols import A, Expr, H, Phi, R, a_p, eps, g, m, phi
+from harness.paper.audit.symbols import A, Expr, H, Phi, R, a_p, eps, g, m, mutated, phi
 from reference import PAPER_CAN
 from reference.asymptotic.small_nutation import reduced_equation, reduced_of
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit import flat_series as series
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each, mutated
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each
 from harness.paper.audit.newton_euler import ARM, centre_velocity, rate, rotation
-from harness.paper.audit.symbols import B2, I, Psi, T, Theta, a, c, c_p, eps, h, k, psi
+from harness.paper.audit.symbols import B2, I, Psi, T, Theta, a, c, c_p, eps, h, k, mutated, psi
 from reference import PAPER_CAN, solve
 from reference.asymptotic.matched import boundary_rotation
 from reference.integrable.cycle import exact_bounces

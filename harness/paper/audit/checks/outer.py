@@ -15,9 +15,8 @@ from harness.paper.audit.evidence import (
     Rate,
     check,
     check_each,
-    mutated,
 )
-from harness.paper.audit.symbols import Expr, I, eps
+from harness.paper.audit.symbols import Expr, I, eps, mutated
 
 time = sp.Symbol("tau", positive=True)
 SMALL = mp.mpf("1e-20")

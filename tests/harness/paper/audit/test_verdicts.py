@@ -9,7 +9,6 @@ import sympy as sp
 from harness.paper.audit import symbols
 from harness.paper.audit.claims import WRONG, AuditRow, Claim, ClaimStatus
 from harness.paper.audit.evidence import (
-    MOST,
     Both,
     Evidence,
     Fact,
@@ -17,9 +16,8 @@ from harness.paper.audit.evidence import (
     Number,
     OutOfReach,
     Rate,
-    mutated,
 )
-from harness.paper.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
+from harness.paper.audit.symbols import MOST, Co, S, disagreement, mutated, phi, tidy, vanishes
 
 
 def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
