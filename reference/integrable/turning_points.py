@@ -189,13 +189,18 @@ def _upper(
 def _left(well: EffectivePotential, phi: Floats, below: Floats, way: float) -> Floats:
     """G where the release moves, g over the distance where it rests, shape (m, n)."""
     at = _beside(well, below, way)
-    slope = evaluate_potential(well, phi, at).slope
-    return np.asarray(np.where(well.excess == 0, way * slope, slope * at))
+    return _at(well, at, way, evaluate_potential(well, phi, at).slope)
 
 
 def _beside(well: EffectivePotential, below: Floats, way: float | Floats) -> Floats:
-    """Distances from the release, of which none is zero: there g/(r - phi) has its limit."""
-    return np.where(below == 0, way * BESIDE * well.reference, below)
+    """Distances from the release, none zero where it rests: there g/(r - phi) has its limit."""
+    limit = (below == 0) & (well.excess == 0)
+    return np.where(limit, way * BESIDE * well.reference, below)
+
+
+def _at(well: EffectivePotential, at: Floats, way: float | Floats, slope: Floats) -> Floats:
+    moves = np.where(at == 0, well.excess, slope * at)
+    return np.asarray(np.where(well.excess == 0, way * slope, moves))
 
 
 def _above(well: EffectivePotential, rise: Floats) -> Floats:
@@ -256,8 +261,7 @@ def _first_of(well: EffectivePotential, stop: Floats) -> Brackets:
         at = _beside(part, part.reference - phi, -way[which])
         state = evaluate_potential(part, phi, at)
         noise = energy_noise(part, phi, at, state)
-        rests = part.excess == 0
-        value = np.where(rests, -way[which] * state.slope, state.slope * at)
-        return value, np.where(rests, noise / np.abs(at), noise)
+        share = np.where(part.excess == 0, np.abs(at), 1.0)
+        return _at(part, at, -way[which], state.slope), noise / share
 
     return first_brackets(left, well.reference, stop)

@@ -119,9 +119,8 @@ def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
     own = reference.integrable.exact_motion.turning_points
 
     def wrong(well: EffectivePotential, **options: bool) -> TurningPoints:
-        points = own(well, **options)
-        low = (1 - 1e-11) * points.low  # so little that no integrand turns negative
-        return replace(points, low=low, swing=points.high - low)
+        # the motion of another can, which is no less smooth
+        return own(replace(well, short=well.short * (1 + 1e-9)), **options)
 
     monkeypatch.setattr(reference.integrable.exact_motion, "turning_points", wrong)
     scene = replace(GENTLE, name="wrongly-solved")
@@ -137,4 +136,4 @@ def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
     seen = model_answer(evaluate_without_truth(case), motion, "auto")["agreement"]
     assert seen["holds"] is False
     assert seen["resolved"] is True
-    assert seen["discrepancy"] > 5e-12
+    assert seen["discrepancy"] > 1e-10

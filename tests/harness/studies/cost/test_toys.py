@@ -82,7 +82,7 @@ def test_the_cheapest_is_named_with_its_tie(found: Cost) -> None:
     (easy,) = price_rows(found, HERE, 1e3)
     assert easy["settings"] == "first order"
     assert set(str(easy["tied_with"]).split(", ")) == {"levelled", "twin"}
-    assert easy["verdict"] == "cheapest"
+    assert str(easy["verdict"]) == "cheapest"
     assert easy["relative_cost"] == 1.0
 
 
