@@ -10,7 +10,6 @@ from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from harness import api
 from harness.cli.main import code_of
 from harness.gate import spread
 from harness.gate.baseline import FILE
@@ -47,10 +46,10 @@ def told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) ->
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the quick suite three runs, with few members each."""
     ladders = {"quick": {"gentle-rock": (1e-3,)}, "full": {"gentle-rock": (1e-3, 3e-4)}}
-    monkeypatch.setattr(api, "SUITES", ladders)
-    # by its full name: the package has a function of the same
-    module = sys.modules["harness.studies.comparison.suite"]
-    monkeypatch.setattr(module, "SUITES", ladders)
+    # by their full names: the package has a function of the same name as one
+    for name in ("study", "suite"):
+        module = sys.modules[f"harness.studies.comparison.{name}"]
+        monkeypatch.setattr(module, "SUITES", ladders)
     monkeypatch.setattr(spread, "MOST", 4)
 
 
