@@ -13,10 +13,19 @@ from models.contact_effects import (
 )
 from models.effects import IDEAL, KINDS, NO_SLIP_FRICTION, Effects
 from models.errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
-from models.kinematics import angle_rates, angles, angular_velocity, principal, quaternion, to_body
+from models.kinematics import (
+    RESOLVED_STEP,
+    Angles,
+    angle_rates,
+    angles,
+    angles_of_record,
+    angular_velocity,
+    principal,
+    quaternion,
+    to_body,
+)
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
 from models.modelling_choices import MODELLING_CHOICES, modelling_choices
-from models.record import RESOLVED_STEP, Angles, angles_of_record
 from models.rim import (
     contact_offset,
     contact_point,
@@ -25,8 +34,7 @@ from models.rim import (
     rolling_velocity,
 )
 from models.scene import Horizon, Scene
-from models.scene_file import read_scene
-from models.scene_text import write_scene
+from models.scene_file import read_scene, write_scene
 from models.state import Pose, Release, Twist
 from models.urdf import GROUND_FRICTION, ground_urdf, urdf
 

@@ -1,17 +1,20 @@
-"""Scene files: TOML read into a `Scene`, with exact messages.
+"""Scene files: TOML read into a `Scene`, with exact messages, and written from one.
 
-The shape of the file (keys and types) is checked by pydantic, the values by the classes of the
-scene themselves. What is wrong is reported together, one line each, naming the file and the key.
+The shape of the file (keys and types) is checked by pydantic, which neither converts nor ignores;
+the values by the classes of the scene themselves. What is wrong is reported together, one line
+each, naming the file and the key.
 """
 
+import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
 from models.can import Can
@@ -19,7 +22,6 @@ from models.effects import KINDS, Effects
 from models.errors import InvalidValueError, ModelError, SceneFileError, shown
 from models.quantity import positive
 from models.scene import Horizon, Scene
-from models.scene_tables import CanTable, FileTable, HorizonTable, Table
 from models.state import Release
 
 LARGEST_FILE = 1_000_000
@@ -29,6 +31,72 @@ MOST_PROBLEMS = 10
 """Problems of shape that are listed; a file with more is no scene file at all."""
 
 T = TypeVar("T")
+
+
+class Table(BaseModel):
+    """A table of a scene file: no key beyond those named, no conversion of types."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class CanTable(Table):
+    """The can: mass, radius, and each moment and length as a group or in SI units."""
+
+    mass: float
+    radius: float
+    a: float | None = None
+    A: float | None = None
+    c: float | None = None
+    C: float | None = None
+    h: float | None = None
+    H: float | None = None
+
+
+class ReleaseTable(Table):
+    """How it is let go, rad and rad/s; the height in m."""
+
+    phi: float
+    psi: float = 0.0
+    theta: float = 0.0
+    phi_dot: float = 0.0
+    psi_dot: float = 0.0
+    theta_dot: float = 0.0
+    height: float = 0.0
+
+
+class HorizonTable(Table):
+    """When to stop: one of the two."""
+
+    bounces: int | None = None
+    seconds: float | None = None
+
+
+def _of_effects() -> type[Table]:
+    """Return the table of effects: a table for each, with a key for each constant of its law."""
+    tables: dict[str, Any] = {}
+    for name, kind in KINDS.items():
+        keys: dict[str, Any] = {
+            key.name: (float, ... if key.default is MISSING else key.default)
+            for key in fields(kind)
+        }
+        tables[name] = (create_model(f"_{kind.__name__}", __base__=Table, **keys) | None, None)
+    return create_model("_Effects", __base__=Table, **tables)
+
+
+class _Effects(_of_effects()):  # type: ignore[misc] # a base that is made, not written
+    """The table of effects."""
+
+
+class FileTable(Table):
+    """A scene file."""
+
+    name: str
+    cite: str = ""
+    gravity: float
+    can: CanTable
+    release: ReleaseTable
+    horizon: HorizonTable
+    effects: _Effects = _Effects()
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -53,7 +121,7 @@ def read_scene(path: str | Path) -> Scene:
     try:
         file = FileTable.model_validate(tomllib.loads(text))
     except ValidationError as error:
-        problems = [_sentence(detail) for detail in _told_once(error.errors())]
+        problems = [_sentence(detail) for detail in _once(error.errors())]
         if len(problems) > MOST_PROBLEMS:
             problems[MOST_PROBLEMS:] = [f"has {len(problems) - MOST_PROBLEMS} more such problems"]
         raise SceneFileError(path, problems) from None
@@ -85,16 +153,19 @@ def _text(path: Path) -> str:
         raise SceneFileError(path, [f"is not UTF-8 text (byte {error.start})"]) from None
 
 
-def _told_once(details: list[ErrorDetails]) -> list[ErrorDetails]:
-    """Leave out missing keys of a table of an effect with an unknown one: it is one of them."""
-    misspelt = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
-    return [
-        detail
-        for detail in details
-        if detail["type"] != "missing"
-        or detail["loc"][0] != "effects"
-        or detail["loc"][:-1] not in misspelt
-    ]
+def _once(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Leave out a missing key that an unknown one of its table stands for: that one is misspelt."""
+
+    def keys(kind: str, table: tuple[int | str, ...]) -> list[str]:
+        at = [detail["loc"] for detail in details if detail["type"] == kind]
+        return [str(location[-1]) for location in at if location[:-1] == table]
+
+    def misspelt(location: tuple[int | str, ...]) -> bool:
+        unknown = keys("extra_forbidden", location[:-1])
+        every = len(unknown) >= len(keys("missing", location[:-1]))
+        return every or bool(get_close_matches(str(location[-1]), unknown))
+
+    return [d for d in details if d["type"] != "missing" or not misspelt(d["loc"])]
 
 
 _KINDS = {float: "a number", int: "an integer", str: "a string"}
@@ -234,3 +305,33 @@ def _given(table: Table, name: str, *alternatives: str) -> str:
     found = "are both given" if keys else "are both missing"
     quoted = " and ".join(f"'{name}.{key}'" for key in alternatives)
     raise ModelError(f"keys {quoted} {found}, but exactly one of them must be there")
+
+
+def write_scene(scene: Scene) -> str:
+    """Return the text of a scene file that reads back as an equal scene.
+
+    Lengths and moments are written in SI units (`A`, `C`, `H`), all numbers to the last digit.
+    """
+    top: list[str] = []
+    tables: list[str] = []
+    for key, value in scene.to_dict().items():
+        if isinstance(value, Mapping):
+            tables.append(
+                "\n".join(("", f"[{key}]", *(_assignment(*item) for item in value.items())))
+            )
+        else:
+            top.append(_assignment(key, value))
+    return "\n".join((*top, *tables)) + "\n"
+
+
+def _assignment(key: str, value: object) -> str:
+    return f"{key} = {_toml(value)}"
+
+
+def _toml(value: object) -> str:
+    """Return a value as TOML writes it: inline."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(_assignment(*item) for item in value.items()) + " }"
+    if isinstance(value, str):  # printable, so every escape that JSON uses TOML knows too
+        return json.dumps(value, ensure_ascii=False)
+    return repr(value)

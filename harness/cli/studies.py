@@ -47,7 +47,7 @@ from harness.studies.stability.study import StabilityStudy
 from harness.studies.stability.suite import SUITES
 from harness.studies.study import Results
 from models.catalogue import load
-from models.scene_text import write_scene
+from models.scene_file import write_scene
 
 
 @with_run_options

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from harness.core.trajectory import Floats, Trajectory
-from models.record import Angles, angles_of_record
+from models.kinematics import Angles, angles_of_record
 from models.scene import Scene
 
 _LIGHT = 1e-3

@@ -197,10 +197,43 @@ def test_each_mistake_has_its_sentence(path: Path, old: str, new: str, expected:
 def test_all_wrong_keys_are_reported_together(path: Path) -> None:
     path.write_text(GOOD.replace("[can]", "[cam]").replace("gravity", "gravitas"))
     assert problems(path) == (
-        "key 'gravity' is missing; it must be a number",
-        "key 'can' is missing; it must be a table",
         f"key 'gravitas' is unknown, did you mean 'gravity'? allowed are {FILE_KEYS}",
         f"key 'cam' is unknown, did you mean 'can'? allowed are {FILE_KEYS}",
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "mass = 0.043",
+            "mas = 0.043",
+            f"key 'can.mas' is unknown, did you mean 'mass'? allowed are {CAN_KEYS}",
+        ),
+        ("gravity = 9.81", "g = 9.81", f"key 'g' is unknown; allowed are {FILE_KEYS}"),
+        (
+            "phi = 0.4",
+            "Phi = 0.4",
+            f"key 'release.Phi' is unknown, did you mean 'phi'? allowed are {RELEASE_KEYS}",
+        ),
+        (
+            "[horizon]",
+            "[horizons]",
+            f"key 'horizons' is unknown, did you mean 'horizon'? allowed are {FILE_KEYS}",
+        ),
+    ],
+)
+def test_a_misspelt_key_is_one_message(path: Path, old: str, new: str, expected: str) -> None:
+    assert old in GOOD
+    path.write_text(GOOD.replace(old, new))
+    assert problems(path) == (expected,)
+
+
+def test_a_key_that_no_unknown_one_stands_for_is_missing_beside_it(path: Path) -> None:
+    path.write_text(GOOD.replace("mass = 0.043\nradius = 0.037", "mas = 0.043"))
+    assert problems(path) == (
+        "key 'can.radius' is missing; it must be a number",
+        f"key 'can.mas' is unknown, did you mean 'mass'? allowed are {CAN_KEYS}",
     )
 
 

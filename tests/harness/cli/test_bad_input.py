@@ -31,6 +31,7 @@ SCENE_FAULTS = {
     "a negative mass": ("mass", "mass = -0.043", ("mass", "-0.043", "greater than")),
     "no mass at all": ("mass", "", ("mass", "missing")),
     "a key that is none": ("mass", "mass = 0.043\nmas = 1.0", ("mas",)),
+    "a misspelt key": ("mass", "mas = 0.043", ("'can.mas' is unknown", "'mass'", "allowed are")),
     "NaN": ("radius", "radius = nan", ("radius", "nan")),
     "infinity": ("gravity", "gravity = inf", ("gravity", "inf")),
     "both A and a": ("A", "A = 4.2796308999999987e-05\na = 0.727", ("'can.A'", "'can.a'")),
