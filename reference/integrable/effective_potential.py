@@ -274,6 +274,32 @@ def between(well: EffectivePotential, rise: Floats, gap: Floats) -> tuple[Floats
     return total, UNCERTAIN * np.finfo(float).eps * size
 
 
+def energy_near_reference(
+    well: EffectivePotential, down: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return g, its round-off, b and the spin a little below the reference, each of shape (m, n).
+
+    By Taylor's theorem, g = g_r - g'_r d + d^2 times the integral of (1 - u) g''(r - u d) over u.
+    The force g'_r is one number for all places: its round-off shifts a barrier by a rounding of phi
+    and does not change the time that a passage over the barrier takes.
+
+    Parameters
+    ----------
+    well : EffectivePotential
+    down : ndarray, shape (m, n)
+        Distance below the reference, of either sign, at most `BESIDE` of the reference.
+    """
+    bends, sizes = np.zeros_like(down), np.zeros_like(down)
+    for node, weight in zip((HAT_NODES + 1) / 2, HAT_WEIGHTS / 2, strict=True):
+        bend, terms = _force_slope(well, (1 - node) * down)
+        bends += weight * bend / 2
+        sizes += weight * terms / 2
+    force = nutation_force(well.can, well.b, well.spin, well.reference)
+    g = well.excess - force * down + bends * down**2
+    noise = UNCERTAIN * np.finfo(float).eps * sizes * down**2
+    return g, noise, *_beside(well, well.reference - down, down)
+
+
 def _force_slope(well: EffectivePotential, down: Floats) -> tuple[Floats, Floats]:
     """Return the second derivative of g a little below the reference, and the size of its terms."""
     can, phi = well.can, well.reference - down

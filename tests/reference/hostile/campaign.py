@@ -22,6 +22,7 @@ from tests.reference.hostile.truth import (
     numbers_of,
     truth_of,
     ulps_decide_the_ending,
+    ulps_of_the_gap,
 )
 
 # Relative, of the period and phi_min: what is promised of hard releases.
@@ -49,8 +50,9 @@ class Family:
 
     Attributes
     ----------
-    seen, bounced, batch_refused, single_refused, conditioned, by_truth : int
-        Releases; the last two by what decided them: neighbours in double precision, sixty digits.
+    seen, bounced, batch_refused, single_refused, stated, conditioned, by_truth : int
+        Releases; `stated` those of which `solve` says itself that fewer digits are known; the last
+        two by what decided them: neighbours in double precision, sixty digits.
     worst : float
         Error over what is allowed.
     slowest : float
@@ -61,6 +63,7 @@ class Family:
     bounced: int = 0
     batch_refused: int = 0
     single_refused: int = 0
+    stated: int = 0
     conditioned: int = 0
     by_truth: int = 0
     worst: float = 0.0
@@ -100,11 +103,15 @@ class Tally:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """Outcome, period and phi_min of one release by one method."""
+    """Outcome, period and phi_min of one release by one method.
+
+    `stated` is the relative error that the method itself says its answer may have.
+    """
 
     outcome: Outcome
     period: float = 0.0
     phi_min: float = 0.0
+    stated: float = 0.0
 
     def parts(self, other: "Answer") -> float:
         """Relative distance of two answers; infinite where their outcomes differ."""
@@ -125,8 +132,10 @@ def piece(numbers: range, seed: int) -> Tally:
     return tally
 
 
-def kept_piece(numbers: range, seed: int, folder: Path) -> Tally:
-    """Try the releases of these numbers, or read what came of them."""
+def kept_piece(numbers: range, seed: int, folder: Path | None) -> Tally:
+    """Try the releases of these numbers, or read what came of them from the folder, if any."""
+    if folder is None:
+        return piece(numbers, seed)
     kept = folder / f"{seed}-{numbers.start}-{numbers.stop}.json"
     if kept.exists():
         known = json.loads(kept.read_text(encoding="utf-8"))
@@ -152,6 +161,7 @@ def _judge(tally: Tally, release: Made, batch: Answer) -> None:
     family.bounced += batch.outcome is Outcome.FINISHED
     family.batch_refused += batch.outcome is Outcome.UNRESOLVED
     family.single_refused += single.outcome is Outcome.UNRESOLVED
+    family.stated += single.stated > 0
     given = {
         name: answer
         for name, answer in {"batch": batch, "single": single}.items()
@@ -190,7 +200,8 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
         if moved > USEFUL:
             reason = f"an ulp moves the period by {moved:.1e} or more"
         elif ulps_decide_the_ending(release, truth, DECIDING):
-            reason = f"{DECIDING} ulps change the ending"
+            closing = ulps_of_the_gap(release, truth)
+            reason = f"{closing:.1f} ulps of everything change the ending"
         else:
             reason = "no ulp decides it"
             tally.faults.append(f"refused by {refused}, though no ulp decides it: {release}")
@@ -209,7 +220,7 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
                     tally.faults.append(f"{name}: {given[name].outcome.name} is refuted: {release}")
                 continue
             known = conditioning(release, truth) if known is None else known
-            allowed = AGREED + ROUNDINGS * known.get(measure, 0.0)
+            allowed = AGREED + given[name].stated + ROUNDINGS * known.get(measure, 0.0)
             family.worst = max(family.worst, error / allowed)
             if error > allowed:
                 tally.faults.append(
@@ -270,9 +281,10 @@ def _of_batch(cycles: Cycles, number: int) -> Answer:
 def _of_solution(solution: Solution) -> Answer:
     if solution.outcome is not Outcome.FINISHED or len(solution.bounces) < 2:
         return Answer(outcome=solution.outcome)
-    maxima = solution.maxima
+    maxima, seen = solution.maxima, solution.agreement
     return Answer(
         outcome=solution.outcome,
         period=float(maxima[-1] - maxima[-2]),
         phi_min=solution.bounces[-1].phi_min,
+        stated=seen.discrepancy if seen is not None and seen.holds and seen.sentence else 0.0,
     )
