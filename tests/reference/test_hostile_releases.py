@@ -75,3 +75,22 @@ def test_small_oscillations_about_steady_rolling_keep_their_digits(
     # a harmonic oscillation: its greatest speed, of half the swing and the period
     fastest = np.pi * (found.phi_max - found.phi_min)[0] / period
     assert np.abs(states.phi_dot).max() == pytest.approx(fastest, rel=1e-3)
+
+
+def test_a_slow_passage_over_a_barrier_keeps_its_digits() -> None:
+    """Released 1e-15 from the barrier, with all but 3e-17 of the energy that it takes to pass."""
+    can = Parameters(a=6.751948587671912, c=7.5542583265216114, h=6.325856466979378)
+    release = {
+        "phi": 1.0733273642165597,
+        "phi_dot": -1.0962645419971048e-09,
+        "psi_dot": 0.26186293254124354,
+        "theta_dot": 2.3258372210578564,
+    }
+    batch = exact_bounces(a=can.a, c=can.c, h=can.h, **release)
+    # sixty digits of `tests.reference.hostile.truth`
+    assert batch.period[0] == pytest.approx(1056.72387955304, rel=1e-12)
+    solution = solve(Problem(parameters=can, **release, bounces=2))
+    period = float(np.diff(solution.maxima)[-1])
+    assert solution.agreement is not None
+    assert solution.agreement.sentence
+    assert abs(period / 1056.72387955304 - 1) <= solution.agreement.discrepancy
