@@ -20,12 +20,19 @@ from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.verdict import Status
 from harness.evaluation.evaluation import Evaluation
-from harness.gate.baseline import FILE, BaselineError, check_place, read_baseline, write_baseline
+from harness.gate.baseline import (
+    FILE,
+    BaselineError,
+    check_place,
+    read_baseline,
+    read_scores,
+    required_cases,
+    write_baseline,
+)
 from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, SIDES, changed, gate_report, regressions, sentences
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import count, measured
-from harness.gate.stored_scores import read_scores, required_cases
 from harness.studies.comparison.study import ComparisonStudy
 
 BASELINE = Path("reports/baseline")

@@ -28,7 +28,7 @@ from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
-from harness.gate.stored_scores import gate_keys
+from harness.gate.baseline import gate_keys
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters

@@ -1,24 +1,38 @@
 """Accepted results as one file, a line a case, so that a change of them can be reviewed.
 
-The file lies beside whatever else a baseline's folder holds, and is replaced in one move.
-
-What wrong use of the gate raises.
+The file lies beside whatever else a baseline's folder holds, and is replaced in one move. The
+scores of a report that was written earlier are read here too: whatever a folder holds. So is
+judged whether a run may be held against accepted results at all, and which cases it owes.
 """
 
 import json
 import math
 import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import pyarrow.parquet as pq
 from pydantic import TypeAdapter
 
+from harness.core.case import Case
 from harness.core.errors import HarnessError, OutputError
+from harness.core.simulation import Outcome
 from harness.execution.atomic_write import write_atomically
-from harness.gate.scores import Score, Scores
+from harness.gate.scores import (
+    CaseIdentity,
+    Score,
+    Scores,
+    identity,
+    scene_digest,
+    score_of_row,
+)
 from harness.gate.spread import SIZES
 from harness.metrics.quantities import Number
+from harness.report.atomic_folder import FORMAT as REPORT_FORMAT
+from harness.report.atomic_folder import MANIFEST
 
 
 class BaselineError(HarnessError, ValueError):
@@ -34,6 +48,11 @@ _DIGITS = 3
 
 _TINY = 1e-300
 """Far below every floor, and above where a double loses its digits."""
+
+_SCORE, _IDENTITY = TypeAdapter(Score), TypeAdapter(CaseIdentity)
+
+_OUTCOMES = {outcome.value: outcome.name for outcome in Outcome}
+"""Names of outcomes by the sentences that a manifest tells them with."""
 
 
 def write_baseline(scores: Scores, folder: Path) -> Path:
@@ -90,13 +109,12 @@ def read_baseline(folder: Path) -> Scores:
         ) from error
     except (OSError, ValueError) as error:
         raise BaselineError(f"accepted results '{path}' cannot be read: {error}") from error
-    try:
+    with _reading(f"accepted results '{path}' are damaged"):
         if (told["format"], told["version"]) != (FORMAT, VERSION):
             raise BaselineError(
                 f"'{path}' is no file of accepted results of version {VERSION}; write it anew with "
                 "--accept"
             )
-        # a case is told in one flat record: what names it, and its numbers
         scores = [_SCORE.validate_python({**case, "identity": case}) for case in told["cases"]]
         return Scores(
             suite=str(told["suite"]),
@@ -105,11 +123,18 @@ def read_baseline(folder: Path) -> Scores:
             made=dict(told["made"]),
             place=str(folder),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        if isinstance(error, BaselineError):
-            raise
+
+
+@contextmanager
+def _reading(what: str) -> Iterator[None]:
+    """Say in one sentence what cannot be read, whatever is wrong with its content."""
+    try:
+        yield
+    except BaselineError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise BaselineError(f"accepted results '{path}' are damaged ({reason})") from error
+        raise BaselineError(f"{what} ({reason})") from error
 
 
 def _text(scores: Scores) -> str:
@@ -132,17 +157,10 @@ def _json(value: object) -> str:
 
 
 def _told(score: Score) -> dict[str, Any]:
-    return {
-        **asdict(score.identity),
-        "scene_digest": score.scene_digest,
-        "digest": score.digest,
-        "outcome": score.outcome,
-        "truth_pulls": score.truth_pulls,
-        "values": dict(score.values),
-        "members": score.members,
-        "spread": {k: _rounded_up(v) for k, v in score.spread.items()},
-        "endings": dict(score.endings),
-    }
+    """Return a case as one flat record: what names it, then its numbers."""
+    told = asdict(score)
+    told["spread"] = {name: _rounded_up(value) for name, value in score.spread.items()}
+    return {**told.pop("identity"), **told}
 
 
 def _rounded_up(spread: Number) -> Number:
@@ -154,4 +172,139 @@ def _rounded_up(spread: Number) -> Number:
     return float(f"{math.ceil(spread / unit) * unit:.{_DIGITS - 1}e}")
 
 
-_SCORE = TypeAdapter(Score)
+RESULTS = Path("tables", "results.parquet")
+"""Where a report of `validate` has its table of all cases."""
+
+
+def gate_keys(designed: Case, suite: str, settings: Mapping[str, str]) -> dict[str, Any]:
+    """Return what the manifest of a report says of a case so that its scores can be read again.
+
+    Parameters
+    ----------
+    designed : Case
+        As the suite has it, without settings on top.
+    suite : str
+    settings : mapping of str to str
+        That the run put on top, by `engine.name`.
+    """
+    return {
+        "identity": asdict(identity(designed)),
+        "scene_digest": scene_digest(designed.scene),
+        "suite": suite,
+        "set_on_top": dict(settings),
+    }
+
+
+def read_scores(folder: Path) -> Scores:
+    """Return the scores of a folder: of accepted results, or of a report of `validate`.
+
+    Raises
+    ------
+    BaselineError
+        If it holds neither.
+    """
+    if (folder / FILE).is_file():
+        return read_baseline(folder)
+    if not (folder / MANIFEST).is_file():
+        what = "no folder" if not folder.is_dir() else "neither a report nor accepted results"
+        raise BaselineError(
+            f"'{folder}' is {what}; name one that rockingcan validate wrote, with --out or with "
+            "--accept"
+        )
+    with _reading(f"the report in '{folder}' cannot be read"):
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        if manifest["format"] != REPORT_FORMAT:
+            raise BaselineError(f"'{folder}' is no report of rockingcan")
+        told = {case["digest"]: case for case in manifest["cases"] if "identity" in case}
+        if not told or not (folder / RESULTS).is_file():
+            raise BaselineError(
+                f"'{folder}' is a report, but not of rockingcan validate, or of a version that "
+                "could not be compared yet; write it again"
+            )
+        return _scores(folder, manifest, told)
+
+
+def _scores(
+    folder: Path, manifest: Mapping[str, Any], told: Mapping[str, Mapping[str, Any]]
+) -> Scores:
+    # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
+    with pq.ParquetFile(folder / RESULTS, pre_buffer=False) as file:
+        table = file.read(use_threads=False)
+    rows = table.to_pandas(use_threads=False).to_dict("records")
+    found: dict[CaseIdentity, Score] = {}
+    versions = {"rockingcan": str(manifest["provenance"]["rockingcan"])}
+    for row in rows:
+        case = told[str(row["digest"])]
+        name = _IDENTITY.validate_python(case["identity"])
+        versions[name.engine] = str(case["engine_version"])
+        found[name] = score_of_row(
+            row,
+            identity=name,
+            scene=str(case["scene_digest"]),
+            outcome=_OUTCOMES.get(str(case["outcome"]), str(case["outcome"])),
+        )
+    any_case = next(iter(told.values()))
+    return Scores(
+        suite=str(any_case["suite"]),
+        scores=found,
+        versions=versions,
+        made=dict(manifest["provenance"]),
+        settings=dict(any_case["set_on_top"]),
+        place=str(folder),
+    )
+
+
+_FRESH = 0.25
+"""Share of new cases beside accepted ones up to which a suite has grown, and is not another."""
+
+
+def required_cases(
+    accepted: Scores, suite: str, designed: Sequence[Case], *, every_engine: bool
+) -> tuple[CaseIdentity, ...]:
+    """Return the accepted cases that a run must have.
+
+    A smaller suite owes those that it has in common with the accepted one; the same suite owes
+    every accepted case, of the engines that were chosen.
+
+    Parameters
+    ----------
+    accepted : Scores
+    suite : str
+        That is to be run.
+    designed : sequence of Case
+        Its cases.
+    every_engine : bool
+        False if only some engines were chosen.
+
+    Raises
+    ------
+    BaselineError
+        If the accepted results are of another suite or engine, or a scene has changed since.
+    """
+    names = {identity(case): case for case in designed}
+    engines = {case.engine for case in designed}
+    known = {name.engine for name in accepted.scores}
+    if not engines & known:
+        raise BaselineError(
+            f"'{accepted.place}' holds no accepted results of {', '.join(sorted(engines))}, only "
+            f"of {', '.join(sorted(known)) or 'none'}; accept some first, with --accept"
+        )
+    common = [name for name in names if name in accepted.scores]
+    fresh = [n for n in names if n.engine in known and n not in accepted.scores]
+    if accepted.suite != suite and len(fresh) > _FRESH * len(common):
+        raise BaselineError(
+            f"'{accepted.place}' holds the {accepted.suite} suite, which has {len(common)} of the "
+            f"{len(common) + len(fresh)} cases of the {suite} suite; run --suite {accepted.suite}, "
+            f"or accept the {suite} suite with --accept"
+        )
+    changed = sorted(
+        {n.scene for n in common if accepted.scores[n].scene_digest != scene_digest(names[n].scene)}
+    )
+    if changed:
+        raise BaselineError(
+            f"'{accepted.place}' was accepted for other scenes: since then {', '.join(changed)} "
+            "changed, and errors of two motions cannot be compared; accept anew with --accept"
+        )
+    if accepted.suite != suite:
+        return tuple(common)
+    return tuple(n for n in accepted.scores if every_engine or n.engine in engines)

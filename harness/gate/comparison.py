@@ -6,10 +6,10 @@ factor is what one cares for. The rule is the same whichever of the two is calle
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
+from harness.core.verdict import Status
 from harness.gate.scores import (
     QUANTITIES,
     CaseIdentity,
@@ -31,18 +31,6 @@ OUTCOME = "outcome"
 """What the ending of a run is called among the quantities."""
 
 
-class Change(Enum):
-    """What has become of a quantity, from the first scores to the second."""
-
-    LARGER = "larger"
-    SMALLER = "smaller"
-    SAME = "same"
-    UNDECIDABLE = "undecidable"
-    ONLY_FIRST = "only in the first"
-    ONLY_SECOND = "only in the second"
-    INFORMATION = "information"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Difference:
     """One quantity of one case in both.
@@ -56,7 +44,8 @@ class Difference:
         Magnitudes; None for an outcome and for what is unknown.
     spread, tolerance : float or None
         What was measured, and how much may differ; None where nothing can be decided.
-    change : Change
+    status : Status
+        What has become of it from the first to the second: smaller is better.
     note : str
         What the numbers do not say; may be empty.
     digest : str
@@ -69,7 +58,7 @@ class Difference:
     second: Number = None
     spread: Number = None
     tolerance: Number = None
-    change: Change
+    status: Status
     note: str = ""
     digest: str = ""
 
@@ -108,70 +97,60 @@ def differences(
     spreads : Scores, optional
         Whose spreads count too, where the two were measured without.
     """
-    known = first.scores if expected is None else {i: first.scores[i] for i in expected}
     found: list[Difference] = []
     for name, score in second.scores.items():
         accepted = first.scores.get(name)
-        borrowed = None if spreads is None else spreads.scores.get(name)
         if accepted is None:
-            found.append(_alone(score, Change.ONLY_SECOND))
+            found.append(_of_outcome(score, Status.NEW))
         else:
-            found += _case(accepted, score, borrowed)
-    found += [
-        _alone(score, Change.ONLY_FIRST)
-        for name, score in known.items()
-        if name not in second.scores
-    ]
-    return tuple(found)
+            borrowed = None if spreads is None else spreads.scores.get(name)
+            sides = [accepted, score] if borrowed is None else [accepted, score, borrowed]
+            found += _case(accepted, score, sides)
+    due = first.scores if expected is None else expected
+    missing = [first.scores[name] for name in due if name not in second.scores]
+    return (*found, *(_of_outcome(score, Status.MISSING) for score in missing))
 
 
-def _alone(score: Score, change: Change) -> Difference:
-    return Difference(identity=score.identity, quantity=OUTCOME, change=change, digest=score.digest)
+def _of_outcome(score: Score, status: Status, note: str = "") -> Difference:
+    """Return what has become of a whole case."""
+    return Difference(
+        identity=score.identity, quantity=OUTCOME, status=status, note=note, digest=score.digest
+    )
 
 
-def _case(first: Score, second: Score, borrowed: Score | None) -> Iterator[Difference]:
-    """Yield the differences of a case that both have."""
+def _case(first: Score, second: Score, sides: Sequence[Score]) -> Iterator[Difference]:
+    """Yield the differences of a case that both have; `sides` are all whose members count."""
     if first.scene_digest != second.scene_digest:
         note = "the scene has changed: they are two motions"
-        yield Difference(
-            identity=second.identity,
-            quantity=OUTCOME,
-            change=Change.INFORMATION,
-            note=note,
-            digest=second.digest,
-        )
+        yield _of_outcome(second, Status.NOT_JUDGED, note)
         return
-    yield _ending(first, second, borrowed)
+    yield _of_outcome(second, *_ending(first, second, sides))
     if not (first.finished and second.finished):
         return  # numbers of runs of other lengths
-    measured = [s.spread for s in (first, second, borrowed) if s is not None and s.members]
     for quantity in QUANTITIES:
         a, b = (s.values.get(quantity.column) for s in (first, second))
         if a is not None or b is not None:
-            pulled = first.truth_pulls or second.truth_pulls
-            yield _quantity(second, quantity, a, b, measured, pulled=pulled)
+            found = _quantity(second, quantity, a, b, [s.spread for s in sides if s.members])
+            if quantity.kind is QuantityKind.TIME:
+                note = "machines are noisy: times are not judged"
+                found = replace(found, status=Status.NOT_JUDGED, note=note)
+            elif quantity.kind is QuantityKind.ERROR and (first.truth_pulls or second.truth_pulls):
+                note = "the exact motion asks the plane to pull: not judged"
+                found = replace(found, status=Status.NOT_JUDGED, note=note)
+            yield found
 
 
-def _ending(first: Score, second: Score, borrowed: Score | None) -> Difference:
-    """Return what has become of the ending of a run."""
-    note, change = "", Change.SAME
-    if first.outcome != second.outcome:
-        note = f"{_word(first.outcome)}, then {_word(second.outcome)}"
-        change = Change.INFORMATION
-    if first.finished != second.finished:
-        all_three = [s for s in (first, second, borrowed) if s is not None]
-        swings = any(s.may_finish and s.may_fail for s in all_three)
-        change = Change.SMALLER if second.finished else Change.LARGER
-        if swings:
-            change = Change.UNDECIDABLE
-            note += ": some releases that differ by 1e-9 or less finish and others do not"
-    return Difference(
-        identity=second.identity,
-        quantity=OUTCOME,
-        change=change,
-        note=note,
-        digest=second.digest,
-    )
+def _ending(first: Score, second: Score, sides: Sequence[Score]) -> tuple[Status, str]:
+    """Return what has become of the ending of a run, and what is to be said of it."""
+    if first.outcome == second.outcome:
+        return Status.SAME, ""
+    note = f"{_word(first.outcome)}, then {_word(second.outcome)}"
+    if first.finished == second.finished:
+        return Status.NOT_JUDGED, note
+    if any(s.may_finish and s.may_fail for s in sides):
+        swings = "some releases that differ by 1e-9 or less finish and others do not"
+        return Status.UNDECIDABLE, f"{note}: {swings}"
+    return (Status.BETTER if second.finished else Status.WORSE), note
 
 
 def _word(outcome: str) -> str:
@@ -183,9 +162,7 @@ def _quantity(
     quantity: GatedQuantity,
     a: Number,
     b: Number,
-    measured: list[Mapping[str, Number]],
-    *,
-    pulled: bool,
+    measured: Sequence[Mapping[str, Number]],
 ) -> Difference:
     """Return the difference of one quantity that at least one of the two has."""
     known = [spread[quantity.column] for spread in measured if quantity.column in spread]
@@ -193,11 +170,7 @@ def _quantity(
     spread = None if len(widths) < len(known) else max(widths, default=0.0)
     tolerance = None if spread is None else SPREADS * spread + quantity.floor
     first, then = (None if value is None else abs(value) for value in (a, b))
-    change, note = judge(first, then, tolerance)
-    if quantity.kind is QuantityKind.TIME:
-        change, note = Change.INFORMATION, "machines are noisy: times are not judged"
-    elif quantity.kind is QuantityKind.ERROR and pulled:
-        change, note = Change.INFORMATION, "the exact motion asks the plane to pull: not judged"
+    status, note = judge(first, then, tolerance)
     return Difference(
         identity=second.identity,
         quantity=quantity.column,
@@ -205,13 +178,13 @@ def _quantity(
         second=then,
         spread=spread,
         tolerance=tolerance,
-        change=change,
+        status=status,
         note=note,
         digest=second.digest,
     )
 
 
-def judge(first: Number, second: Number, tolerance: Number) -> tuple[Change, str]:
+def judge(first: Number, second: Number, tolerance: Number) -> tuple[Status, str]:
     """Return what has become of a magnitude, and what is to be said of it.
 
     Parameters
@@ -222,14 +195,14 @@ def judge(first: Number, second: Number, tolerance: Number) -> tuple[Change, str
         None where releases that no one can tell apart do not agree whether it can be known.
     """
     if tolerance is None:
-        return Change.UNDECIDABLE, "some releases that differ by 1e-9 or less do not show it at all"
+        return Status.UNDECIDABLE, "some releases that differ by 1e-9 or less do not show it at all"
     if second is None:
-        return Change.ONLY_FIRST, "can no longer be told from the record"
+        return Status.MISSING, "can no longer be told from the record"
     if first is None:
-        return Change.ONLY_SECOND, "could not be told from the record"
+        return Status.NEW, "could not be told from the record"
     low, high = sorted((first, second))
     if not high > low + tolerance:
-        return Change.SAME, ""
+        return Status.SAME, ""
     if not high > FACTOR * low:
-        return Change.SAME, "moved by less than a tenth"
-    return (Change.LARGER if second > first else Change.SMALLER), ""
+        return Status.SAME, "moved by less than a tenth"
+    return (Status.WORSE if second > first else Status.BETTER), ""

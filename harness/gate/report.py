@@ -4,8 +4,10 @@ Differences in words: of a gate, where one side is accepted, or of two sides tha
 """
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
@@ -16,28 +18,21 @@ from harness.core.report_model import (
     Panel,
     Prose,
     Series,
-    Table,
     table_of,
 )
 from harness.core.verdict import Status, Verdict
-from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Change, Difference
+from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Difference
 from harness.gate.scores import BY_COLUMN, QUANTITIES, CaseIdentity, QuantityKind, Scores
 from harness.studies.comparison.tables import ENGINE, PROFILE, SCENE
 
-REGRESSIONS = frozenset({Change.LARGER, Change.ONLY_FIRST})
-"""What fails a gate: worse, or gone."""
+_MOVED = (Status.WORSE, Status.MISSING, Status.BETTER, Status.NEW)
+"""What has changed, in the order in which it is named."""
 
-
-STATUS = {
-    Change.LARGER: Status.WORSE,
-    Change.SMALLER: Status.BETTER,
-    Change.SAME: Status.SAME,
-    Change.UNDECIDABLE: Status.UNDECIDABLE,
-    Change.ONLY_FIRST: Status.MISSING,
-    Change.ONLY_SECOND: Status.NEW,
-    Change.INFORMATION: Status.NOT_JUDGED,
-}
-"""What a change comes to where the first side is the one to hold the second against."""
+_COUNTED = (
+    *(Status.WORSE, Status.BETTER, Status.SAME, Status.UNDECIDABLE),
+    *(Status.MISSING, Status.NEW),
+)
+"""In the order in which a sentence counts them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,16 +42,21 @@ class Wording:
     Parameters
     ----------
     first, second : str
-    verdicts : mapping of Change to str
+    words : mapping of Status to str
+        Where a status is not called by its own word.
     """
 
     first: str
     second: str
-    verdicts: Mapping[Change, str]
+    words: Mapping[Status, str]
+
+    def word(self, status: Status) -> str:
+        """Return what a status is called."""
+        return self.words.get(status, status.value)
 
     def verdict(self, found: Difference) -> Verdict:
         """Return the verdict on a difference."""
-        return Verdict(STATUS[found.change], self.verdicts[found.change])
+        return Verdict(found.status, self.word(found.status))
 
     def columns(self) -> tuple[Column, ...]:
         """Return the columns of a table of differences."""
@@ -96,33 +96,16 @@ class Wording:
         )
 
 
-_UNMOVED = {
-    Change.SAME: "same",
-    Change.UNDECIDABLE: "undecidable",
-    Change.INFORMATION: "not judged",
-}
-
-GATE = Wording(
-    first="accepted",
-    second="found",
-    verdicts={
-        **_UNMOVED,
-        Change.LARGER: "worse",
-        Change.SMALLER: "better",
-        Change.ONLY_FIRST: "missing",
-        Change.ONLY_SECOND: "new",
-    },
-)
-
+GATE = Wording(first="accepted", second="found", words={Status.UNDECIDABLE: "undecidable"})
 SIDES = Wording(
     first="a",
     second="b",
-    verdicts={
-        **_UNMOVED,
-        Change.LARGER: "a is better",
-        Change.SMALLER: "b is better",
-        Change.ONLY_FIRST: "only in a",
-        Change.ONLY_SECOND: "only in b",
+    words={
+        **GATE.words,
+        Status.WORSE: "a is better",
+        Status.BETTER: "b is better",
+        Status.MISSING: "only in a",
+        Status.NEW: "only in b",
     },
 )
 
@@ -135,18 +118,17 @@ _NAMED = 12
 
 def changed(found: Iterable[Difference]) -> tuple[Difference, ...]:
     """Return what has changed, what got worse first, the largest factor first."""
-    order = (Change.LARGER, Change.ONLY_FIRST, Change.SMALLER, Change.ONLY_SECOND)
     return tuple(
         sorted(
-            (one for one in found if one.change in order),
-            key=lambda one: (order.index(one.change), -one.severity, one.identity),
+            (one for one in found if one.status in _MOVED),
+            key=lambda one: (_MOVED.index(one.status), -one.severity, one.identity),
         )
     )
 
 
 def regressions(found: Iterable[Difference]) -> tuple[Difference, ...]:
-    """Return what fails a gate."""
-    return tuple(one for one in changed(found) if one.change in REGRESSIONS)
+    """Return what fails a gate: what got worse, or is gone."""
+    return tuple(one for one in changed(found) if one.status.failed)
 
 
 def sentences(
@@ -167,31 +149,23 @@ def sentences(
     sides = [side for side in (first, second, spreads) if side is not None]
     if not any(score.members for side in sides for score in side.scores.values()):
         told.append("No spread was measured: whatever differs by more than a tenth counts.")
-    moved = changed(found)
-    for change in dict.fromkeys(one.change for one in moved):
-        by_case = _by_case(one for one in moved if one.change is change)
+    for status, moved in groupby(changed(found), key=lambda one: one.status):
+        by_case: dict[CaseIdentity, list[Difference]] = {}
+        for one in moved:
+            by_case.setdefault(one.identity, []).append(one)
         parts = [_case(own) for own in list(by_case.values())[:_NAMED]]
         more = len(by_case) - len(parts)
         parts += [f"and {more} more, in the table"] if more else []
-        head = wording.verdicts[change]
+        head = wording.word(status)
         told.append(f"{head[:1].upper()}{head[1:]}: {'; '.join(parts)}.")
     return tuple(told)
 
 
-def _by_case(moved: Iterable[Difference]) -> dict[CaseIdentity, list[Difference]]:
-    """Return the differences of each case, in the order in which they come."""
-    cases: dict[CaseIdentity, list[Difference]] = {}
-    for one in moved:
-        cases.setdefault(one.identity, []).append(one)
-    return cases
-
-
 def _counts(found: Sequence[Difference], wording: Wording) -> str:
     """Return how many quantities came out how."""
-    counts = {change: sum(one.change is change for one in found) for change in Change}
-    counts.pop(Change.INFORMATION)
-    parts = [f"{count} {wording.verdicts[change]}" for change, count in counts.items() if count]
-    return f": of {sum(counts.values())} quantities {', '.join(parts)}" if parts else ""
+    counts = Counter(one.status for one in found if one.status in _COUNTED)
+    parts = [f"{counts[status]} {wording.word(status)}" for status in _COUNTED if counts[status]]
+    return f": of {counts.total()} quantities {', '.join(parts)}" if parts else ""
 
 
 def _versions(first: Scores, second: Scores, wording: Wording) -> tuple[str, ...]:
@@ -227,22 +201,15 @@ def _case(own: Sequence[Difference]) -> str:
 
 
 def _change(one: Difference) -> str:
-    """Return a change in words."""
+    """Return a change in words, with the factor where it is a number."""
     if one.quantity == OUTCOME:
         return f", {one.note}" if one.note else ""
     quantity = BY_COLUMN[one.quantity]
     unit = f" {quantity.unit}" if quantity.unit else ""
     if one.first is None or one.second is None:
         return f", {quantity.words}: {one.note}"
-    return f", {quantity.words} {one.first:.3g}{unit} -> {one.second:.3g}{unit}" + _times(one)
-
-
-def _times(one: Difference) -> str:
-    """Return the factor in words, where it is a number."""
-    factor = one.factor
-    if factor is None or not 0.0 < factor < float("inf"):
-        return ""
-    return f" ({factor:.3g} times)"
+    times = f" ({one.factor:.3g} times)" if _finite(one) else ""
+    return f", {quantity.words} {one.first:.3g}{unit} -> {one.second:.3g}{unit}{times}"
 
 
 def gate_report(
@@ -255,54 +222,38 @@ def gate_report(
     """Return the artefacts of a comparison; the text opens the report."""
     text = "\n\n".join(sentences(found, first, second, wording, spreads))
     figure = factors(found, wording)
+    moved = changed(found)
     return (
         Prose(name="summary", title="Against accepted results", text=text),
         *((figure,) if figure else ()),
-        table(found, wording),
-    )
-
-
-def table(found: Sequence[Difference], wording: Wording) -> Table:
-    """Return the table of all differences, what has changed first."""
-    first = changed(found)
-    names = {id(one) for one in first}
-    return table_of(
-        "gate",
-        "Quantity by quantity, what has changed first",
-        wording.columns(),
-        (*first, *(one for one in found if id(one) not in names)),
+        table_of(
+            "gate",
+            "Quantity by quantity, what has changed first",
+            wording.columns(),
+            (*moved, *(one for one in found if one.status not in _MOVED)),
+        ),
     )
 
 
 def factors(found: Sequence[Difference], wording: Wording) -> Figure | None:
     """Return the figure of all factors, a panel an engine; None if nothing can be drawn."""
-    drawn = [one for one in found if one.change is not Change.INFORMATION and _finite(one)]
+    drawn = [one for one in found if one.status is not Status.NOT_JUDGED and _finite(one)]
     if not drawn:
         return None
     quantities = [q for q in QUANTITIES if q.kind is not QuantityKind.TIME]
-    places = {q.column: float(place) for place, q in enumerate(quantities)}
-    panels = []
-    for engine in dict.fromkeys(one.identity.engine for one in drawn):
-        own = [one for one in drawn if one.identity.engine == engine]
-        kinds = {
-            Change.SAME: engine,
-            Change.UNDECIDABLE: engine,
-            Change.LARGER: wording.verdicts[Change.LARGER],
-            Change.SMALLER: wording.verdicts[Change.SMALLER],
-        }
-        series = [_points(own, change, kind, places, wording) for change, kind in kinds.items()]
-        panels.append(
-            Panel(
-                title=engine,
-                x_label="quantity",
-                y_label=f"{wording.second} over {wording.first}",
-                series=tuple(one for one in series if len(one.x)),
-                log_y=True,
-                x_names=tuple(q.words for q in quantities),
-            )
+    panels = [
+        Panel(
+            title=engine,
+            x_label="quantity",
+            y_label=f"{wording.second} over {wording.first}",
+            series=_points([one for one in drawn if one.identity.engine == engine], wording),
+            log_y=True,
+            x_names=tuple(q.words for q in quantities),
         )
-    moved = [one for one in drawn if one.change in {Change.LARGER, Change.SMALLER}]
-    extreme = max((one.severity for one in drawn), default=1.0)
+        for engine in dict.fromkeys(one.identity.engine for one in drawn)
+    ]
+    moved = [one for one in drawn if one.status in _MOVED]
+    extreme = max(one.severity for one in drawn)
     return Figure(
         name="gate-factors",
         title=f"Every quantity, {wording.second} over {wording.first}",
@@ -321,20 +272,22 @@ def _finite(one: Difference) -> bool:
     return one.factor is not None and 0.0 < one.factor < math.inf
 
 
-def _points(
-    own: Sequence[Difference],
-    change: Change,
-    kind: str,
-    places: dict[str, float],
-    wording: Wording,
-) -> Series:
-    """Return the points of one verdict."""
-    chosen = [one for one in own if one.change is change]
-    return Series(
-        label=wording.verdicts[change],
-        kind=kind,
-        x=np.array([places[one.quantity] for one in chosen]),
-        y=np.array([one.factor for one in chosen], dtype=np.float64),
-        mark="points",
-        hover=tuple(one.identity.label() for one in chosen),
-    )
+def _points(own: Sequence[Difference], wording: Wording) -> tuple[Series, ...]:
+    """Return the points of an engine, a series for each verdict; what has moved has its colour."""
+    places = {quantity.column: float(place) for place, quantity in enumerate(QUANTITIES)}
+    series = []
+    for status in (Status.SAME, Status.UNDECIDABLE, Status.WORSE, Status.BETTER):
+        chosen = [one for one in own if one.status is status]
+        if chosen:
+            label = wording.word(status)
+            series.append(
+                Series(
+                    label=label,
+                    kind=label if status in _MOVED else chosen[0].identity.engine,
+                    x=np.array([places[one.quantity] for one in chosen]),
+                    y=np.array([one.factor for one in chosen], dtype=np.float64),
+                    mark="points",
+                    hover=tuple(one.identity.label() for one in chosen),
+                )
+            )
+    return tuple(series)

@@ -23,7 +23,8 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES as REGISTRY
-from harness.metrics.quantities import Number, turn_error
+from harness.metrics.quantities import Number
+from harness.studies.comparison.tables import results
 from models.scene import Scene
 
 
@@ -86,9 +87,6 @@ class QuantityKind(Enum):
     TIME = "time on this machine"
 
 
-_TURN = "angle_of_turn_error_deg"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GatedQuantity:
     """A column of the table of results, and how it is held against an accepted one."""
@@ -102,10 +100,6 @@ class GatedQuantity:
         """Return what it is called in a sentence."""
         label = REGISTRY[self.column].label
         return f"error of the {label}" if self.kind is QuantityKind.ERROR else label
-
-    def of_run(self, e: Evaluation) -> Number:
-        """Return the number of a run; of a turn that cannot be counted, None."""
-        return turn_error(e) if self.column == _TURN else REGISTRY[self.column].of_run(e)
 
     @property
     def unit(self) -> str:
@@ -178,14 +172,14 @@ class Score:
     identity : CaseIdentity
     scene_digest : str
         Names the motion that was asked for.
+    digest : str
+        Names the case in the version of its engine that ran.
     outcome : str
         Name of an `Outcome`.
     truth_pulls : bool
         Whether the exact motion leaves what a contact can do, so that errors say nothing.
     values : mapping of str to float
         By column of `QUANTITIES`, signed; what is unknown is absent.
-    digest : str
-        Names the case in the version of its engine that ran.
     members : int
         Perturbed runs that were made beside it.
     spread : mapping of str to float or None
@@ -196,10 +190,10 @@ class Score:
 
     identity: CaseIdentity
     scene_digest: str
+    digest: str = ""
     outcome: str
     truth_pulls: bool
     values: Mapping[str, float]
-    digest: str = ""
     members: int = 0
     spread: Mapping[str, Number] = field(default_factory=dict)
     endings: Mapping[str, int] = field(default_factory=dict)
@@ -255,33 +249,29 @@ def scored(designed: Sequence[Case], evaluations: Sequence[Evaluation]) -> tuple
         As the suite has them, in the order of the evaluations: without settings on top.
     evaluations : sequence of Evaluation
     """
+    rows = results(evaluations).frame.to_dict("records")
     return tuple(
-        Score(
+        score_of_row(
+            row,
             identity=identity(case),
-            scene_digest=scene_digest(case.scene),
+            scene=scene_digest(case.scene),
             outcome=e.simulation.outcome.name,
-            truth_pulls=e.truth_pulls,
-            values={
-                quantity.column: float(value)
-                for quantity in QUANTITIES
-                if (value := quantity.of_run(e)) is not None
-            },
-            digest=e.simulation.case.digest(e.simulation.engine_version),
         )
-        for case, e in zip(designed, evaluations, strict=True)
+        for case, e, row in zip(designed, evaluations, rows, strict=True)
     )
 
 
-def stored_score(
+def score_of_row(
     row: Mapping[Any, Any], *, identity: CaseIdentity, scene: str, outcome: str
 ) -> Score:
-    """Return the score that a row of the table of results in a report tells."""
+    """Return the score that a row of the table of results tells."""
     known = {quantity.column: row.get(quantity.column) for quantity in QUANTITIES}
     if row.get("turn_resolved") is not True:
-        del known[_TURN]  # right up to whole turns only
+        del known["angle_of_turn_error_deg"]  # right up to whole turns only
     return Score(
         identity=identity,
         scene_digest=scene,
+        digest=str(row["digest"]),
         outcome=outcome,
         truth_pulls=bool(row["truth_pulls"]),
         values={
@@ -289,5 +279,4 @@ def stored_score(
             for column, value in known.items()
             if isinstance(value, int | float) and math.isfinite(value)
         },
-        digest=str(row["digest"]),
     )

@@ -9,7 +9,8 @@ sizes bracket what a machine can do, and the largest departure stands for all of
 Runs the members of every case and puts their spread beside its score.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from itertools import islice
@@ -17,7 +18,6 @@ from itertools import islice
 from harness.core.case import Case
 from harness.evaluation.evaluate import run_cases
 from harness.gate.scores import QUANTITIES, QuantityKind, Score, scored
-from harness.metrics.quantities import Number
 from harness.studies.shared.perturbation import perturbed
 
 SIZES = (1e-9, 1e-13, 1e-11, 1e-12, 1e-10)
@@ -45,33 +45,23 @@ def member(case: Case, number: int) -> Case:
 
 
 def spread(middle: Score, found: Sequence[Score]) -> Score:
-    """Return a score with the spread of its members about it."""
-    endings: dict[str, int] = {}
-    for one in (middle, *found):
-        endings[one.outcome] = endings.get(one.outcome, 0) + 1
+    """Return a score with the spread of its members about it: the largest departures."""
+    alike = [one for one in found if one.outcome == middle.outcome]
+    spreads: dict[str, float | None] = {}
+    for quantity in (one for one in QUANTITIES if one.kind is not QuantityKind.TIME):
+        own = middle.values.get(quantity.column)
+        values = [one.values.get(quantity.column) for one in alike]
+        known = [value for value in values if value is not None]
+        if own is not None and len(known) == len(values):
+            spreads[quantity.column] = max((abs(value - own) for value in known), default=0.0)
+        elif own is not None or known:
+            spreads[quantity.column] = None
     return replace(
         middle,
         members=len(found),
-        spread=_spreads(middle, found),
-        endings=endings,
+        spread=spreads,
+        endings=dict(Counter(one.outcome for one in (middle, *found))),
     )
-
-
-def _spreads(middle: Score, found: Sequence[Score]) -> Mapping[str, Number]:
-    """Return the largest departure of each quantity that is judged."""
-    alike = [one for one in found if one.outcome == middle.outcome]
-    spreads: dict[str, Number] = {}
-    for quantity in (one for one in QUANTITIES if one.kind is not QuantityKind.TIME):
-        values = [one.values.get(quantity.column) for one in alike]
-        own = middle.values.get(quantity.column)
-        if own is None and all(value is None for value in values):
-            continue
-        known = [value for value in values if value is not None]
-        if own is None or len(known) < len(values):
-            spreads[quantity.column] = None
-        else:
-            spreads[quantity.column] = max((abs(value - own) for value in known), default=0.0)
-    return spreads
 
 
 _AT_ONCE = 48
@@ -100,18 +90,15 @@ def measured(
     told : callable, optional
         Is told of each member that is done, by its label.
     """
-    found: dict[int, list[Score]] = {number: [] for number in range(len(scores))}
+    found: list[list[Score]] = [[] for _ in scores]
     pending = _members(designed, scores)
     while batch := list(islice(pending, _AT_ONCE)):
         cases = [case for _, case in batch]
-        evaluations = run_cases(
-            cases,
-            executor,
-            None if told is None else lambda e: told(e.simulation.case.label()),
-        )
+        on_done = None if told is None else lambda e: told(e.simulation.case.label())
+        evaluations = run_cases(cases, executor, on_done)
         for (number, _), one in zip(batch, scored(cases, evaluations), strict=True):
             found[number].append(one)
-    return tuple(spread(one, found[number]) for number, one in enumerate(scores))
+    return tuple(map(spread, scores, found))
 
 
 def _members(designed: Sequence[Case], scores: Sequence[Score]) -> Iterator[tuple[int, Case]]:

@@ -12,8 +12,7 @@ import pytest
 
 from harness.cli.main import code_of
 from harness.gate import spread
-from harness.gate.baseline import FILE
-from harness.gate.stored_scores import read_scores
+from harness.gate.baseline import FILE, read_scores
 
 
 @dataclass(frozen=True)

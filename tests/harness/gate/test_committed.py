@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 
 from harness import api
-from harness.gate.baseline import FILE, read_baseline
+from harness.gate.baseline import FILE, read_baseline, required_cases
 from harness.gate.scores import QUANTITIES, QuantityKind, identity
 from harness.gate.spread import FEWEST
-from harness.gate.stored_scores import required_cases
 
 BASELINE = Path(__file__).parents[3] / "reports" / "baseline"
 

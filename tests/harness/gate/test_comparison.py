@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Change, differences, judge
+from harness.core.verdict import Status
+from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, differences, judge
 from harness.gate.scores import BY_COLUMN, QUANTITIES, Score, Scores
 
 Make = Callable[..., Score]
@@ -19,69 +20,69 @@ MAGNITUDES = st.floats(0.0, 1e6)
 @pytest.mark.parametrize(
     ("numbers", "change"),
     [
-        ((1.0, 1.0, 0.0), Change.SAME),
-        ((1.0, 2.0, 0.0), Change.LARGER),
-        ((2.0, 1.0, 0.0), Change.SMALLER),
-        ((1.0, 1.05, 0.0), Change.SAME),  # a twentieth: beyond the tolerance, below the factor
-        ((1.0, 1.2, 0.1), Change.SAME),  # beyond the factor, within four spreads
-        ((1.0, 1.5, 0.1), Change.LARGER),
-        ((0.0, 1e-14, 0.0), Change.SAME),  # round-off about zero is infinitely more, and nothing
-        ((0.0, 1e-6, 0.0), Change.LARGER),
-        ((1e-15, 5e-13, 0.0), Change.SAME),
-        ((1.0, 100.0, None), Change.UNDECIDABLE),
-        ((None, 1.0, 0.0), Change.ONLY_SECOND),
-        ((1.0, None, 0.0), Change.ONLY_FIRST),
+        ((1.0, 1.0, 0.0), Status.SAME),
+        ((1.0, 2.0, 0.0), Status.WORSE),
+        ((2.0, 1.0, 0.0), Status.BETTER),
+        ((1.0, 1.05, 0.0), Status.SAME),  # a twentieth: beyond the tolerance, below the factor
+        ((1.0, 1.2, 0.1), Status.SAME),  # beyond the factor, within four spreads
+        ((1.0, 1.5, 0.1), Status.WORSE),
+        ((0.0, 1e-14, 0.0), Status.SAME),  # round-off about zero is infinitely more, and nothing
+        ((0.0, 1e-6, 0.0), Status.WORSE),
+        ((1e-15, 5e-13, 0.0), Status.SAME),
+        ((1.0, 100.0, None), Status.UNDECIDABLE),
+        ((None, 1.0, 0.0), Status.NEW),
+        ((1.0, None, 0.0), Status.MISSING),
     ],
 )
 def test_the_rule(
-    numbers: tuple[float | None, ...], change: Change, score: Make, scores: MakeAll
+    numbers: tuple[float | None, ...], change: Status, score: Make, scores: MakeAll
 ) -> None:
     accepted, found, spread = numbers
     first = score({} if accepted is None else {PHI: accepted}, spread={PHI: spread})
     second = score({} if found is None else {PHI: found})
     _, quantity = differences(scores(first), scores(second))
-    assert quantity.change is change
+    assert quantity.status is change
     if spread is not None:
         assert quantity.tolerance == SPREADS * spread + BY_COLUMN[PHI].floor
 
 
 @given(MAGNITUDES, MAGNITUDES, MAGNITUDES)
 def test_the_rule_is_the_same_from_both_sides(a: float, b: float, tolerance: float) -> None:
-    mirrored = {Change.LARGER: Change.SMALLER, Change.SMALLER: Change.LARGER}
+    mirrored = {Status.WORSE: Status.BETTER, Status.BETTER: Status.WORSE}
     there, back = judge(a, b, tolerance)[0], judge(b, a, tolerance)[0]
     assert back is mirrored.get(there, there)
 
 
 @given(MAGNITUDES, MAGNITUDES, st.floats(-1.0, 1.0))
 def test_nothing_within_its_tolerance_has_changed(a: float, tolerance: float, share: float) -> None:
-    assert judge(a, max(0.0, a + share * tolerance), tolerance)[0] is Change.SAME
+    assert judge(a, max(0.0, a + share * tolerance), tolerance)[0] is Status.SAME
 
 
 @given(MAGNITUDES, st.floats(1.0 / FACTOR + 1e-9, FACTOR - 1e-9))
 def test_nothing_within_the_factor_has_changed(a: float, factor: float) -> None:
-    assert judge(a, factor * a, 0.0)[0] is Change.SAME
+    assert judge(a, factor * a, 0.0)[0] is Status.SAME
 
 
 def test_signs_do_not_count(score: Make, scores: MakeAll) -> None:
     turn = "angle_of_turn_error_deg"
     _, found = differences(scores(score({turn: -2.0})), scores(score({turn: 2.0})))
-    assert (found.first, found.second, found.change) == (2.0, 2.0, Change.SAME)
+    assert (found.first, found.second, found.status) == (2.0, 2.0, Status.SAME)
 
 
 @pytest.mark.parametrize(
     ("outcomes", "endings", "change"),
     [
-        (("FINISHED", "FINISHED"), {"FINISHED": 5}, Change.SAME),
-        (("FINISHED", "FLAT"), {"FINISHED": 5}, Change.LARGER),
-        (("FLAT", "FINISHED"), {"FLAT": 5}, Change.SMALLER),
-        (("FLAT", "OVERTURNED"), {"FLAT": 5}, Change.INFORMATION),
-        (("FINISHED", "FLAT"), {"FINISHED": 4, "OVERTURNED": 1}, Change.UNDECIDABLE),
+        (("FINISHED", "FINISHED"), {"FINISHED": 5}, Status.SAME),
+        (("FINISHED", "FLAT"), {"FINISHED": 5}, Status.WORSE),
+        (("FLAT", "FINISHED"), {"FLAT": 5}, Status.BETTER),
+        (("FLAT", "OVERTURNED"), {"FLAT": 5}, Status.NOT_JUDGED),
+        (("FINISHED", "FLAT"), {"FINISHED": 4, "OVERTURNED": 1}, Status.UNDECIDABLE),
     ],
 )
 def test_a_run_that_no_longer_finishes_is_worse(
     outcomes: tuple[str, str],
     endings: dict[str, int],
-    change: Change,
+    change: Status,
     score: Make,
     scores: MakeAll,
 ) -> None:
@@ -90,7 +91,7 @@ def test_a_run_that_no_longer_finishes_is_worse(
     accepted = scores(score(values, outcome=first, endings=endings))
     found = differences(accepted, scores(score({PHI: 9.0}, outcome=second)))
     assert found[0].quantity == OUTCOME
-    assert found[0].change is change
+    assert found[0].status is change
     # numbers of a run that ended early are those of another length
     assert len(found) == (2 if (first, second) == ("FINISHED", "FINISHED") else 1)
 
@@ -99,13 +100,13 @@ def test_what_is_missing_and_what_is_new(score: Make, scores: MakeAll) -> None:
     old, new = score({PHI: 1.0}, scene="petals"), score({PHI: 1.0}, scene="wobble")
     both = score({PHI: 1.0})
     found = differences(scores(both, old), scores(both, new))
-    assert {one.identity.scene: one.change for one in found if one.quantity == OUTCOME} == {
-        "gentle-rock": Change.SAME,
-        "petals": Change.ONLY_FIRST,
-        "wobble": Change.ONLY_SECOND,
+    assert {one.identity.scene: one.status for one in found if one.quantity == OUTCOME} == {
+        "gentle-rock": Status.SAME,
+        "petals": Status.MISSING,
+        "wobble": Status.NEW,
     }
     owed = differences(scores(both, old), scores(both), expected=[both.identity])
-    assert all(one.change is Change.SAME for one in owed)
+    assert all(one.status is Status.SAME for one in owed)
 
 
 def test_times_and_errors_where_the_plane_would_pull_are_not_judged(
@@ -113,25 +114,25 @@ def test_times_and_errors_where_the_plane_would_pull_are_not_judged(
 ) -> None:
     first = score({PHI: 1.0, "max_slip_m_s": 1.0, "wall_s": 1.0}, truth_pulls=True)
     second = score({PHI: 9.0, "max_slip_m_s": 9.0, "wall_s": 9.0}, truth_pulls=True)
-    found = {one.quantity: one.change for one in differences(scores(first), scores(second))}
-    assert found[PHI] is Change.INFORMATION
-    assert found["wall_s"] is Change.INFORMATION
-    assert found["max_slip_m_s"] is Change.LARGER
+    found = {one.quantity: one.status for one in differences(scores(first), scores(second))}
+    assert found[PHI] is Status.NOT_JUDGED
+    assert found["wall_s"] is Status.NOT_JUDGED
+    assert found["max_slip_m_s"] is Status.WORSE
 
 
 def test_two_motions_are_not_compared(score: Make, scores: MakeAll) -> None:
     first, second = score({PHI: 1.0}), score({PHI: 9.0})
     object.__setattr__(second, "scene_digest", "another")
     (found,) = differences(scores(first), scores(second))
-    assert found.change is Change.INFORMATION
+    assert found.status is Status.NOT_JUDGED
     assert "scene has changed" in found.note
 
 
 def test_a_spread_can_be_borrowed(score: Make, scores: MakeAll) -> None:
     first, second = scores(score({PHI: 1.0})), scores(score({PHI: 2.0}))
     lender = scores(score({PHI: 1.0}, spread={PHI: 1.0}))
-    assert differences(first, second)[1].change is Change.LARGER
-    assert differences(first, second, spreads=lender)[1].change is Change.SAME
+    assert differences(first, second)[1].status is Status.WORSE
+    assert differences(first, second, spreads=lender)[1].status is Status.SAME
 
 
 def test_every_floor_is_far_below_what_is_judged() -> None:

@@ -12,8 +12,9 @@ from types import MappingProxyType
 import pytest
 
 from harness.core.case import Case
-from harness.gate.baseline import BaselineError, read_baseline, write_baseline
-from harness.gate.comparison import Change, Difference, differences, judge
+from harness.core.verdict import Status
+from harness.gate.baseline import BaselineError, read_baseline, required_cases, write_baseline
+from harness.gate.comparison import Difference, differences, judge
 from harness.gate.report import GATE, sentences
 from harness.gate.scores import (
     CaseIdentity,
@@ -22,10 +23,9 @@ from harness.gate.scores import (
     Scores,
     identity,
     scene_digest,
-    stored_score,
+    score_of_row,
 )
 from harness.gate.spread import member, members
-from harness.gate.stored_scores import required_cases
 from models import Scene, load
 
 Make = Callable[..., Score]
@@ -37,34 +37,34 @@ PHI = "phi_rms_rad"
 @pytest.mark.parametrize(
     ("found", "change"),
     [
-        (1.9999, Change.SAME),
-        (2.0001, Change.LARGER),
-        (0.0001, Change.SAME),
+        (1.9999, Status.SAME),
+        (2.0001, Status.WORSE),
+        (0.0001, Status.SAME),
     ],
 )
 def test_a_tolerance_is_four_spreads(
-    found: float, change: Change, score: Make, scores: MakeAll
+    found: float, change: Status, score: Make, scores: MakeAll
 ) -> None:
     accepted = scores(score({PHI: 1.0}, spread={PHI: 0.25}))
     _, quantity = differences(accepted, scores(score({PHI: found})))
-    assert quantity.change is change
+    assert quantity.status is change
     assert quantity.tolerance == pytest.approx(1.0, abs=2e-12)  # and what round-off makes
 
 
-@pytest.mark.parametrize(("found", "change"), [(1.0999, Change.SAME), (1.1001, Change.LARGER)])
-def test_a_tenth_more_is_worse_and_less_is_not(found: float, change: Change) -> None:
+@pytest.mark.parametrize(("found", "change"), [(1.0999, Status.SAME), (1.1001, Status.WORSE)])
+def test_a_tenth_more_is_worse_and_less_is_not(found: float, change: Status) -> None:
     assert judge(1.0, found, 0.0)[0] is change
 
 
-@pytest.mark.parametrize(("found", "change"), [(0.9092, Change.SAME), (0.9090, Change.SMALLER)])
-def test_better_is_the_same_rule_mirrored(found: float, change: Change) -> None:
+@pytest.mark.parametrize(("found", "change"), [(0.9092, Status.SAME), (0.9090, Status.BETTER)])
+def test_better_is_the_same_rule_mirrored(found: float, change: Status) -> None:
     assert judge(1.0, found, 0.0)[0] is change  # 1/1.1 is 0.90909
 
 
 def test_both_limits_must_be_exceeded_not_met() -> None:
-    assert judge(1.0, 1.5, 0.5)[0] is Change.SAME
-    assert judge(0.0, 0.0, 0.0)[0] is Change.SAME
-    assert judge(1.0, 1.1, 0.0)[0] is Change.SAME
+    assert judge(1.0, 1.5, 0.5)[0] is Status.SAME
+    assert judge(0.0, 0.0, 0.0)[0] is Status.SAME
+    assert judge(1.0, 1.1, 0.0)[0] is Status.SAME
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_factor_is_second_over_first_and_a_severity_the_larger_over_the_smalle
     first: Number, second: Number, factor: Number, severity: float, score: Make
 ) -> None:
     found = Difference(
-        identity=score().identity, quantity=PHI, first=first, second=second, change=Change.SAME
+        identity=score().identity, quantity=PHI, first=first, second=second, status=Status.SAME
     )
     assert (found.factor, found.severity) == (factor, severity)
 
@@ -97,7 +97,7 @@ def test_an_error_is_not_judged_where_either_exact_motion_pulls(
         scores(score({PHI: value}, truth_pulls=one))
         for value, one in zip((1.0, 9.0), pulled, strict=True)
     )
-    assert differences(first, second)[1].change is Change.INFORMATION
+    assert differences(first, second)[1].status is Status.NOT_JUDGED
 
 
 def test_of_two_spreads_the_larger_counts(score: Make, scores: MakeAll) -> None:
@@ -149,9 +149,9 @@ def test_below_its_floor_nothing_counts_as_a_change(
     column: str, floor: float, score: Make, scores: MakeAll
 ) -> None:
     accepted = scores(score({column: 0.0}))
-    for found, change in ((0.99 * floor, Change.SAME), (1.01 * floor, Change.LARGER)):
+    for found, change in ((0.99 * floor, Status.SAME), (1.01 * floor, Status.WORSE)):
         _, quantity = differences(accepted, scores(score({column: found})))
-        assert quantity.change is change
+        assert quantity.status is change
 
 
 @pytest.mark.parametrize(
@@ -244,7 +244,7 @@ def test_a_score_holds_the_numbers_that_are_known(resolved: object, turn: object
         "not a quantity": 1.0,
     }
     name = CaseIdentity(scene="s", engine="e", profile="p")
-    found = stored_score(row, identity=name, scene="0", outcome="FLAT")
+    found = score_of_row(row, identity=name, scene="0", outcome="FLAT")
     expected = {"steps": 5.0} | ({"angle_of_turn_error_deg": 2.0} if turn else {})
     assert dict(found.values) == expected
     assert (found.truth_pulls, found.digest, found.members) == (True, "abc", 0)

@@ -7,9 +7,8 @@ import pytest
 
 from harness import api
 from harness.core.case import Case
-from harness.gate.baseline import BaselineError
+from harness.gate.baseline import BaselineError, required_cases
 from harness.gate.scores import Score, Scores, identity, scene_digest
-from harness.gate.stored_scores import required_cases
 from harness.studies.comparison.suite import SUITES
 from models import load
 
