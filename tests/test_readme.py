@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.commands import app
+from harness.cli.main import app
 from models.scene_file import read_scene
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")

@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from harness.cli import terminal
-from harness.cli.json_output import to_json
-from harness.cli.run_options import STORE, store_folder
+from harness.cli.run_options import STORE, Json, store_folder
+from harness.core.report_model import Column, rows_of, table_of
 from harness.evaluation.case_cache import is_current
 from harness.execution.cache import (
     CacheFolder,
@@ -21,28 +21,30 @@ from harness.execution.cache import (
 app = typer.Typer(no_args_is_help=True, help="What is kept of runs: list it, verify it, prune it.")
 
 Folder = Annotated[Path | None, typer.Option("--store", help=f"The folder; {STORE} if left out.")]
-Json = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
-]
-
-_COLUMNS = ("kind", "key", "state", "case", "bytes", "kept", "command")
-_SHOWN = ("kind", "state", "case", "bytes", "kept")
+_COLUMNS = (
+    Column("kind", "What is stored."),
+    Column("key", "Names it.", shown=False),
+    Column("state", "Whether it is whole.", "state.value"),
+    Column("case", "What it is of.", "metadata.label"),
+    Column("bytes", "Its size.", "size"),
+    Column("kept", "Since when.", "metadata.kept"),
+    Column("command", "Runs it again.", "metadata.command", shown=False),
+)
 
 
 @app.command("list")
 def list_(store: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - a switch
     """List what is kept."""
     kept = _opened(store)
-    folder = kept.folder
-    rows = _rows(kept, thoroughly=False)
+    entries = list(inspect_cache(kept, thoroughly=False))
     if json:
-        entries = [dict(zip(_COLUMNS, row, strict=True)) for row in rows]
-        typer.echo(to_json({"store": str(folder), "entries": entries}))
+        told = {"store": str(kept.folder), "entries": rows_of(_COLUMNS, entries)}
+        typer.echo(terminal.to_json(told))
         return
-    shown = [[row[_COLUMNS.index(name)] for name in _SHOWN] for row in rows]
-    terminal.stdout_console().print(terminal.table(f"The store '{folder}'", _SHOWN, shown))
-    size = sum(int(str(row[_COLUMNS.index("bytes")])) for row in rows)
-    typer.echo(f"{len(rows)} entries, {size / 1e6:.1f} MB")
+    listed = table_of("store", f"The store '{kept.folder}'", _COLUMNS, entries)
+    terminal.stdout_console().print(terminal.table_artefact(listed, listed.shown))
+    size = sum(entry.size for entry in entries)
+    typer.echo(f"{len(entries)} entries, {size / 1e6:.1f} MB")
 
 
 @app.command()
@@ -82,19 +84,3 @@ def _opened(chosen: Path | None) -> CacheFolder:
     store = CacheFolder(folder=store_folder(chosen))
     store.check()
     return store
-
-
-def _rows(store: CacheFolder, *, thoroughly: bool) -> list[tuple[object, ...]]:
-    """Return a row for each entry, by the columns above."""
-    return [
-        (
-            found.kind,
-            found.key,
-            found.state.value,
-            None if found.metadata is None else found.metadata.label,
-            found.size,
-            None if found.metadata is None else found.metadata.kept,
-            None if found.metadata is None else found.metadata.command,
-        )
-        for found in inspect_cache(store, thoroughly=thoroughly)
-    ]

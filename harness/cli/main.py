@@ -1,25 +1,37 @@
-"""Run a command, and turn what went wrong into a message and a code.
+"""The tree of commands; running one, and turning what went wrong into a message and a code.
 
 0 done; 1 a fidelity gate failed; 2 wrong use or bad input, with one message; 130 and 143 stopped by
-Ctrl-C and by SIGTERM, with what is done and how to go on.
+Ctrl-C and by SIGTERM, with what is done and how to go on. Standard output is for answers alone, and
+may lead to a disk that is full.
 
-Standard output, which is for answers alone, and may lead to a disk that is full.
+`benchmark` and `faults` measure the project and not a scene: they start programs beside the tests
+of a source checkout, which a wheel does not ship, each in a process of its own with the options and
+the exit code of the command.
 """
 
 import io
 import os
 import shlex
+import signal
+import subprocess
 import sys
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, TextIO
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 from typer.exceptions import TyperException
 
-from harness.cli.commands import app
-from harness.core.errors import HarnessError, OutputError, ParityError
+from harness.cli.cache import app as store
+from harness.cli.catalogue import check, engines, export, scenes
+from harness.cli.motions import reference, run
+from harness.cli.paper import audit, gallery, report
+from harness.cli.studies import attribute, cost, effects, errors, stability
+from harness.cli.sweep import sweep
+from harness.cli.validate import diff, validate
+from harness.core.errors import HarnessError, MissingCheckoutError, OutputError, ParityError
 from harness.execution.cache import CacheWarning
 from harness.execution.isolated_pool import end_background_worker
 from harness.execution.signals import Interrupted, exit_on_signal, handle_signals
@@ -27,6 +39,78 @@ from models.errors import ModelError
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
+
+_CHECKOUT = Path(__file__).parents[2]
+
+
+def benchmark(context: typer.Context) -> None:
+    """Measure what the project claims about speed, as ratios in one run; some three minutes.
+
+    Leaves with code 1 if a claim does not hold on this machine. Needs a source checkout.
+    """
+    raise typer.Exit(run_program("benchmarks", context.args))
+
+
+def faults(context: typer.Context) -> None:
+    """Kill it, crash it, hang it, fill its disk, stop it, take its workers, sweep; write faults.md.
+
+    Leaves with code 1 if something was lost, or took too long. Needs a source checkout.
+    """
+    raise typer.Exit(run_program("faults", context.args))
+
+
+def run_program(name: str, arguments: list[str]) -> int:
+    """Run a program of the source checkout and return its exit code.
+
+    Parameters
+    ----------
+    name : str
+        Its folder in `tests`.
+    arguments : list of str
+
+    Raises
+    ------
+    MissingCheckoutError
+        If the tests are not beside the package.
+    """
+    if not (_CHECKOUT / "tests" / name / "__main__.py").is_file():
+        raise MissingCheckoutError(f"tests/{name}")
+    paths = [str(_CHECKOUT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    # -P: in a folder that has `tests` of its own, those are not meant
+    program = subprocess.Popen(  # noqa: S603 - our own program
+        [sys.executable, "-P", "-m", f"tests.{name}", *arguments],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+    )
+    try:
+        return program.wait()
+    except Interrupted:  # the program says what is done; of Ctrl-C it has heard already
+        program.send_signal(signal.SIGTERM)
+        return program.wait()
+
+
+app = typer.Typer(
+    name="rockingcan",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    help=(
+        "How faithful is an engine's rolling contact? A drinks can, tipped on its rim, rocks down, "
+        "turns by 209 degrees, half of it in 40 microseconds, and rises again. The mathematics is "
+        "exact; this runs it in MuJoCo and PyBullet and says how far they are from it.\n\n"
+        "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
+    ),
+)
+for command in (
+    *(scenes, engines, check, export, reference, run),
+    *(validate, diff, attribute, errors, cost, effects, stability, sweep),
+    *(report, audit, gallery),
+):
+    app.command()(command)
+for command in (benchmark, faults):
+    # its options, --help too, are those of the program that it starts
+    passed_on = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
+    app.command(context_settings=passed_on)(command)
+app.add_typer(store, name="store")
 
 
 class _Answers(io.FileIO):
@@ -70,8 +154,6 @@ GATE_FAILED = 1
 WRONG_USE = 2
 INTERRUPTED = 130
 
-Show = Callable[[Warning | str, type[Warning], str, int, TextIO | None, str | None], None]
-
 
 def main(program: typer.Typer = app, name: str = "rockingcan") -> None:
     """Run a command line and leave with its exit code.
@@ -104,7 +186,7 @@ def code_of(arguments: list[str], program: typer.Typer = app, name: str = "rocki
     """Run a command and return its exit code."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", CacheWarning)
-        warnings.showwarning = _shown(warnings.showwarning)  # type: ignore[assignment]
+        warnings.showwarning = _shown(warnings.showwarning)
         return _code_of(arguments, program, name)
 
 
@@ -153,21 +235,14 @@ def _notes(error: BaseException) -> list[str]:
     return list(getattr(error, "__notes__", ()))
 
 
-def _shown(usual: Show) -> Show:
+def _shown(usual: Callable[..., None]) -> Callable[..., None]:
     """Return what shows a warning: those of the store in one line, others as usual."""
 
-    def show(  # noqa: PLR0917 - as `warnings` calls it
-        message: Warning | str,
-        category: type[Warning],
-        filename: str,
-        lineno: int,
-        file: TextIO | None = None,
-        line: str | None = None,
-    ) -> None:
+    def show(message: object, category: type[Warning], *place: object) -> None:
         if issubclass(category, CacheWarning):
             sys.stderr.write(f"rockingcan: warning: {message}\n")
         else:
-            usual(message, category, filename, lineno, file, line)
+            usual(message, category, *place)
 
     return show
 

@@ -1,10 +1,7 @@
-"""The options of commands that run cases: where they run, within what limits, where results stay.
+"""The options that several commands share, each declared once, and the settings of `--set`.
 
-Declared once; `runs` gives them to a command, which receives them as one `Running`.
-
-Reading what people type: `--set KEY=VALUE`.
-
-Reading `--set ENGINE.KEY=VALUE`: settings on top of a whole suite.
+Where cases run, within what limits and where results stay: `with_run_options` gives these options
+to a command, which receives them as one `RunOptions`.
 """
 
 import functools
@@ -13,7 +10,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -27,6 +24,33 @@ from harness.execution.cache import CacheFolder
 from harness.execution.dask_cluster import dask_executor
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits, default_limits
+
+SceneName = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE",
+        help="A scene of the catalogue (see: rockingcan scenes) or the path of a scene file.",
+    ),
+]
+EngineName = Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")]
+Profile = Annotated[
+    str,
+    typer.Option(
+        help="default: as it ships; matched: only what the scene declares; adaptive: own steps."
+    ),
+]
+Timestep = Annotated[float | None, typer.Option(help="In seconds; the profile's own if left out.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="A setting by the engine's own name (see: rockingcan engines ENGINE); repeat it.",
+    ),
+]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
+]
 
 STORE = Path("reports/.store")
 """Where results are kept if nothing else is said, below where the command is run."""
@@ -174,9 +198,6 @@ def _running(  # noqa: PLR0917 - a parameter an option
     )
 
 
-_WORDS: dict[str, Value] = {"true": True, "false": False, "none": None}
-
-
 def parse_settings(pairs: list[str]) -> tuple[tuple[str, Value], ...]:
     """Return the settings that `--set` was given, by name.
 
@@ -192,40 +213,34 @@ def parse_settings(pairs: list[str]) -> tuple[tuple[str, Value], ...]:
             raise InvalidSettingError("--set", pair, "KEY=VALUE, such as impratio=10")
         if name in found:
             raise InvalidSettingError("--set", pair, f"each name once, but '{name}' comes twice")
-        found[name] = value(name, text)
+        found[name] = _value(name, text)
     return tuple(found.items())
 
 
-def value(name: str, text: str) -> Value:
+def _value(name: str, text: str) -> Value:
     """Return a value as a number, numbers, a truth value, nothing, or a word."""
-    if text.lower() in _WORDS:
-        return _WORDS[text.lower()]
-    if "," in text:
-        numbers = tuple(_number(part) for part in text.split(","))
-        if any(number is None for number in numbers):
-            raise InvalidSettingError(name, text, "numbers with commas between them")
-        return tuple(float(number) for number in numbers if number is not None)
-    number = _number(text)
-    return text if number is None else number
+    words: dict[str, Value] = {"true": True, "false": False, "none": None}
+    if text.lower() in words:
+        return words[text.lower()]
+    numbers = [_number(part) for part in text.split(",")]
+    known = tuple(float(number) for number in numbers if number is not None)
+    if len(numbers) == 1:
+        return text if numbers[0] is None else numbers[0]
+    if len(known) < len(numbers):
+        raise InvalidSettingError(name, text, "numbers with commas between them")
+    return known
 
 
 def _number(text: str) -> int | float | None:
     """Return a finite number, an integer where it is written as one; None if it is none."""
-    try:
-        return int(text)
-    except ValueError:
-        pass
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None
+    for kind in (int, float):
+        with suppress(ValueError):
+            number = kind(text)
+            return number if math.isfinite(number) else None
+    return None
 
 
-Settings = dict[str, dict[str, Value]]
-
-
-def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> Settings:
+def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> dict[str, dict[str, Value]]:
     """Return settings by engine and name.
 
     Parameters
@@ -240,7 +255,7 @@ def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> Settings:
     InvalidSettingError
         If a pair names an engine that does not run, a setting that none has, or one twice.
     """
-    found: Settings = {}
+    found: dict[str, dict[str, Value]] = {}
     for words, value in parse_settings(list(pairs)):
         chosen, dot, name = words.rpartition(".")
         if dot and chosen not in engines:

@@ -9,8 +9,8 @@ import typer
 from rich.markup import escape
 
 from harness.cli import terminal
-from harness.cli.json_output import to_json
 from harness.cli.run_options import RunOptions
+from harness.cli.terminal import to_json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.evaluation.timing import single_thread_executor

@@ -11,8 +11,19 @@ import typer
 from rich.markup import escape
 
 from harness.cli import terminal
-from harness.cli.json_output import to_json
-from harness.cli.run_options import MemoryLimit, TimeLimit, limits_of, parse_settings
+from harness.cli.run_options import (
+    EngineName,
+    Json,
+    MemoryLimit,
+    Profile,
+    SceneName,
+    Settings,
+    TimeLimit,
+    Timestep,
+    limits_of,
+    parse_settings,
+)
+from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table
@@ -33,9 +44,7 @@ _IMPORTS = ("harness.sweep",)
 
 
 def sweep(  # noqa: PLR0917 - a parameter an option
-    scene: Annotated[
-        str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
-    ],
+    scene: SceneName,
     over: Annotated[
         list[str],
         typer.Option(
@@ -48,15 +57,10 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     sample: Annotated[str, typer.Option(help="grid, random, sobol or halton.")] = "grid",
     count: Annotated[int | None, typer.Option(help="Scenes of a sample.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of a sample; 0 if left out.")] = None,
-    engine: Annotated[str, typer.Option(help="Which engine (see: engines).")] = "reference",
-    profile: Annotated[str, typer.Option(help="default, matched or adaptive.")] = "matched",
-    timestep: Annotated[
-        float | None, typer.Option(help="In seconds; the profile's own if left out.")
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the engine; repeat it."),
-    ] = None,
+    engine: EngineName = "reference",
+    profile: Profile = "matched",
+    timestep: Timestep = None,
+    set_: Settings = None,
     quantity: Annotated[
         list[str] | None,
         typer.Option(help="A column, such as angle_of_turn_deg or epsilon; repeat it."),
@@ -72,9 +76,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     ] = None,
     time_limit: TimeLimit = None,
     memory_limit: MemoryLimit = None,
-    json: Annotated[  # noqa: FBT002 - a switch of the command line
-        bool, typer.Option("--json", help="Print one JSON object and nothing else.")
-    ] = False,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Vary parameters of a scene and write a row for each: a map of the turn, say.
 

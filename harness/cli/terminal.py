@@ -1,12 +1,13 @@
-"""What people read in the terminal.
+"""What commands print: tables for people, one JSON object for programs; and single files.
 
-Single files that a command writes: whole or not at all, and never over a folder.
+A file is written whole or not at all, and never over a folder.
 """
 
+import json
 import math
-import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import (
@@ -19,15 +20,31 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from harness.cli.json_output import Answer
 from harness.core.errors import OutputError
 from harness.core.report_model import Table as Data
 from harness.core.simulation import ParityRow
-from harness.engines.reference.assumption_checks import PARTED
+from harness.core.verdict import Verdict
 from harness.execution.atomic_write import write_atomically
-from harness.metrics.motion import Motion, motion_frame
 
 _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
+
+
+def to_json(answer: Mapping[str, Any]) -> str:
+    """Return the answer of `--json`: one object, in which what is no number is null."""
+    return json.dumps(_finite(answer), indent=2, allow_nan=False)
+
+
+def _finite(value: Any) -> Any:  # noqa: ANN401 - JSON is of any type
+    """Return a value with null for what is no number."""
+    if isinstance(value, Mapping):
+        return {key: _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    if isinstance(value, Verdict):
+        return value.text
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value
 
 
 def stdout_console() -> Console:
@@ -68,133 +85,27 @@ def table_artefact(artefact: Data, columns: Sequence[str]) -> Table:
     return table(artefact.title, columns, rows)
 
 
-def motion(answer: Answer) -> Iterable[Table]:
-    """Yield the tables of a motion in numbers."""
-    single = ("scene", "engine", "outcome", "period_s", "energy_drift", "steps", "wall_s")
-    yield table("Motion", single, [[answer[key] for key in single]])
-    if answer["bounces"]:
-        keys = list(answer["bounces"][0])
-        rows = [[bounce[key] for key in keys] for bounce in answer["bounces"]]
-        yield table("Bounces", keys, rows)
-    parts = {"errors": "Errors, engine minus truth", "contact": "Contact"}
-    if _chaotic(answer):
-        del parts["errors"]  # there are none, and `parting` says why
-    for part, title in parts.items():
-        if part in answer:
-            yield table(title, list(answer[part]), [list(answer[part].values())])
-
-
-def chaos_sentences(answer: Answer) -> Iterable[str]:
-    """Yield how fast disturbances of a chaotic motion grow, in words; nothing of any other."""
-    if _chaotic(answer):
-        found = answer["divergence"]
-        yield (
-            f"Chaotic: a disturbance grows by e in {found['lyapunov_time_s']:.3g} s; one part in "
-            f"1e12 becomes {PARTED:g} rad at {found['parted_s']:.3g} s, and beyond nothing can be "
-            "compared."
-        )
-
-
-def choices(answer: Answer) -> Iterable[str]:
-    """Yield what each declared effect supposes, a paragraph each."""
-    yield from (f"Modelling choice: {sentence}" for sentence in answer["modelling_choices"])
-
-
-def divergence_sentences(answer: Answer) -> Iterable[str]:
-    """Yield in words how long a run can be compared with the exact motion, a paragraph each."""
-    yield from chaos_sentences(answer)
-    at, why = answer["parts_at_s"], ""
-    if _chaotic(answer):
-        why = " What differs in the end is no error, so no errors are given."
-    if at is not None:
-        yield f"The engine is {PARTED:g} rad away from the exact motion from {at:.3g} s on.{why}"
-    elif why:
-        yield f"The engine is never {PARTED:g} rad away from the exact motion.{why}"
-
-
-def _chaotic(answer: Answer) -> bool:
-    """Whether an answer says that a motion is chaotic."""
-    return bool(answer.get("divergence") and answer["divergence"]["chaotic"])
-
-
 def parity(rows: Sequence[ParityRow]) -> Table:
     """Return the parity table for the terminal, differences in colour."""
-    return table(
-        "Model parity: the can of the scene and the can in the engine",
-        ("quantity", "unit", "declared", "found", "verdict", "how"),
-        [
-            (
-                row.quantity,
-                row.unit,
-                row.declared,
-                row.found,
-                f"[{_VERDICT_STYLES[row.verdict]}]{row.verdict}[/]",
-                row.how,
-            )
-            for row in rows
-        ],
-    )
+    columns = ("quantity", "unit", "declared", "found", "verdict", "how")
+    cells = [{column: getattr(row, column) for column in columns} for row in rows]
+    for row in cells:
+        row["verdict"] = f"[{_VERDICT_STYLES[row['verdict']]}]{row['verdict']}[/]"
+    title = "Model parity: the can of the scene and the can in the engine"
+    return table(title, columns, [list(row.values()) for row in cells])
 
 
 def _cell(value: object) -> str:
     """Return a value as the terminal shows it."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+    if value is None or value in ([], ()) or (isinstance(value, float) and math.isnan(value)):
         return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list | tuple):
-        if not value:
-            return "-"
-        return ", ".join(_cell(inner) for inner in value)
+        return ", ".join(map(_cell, value))
     return str(value)
-
-
-_SUFFIXES = (".csv", ".parquet")
-
-
-def write_motion(motion: Motion, out: Path) -> None:
-    """Write a motion as a table in the format that the file's name asks for.
-
-    Raises
-    ------
-    OutputError
-        If the name ends otherwise, or the file cannot be written.
-    """
-    check_motion_file(out)
-    frame = motion_frame(motion)
-    if out.suffix == ".csv":
-        write_bytes(frame.to_csv(index=False, lineterminator="\n").encode(), out)
-    else:
-        write_bytes(frame.to_parquet(index=False), out)
-
-
-def check_motion_file(out: Path) -> None:
-    """Refuse a file for a motion that could not be written later.
-
-    Raises
-    ------
-    OutputError
-        If its name ends otherwise than in a known suffix, or its folder cannot be written.
-    """
-    if out.suffix not in _SUFFIXES:
-        raise OutputError(f"cannot write '{out}': its name must end in {' or '.join(_SUFFIXES)}")
-    if out.is_dir() or not out.absolute().parent.is_dir():
-        raise OutputError(f"cannot write '{out}': it must be a file in a folder that exists")
-    if not os.access(out.absolute().parent, os.W_OK):
-        raise OutputError(f"cannot write '{out}': its folder is not writable")
-
-
-def write_text(text: str, out: Path) -> None:
-    """Write a text as UTF-8, whole or not at all.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written.
-    """
-    write_bytes(text.encode(), out)
 
 
 def write_bytes(content: bytes, out: Path) -> None:
@@ -209,3 +120,8 @@ def write_bytes(content: bytes, out: Path) -> None:
         write_atomically(out.absolute(), content)
     except OSError as error:
         raise OutputError(f"cannot write '{out}': {error.strerror or error}") from error
+
+
+def write_text(text: str, out: Path) -> None:
+    """Write a text as UTF-8; see `write_bytes`."""
+    write_bytes(text.encode(), out)

@@ -1,85 +1,74 @@
-"""The main job: run the suite, write the report, show the summary.
+"""The main job: run the suite, hold it against accepted results, write the report.
 
-What the full suite asks beyond the comparison: who is to blame, and which error it is.
+What the full suite asks beyond the comparison: who is to blame, and which error it is. Two reports
+held against each other: two versions of an engine, two machines, two settings.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 
 from harness import api
 from harness.cli import terminal
-from harness.cli.gate import (
-    BASELINE,
-    GateRequest,
-    accept_baseline,
-    compare_to_baseline,
-    open_gate,
-    show_changes,
-)
 from harness.cli.paper import joined_sections
-from harness.cli.run_options import RunOptions, engine_settings, settings_to_dict, with_run_options
+from harness.cli.run_options import (
+    Json,
+    RunOptions,
+    engine_settings,
+    settings_to_dict,
+    with_run_options,
+)
 from harness.cli.study_command import run_with_progress, shown
+from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
-from harness.core.report_model import Prose
+from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.simulation import Outcome
+from harness.core.verdict import Status
 from harness.evaluation.evaluation import Evaluation
-from harness.execution.cache import CacheFolder
-from harness.gate.baseline import gate_keys
+from harness.gate.baseline import (
+    FILE,
+    BaselineError,
+    check_place,
+    gate_keys,
+    read_baseline,
+    read_scores,
+    required_cases,
+    write_baseline,
+)
+from harness.gate.comparison import differences
+from harness.gate.report import GATE, SIDES, changed, gate_report, regressions, sentences
+from harness.gate.scores import CaseIdentity, Scores, scored
+from harness.gate.spread import count, measured
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
 from harness.studies.attribution.study import AttributionStudy
-from harness.studies.comparison.study import plan_comparison
+from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 from harness.studies.errors.plan import plan_errors
 from harness.studies.errors.study import ErrorsStudy
 from harness.studies.shared.ablation import ablation_path
 from harness.studies.study import StudyGroup
 from models.catalogue import load
 
+_BASELINE = Path("reports/baseline")
+"""Where results are accepted if nothing else is said."""
+
 _ATTRIBUTED = ("gentle-rock", "paper-release")
 _SPLIT = ("gentle-rock",)
 """Scenes that both studies can carry: under gravity, ideal, with a bounce."""
 
-
-def further(names: Sequence[str], running: RunOptions) -> list[Section]:
-    """Return the attribution and the three errors of every engine, as chapters of a report."""
-    groups = (
-        StudyGroup(
-            name="Attribution",
-            studies=tuple(
-                AttributionStudy(path=ablation_path(load(scene), name))
-                for scene in _ATTRIBUTED
-                for name in names
-            ),
-        ),
-        StudyGroup(
-            name="Three errors",
-            studies=tuple(
-                ErrorsStudy(plan=plan_errors(load(scene), name))
-                for scene in _SPLIT
-                for name in names
-            ),
-        ),
-    )
-    done = run_with_progress(StudyGroup(name="causes", studies=groups), running)
-    return [
-        Section(
-            title=group.name,
-            # the words of all parts first
-            artefacts=tuple(sorted(group.report(done), key=lambda a: not isinstance(a, Prose))),
-            cases=tuple(done.only(group.next_jobs(done)).manifest()),
-            provenance=provenance(),
-        )
-        for group in groups
-    ]
-
-
 _WHOLE = "full"
 """The suite that goes on to ask who is to blame."""
+
+_ROWS = 40
+"""Of the table of changes in the terminal; the report has all."""
+
+_QUIET = (Status.SAME, Status.NOT_JUDGED, Status.UNDECIDABLE)
+"""Verdicts that the terminal leaves out."""
 
 
 @with_run_options
@@ -112,7 +101,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         bool,
         typer.Option(
             "--accept",
-            help=f"Measure how far each result may move and accept it, into {BASELINE} or "
+            help=f"Measure how far each result may move and accept it, into {_BASELINE} or "
             "--baseline, in place of what was accepted there.",
         ),
     ] = False,
@@ -133,53 +122,193 @@ def validate(  # noqa: PLR0917 - a parameter an option
     study = plan_comparison(suite, engines, chosen)
     check_writable(out)
     others = joined_sections(with_ or [])
-    gate = open_gate(
-        study, settings_to_dict(chosen), baseline, accept=accept, every_engine=not engine
-    )
-    running = replace(running, store=_store(running.store, gate))
+    settings = settings_to_dict(chosen)
+    if accept and settings:
+        allowed = "nothing beside --set: accepted results are an engine's own"
+        raise InvalidSettingError("--accept", accept, allowed)
+    place = (baseline or _BASELINE) if accept else None
+    gate = _open_gate(study, place or baseline, accept=accept, every_engine=not engine)
+    if running.store is not None and (gate is not None or accept):
+        # an engine that was built anew often has the version of its last release, and so its
+        # results the key of those that are kept: a gate looks into no store
+        running = replace(running, store=replace(running.store, fresh=True))
     done = run_with_progress(study, running)
     evaluations, artefacts = study.evaluations(done), study.report(done)
-    run = compare_to_baseline(gate, evaluations)
+    scores = _scores(study, evaluations, settings)
+    found = differences(gate.accepted, scores, expected=gate.owed) if gate else ()
+    changes = gate_report(found, gate.accepted, scores, GATE) if gate else ()
     comparison = Section(
         title=f"rockingcan, {study.name}",
-        artefacts=(*run.artefacts, *artefacts),
+        artefacts=(*changes, *artefacts),
         cases=tuple(
-            {**record, **gate_keys(case, suite, gate.settings)}
+            {**record, **gate_keys(case, suite, settings)}
             for record, case in zip(done.manifest(), study.designed, strict=True)
         ),
         provenance=provenance(),
     )
     if suite == _WHOLE:
-        others = further(engines, running) + others
+        others = _causes(engines, running) + others
     page = write_chapters(
         [comparison, *others], out, title=comparison.title, provenance=comparison.provenance
     )
     shown({"scorecard": (), "summary": ()})(done, artefacts)
+    _show_changes(changes)
     console = terminal.stdout_console()
-    show_changes(run.artefacts, console)
-    if accept:
-        with running.executor() as executor:
-            console.print(f"\nAccepted: {accept_baseline(gate, run, executor)}")
+    if place is not None:
+        console.print(f"\nAccepted: {_accept(study, scores, running, place)}")
     console.print(f"\nThe report: {page}")
-    _stop_at_mismatch(evaluations)
-    if run.failed and not accept:
+    wrong = [e for e in evaluations if e.simulation.outcome is Outcome.MISMATCH]
+    for evaluation in wrong:
+        console.print(terminal.parity(evaluation.simulation.parity))
+    if wrong or (regressions(found) and not accept):
         raise typer.Exit(1)
 
 
-def _store(store: CacheFolder | None, gate: GateRequest) -> CacheFolder | None:
-    """Return the store, which a gate does not look into.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Gate:
+    """Accepted results, and those of their cases that a run must have."""
 
-    An engine that was built anew often has the version of its last release, and so its results
-    the key of those that are kept.
+    accepted: Scores
+    owed: tuple[CaseIdentity, ...]
+
+
+def _open_gate(
+    study: ComparisonStudy, folder: Path | None, *, accept: bool, every_engine: bool
+) -> _Gate | None:
+    """Return what a run is held against, or refuse before anything runs; None if against nothing.
+
+    Raises
+    ------
+    HarnessError
+        If accepted results cannot be read, do not fit the run, or could not be written.
     """
-    gated = gate.accepted is not None or gate.place is not None
-    return replace(store, fresh=True) if store is not None and gated else store
+    if folder is None:
+        return None
+    if accept:
+        check_place(folder)
+        if not (folder / FILE).is_file():
+            return None
+    try:
+        accepted = read_scores(folder)
+        owed = required_cases(accepted, study.suite, study.designed, every_engine=every_engine)
+    except BaselineError:
+        if not accept:
+            raise
+        return None  # what does not fit is what is to be replaced
+    return _Gate(accepted=accepted, owed=owed)
 
 
-def _stop_at_mismatch(evaluations: Sequence[Evaluation]) -> None:
-    """Leave with code 1 if an engine compiled another can than the scene's, after the tables."""
-    wrong = [e for e in evaluations if e.simulation.outcome is Outcome.MISMATCH]
-    for evaluation in wrong:
-        terminal.stdout_console().print(terminal.parity(evaluation.simulation.parity))
-    if wrong:
+def _scores(
+    study: ComparisonStudy, evaluations: Sequence[Evaluation], settings: dict[str, str]
+) -> Scores:
+    """Return the scores of a run."""
+    made = provenance()
+    versions = {e.simulation.case.engine: e.simulation.engine_version for e in evaluations}
+    return Scores(
+        suite=study.suite,
+        scores={one.identity: one for one in scored(study.designed, evaluations)},
+        versions={"rockingcan": made.rockingcan, **versions},
+        made=made.to_dict(),
+        settings=settings,
+    )
+
+
+def _accept(study: ComparisonStudy, scores: Scores, running: RunOptions, place: Path) -> Path:
+    """Measure how far each result is free to move, accept the run, and return the file."""
+    own = list(scores.scores.values())
+    with running.executor() as executor, terminal.progress_bar() as bar:
+        task = bar.add_task("measuring the spread", total=count(study.designed, own))
+        found = measured(
+            study.designed,
+            own,
+            executor,
+            lambda label: bar.update(task, advance=1, description=label),
+        )
+    return write_baseline(replace(scores, scores={one.identity: one for one in found}), place)
+
+
+def _causes(names: Sequence[str], running: RunOptions) -> list[Section]:
+    """Return the attribution and the three errors of every engine, as chapters of a report."""
+    groups = (
+        StudyGroup(
+            name="Attribution",
+            studies=tuple(
+                AttributionStudy(path=ablation_path(load(scene), name))
+                for scene in _ATTRIBUTED
+                for name in names
+            ),
+        ),
+        StudyGroup(
+            name="Three errors",
+            studies=tuple(
+                ErrorsStudy(plan=plan_errors(load(scene), name))
+                for scene in _SPLIT
+                for name in names
+            ),
+        ),
+    )
+    done = run_with_progress(StudyGroup(name="causes", studies=groups), running)
+    return [
+        Section(
+            title=group.name,
+            # the words of all parts first
+            artefacts=tuple(sorted(group.report(done), key=lambda a: not isinstance(a, Prose))),
+            cases=tuple(done.only(group.next_jobs(done)).manifest()),
+            provenance=provenance(),
+        )
+        for group in groups
+    ]
+
+
+def _show_changes(artefacts: Sequence[Artefact]) -> None:
+    """Print what a comparison found: what has changed, then the sentences."""
+    console = terminal.stdout_console()
+    for artefact in artefacts:
+        if isinstance(artefact, Table):
+            moved = artefact.frame[[v.status not in _QUIET for v in artefact.frame["verdict"]]]
+            if len(moved):
+                top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
+                console.print(
+                    terminal.table_artefact(top, [name for name in top.shown if name != "case"])
+                )
+            if len(moved) > _ROWS:
+                console.print(f"... and {len(moved) - _ROWS} more")
+    for artefact in artefacts:
+        if isinstance(artefact, Prose):
+            console.print(escape(artefact.text))
+
+
+def diff(
+    a: Annotated[
+        Path, typer.Argument(metavar="A", help="Folder of a report, or of accepted results.")
+    ],
+    b: Annotated[Path, typer.Argument(metavar="B", help="The same, to hold against it.")],
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Accepted results whose measured spread tells what may differ: reports have none.",
+        ),
+    ] = None,
+    gate: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--gate", help="Leave with code 1 if anything is better in A.")
+    ] = False,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Say what differs between two reports of validate, case by case, quantity by quantity.
+
+    For example: rockingcan diff reports/before reports/after --baseline reports/baseline
+    """
+    first, second = read_scores(a), read_scores(b)
+    spreads = None if baseline is None else read_baseline(baseline)
+    if not set(first.scores) & set(second.scores):
+        raise BaselineError(f"'{a}' and '{b}' have no case in common: there is nothing to compare")
+    found = differences(first, second, spreads=spreads)
+    if json:
+        told = sentences(found, first, second, SIDES, spreads)
+        rows = rows_of(SIDES.columns(), changed(found))
+        typer.echo(terminal.to_json({"differences": rows, "sentences": told}))
+    else:
+        _show_changes(gate_report(found, first, second, SIDES, spreads))
+    if gate and regressions(found):
         raise typer.Exit(1)

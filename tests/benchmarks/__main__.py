@@ -7,8 +7,8 @@ import typer
 
 from harness import api
 from harness.cli import terminal
-from harness.cli.json_output import to_json
 from harness.cli.main import main
+from harness.cli.terminal import to_json
 from tests.benchmarks.engines import engine_ratios
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios

@@ -234,7 +234,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(
         }[place]
     )
     before = sorted(tmp_path.rglob("*"))
-    monkeypatch.setattr("harness.cli.commands.evaluate", lambda _: pytest.fail("it ran"))
+    monkeypatch.setattr("harness.cli.motions.evaluate", lambda _: pytest.fail("it ran"))
     is_one_clear_message(
         told("run", "gentle-rock", "--engine", "mujoco", "--out", str(out)), str(out)
     )

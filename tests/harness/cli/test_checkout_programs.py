@@ -44,7 +44,8 @@ def test_options_and_codes_are_those_of_the_program(
 def test_an_installed_package_says_where_the_program_is(
     told: Command, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("harness.cli.checkout_programs._CHECKOUT", tmp_path)
+    # by its full name: the package has a function of the same name
+    monkeypatch.setattr(sys.modules["harness.cli.main"], "_CHECKOUT", tmp_path)
     answer = told(name)
     assert answer.code == 2
     assert len(answer.err.splitlines()) == 1

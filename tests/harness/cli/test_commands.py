@@ -255,7 +255,7 @@ def test_the_command_of_a_case_runs_that_case(
             ran.append(asked)
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("harness.cli.commands.evaluate", stop)
+        monkeypatch.setattr("harness.cli.motions.evaluate", stop)
         told(*case.command().split()[1:])
         assert ran == [case]
         assert ran[0].digest("1") == case.digest("1")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.cli.engines import engines_answer
+from harness.cli.catalogue import engines_answer
 from harness.core.case import Case
 from harness.core.errors import BrokenEngineError, InvalidSettingError, RefusedModelError
 from harness.core.provenance import ENGINE_ENTRY_POINTS

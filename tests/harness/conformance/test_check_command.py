@@ -7,8 +7,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from harness.cli import engines as command
-from harness.cli.engines import check
+from harness.cli import catalogue as command
+from harness.cli.catalogue import check
 from harness.core.errors import InvalidSettingError, UnknownEngineError
 from harness.engines.base import Capabilities
 from harness.engines.conformance import CLAUSES

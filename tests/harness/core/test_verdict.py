@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.cli.json_output import to_json
+from harness.cli.terminal import to_json
 from harness.core.report_model import Column, rows_of, table_of
 from harness.core.verdict import Status, Verdict
 

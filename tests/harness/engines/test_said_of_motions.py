@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import reference.integrable.exact_motion
-from harness.cli.model_answer import model_answer, sentences
+from harness.cli.motions import model_answer, sentences
 from harness.core.case import Case
 from harness.core.errors import TrajectoryError
 from harness.core.simulation import Outcome

@@ -1,0 +1,221 @@
+"""What there is to choose from: scenes, engines and their settings; and what an engine is worth.
+
+Whether an engine's adapter keeps its contract, and what the engine adds of its own accord.
+"""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from harness.cli import terminal
+from harness.cli.run_options import Json, SceneName
+from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.core.scene_limits import check_scene_limits
+from harness.engines.base import Setting
+from harness.engines.conformance import ClauseStatus, conform
+from harness.engines.probes import design, measure
+from harness.engines.registry import engine, names
+from models.catalogue import load
+from models.catalogue import names as scene_names
+from models.mjcf import mjcf
+from models.scene import Horizon
+from models.urdf import urdf
+
+
+def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the command line
+    """List the scenes of the catalogue: what each is, and where it comes from."""
+    catalogue = [load(name) for name in scene_names()]
+    if json:
+        typer.echo(terminal.to_json({"scenes": [scene.to_dict() for scene in catalogue]}))
+        return
+    columns = ("scene", "phi_rad", "psi_dot_rad_s", "theta_dot_rad_s", "ends", "effects", "source")
+    rows = [
+        (
+            *(scene.name, scene.release.phi, scene.release.psi_dot, scene.release.theta_dot),
+            *(_end(scene.horizon), ", ".join(scene.effects.declared()) or "none", scene.cite),
+        )
+        for scene in catalogue
+    ]
+    terminal.stdout_console().print(terminal.table("Scenes", columns, rows))
+
+
+def _end(horizon: Horizon) -> str:
+    """Return in words when a run ends."""
+    return f"{horizon.seconds:g} s" if horizon.seconds else f"bounce {horizon.bounces}"
+
+
+def export(
+    scene: SceneName,
+    format_: Annotated[str, typer.Option("--format", help="mjcf or urdf.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Write it here; to standard output if left out.")
+    ] = None,
+) -> None:
+    """Write a scene as a model that an engine opens."""
+    writers = {"mjcf": mjcf, "urdf": urdf}
+    if format_ not in writers:
+        raise InvalidSettingError("--format", format_, " or ".join(writers))
+    chosen = load(scene)
+    check_scene_limits(chosen)  # what overflows is no model
+    text = writers[format_](chosen)
+    if out is None:
+        typer.echo(text.rstrip("\n"))
+    else:
+        terminal.write_text(text, out)
+
+
+_STYLES = {
+    ClauseStatus.PASSED: "green",
+    ClauseStatus.FAILED: "bold red",
+    ClauseStatus.NOT_APPLICABLE: "dim",
+}
+
+_EFFECTS = ("effect", "quantity", "value", "expected", "unit", "how")
+
+
+def check(
+    name: Annotated[
+        str, typer.Argument(metavar="ENGINE", help="Any installed engine (see: engines).")
+    ],
+    capabilities: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool,
+        typer.Option("--capabilities", help="Measure what the engine adds of its own accord."),
+    ] = False,
+    profile: Annotated[
+        str, typer.Option(help="With --capabilities: default or matched settings.")
+    ] = "matched",
+    timestep: Annotated[
+        float | None,
+        typer.Option(help="With --capabilities: in seconds; the profile's own if left out."),
+    ] = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Check an engine's adapter against its contract, or measure what the engine imposes.
+
+    Leaves with code 1 if a check of the contract fails.
+    """
+    if capabilities:
+        _measure(name, profile, timestep, json=json)
+        return
+    chosen = engine(name)
+    verdicts = conform(chosen)
+    failed = any(verdict.result is ClauseStatus.FAILED for verdict in verdicts)
+    checks = [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts]
+    if json:
+        told = {"engine": name, "version": chosen.version, "conforms": not failed, "checks": checks}
+        typer.echo(terminal.to_json(told))
+    else:
+        rows = [
+            (
+                *(verdict.name, f"[{_STYLES[verdict.result]}]{verdict.result.value}[/]"),
+                *(verdict.number, verdict.allowed, verdict.unit, verdict.detail),
+            )
+            for verdict in verdicts
+        ]
+        columns = ("check", "result", "number", "allowed", "unit", "detail")
+        counts = [f"{sum(v.result is r for v in verdicts)} {r.value}" for r in ClauseStatus]
+        table = terminal.table(f"The contract of '{name}'", columns, rows)
+        terminal.stdout_console().print(table, ", ".join(counts), sep="\n")
+    if failed:
+        raise typer.Exit(1)
+
+
+def _measure(name: str, profile: str, timestep: float | None, *, json: bool) -> None:
+    """Print what an engine adds of its own accord."""
+    (case,) = design((name,), (profile,), timestep)
+    found = measure(case)
+    findings = [asdict(finding) for finding in found.findings]
+    if json:
+        told = {
+            "engine": name,
+            "version": found.engine_version,
+            "profile": profile,
+            "timestep_s": found.timestep,
+            "findings": findings,
+        }
+        typer.echo(terminal.to_json(told))
+    else:
+        title = f"What '{name}' adds, profile {profile}, {found.timestep:g} s"
+        rows = [[finding[column] for column in _EFFECTS] for finding in findings]
+        terminal.stdout_console().print(terminal.table(title, _EFFECTS, rows))
+
+
+def engines(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[ENGINE]", help="Show the settings of this engine.")
+    ] = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """List the engines, or the settings of one: what it ships with and what `matched` takes."""
+    if json:
+        typer.echo(terminal.to_json(engines_answer(name)))
+        return
+    if name is None:
+        title = "Engines"
+        columns = ["engine", "version", "honours", "imposes on every scene"]
+        rows = [_row(each) for each in engines_answer(None)["engines"]]
+    else:
+        title = f"Settings of {name}, for --set"
+        columns = ["engine", "setting", "default", "matched", "meaning"]
+        rows = [
+            (name, s.name, _spell(s.default), _spell(_matched(s)), s.meaning)
+            for s in engine(name).settings
+        ]
+    terminal.stdout_console().print(terminal.table(title, columns, rows))
+
+
+def engines_answer(name: str | None) -> dict[str, Any]:
+    """Return all engines, or one, as `--json` says them."""
+    return {"engines": [_told(each) for each in ([name] if name else names())]}
+
+
+def _told(name: str) -> dict[str, Any]:
+    """Return what there is to know of an engine; if it is missing, how to install it."""
+    try:
+        found = engine(name)
+    except MissingPackageError as error:
+        return {"name": name, "installed": False, "message": str(error)}
+    return {
+        "name": name,
+        "installed": True,
+        "version": found.version,
+        "honours": sorted(found.capabilities.honours),
+        "imposes": dict(found.capabilities.imposes),
+        "settings": [
+            {
+                "name": setting.name,
+                "default": setting.default,
+                "matched": _matched(setting),
+                "choices": list(setting.choices),
+                "meaning": setting.meaning,
+            }
+            for setting in found.settings
+        ],
+    }
+
+
+def _row(told: dict[str, Any]) -> tuple[str, ...]:
+    """Return the row of an engine."""
+    if not told["installed"]:
+        return told["name"], "not installed", told["message"], ""
+    imposes = "; ".join(f"{effect}: {what}" for effect, what in told["imposes"].items())
+    honours = ", ".join(told["honours"])
+    return told["name"], told["version"], honours or "the ideal can only", imposes or "nothing"
+
+
+def _matched(setting: Setting) -> object:
+    """Return the matched value; where it goes with the timestep, its value for one second."""
+    if not callable(setting.matched):
+        return setting.matched
+    return f"for a timestep of 1 s: {_spell(setting.matched(1.0))}, in proportion"
+
+
+def _spell(value: object) -> str:
+    """Return a value as `--set` reads it."""
+    if value is None:
+        return "as shipped"
+    if isinstance(value, tuple):
+        return ",".join(f"{number:g}" for number in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,354 @@
+"""The commands of single motions: solve a scene exactly, or run it in an engine.
+
+The answers of `--json` have exactly the documented keys; what is unknown is null.
+"""
+
+import math
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from harness.cli import terminal
+from harness.cli.run_options import (
+    EngineName,
+    Json,
+    Profile,
+    SceneName,
+    Settings,
+    Timestep,
+    parse_settings,
+)
+from harness.core.bounce import Bounce
+from harness.core.case import Case
+from harness.core.errors import OutputError, ParityError, TrajectoryError
+from harness.core.simulation import Outcome
+from harness.engines.reference import ENDING, Agreement
+from harness.engines.reference.assumption_checks import PARTED, Divergence, check_assumptions
+from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.truth import Truth, solve_case
+from harness.evaluation.evaluate import evaluate, evaluate_without_truth
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.motion import Motion, motion_frame
+from harness.metrics.quantities import QUANTITIES
+from models.catalogue import load
+from models.modelling_choices import modelling_choices
+
+Answer = dict[str, Any]
+
+
+def reference(
+    scene: SceneName,
+    model: Annotated[
+        str, typer.Option(help="Which equations; auto takes the smallest that carries the scene.")
+    ] = "auto",
+    method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
+    rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
+    options = (("model", model), ("method", method), ("rtol", rtol))
+    case = Case(scene=load(scene), engine="reference", options=options)
+    evaluation = evaluate_without_truth(case)
+    simulation = evaluation.simulation
+    known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
+    found = solve_case(case, again=False) if known else None
+    answer = reference_json(evaluation, found.bounces if found else ())
+    answer |= model_answer(evaluation, found, model)
+    if json:
+        typer.echo(terminal.to_json(answer))
+    else:
+        _show(answer, sentences(answer))
+
+
+def run(  # noqa: PLR0917 - a parameter an option
+    scene: SceneName,
+    engine: EngineName,
+    profile: Profile = "matched",
+    timestep: Timestep = None,
+    set_: Settings = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the motion here, as .csv or .parquet.")
+    ] = None,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Run a scene in an engine and hold it against the exact motion.
+
+    For example: rockingcan run gentle-rock --engine mujoco --timestep 1e-4 --set impratio=10
+    """
+    case = Case(
+        scene=load(scene),
+        engine=engine,
+        profile=profile,
+        timestep=timestep,
+        options=parse_settings(set_ or []),
+    )
+    if out is not None:
+        check_motion_file(out)
+    evaluation = evaluate(case)
+    simulation, answer = evaluation.simulation, run_json(evaluation)
+    mismatch = simulation.outcome is Outcome.MISMATCH
+    if out is not None and evaluation.motion is not None:
+        write_motion(evaluation.motion, out)
+    if json:
+        typer.echo(terminal.to_json(answer))
+    else:
+        if simulation.parity:
+            terminal.stdout_console().print(terminal.parity(simulation.parity))
+        if not mismatch:
+            _show(answer, divergence_sentences(answer))
+    if mismatch:
+        raise ParityError(case.label(), simulation.note)
+
+
+def _show(answer: Answer, sentences: Iterable[str]) -> None:
+    """Print a motion for people: its tables, the sentences, and what each effect supposes."""
+    choices = (f"Modelling choice: {sentence}" for sentence in answer["modelling_choices"])
+    terminal.stdout_console().print(*motion_tables(answer), *sentences, *choices, sep="\n")
+
+
+_BOUNCE = (
+    *("phi_min_rad", "angle_of_turn_deg", "rotation_turn_deg"),
+    *("peak_psi_dot_rad_s", "peak_friction_ratio"),
+)
+"""Quantities of a bounce, beside its time."""
+
+_CONTACT = ("max_penetration_m", "max_slip_m_s", "lift_off_fraction", "multi_contact_fraction")
+
+
+def reference_json(e: Evaluation, bounces: Sequence[Bounce]) -> Answer:
+    """Return the answer of `reference`: the exact motion in numbers."""
+    simulation = e.simulation
+    return {
+        "scene": simulation.case.scene.name,
+        "engine": simulation.model,
+        "outcome": simulation.ending,
+        "wall_s": simulation.wall_s,
+        "steps": simulation.steps,
+        "period_s": bounces[0].end - bounces[0].start if bounces else None,
+        "energy_drift": e.energy_drift,
+        "bounces": [
+            {"time_s": bounce.time} | {key: QUANTITIES[key].of_bounce(bounce) for key in _BOUNCE}
+            for bounce in bounces
+        ],
+        "modelling_choices": list(modelling_choices(simulation.case.scene.effects)),
+    }
+
+
+def run_json(e: Evaluation) -> Answer:
+    """Return the answer of `run`: the motion in numbers, its errors, its contact, and chaos."""
+    turns, ratios = (
+        ((), ()) if e.errors is None else (e.errors.angle_of_turn, e.errors.peak_friction_ratio)
+    )
+    return reference_json(e, e.bounces) | {
+        "errors": {
+            "phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
+            "angle_of_turn_deg": [math.degrees(turn) for turn in turns],
+            "contact_locus_rms_m": QUANTITIES["contact_locus_rms_m"].of_run(e),
+            "peak_friction_ratio": list(ratios),
+        },
+        "contact": {key: QUANTITIES[key].of_run(e) for key in _CONTACT},
+        "divergence": divergence_json(e.divergence),
+        "parts_at_s": e.parts_at,
+    }
+
+
+def divergence_json(found: Divergence | None) -> Answer | None:
+    """Return how disturbed releases part; None of a scene that cannot be chaotic."""
+    if found is None:
+        return None
+    return {
+        "chaotic": found.chaotic,
+        "growth": found.growth,
+        "lyapunov_time_s": found.lyapunov_time,
+        "parted_s": found.parted,
+    }
+
+
+def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
+    """Return what goes into the answer of `reference` beside the motion in numbers.
+
+    Parameters
+    ----------
+    e : Evaluation
+    found : Truth or None
+        None of a scene without a motion to show.
+    asked : str
+        The model that was asked for.
+
+    Raises
+    ------
+    TrajectoryError
+        If the reference returned what is no motion, which nobody may take for an answer.
+    """
+    answer: Answer = {
+        "model": None,
+        "equations": None,
+        "why": None,
+        "method": None,
+        "agreement": None,
+        "phases": [],
+        "guard": None,
+        "findings": [asdict(finding) for finding in e.findings],
+        "divergence": divergence_json(e.divergence),
+    }
+    if found is None:
+        if e.simulation.outcome is Outcome.BROKEN:
+            raise TrajectoryError(f"{e.simulation.case.label()}: {e.simulation.note}")
+        if refusal(e.simulation.case.scene):
+            return answer
+        # a model without a locus, of a motion that ends early: there is no trajectory, but a model
+        found = solve_case(e.simulation.case, again=False)
+    own = found.chosen if asked == "auto" else found.solved_as
+    answer |= {
+        "model": own.model,
+        "equations": own.equations,
+        "why": _why(found, asked),
+        "method": found.solution.method,
+        "agreement": _agreement(found.solution.agreement),
+        "phases": [
+            {"kind": phase.kind, "start_s": phase.start, "end_s": phase.end}
+            for phase in found.phases
+        ],
+    }
+    if e.simulation.trajectory is not None:
+        seen = check_assumptions(found)
+        answer["findings"] = [asdict(finding) for finding in seen.findings]
+        answer["guard"] = {
+            "friction_ratio": seen.friction_ratio,
+            "least_normal_force_n": seen.normal_force,
+            "phi_min_rad": seen.phi_min,
+            "phi_max_rad": seen.phi_max,
+            "least_gap_m": seen.gap,
+        }
+    return answer
+
+
+def _agreement(seen: Agreement | None) -> Answer | None:
+    """Return how two methods compare; None of a motion that was solved once."""
+    if seen is None:
+        return None
+    return {**asdict(seen), "holds": seen.holds, "resolved": seen.resolved}
+
+
+def _why(found: Truth, asked: str) -> str:
+    """Return why this model; where nothing bounces the closed formula of a bounce has no answer."""
+    own, needed = found.solved_as, found.chosen
+    if asked == "auto":
+        return needed.why
+    if asked != "exact" or own.model == asked:
+        return own.why
+    smallest = "" if own.model == needed.model else f" The smallest is {needed.model}."
+    return (
+        f"Asked for exact, the closed formula of a bounce: where nothing bounces it falls back to "
+        f"{own.model}, the same equations integrated.{smallest} {needed.why}"
+    )
+
+
+def sentences(answer: Answer) -> Iterable[str]:
+    """Yield what a person reads of it, a paragraph each."""
+    if answer["model"] is not None:
+        plural = "" if answer["equations"] == 1 else "s"
+        yield f"Model: {answer['model']}, {answer['equations']} equation{plural}. {answer['why']}"
+    yield from _confirmed(answer["agreement"])
+    phases = answer["phases"]
+    if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
+        spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
+        yield f"Phases, s: {', '.join(spelled)}."
+    yield from chaos_sentences(answer)
+    for finding in answer["findings"]:
+        carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
+        yield f"Finding: {finding['sentence']}{carried}"
+
+
+def _confirmed(seen: Answer | None) -> Iterable[str]:
+    """Yield that two methods agree; that they do not is a finding, or the outcome."""
+    if seen is None or not (seen["holds"] and seen["resolved"]):
+        return
+    if seen["quantity"] == ENDING:
+        yield "Confirmed: the closed motion ends in the same way, without a bounce."
+        return
+    yield (
+        "Confirmed: the closed motion and an integration of its first period differ by "
+        f"{seen['discrepancy']:.1e} in the {seen['quantity']}, and less in all else; round-off "
+        f"allows {seen['allowed']:.1e}."
+    )
+
+
+def motion_tables(answer: Answer) -> Iterable[Table]:
+    """Yield the tables of a motion in numbers."""
+    single = ("scene", "engine", "outcome", "period_s", "energy_drift", "steps", "wall_s")
+    parts = {"Motion": [{key: answer[key] for key in single}], "Bounces": answer["bounces"]}
+    if "errors" in answer and not _chaotic(answer):  # else there are none, and a sentence says why
+        parts["Errors, engine minus truth"] = [answer["errors"]]
+    if "contact" in answer:
+        parts["Contact"] = [answer["contact"]]
+    for title, rows in parts.items():
+        if rows:
+            yield terminal.table(title, list(rows[0]), [list(row.values()) for row in rows])
+
+
+def chaos_sentences(answer: Answer) -> Iterable[str]:
+    """Yield how fast disturbances of a chaotic motion grow, in words; nothing of any other."""
+    if _chaotic(answer):
+        found = answer["divergence"]
+        yield (
+            f"Chaotic: a disturbance grows by e in {found['lyapunov_time_s']:.3g} s; one part in "
+            f"1e12 becomes {PARTED:g} rad at {found['parted_s']:.3g} s, and beyond nothing can be "
+            "compared."
+        )
+
+
+def divergence_sentences(answer: Answer) -> Iterable[str]:
+    """Yield in words how long a run can be compared with the exact motion, a paragraph each."""
+    yield from chaos_sentences(answer)
+    at, why = answer["parts_at_s"], ""
+    if _chaotic(answer):
+        why = " What differs in the end is no error, so no errors are given."
+    if at is not None:
+        yield f"The engine is {PARTED:g} rad away from the exact motion from {at:.3g} s on.{why}"
+    elif why:
+        yield f"The engine is never {PARTED:g} rad away from the exact motion.{why}"
+
+
+def _chaotic(answer: Answer) -> bool:
+    """Whether an answer says that a motion is chaotic."""
+    return bool(answer.get("divergence") and answer["divergence"]["chaotic"])
+
+
+_SUFFIXES = (".csv", ".parquet")
+
+
+def write_motion(motion: Motion, out: Path) -> None:
+    """Write a motion as a table in the format that the file's name asks for.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    frame = motion_frame(motion)
+    if out.suffix == ".csv":
+        terminal.write_text(frame.to_csv(index=False, lineterminator="\n"), out)
+    else:
+        terminal.write_bytes(frame.to_parquet(index=False), out)
+
+
+def check_motion_file(out: Path) -> None:
+    """Refuse a file for a motion that could not be written later.
+
+    Raises
+    ------
+    OutputError
+        If its name ends otherwise than in a known suffix, or its folder cannot be written.
+    """
+    if out.suffix not in _SUFFIXES:
+        raise OutputError(f"cannot write '{out}': its name must end in {' or '.join(_SUFFIXES)}")
+    if out.is_dir() or not out.absolute().parent.is_dir():
+        raise OutputError(f"cannot write '{out}': it must be a file in a folder that exists")
+    if not os.access(out.absolute().parent, os.W_OK):
+        raise OutputError(f"cannot write '{out}': its folder is not writable")
