@@ -1,5 +1,7 @@
 """Appendix B: the can on a plane without friction."""
 
+from functools import cache
+
 import sympy as sp
 
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
@@ -124,6 +126,7 @@ def reduced_without_friction() -> Both:
 
 
 @check("app:alpha_3")
+@cache
 def strength_of_the_repulsion() -> IdentityEvidence:
     """Limit of phi^3 times what the momenta add."""
     leading = sp.limit(sp.simplify(_reduced().subs(Phi, 0) * S**3), phi, 0)

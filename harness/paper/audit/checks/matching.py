@@ -223,7 +223,7 @@ def _potential() -> Callable[[mp.mpf, mp.mpf], mp.mpf]:
     letters = {series.k: paper_can.k, series.h: paper_can.h, series.c_p: paper_can.c_p}
     values = []
     for power, logs in POWERS.values():
-        form = series.coefficient(series.drive(), -power, logs).subs({B0: sp.Rational(2, 5), B2: 1})
+        form = series.drive_terms()[-power, logs].subs({B0: sp.Rational(2, 5), B2: 1})
         values.append(sp.lambdify(list(letters), form, "mpmath")(*letters.values()))
     function = sp.lambdify((phi, eps, *(a_[n] for n in POWERS)), MENDED.subs(Phi, 0), "mpmath")
     return lambda y, small: function(y, small, *values)
