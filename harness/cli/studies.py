@@ -313,7 +313,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
         running,
         out=out / chosen.name,
         json=json,
-        answer=lambda done: study.answer(study.findings(done), targets),
+        answer=lambda done: study.answer(done, targets),
         show=show,
     )
 

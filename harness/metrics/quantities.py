@@ -90,6 +90,11 @@ def finite(value: Number) -> Number:
     return value if value is not None and math.isfinite(value) else None
 
 
+def less(first: Number, second: Number) -> Number:
+    """Return the first less the second; None if one of the two is not known."""
+    return None if first is None or second is None else first - second
+
+
 def turn_error(e: Measured, place: int = 0) -> Number:
     """Return the error of a resolved turn, deg; None if unresolved or not completed by both."""
     resolved = place < len(e.bounces) and e.bounces[place].resolved
@@ -206,8 +211,7 @@ def _last_place(axis: int) -> Callable[[Measured, Motion], Number]:
 
 
 def _period_error(e: Measured) -> Number:
-    run, true = (QUANTITIES["period_s"].of_run(e), QUANTITIES["period_s"].of_truth(e))
-    return None if run is None or true is None else run - true
+    return less(QUANTITIES["period_s"].of_run(e), QUANTITIES["period_s"].of_truth(e))
 
 
 _TURN = "Change of psi between the maxima of phi around the first bounce"

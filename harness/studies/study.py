@@ -306,8 +306,8 @@ def case_record(simulation: Simulation) -> Record:
     }
 
 
-def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[Case, Record]]:
-    """Return what gives the cache of one kind of records of cases.
+def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[Case, Any]]:
+    """Return what gives the cache of one kind of results of cases.
 
     Parameters
     ----------
@@ -316,7 +316,7 @@ def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[
         Name of the module that makes them: when its sources change, they are made again.
     """
 
-    def cache(store: CacheFolder) -> ResultCache[Case, Record]:
+    def cache(store: CacheFolder) -> ResultCache[Case, Any]:
         return ResultCache(
             store=store,
             kind=kind,

@@ -7,7 +7,6 @@ left open, to say what a plateau is made of. *Hardness*: matched at fixed and ad
 same can with its spin turned down. Nothing here runs.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -17,11 +16,9 @@ from harness.engines.base import COMMON, TIMESTEP, Variant, features_of
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.to_reference_problem import carried
 from harness.engines.reference.truth import truth
-from harness.engines.registry import engine, timestep_of, variants
-from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.schedule import ETA
+from harness.engines.registry import engine, variants
 from harness.studies.cost.hardness import epsilon, hardened
-from harness.studies.cost.points import Family, family, timesteps
+from harness.studies.cost.points import LONGEST, Family, adaptive_family, family, timesteps
 from harness.studies.shared.ablation import AblationPath, ablation_path
 from models.scene import Scene
 
@@ -34,11 +31,7 @@ _HARD_STEPS = {"quick": (2.0, 0.6, 0.2), "full": (2.0, 0.6, 0.2, 0.06, 0.02)}
 """rad of precession in a step at its fastest: one degree lies within."""
 
 _HARD_SHARES = {"quick": (4.0, 2.0, 1.0), "full": (16.0, 8.0, 4.0, 2.0, 1.0)}
-
-_SETUP_STEPS = 3000
-"""Compiling, parity and settling take as long as so many steps."""
-
-_LONGEST = 1e-3
+"""As `harness.studies.cost.points.SHARES`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,19 +84,21 @@ class CostPlan:
 
     def hard_cases(self) -> tuple[Case, ...]:
         """Return the cases of the ladder of hardness, whose scenes are in no catalogue."""
-        cases = (c for hard in self.hardness for family in hard.families for c in family.cases)
-        return tuple(dict.fromkeys(cases))
+        return _cases_of(*(family for hard in self.hardness for family in hard.families))
 
     def timed_cases(self) -> tuple[Case, ...]:
         """Return the cases to time alone: scored, and those of hardness."""
-        scored = (case for family in self.scored for case in family.cases)
-        return tuple(dict.fromkeys((*scored, *self.hard_cases())))
+        return tuple(dict.fromkeys((*_cases_of(*self.scored), *self.hard_cases())))
 
     def cases(self) -> tuple[Case, ...]:
         """Return the cases to run for their errors: all of them."""
-        tuning = (case for family in self.tuning for case in family.cases)
         gaps = (case for path in self.paths for case in gap_cases(path).values())
-        return tuple(dict.fromkeys((*self.timed_cases(), *tuning, *gaps)))
+        return tuple(dict.fromkeys((*self.timed_cases(), *_cases_of(*self.tuning), *gaps)))
+
+
+def _cases_of(*families: Family) -> tuple[Case, ...]:
+    """Return the cases of families, each once."""
+    return tuple(dict.fromkeys(case for family in families for case in family.cases))
 
 
 def target_of(scene: Scene) -> str:
@@ -143,25 +138,28 @@ def plan_cost(
         check_exact(one)
     if tuning_scene.release == scene.release and tuning_scene.can == scene.can:
         raise InvalidSettingError("--tune", tuning_scene.name, "another scene than the one scored")
-    stepping = [name for name in engines if variants(name) and _steps(name)]
+    priced_variants = {name: priced(name, suite) for name in engines}
+    stepping = [n for n in engines if any(v.along == "timestep" for v in variants(n))]
     finest = timesteps(scene, suite)[-1]
     return CostPlan(
         scene=scene,
         tuning_scene=tuning_scene,
         suite=suite,
         scored=tuple(
-            family(scene, n, v, suite)
-            for n in engines
-            for v in priced(n, suite)
-            if _carries(scene, n, v)
+            family(scene, name, variant, suite)
+            for name, own in priced_variants.items()
+            for variant in own
+            if _carries(scene, name, variant)
         ),
         tuning=tuple(
-            family(tuning_scene, n, v, "tuning") for n in stepping for v in priced(n, suite)
+            family(tuning_scene, name, variant, "tuning")
+            for name in stepping
+            for variant in priced_variants[name]
         ),
         paths=tuple(
-            ablation_path(scene, n, finest)
-            for n in stepping
-            if features_of(engine(n)).model_differences
+            ablation_path(scene, name, finest)
+            for name in stepping
+            if features_of(engine(name)).model_differences
         ),
         hardness=() if hard_scene is None else tuple(_hardness(hard_scene, stepping, suite)),
     )
@@ -178,44 +176,25 @@ def _carries(scene: Scene, name: str, variant: Variant) -> bool:
     return name != "reference" or model is None or carried(scene, str(model))
 
 
-def _steps(name: str) -> bool:
-    return any(variant.along == "timestep" for variant in variants(name))
-
-
 def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hardness]:
     """Yield the scenes of the ladder of hardness that exist for this can."""
     for decade in DECADES[suite]:
         made = hardened(scene, 10.0**decade)
-        if made is None:
-            continue
-        found = epsilon(made)
-        if found is None:
+        found = None if made is None else epsilon(made)
+        if made is None or found is None:
             continue
         rate = abs(truth(made).bounces[0].peak_psi_dot)
-        steps = [min(_LONGEST, turn / rate) for turn in _HARD_STEPS[suite]]
+        steps = dict.fromkeys(min(LONGEST, turn / rate) for turn in _HARD_STEPS[suite])
         families = []
         for name in engines:
             fixed = tuple(
-                Case(scene=made, engine=name, timestep=float(f"{step:.2g}"))
-                for step in dict.fromkeys(steps)
+                Case(scene=made, engine=name, timestep=float(f"{step:.2g}")) for step in steps
             )
-            families.append(Family(variant=Variant(name="fixed step"), cases=fixed))
-            families.append(_adaptive(made, name, suite))
+            families += [
+                Family(variant=Variant(name="fixed step"), cases=fixed),
+                adaptive_family(made, name, COMMON[2], _HARD_SHARES[suite]),
+            ]
         yield Hardness(scene=made, epsilon=found, families=tuple(families))
-
-
-def _adaptive(scene: Scene, name: str, suite: str) -> Family:
-    """Return a short adaptive ladder."""
-    whole = family(scene, name, COMMON[2], "full")
-    kept = [
-        case
-        for case in whole.cases
-        if any(
-            math.isclose(float(dict(case.options)["eta"]), ETA * share)  # type: ignore[arg-type]
-            for share in _HARD_SHARES[suite]
-        )
-    ]
-    return Family(variant=COMMON[2], cases=tuple(kept))
 
 
 def gap_cases(way: AblationPath) -> dict[tuple[str, str], Case]:
@@ -230,14 +209,3 @@ def gap_cases(way: AblationPath) -> dict[tuple[str, str], Case]:
         found["alone", name] = way.case(frozenset(timestep | {name}))
         found["left open", name] = way.case(frozenset(way.names) - {name})
     return found
-
-
-def expected(case: Case) -> float:
-    """Return how much work a case is, in steps; some number alike for a solver of its own steps."""
-    timestep = timestep_of(case)
-    if timestep is None:
-        return _SETUP_STEPS
-    exact = truth(case.scene).ends
-    if case.profile == "adaptive":
-        return _SETUP_STEPS + 2.0 * (exact + natural_time(case.scene)) / timestep
-    return _SETUP_STEPS + exact / timestep

@@ -11,8 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
+from scipy.stats import linregress
 from scipy.stats import t as student
 
+from harness.core.report_model import Figure, Panel, Series
 from harness.engines.reference.truth import truth
 from models.scene import Horizon, Scene
 
@@ -84,12 +87,59 @@ def exponent(epsilons: Sequence[float], costs: Sequence[float]) -> Exponent | No
     pairs = [(e, c) for e, c in zip(epsilons, costs, strict=True) if c > 0.0 and math.isfinite(c)]
     if len(pairs) < 2:  # noqa: PLR2004 - a slope needs two points
         return None
-    x, y = np.log(np.array(pairs)).T
-    slope, offset = np.polyfit(x, y, 1)
-    freedom = len(x) - 2
-    width = math.inf
-    if freedom:
-        rest = y - slope * x - offset
-        error = math.sqrt(float(rest @ rest) / freedom / float(np.sum((x - x.mean()) ** 2)))
-        width = float(student.ppf(0.975, freedom)) * error
-    return Exponent(exponent=float(slope), confidence=width, points=len(x))
+    fit = linregress(*np.log(np.array(pairs)).T)
+    freedom = len(pairs) - 2
+    width = float(student.ppf(0.975, freedom) * fit.stderr) if freedom else math.inf
+    return Exponent(exponent=float(fit.slope), confidence=width, points=len(pairs))
+
+
+def hardness_figure(
+    scene: str, degree: pd.DataFrame, growth: pd.DataFrame, costs: tuple[float, float]
+) -> Figure:
+    """Return the cost of a degree against epsilon.
+
+    Parameters
+    ----------
+    scene : str
+    degree, growth : DataFrame
+        What a degree costs at each hardness, and the exponents of that.
+    costs : tuple of 2 floats
+        Ends of the axis of costs.
+    """
+    series = tuple(
+        Series(
+            label=f"{name}, {steps}",
+            kind=str(name),
+            x=own["epsilon"].to_numpy(dtype=np.float64),
+            y=own["cost_s_s"].to_numpy(dtype=np.float64),
+            mark="both",
+            dashed=steps != "fixed step",
+            hover=tuple("at most" if bound else "one degree" for bound in own["at_most"]),
+        )
+        for (name, steps), own in degree.groupby(["engine", "steps"], sort=False)
+    )
+    told = "; ".join(
+        f"{row.engine}, {row.steps}: {row.exponent:+.2f}" for row in growth.itertuples()
+    )
+    return Figure(
+        name=f"{scene}-hardness",
+        title="What one degree costs as the bounce gets harder",
+        seen=(
+            "From right to left the bounce gets harder, down to the paper's. Exponents of the cost "
+            f"against epsilon: {told or 'none'}."
+        ),
+        panels=(
+            Panel(
+                title="Cost of one degree",
+                x_label="epsilon",
+                y_label="processor seconds per simulated second",
+                series=series,
+                log_x=True,
+                log_y=True,
+                x_range=(1e-11, 1e-3),
+                y_range=costs,
+            ),
+        ),
+        columns=1,
+        scene=scene,
+    )

@@ -1,26 +1,31 @@
-"""A point of the work-precision diagram: what a case costs, and what it errs.
+"""A point of the work-precision diagram: what a case costs, and what it errs; and how it is run.
 
 A family of runs: one choice of settings of an engine, from coarse to fine.
 """
 
 import math
 import statistics
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.simulation import Outcome
 from harness.engines.base import Variant
 from harness.engines.reference.truth import truth
 from harness.engines.registry import timestep_of
+from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import ETA
+from harness.evaluation.case_record import lost_errors, measured
+from harness.evaluation.evaluate import check_case
+from harness.evaluation.evaluation import Record
+from harness.evaluation.timing import overhead
+from harness.studies.study import TIMING, Work, record_cache
 from models.scene import Scene
 
 _A_TURN = 5.0
 """rad of precession in the coarsest step at its fastest: nearly a turn, so the bounce is missed."""
 
-_LONGEST = 1e-3
+LONGEST = 1e-3
 """s: beyond it a can of some centimetres falls visibly in a step."""
 
 RUNGS = {
@@ -36,6 +41,9 @@ SHARES = {
     "full": (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125),
 }
 """Adaptive: eta and the largest step together, over their own choice; two decades and more."""
+
+_SETUP_STEPS = 3000
+"""Compiling, parity and settling take as long as so many steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,11 +66,6 @@ class Family:
         return self.cases[0].engine
 
     @property
-    def scene(self) -> Scene:
-        """The scene of all of them."""
-        return self.cases[0].scene
-
-    @property
     def name(self) -> str:
         """What tables call it."""
         return self.variant.name
@@ -79,45 +82,116 @@ def timesteps(scene: Scene, suite: str) -> tuple[float, ...]:
     The coarsest is a power of ten, so that rows of different scenes can be compared.
     """
     rate = max((abs(bounce.peak_psi_dot) for bounce in truth(scene).bounces), default=0.0)
-    longest = _LONGEST if rate == 0.0 else min(_LONGEST, _A_TURN / rate)
+    longest = LONGEST if rate == 0.0 else min(LONGEST, _A_TURN / rate)
     coarsest = round(math.log10(longest))
     return tuple(float(f"{share * 10.0**coarsest:.3g}") for share in RUNGS[suite])
 
 
 def family(scene: Scene, name: str, variant: Variant, suite: str) -> Family:
     """Return a variant of an engine as a ladder."""
-
-    def case(timestep: float | None, *further: tuple[str, object]) -> Case:
-        options = tuple((dict(variant.settings) | dict(further)).items())
-        return Case(
-            scene=scene,
-            engine=name,
-            profile=variant.profile,
-            timestep=timestep,
-            options=options,  # type: ignore[arg-type]
-        )
-
     if variant.along == "timestep" and variant.profile == "adaptive":
-        largest = timestep_of(case(None)) or _LONGEST
-        return Family(
-            variant=variant,
-            cases=tuple(case(largest * share, ("eta", ETA * share)) for share in SHARES[suite]),
-        )
+        return adaptive_family(scene, name, variant, SHARES[suite])
     if variant.along == "timestep":
         steps = set(timesteps(scene, suite))
         if variant.profile == "default" and not variant.settings:
-            shipped = timestep_of(case(None))
+            shipped = timestep_of(_case(scene, name, variant))
             steps |= set() if shipped is None else {shipped}
-        return Family(variant=variant, cases=tuple(map(case, sorted(steps, reverse=True))))
-    if variant.along:
-        return Family(
-            variant=variant,
-            cases=tuple(case(None, (variant.along, value)) for value in variant.values),
-        )
-    return Family(variant=variant, cases=(case(None),))
+        cases = [_case(scene, name, variant, step) for step in sorted(steps, reverse=True)]
+    elif variant.along:
+        cases = [_case(scene, name, variant, None, (variant.along, v)) for v in variant.values]
+    else:
+        cases = [_case(scene, name, variant)]
+    return Family(variant=variant, cases=tuple(cases))
 
 
-Record = Mapping[str, Any]
+def adaptive_family(scene: Scene, name: str, variant: Variant, shares: Sequence[float]) -> Family:
+    """Return a ladder whose timesteps follow the motion.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the engine.
+    variant : Variant
+    shares : sequence of float
+        Of eta and of the largest step together, over their own choice, from coarse to fine.
+    """
+    largest = timestep_of(_case(scene, name, variant)) or LONGEST
+    cases = [_case(scene, name, variant, largest * share, ("eta", ETA * share)) for share in shares]
+    return Family(variant=variant, cases=tuple(cases))
+
+
+def _case(
+    scene: Scene,
+    name: str,
+    variant: Variant,
+    timestep: float | None = None,
+    *further: tuple[str, Value],
+) -> Case:
+    options = tuple((dict(variant.settings) | dict(further)).items())
+    return Case(
+        scene=scene, engine=name, profile=variant.profile, timestep=timestep, options=options
+    )
+
+
+def expected(case: Case) -> float:
+    """Return how much work a case is, in steps; some number alike for a solver of its own steps."""
+    timestep = timestep_of(case)
+    if timestep is None:
+        return _SETUP_STEPS
+    exact = truth(case.scene).ends
+    if case.profile == "adaptive":
+        return _SETUP_STEPS + 2.0 * (exact + natural_time(case.scene)) / timestep
+    return _SETUP_STEPS + exact / timestep
+
+
+def hard_command(case: Case) -> str:
+    """Return what runs a case of a scene that the study wrote beside its report."""
+    name = case.scene.name
+    return case.command().replace(name, f"scenes/{name}.toml", 1)
+
+
+def _manifest(case: Case, record: Record) -> Record:
+    """Return the entry of a run in the manifest."""
+    return {
+        "digest": case.digest(record["version"]),
+        "label": case.label(),
+        "command": record["command"],
+        "engine": case.engine,
+        "engine_version": record["version"],
+        "outcome": Outcome[record["outcome"]].value,
+    }
+
+
+MEASURING: Work[Case, Record] = Work(
+    name="errors",
+    call=measured,
+    lost=lost_errors,
+    label=Case.label,
+    cache=record_cache("errors", measured.__module__),
+    check=check_case,
+    effort=expected,
+    manifest=_manifest,
+)
+"""Run a case and keep its errors and counts: the motion itself is not kept."""
+
+HARD_MEASURING: Work[Case, Record] = replace(
+    MEASURING,
+    manifest=lambda case, record: _manifest(case, record | {"command": hard_command(case)}),
+)
+"""The same of a scene that the study makes: its command names a scene file beside the report."""
+
+TIMING_BY_LENGTH: Work[Case, Record] = replace(TIMING, effort=expected)
+"""Time a case alone, the longest first."""
+
+OVERHEAD: Work[Case, Record] = Work(
+    name="overhead",
+    call=overhead,
+    lost=lambda case, error: {"ways": {}},  # noqa: ARG005 - one that does not come back has none
+    label=Case.label,
+    alone=True,
+)
+"""Time a step of one free body."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -127,64 +201,57 @@ class Point:
     Parameters
     ----------
     case : Case
-    family : str
-    outcome : Outcome
-    version : str
-    timestep : float or None
-        s.
-    errors : mapping of str to float or None
-        Engine minus truth, by name.
-    cpu : tuple of float
-        Processor seconds of each repeat; empty if it was not timed.
-    wall : tuple of float
-    setup : float or None
-        s.
-    simulated : float or None
-        s.
-    steps, rows : int
-    iterations : float or None
-    imposes : str
-        What the settings make of the can beyond the scene.
-    note : str
-    command : str
-        Runs the case again.
+    variant : Variant
+        The settings of its family.
+    run : Record
+        What `MEASURING` left of the error run.
+    timed : Record, optional
+        What `TIMING` left; where the case was not to be timed alone, the times of the error run
+        stand in.
     """
 
     case: Case
-    family: str
-    outcome: Outcome
-    version: str
-    timestep: float | None
-    errors: Mapping[str, float | None] = field(repr=False)
-    cpu: tuple[float, ...] = ()
-    wall: tuple[float, ...] = ()
-    setup: float | None = None
-    simulated: float | None = None
-    steps: int = 0
-    rows: int = 0
-    iterations: float | None = None
-    imposes: str = ""
-    note: str = ""
-    command: str = ""
+    variant: Variant
+    run: Record = field(repr=False)
+    timed: Record | None = None
+
+    @property
+    def times(self) -> Record:
+        """Processor and clock seconds of each repeat, and those of the set-up."""
+        if self.timed is not None:
+            return self.timed
+        own = self.run["cpu_s"]
+        return {"cpu_s": [own] if own else [], "wall_s": [], "setup_s": self.run["setup_s"]}
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the run ended."""
+        return Outcome[self.run["outcome"]]
+
+    @property
+    def timestep(self) -> float | None:
+        """The timestep, s; the largest of an adaptive run; None for a solver of its own steps."""
+        step: float | None = self.run["timestep_s"]
+        return step
 
     @property
     def digest(self) -> str:
         """What names the case."""
-        return self.case.digest(self.version)
+        return self.case.digest(self.run["version"])
 
     @property
     def cost(self) -> float:
         """Least processor seconds per simulated second; infinite where it was not measured."""
-        return min(self.cpu) / self.simulated if self.cpu and self.simulated else math.inf
+        return self._per_simulated_second(min)
 
     @property
     def median(self) -> float:
         """Median of the same."""
-        return (
-            statistics.median(self.cpu) / self.simulated
-            if self.cpu and self.simulated
-            else math.inf
-        )
+        return self._per_simulated_second(statistics.median)
+
+    def _per_simulated_second(self, of: Callable[[list[float]], float]) -> float:
+        seconds, simulated = self.times["cpu_s"], self.run["simulated_s"]
+        return of(seconds) / simulated if seconds and simulated else math.inf
 
     @property
     def spread(self) -> float:
@@ -194,35 +261,21 @@ class Point:
     @property
     def noise(self) -> float:
         """How far the second least of the repeats lies above the least, over it."""
-        least = sorted(self.cpu)[:2]
+        least = sorted(self.times["cpu_s"])[:2]
         return least[1] / least[0] - 1.0 if len(least) > 1 and least[0] > 0.0 else math.nan
+
+    @property
+    def waiting(self) -> float | None:
+        """Seconds by the clock over processor seconds: above 1 the machine was busy otherwise."""
+        cpu, wall = sum(self.times["cpu_s"]), self.times["wall_s"]
+        return sum(wall) / cpu if wall and cpu else None
 
     def error(self, name: str) -> float:
         """Return the magnitude of an error; infinite where it failed or is not known."""
-        value = self.errors.get(name)
-        return math.inf if value is None or self.outcome is not Outcome.FINISHED else abs(value)
+        value = self.signed_error(name)
+        return math.inf if value is None else abs(value)
 
-
-def point(case: Case, family: Family, error: Record, time: Record | None) -> Point:
-    """Return a point from what the error run and the timing run left.
-
-    Without a timing run the time of the error run stands in.
-    """
-    return Point(
-        case=case,
-        family=family.name,
-        outcome=Outcome[error["outcome"]],
-        version=error["version"],
-        timestep=error["timestep_s"],
-        errors=error["errors"],
-        cpu=tuple(time["cpu_s"]) if time else (error["cpu_s"],) if error["cpu_s"] else (),
-        wall=tuple(time["wall_s"]) if time else (),
-        setup=time["setup_s"] if time else error["setup_s"],
-        simulated=error["simulated_s"],
-        steps=error["steps"],
-        rows=error["constraint_rows"],
-        iterations=error["solver_iterations"],
-        imposes=family.variant.imposes,
-        note=error["note"],
-        command=error["command"],
-    )
+    def signed_error(self, name: str) -> float | None:
+        """Return an error, engine minus truth; None where the run failed or it is not known."""
+        value: float | None = self.run["errors"].get(name)
+        return value if self.outcome is Outcome.FINISHED else None

@@ -11,11 +11,13 @@ Costs are equal, and tied, where they differ by less than the noise of the two m
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 from harness.core.case import Case
+from harness.engines.registry import export_settings
+from harness.evaluation.evaluation import Record
 from harness.studies.cost.design import CostPlan, Hardness, target_of
-from harness.studies.cost.hardness import Exponent, exponent
-from harness.studies.cost.points import Family, Point, Record, point
+from harness.studies.cost.points import Family, Point
 
 TARGETS = (1.0, 0.1, 0.01)
 """deg."""
@@ -49,14 +51,12 @@ class PriceEntry:
 
     Parameters
     ----------
-    target : float
     winners : tuple of Offer
         The cheapest, and what is tied with it, by rising cost; empty if the target is not reached.
     best : Offer or None
         Of the least error, for when it is not reached; None if nothing ran.
     """
 
-    target: float
     winners: tuple[Offer, ...]
     best: Offer | None
 
@@ -75,20 +75,13 @@ def offers(ladder: Sequence[Point], target: str, *, steps: bool) -> tuple[Offer,
     """
     sizes = [point.error(target) for point in ladder]
     if steps and len(ladder) > 1:
-        ratio = _ratio(ladder[-2], ladder[-1])
+        coarse, fine = ladder[-2].timestep, ladder[-1].timestep
+        ratio = coarse / fine if coarse and fine else 1.0
         sizes[-1] = max(sizes[-1], sizes[-2] / ratio**_HIGHEST_ORDER)
         if math.isinf(sizes[-2]):
             sizes[-1] = math.inf
-        for rung in range(len(sizes) - 2, -1, -1):
-            sizes[rung] = max(sizes[rung], sizes[rung + 1])
+        sizes = [*accumulate(reversed(sizes), max)][::-1]
     return tuple(Offer(point=p, error=e) for p, e in zip(ladder, sizes, strict=True))
-
-
-def _ratio(coarse: Point, fine: Point) -> float:
-    """Return how much finer a rung is than the one before."""
-    if coarse.timestep is None or fine.timestep is None:
-        return 1.0
-    return coarse.timestep / fine.timestep
 
 
 def price(sold: Sequence[Offer], target: float) -> PriceEntry:
@@ -99,11 +92,8 @@ def price(sold: Sequence[Offer], target: float) -> PriceEntry:
         (o for o in known if o.error <= target and math.isfinite(o.point.cost)),
         key=lambda offer: offer.point.cost,
     )
-    if not reaching:
-        return PriceEntry(target=target, winners=(), best=best)
-    cheapest = reaching[0]
-    winners = tuple(offer for offer in reaching if tied(cheapest, offer))
-    return PriceEntry(target=target, winners=winners, best=best)
+    winners = tuple(offer for offer in reaching if tied(reaching[0], offer))
+    return PriceEntry(winners=winners, best=best)
 
 
 def tied(cheaper: Offer, dearer: Offer) -> bool:
@@ -157,8 +147,8 @@ class Cost:
         Of each engine, at fixed steps and at steps that follow the motion, the family that was
         chosen on the other scene; nothing where there is none.
     hardness : tuple of (Hardness, tuple of Ladder)
-    gaps : mapping of Case to Record
-        The error runs that say what a plateau is made of.
+    runs : mapping of Case to Record
+        The error runs of all cases.
     overheads : mapping of str to Record
         By engine.
     """
@@ -167,7 +157,7 @@ class Cost:
     ladders: tuple[Ladder, ...]
     tuned: Mapping[tuple[str, str], str]
     hardness: tuple[tuple[Hardness, tuple[Ladder, ...]], ...]
-    gaps: Mapping[Case, Record]
+    runs: Mapping[Case, Record]
     overheads: Mapping[str, Record]
 
     @property
@@ -205,8 +195,8 @@ CHOICES = (SHIPPED, FIXED, FOLLOWING, HERE)
 """Where settings come from: the engine as it ships at any timestep; chosen on another scene, with
 the harness's rule for the timestep or without; chosen on this very scene, which flatters."""
 
-_KINDS = {FIXED: False, FOLLOWING: True}
-"""Whether the steps of a choice follow the motion."""
+_KINDS = {FIXED: ("default", "matched"), FOLLOWING: ("adaptive",)}
+"""Profiles among whose settings a choice is tuned."""
 
 _TIE = 1.25
 """Costs of single runs beside others that count as equal; the first declared is then taken."""
@@ -230,20 +220,16 @@ def cost(
     overheads : mapping of str to Record
     """
 
-    def ladder(family: Family) -> tuple[Point, ...]:
-        return tuple(point(c, family, errors[c], times.get(c)) for c in family.cases)
+    def point(case: Case, family: Family) -> Point:
+        return Point(case=case, variant=family.variant, run=errors[case], timed=times.get(case))
 
     def ladders(families: Sequence[Family]) -> tuple[Ladder, ...]:
-        return tuple((family, ladder(family)) for family in families)
+        return tuple((f, tuple(point(case, f) for case in f.cases)) for f in families)
 
     tuned = {}
     for name in plan.engines:
-        for choice, follows in _KINDS.items():
-            tried = [
-                f
-                for f in plan.tuning
-                if f.engine == name and (f.variant.profile == "adaptive") == follows
-            ]
+        for choice, profiles in _KINDS.items():
+            tried = [f for f in plan.tuning if f.engine == name and f.variant.profile in profiles]
             chosen = _tuned(ladders(tried), target_of(plan.tuning_scene))
             if chosen:
                 tuned[name, choice] = chosen
@@ -252,7 +238,7 @@ def cost(
         ladders=ladders(plan.scored),
         tuned=tuned,
         hardness=tuple((hard, ladders(hard.families)) for hard in plan.hardness),
-        gaps=errors,
+        runs=errors,
         overheads=overheads,
     )
 
@@ -282,56 +268,16 @@ def _first(ranked: list[tuple[float, str]]) -> str:
     return next((name for number, name in ranked if number <= _TIE * least), "")
 
 
-ONE_DEGREE = 1.0
+def all_pasted(cost: Cost) -> str:
+    """Return the cheapest settings at a fixed step of every engine and target, as paragraphs.
 
-
-def hard_rows(cost: Cost) -> list[dict[str, object]]:
-    """Return what a degree costs at each hardness."""
-    rows = []
-    for hard, ladders in cost.hardness:
-        for family, ladder in ladders:
-            found = cost_of(offers(ladder, "turn_deg", steps=True), ONE_DEGREE)
-            told = _told(ladder, reached=found is not None)
-            rows.append(
-                {
-                    "engine": family.engine,
-                    "steps": family.name,
-                    "epsilon": hard.epsilon,
-                    "cost_s_s": None if found is None else found[0],
-                    "at_most": None if found is None else found[1],
-                    "case": told.digest,
-                    "command": hard_command(told.case),
-                }
-            )
-    return rows
-
-
-def _told(ladder: Sequence[Point], *, reached: bool) -> Point:
-    """Return the coarsest rung within a degree, the finest if there is none."""
-    sold = offers(ladder, "turn_deg", steps=True)
-    within = [offer.point for offer in sold if offer.error <= ONE_DEGREE]
-    return within[0] if reached else ladder[-1]
-
-
-def hard_command(case: Case) -> str:
-    """Return what runs a case of a scene that the study wrote beside its report."""
-    name = case.scene.name
-    return case.command().replace(name, f"scenes/{name}.toml", 1)
-
-
-def exponents(cost: Cost) -> dict[tuple[str, str], Exponent]:
-    """Return the exponent of the cost of a degree, by engine and kind of step.
-
-    Costs that are but bounds count where there are not two others.
+    A model file has one timestep; what follows the motion needs a program, and has a command.
     """
-    ladders: dict[tuple[str, str], list[tuple[float, float, bool]]] = {}
-    for row in hard_rows(cost):
-        if row["cost_s_s"] is not None:
-            seen = float(row["epsilon"]), float(row["cost_s_s"]), bool(row["at_most"])  # type: ignore[arg-type]
-            ladders.setdefault((str(row["engine"]), str(row["steps"])), []).append(seen)
-    found = {}
-    for key, rows in ladders.items():
-        sure = [row for row in rows if not row[2]]
-        used = sure if len(sure) > 1 else rows
-        found[key] = exponent([row[0] for row in used], [row[1] for row in used])
-    return {key: value for key, value in found.items() if value is not None}
+    blocks = []
+    for target in TARGETS:
+        for engine in cost.plan.engines:
+            price = cost.price(engine, FIXED, target)
+            if price.winners and price.winners[0].point.timestep is not None:
+                text = " ".join(export_settings(price.winners[0].point.case).split())
+                blocks.append(f"{engine}, {target:g} degrees: {text}")
+    return "\n\n".join(blocks)

@@ -1,17 +1,41 @@
-"""The study of cost in tables: price list, every point, orders and plateaus, the overhead."""
+"""The study of cost in tables: price list, every point, orders and plateaus, the overhead.
 
-import math
+A ladder of one change to `matched` owes its plateau to that change if the matched ladder lies below
+it at the same timestep. That of the engine as it ships is taken apart by its gaps, all at the
+finest timestep: the one to blame is the gap that by itself, all others closed, leaves the most.
+"""
+
 import statistics
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
 
 from harness.core.report_model import Column, Table, table_of
+from harness.core.simulation import Outcome
 from harness.core.verdict import Status, Verdict
+from harness.engines.registry import engine
 from harness.evaluation.case_record import RECORDED
-from harness.metrics.convergence import pareto_front
+from harness.metrics.convergence import (
+    AsymptoticOrder,
+    Plateau,
+    asymptotic_order,
+    pareto_front,
+    plateau,
+)
 from harness.metrics.quantities import finite
-from harness.studies.cost.plateaus import falls
-from harness.studies.cost.points import Point
-from harness.studies.cost.prices import CHOICES, TARGETS, Cost, Offer, exponents, hard_rows, tied
+from harness.studies.cost.design import gap_cases
+from harness.studies.cost.hardness import exponent
+from harness.studies.cost.points import Family, Point, hard_command
+from harness.studies.cost.prices import (
+    CHOICES,
+    SHIPPED,
+    TARGETS,
+    Cost,
+    Offer,
+    cost_of,
+    offers,
+    tied,
+)
+from harness.studies.shared.ablation import AblationPath
 from harness.studies.shared.run_columns import COMMAND, ENGINE, OUTCOME, without
 
 _SETTINGS = Column("settings", "Name of the settings.")
@@ -56,36 +80,41 @@ def _table(
 
 def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]]:
     """Return the rows of the price list for one target, an engine each."""
-    plan = cost.plan
-    found = {name: cost.price(name, choice, target) for name in plan.engines}
-    firsts = {name: price.winners[0] for name, price in found.items() if price.winners}
-    least = min((offer.point.cost for offer in firsts.values()), default=math.nan)
-    stepping = [o.point.cost for o in firsts.values() if o.point.timestep is not None]
-    cheapest = min(firsts.values(), key=lambda offer: offer.point.cost, default=None)
+    entries = {name: cost.price(name, choice, target) for name in cost.plan.engines}
+    firsts = [entry.winners[0] for entry in entries.values() if entry.winners]
+    cheapest = min(firsts, key=lambda offer: offer.point.cost, default=None)
+    stepping = [o.point.cost for o in firsts if o.point.timestep is not None]
     rows = []
-    for name, price in found.items():
+    for name, entry in entries.items():
         row: dict[str, object] = {"choice": choice, "target_deg": target, "engine": name}
-        if price.winners and cheapest is not None:
-            first = price.winners[0]
-            point = first.point
-            row |= _offer(first) | {
-                "verdict": Verdict(Status.REACHED, _verdict(cheapest, first, firsts.values())),
-                "settings": point.family,
-                "tied_with": ", ".join(_named(price.winners)[1:]),
-                "relative_cost": point.cost / least,
+        offer = entry.winners[0] if entry.winners else entry.best
+        if offer is not None:
+            point = offer.point
+            row |= {
+                "settings": point.variant.name,
+                "timestep_s": point.timestep,
+                "error_deg": offer.error,
+                "cost_s_s": finite(point.cost),
+                "cost_median_s_s": finite(point.median),
+                "case": point.digest,
+                "command": point.run["command"],
+            }
+        if offer is not None and entry.winners and cheapest is not None:
+            names = dict.fromkeys(winner.point.variant.name for winner in entry.winners)
+            row |= {
+                "verdict": Verdict(Status.REACHED, _verdict(cheapest, offer, firsts)),
+                "tied_with": ", ".join([*names][1:]),
+                "relative_cost": offer.point.cost / cheapest.point.cost,
                 "relative_to_engines": None
-                if point.timestep is None
-                else point.cost / min(stepping),
+                if offer.point.timestep is None
+                else offer.point.cost / min(stepping),
             }
-        elif price.best is not None:
-            point = price.best.point
-            row |= _offer(price.best) | {
-                "verdict": Verdict(
-                    Status.NOT_REACHED, f"not reached: best is {price.best.error:.2g} degrees"
-                ),
-                "settings": point.family,
-            }
-        elif choice == CHOICES[0] and all(p.timestep is None for p in _of(cost, name)):
+        elif offer is not None:
+            words = f"not reached: best is {offer.error:.2g} degrees"
+            row["verdict"] = Verdict(Status.NOT_REACHED, words)
+        elif choice == SHIPPED and all(
+            p.timestep is None for p in cost.points if p.case.engine == name
+        ):
             continue  # what chooses its own steps ships with one accuracy
         else:
             row["verdict"] = Verdict(Status.NOT_REACHED, "not reached: no run has this error")
@@ -93,32 +122,11 @@ def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]
     return rows
 
 
-def _of(cost: Cost, engine: str) -> list[Point]:
-    return [point for point in cost.points if point.case.engine == engine]
-
-
-def _offer(offer: Offer) -> dict[str, object]:
-    point = offer.point
-    return {
-        "timestep_s": point.timestep,
-        "error_deg": offer.error,
-        "cost_s_s": finite(point.cost),
-        "cost_median_s_s": finite(point.median),
-        "case": point.digest,
-        "command": point.command,
-    }
-
-
 def _verdict(cheapest: Offer, own: Offer, others: Iterable[Offer]) -> str:
     """Return whether an offer is the cheapest of the engines', or as good as."""
     if own is cheapest:
         return "tied" if any(o is not own and tied(own, o) for o in others) else "cheapest"
     return "tied" if tied(cheapest, own) else "dearer"
-
-
-def _named(winners: tuple[Offer, ...]) -> list[str]:
-    """Return the winners by name, each once; two rungs of one family are told apart."""
-    return list(dict.fromkeys(offer.point.family for offer in winners))
 
 
 _POINTS = (
@@ -174,26 +182,45 @@ def points(cost: Cost) -> Table:
 
 
 def _point(p: Point) -> dict[str, object]:
-    return {
-        "engine": p.case.engine,
-        "settings": p.family,
-        "profile": p.case.profile,
-        "timestep_s": p.timestep,
-        "outcome": p.outcome.value + (f" ({p.note})" if p.note else ""),
-        **{name: p.errors.get(name) for name in RECORDED},
-        "cost_s_s": finite(p.cost),
-        "cost_median_s_s": finite(p.median),
-        "repeats": len(p.cpu),
-        "clock_over_processor": sum(p.wall) / sum(p.cpu) if p.wall and sum(p.cpu) else None,
-        "setup_s": p.setup,
-        "simulated_s": p.simulated,
-        "steps": p.steps,
-        "solver_iterations": p.iterations,
-        "constraint_rows": p.rows,
-        "imposes": p.imposes,
-        "case": p.digest,
-        "command": p.command,
-    }
+    errors: dict[str, object] = p.run["errors"]
+    return (
+        errors
+        | p.run
+        | {
+            "engine": p.case.engine,
+            "settings": p.variant.name,
+            "profile": p.case.profile,
+            "outcome": p.outcome.value + (f" ({p.run['note']})" if p.run["note"] else ""),
+            "cost_s_s": finite(p.cost),
+            "cost_median_s_s": finite(p.median),
+            "repeats": len(p.times["cpu_s"]),
+            "clock_over_processor": p.waiting,
+            "setup_s": p.times["setup_s"],
+            "imposes": p.variant.imposes,
+            "case": p.digest,
+        }
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fall:
+    """How the error of a ladder falls, and where it stops.
+
+    Parameters
+    ----------
+    family : Family
+    quantity : str
+    order : AsymptoticOrder or None
+    plateau : Plateau or None
+    cause : str
+        A sentence; empty without a plateau.
+    """
+
+    family: Family
+    quantity: str
+    order: AsymptoticOrder | None
+    plateau: Plateau | None
+    cause: str
 
 
 _FALLS = (
@@ -220,6 +247,68 @@ def orders(cost: Cost, quantities: Sequence[str]) -> Table:
     """Return the orders and plateaus."""
     title = "How errors fall with the timestep, and where they stop"
     return _table(cost, "orders", title, _FALLS, falls(cost, quantities))
+
+
+def falls(cost: Cost, quantities: Sequence[str]) -> list[Fall]:
+    """Return how each ladder of timesteps falls, in each quantity."""
+    found = []
+    for family, ladder in cost.ladders:
+        for quantity in quantities if family.steps else ():
+            steps = [point.timestep or 0.0 for point in ladder]
+            errors = [point.signed_error(quantity) for point in ladder]
+            level = plateau(steps, errors)
+            found.append(
+                Fall(
+                    family=family,
+                    quantity=quantity,
+                    order=asymptotic_order(steps, errors, 0.0 if level is None else level.level),
+                    plateau=level,
+                    cause="" if level is None else _cause(cost, family, quantity, abs(level.level)),
+                )
+            )
+    return found
+
+
+_MOST = 0.5
+"""Share of a plateau from which one gap alone is said to make it."""
+
+
+def _cause(cost: Cost, family: Family, quantity: str, level: float) -> str:
+    """Return what a plateau comes from, in a sentence."""
+    path = next((path for path in cost.plan.paths if path.engine == family.engine), None)
+    if family.variant.profile == "default" and not family.variant.settings and path is not None:
+        return _from_gaps(path, cost, quantity, level)
+    matched = [
+        point.error(quantity)
+        for other, ladder in cost.ladders
+        if other.engine == family.engine and other.name == "matched"
+        for point in ladder
+    ]
+    if family.variant.settings and min(matched, default=0.0) < _MOST * level:
+        imposed = family.variant.imposes or "no effect of its own, but less than the solver needs"
+        return f"{family.name}: {imposed}."
+    effects = engine(family.engine).capabilities.imposes.items()
+    imposed = "; ".join(f"{name} ({sentence})" for name, sentence in effects)
+    return f"Shared with matched: {imposed or 'nothing that the engine declares'}."
+
+
+def _from_gaps(path: AblationPath, cost: Cost, quantity: str, level: float) -> str:
+    """Return which gap makes the plateau of an engine as it ships."""
+    sizes = {
+        gap: abs(run["errors"][quantity])
+        for (kind, gap), case in gap_cases(path).items()
+        if kind == "left open" and (run := cost.runs[case])["outcome"] == Outcome.FINISHED.name
+        if run["errors"].get(quantity) is not None
+    }
+    if not sizes:
+        return "Not known: no run with the other gaps closed has this number."
+    ranked = sorted(sizes, key=sizes.__getitem__, reverse=True)
+    first = ranked[0]
+    if sizes[first] >= _MOST * level:
+        sentence = next(gap.sentence for gap in path.gaps if gap.name == first)
+        return f"{first}: alone it leaves {sizes[first]:.2g}. {sentence}"
+    told = ", ".join(f"{name} ({sizes[name]:.2g} alone)" for name in ranked[:2])
+    return f"Several together; the largest are {told}."
 
 
 _OVERHEAD = (
@@ -264,22 +353,46 @@ _EXPONENTS = (
 )
 
 
+_ONE_DEGREE = 1.0
+
+
 def hardness(cost: Cost) -> Table:
-    """Return the table of costs against hardness."""
+    """Return what a degree costs at each hardness."""
+    rows = []
+    for hard, ladders in cost.hardness:
+        for family, ladder in ladders:
+            sold = offers(ladder, "turn_deg", steps=True)
+            degree, at_most = cost_of(sold, _ONE_DEGREE) or (None, None)
+            within = [offer.point for offer in sold if offer.error <= _ONE_DEGREE]
+            told = ladder[-1] if degree is None else within[0]
+            rows.append(
+                {
+                    "engine": family.engine,
+                    "steps": family.name,
+                    "epsilon": hard.epsilon,
+                    "cost_s_s": degree,
+                    "at_most": at_most,
+                    "case": told.digest,
+                    "command": hard_command(told.case),
+                }
+            )
     title = "What one degree costs as the bounce gets harder"
-    return _table(cost, "degree", title, _HARD, hard_rows(cost))
+    return _table(cost, "degree", title, _HARD, rows)
 
 
 def growth(cost: Cost) -> Table:
-    """Return the table of exponents."""
-    rows = [
-        {
-            "engine": engine,
-            "steps": steps,
-            "exponent": found.exponent,
-            "confidence": finite(found.confidence),  # two points have none
-            "points": found.points,
-        }
-        for (engine, steps), found in exponents(cost).items()
-    ]
+    """Return the exponents of the cost of a degree, by engine and kind of step.
+
+    Costs that are but bounds count where there are not two others.
+    """
+    rows = []
+    frame = hardness(cost).frame
+    known = frame[frame["cost_s_s"].notna()]
+    for (name, steps), own in known.groupby(["engine", "steps"], sort=False):
+        sure = own[~own["at_most"].astype(bool)]
+        used = sure if len(sure) > 1 else own
+        found = exponent([*used["epsilon"]], [*used["cost_s_s"]])
+        if found is not None:
+            row = {"engine": name, "steps": steps, **asdict(found)}
+            rows.append(row | {"confidence": finite(found.confidence)})  # two points have none
     return _table(cost, "exponents", "How the cost of a degree grows", _EXPONENTS, rows)

@@ -1,35 +1,33 @@
-"""Signs of failure in a run, each sought by itself: when it is seen first, and by how much.
+"""The verdict on a run: the worst failure seen in it, else how accurate it is.
 
-Energy is measured against what the can has to spend: its kinetic energy at release and the height
-of its centre above where it could come to rest. Of the paper's release that is 3 % of m g R; a
-share of m g R would see nothing.
+Each failure is sought by itself: when it is seen first, and by how much. Energy is measured against
+what the can has to spend: its kinetic energy at release and the height of its centre above where it
+could come to rest. Of the paper's release that is 3 % of m g R; a share of m g R would see nothing.
 
-What can be said of a run of a hard case: eight verdicts, each with a time and a number.
-
-What a run is held against: the exact motion of its scene, where there is one.
-
-Beside the truth of the runner, whatever the effects of the scene, there is one more exact motion. A
-can without gravity turns as a free symmetric top: with the angular momentum L, which stays, and the
-axial rate w, which stays as well, its angular velocity is
+A run is held against the exact motion of its scene, where there is one. Beside the truth that an
+evaluation has, there is one more exact motion: a can without gravity turns as a free symmetric top.
+With the angular momentum L, which stays, and the axial rate w, which stays as well, its angular
+velocity is
 
     Omega = L/A + (1 - C/A) w e,    so that    R(t) = exp(L t/A) R(0) exp((1 - C/A) w t e_3).
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
 
-from harness.core.bounce import Bounce
+from harness.core.bounce import PROMINENCE
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.stepping.horizon import natural_time
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
-from models.kinematics import to_body
+from harness.metrics.error import rotation_between
+from harness.metrics.motion import Motion, shares
+from models.kinematics import to_body, to_world
 from models.rim import contact_point
 from models.scene import Scene
 
@@ -115,6 +113,11 @@ class ClassifiedRun:
         return self.simulation.case
 
     @property
+    def timestep(self) -> float:
+        """The timestep, s; the largest of an adaptive run; zero where none was in force."""
+        return self.simulation.timestep or 0.0
+
+    @property
     def sound(self) -> bool:
         """Whether nothing failed."""
         return self.verdict in SOUND
@@ -130,27 +133,115 @@ class ClassifiedRun:
         return self.verdict in {StabilityStatus.ACCURATE, StabilityStatus.STABLE}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Exact:
-    """An exact motion at the instants of a run, up to where it is defined.
+ACCURATE_PHI = 0.01
+"""Of the largest true phi, root mean square over the run."""
 
-    Parameters
-    ----------
-    time, phi : ndarray, shape (n,)
-        s and rad.
-    bounces : tuple of Bounce
-    """
+ACCURATE_TURN = math.radians(2.0)
+"""rad, of each turn, and of the orientation of a can that flies free: 1 % of a hard bounce's."""
 
-    time: Floats
-    phi: Floats
-    bounces: tuple[Bounce, ...]
+_SEEN = 0.98
+"""Of the length of the exact motion: a bounce that ends later may be missing in a record."""
+
+_UNFIT = {
+    Outcome.MISMATCH,
+    Outcome.BROKEN,
+    Outcome.NO_SOLUTION,
+    Outcome.CRASHED,
+    Outcome.HUNG,
+    Outcome.OUT_OF_MEMORY,
+    Outcome.STOPPED,
+}
 
 
-def exact(e: Evaluation) -> Exact | None:
-    """Return the exact motion that a rolling or sliding can is held against, if there is one."""
-    if e.truth is None or e.truth_pulls:
-        return None
-    return Exact(time=e.truth.time, phi=e.truth.angles.phi, bounces=e.true_bounces)
+def classify(e: Evaluation) -> ClassifiedRun:
+    """Return the verdict on a run."""
+    verdict, symptom = _verdict(e)
+    return ClassifiedRun(
+        simulation=replace(e.simulation, trajectory=None), verdict=verdict, symptom=symptom
+    )
+
+
+def _verdict(e: Evaluation) -> tuple[StabilityStatus, Symptom]:
+    scene, outcome = e.simulation.case.scene, e.simulation.outcome
+    if outcome in _UNFIT:
+        words = e.simulation.note or outcome.value
+        return StabilityStatus.REFUSED, Symptom(time=0.0, number=math.nan, words=words)
+    truth = None if e.truth_pulls else e.truth
+    # an impact or a rim that slides may lose energy: it is kept where the exact motion is known
+    keeps = math.inf if scene.gravity == 0.0 else 0.0 if truth is None else float(truth.time[-1])
+    for verdict, symptom in (
+        (StabilityStatus.DIVERGES, diverged(e)),
+        (StabilityStatus.TUNNELS, tunnelled(e)),
+        (StabilityStatus.GAINS, gained(e)),
+        (StabilityStatus.FLAT, stuck_flat(e, truth)),
+        *sorted(
+            (
+                (StabilityStatus.UNRESOLVED, None if truth is None else unresolved(e)),
+                (StabilityStatus.DISSIPATES, dissipated(e, keeps)),
+            ),
+            # energy that is lost in a bounce which the steps pass over is lost to the steps
+            key=lambda pair: math.inf if pair[1] is None else pair[1].time,
+        ),
+    ):
+        if symptom is not None:
+            return verdict, symptom
+    if e.motion is None or outcome is Outcome.TOO_SLOW:
+        return StabilityStatus.UNRESOLVED, Symptom(time=0.0, number=math.nan, words=outcome.value)
+    return _accuracy(e, e.motion, truth)
+
+
+def _accuracy(e: Evaluation, own: Motion, truth: Motion | None) -> tuple[StabilityStatus, Symptom]:
+    """Return how near a sound run is to the exact motion."""
+    if e.simulation.case.scene.gravity == 0.0:
+        errors = [_orientation_error(e, own.trajectory)]
+    elif truth is not None:
+        errors = [_phi_error(own, truth), *_turn_errors(e, truth)]
+    else:
+        end = float(own.time[-1])
+        words = "no exact motion; the run reached this time, s"
+        return StabilityStatus.STABLE, Symptom(time=end, number=end, words=words)
+    worst, allowed = max(errors, key=lambda pair: pair[0].number / pair[1])
+    good = worst.number <= allowed  # false for what is no number
+    return StabilityStatus.ACCURATE if good else StabilityStatus.INACCURATE, worst
+
+
+def _phi_error(own: Motion, truth: Motion) -> tuple[Symptom, float]:
+    """Return the error of phi over its largest value, rms, and what is allowed."""
+    phi = truth.angles.phi
+    off = own.angles.phi[: len(phi)] - phi
+    share = math.sqrt(float(np.sum(shares(truth.time) * off**2))) / float(phi.max())
+    worst = float(truth.time[np.argmax(np.abs(off))])
+    words = "error of phi over its largest, rms"
+    return Symptom(time=worst, number=share, words=words), ACCURATE_PHI
+
+
+def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
+    """Return the worst error of a turn, or how many bounces are missing, and what is allowed."""
+    # a ripple is no bounce; and one is complete in a record once phi has passed its next maximum
+    low = (1.0 - 2.0 * PROMINENCE) * float(truth.angles.phi.max())
+    known = [bounce for bounce in e.true_bounces if bounce.phi_min < low]
+    due = [bounce for bounce in known if bounce.end < _SEEN * float(truth.time[-1])]
+    if len(e.bounces) < len(due):
+        missing = due[len(e.bounces)].time
+        number, words = float(len(due) - len(e.bounces)), "bounces missing"
+        return [(Symptom(time=missing, number=number, words=words), 0.5)]
+    pairs = [
+        (abs(found.angle_of_turn - true.angle_of_turn), true.time)
+        for found, true in zip(e.bounces, known, strict=False)
+    ]
+    if not pairs:
+        return []
+    error, time = max(pairs)
+    return [(Symptom(time=time, number=error, words="error of a turn, rad"), ACCURATE_TURN)]
+
+
+def _orientation_error(e: Evaluation, own: Trajectory) -> tuple[Symptom, float]:
+    """Return the largest error of the orientation of a can that flies free, and what is allowed."""
+    off = rotation_between(own.quaternion, free_rotation(own, e.simulation.case.scene))
+    worst = int(np.argmax(off))
+    words = "error of the orientation, rad"
+    symptom = Symptom(time=float(own.time[worst]), number=float(off[worst]), words=words)
+    return symptom, ACCURATE_TURN
 
 
 def free_rotation(trajectory: Trajectory, scene: Scene) -> Floats:
@@ -169,11 +260,9 @@ def free_rotation(trajectory: Trajectory, scene: Scene) -> Floats:
     """
     A, C = scene.can.transverse_inertia, scene.can.axial_inertia
     start, omega = trajectory.quaternion[0], trajectory.angular_velocity[0]
-    axial = float(to_body(start, omega)[2])
-    axis = _rotated(start, np.array((0.0, 0.0, 1.0)))
-    rate = omega - (1.0 - C / A) * axial * axis  # L/A
+    spin = np.array((0.0, 0.0, (1.0 - C / A) * float(to_body(start, omega)[2])))
+    rate = omega - spin[2] * to_world(start, np.array((0.0, 0.0, 1.0)))  # L/A
     t = trajectory.time - trajectory.time[0]
-    spin = np.array((0.0, 0.0, (1.0 - C / A) * axial))
     return _product(_product(_turned(rate, t), start), _turned(spin, t))
 
 
@@ -187,17 +276,9 @@ def _turned(rate: Floats, time: Floats) -> Floats:
 
 def _product(p: Floats, q: Floats) -> Floats:
     """Return the products of quaternions, shapes (..., 4)."""
-    p, q = np.broadcast_arrays(p, q)
     w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
     v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
     return np.concatenate((w, v), axis=-1)
-
-
-def _rotated(q: Floats, vector: Floats) -> Floats:
-    """Return a vector of the body in the world."""
-    inverse = q * np.array((1.0, -1.0, -1.0, -1.0))
-    turned: Floats = _product(_product(q, np.concatenate((np.zeros(1), vector))), inverse)[1:]
-    return turned
 
 
 GAIN = LOSS = 0.05
@@ -255,7 +336,7 @@ def dissipated(e: Evaluation, until: float) -> Symptom | None:
     return _first(time[within], lost[within], LOSS, "energy lost over what the can has to spend")
 
 
-def stuck_flat(e: Evaluation, truth: Exact | None) -> Symptom | None:
+def stuck_flat(e: Evaluation, truth: Motion | None) -> Symptom | None:
     """Return when the can lay down for good although the exact motion rises.
 
     Without an exact motion: when it lay down for longer than the natural time sqrt(R/g).
@@ -263,7 +344,7 @@ def stuck_flat(e: Evaluation, truth: Exact | None) -> Symptom | None:
     if e.motion is None:
         return None
     time, phi, scene = e.motion.time, e.motion.angles.phi, e.simulation.case.scene
-    largest = float(phi.max()) if truth is None else float(truth.phi.max())
+    largest = float(phi.max()) if truth is None else float(truth.angles.phi.max())
     up = np.flatnonzero(phi > LOW * largest)
     first = int(up[-1]) + 1 if len(up) else 0
     if first >= len(phi):
@@ -272,16 +353,16 @@ def stuck_flat(e: Evaluation, truth: Exact | None) -> Symptom | None:
     if truth is None:
         flat = float(time[-1]) - since > natural_time(scene)
     else:
-        flat = bool((truth.phi[truth.time >= since] > HIGH * largest).any())
+        flat = bool((truth.angles.phi[truth.time >= since] > HIGH * largest).any())
     words = "largest phi since, rad"
     return Symptom(time=since, number=float(phi[first:].max()), words=words) if flat else None
 
 
-def unresolved(e: Evaluation, true: Sequence[Bounce]) -> Symptom | None:
+def unresolved(e: Evaluation) -> Symptom | None:
     """Return when the contact point first went round too fast to be counted, in a true bounce."""
     if e.motion is None:
         return None
-    for bounce, _ in zip(e.bounces, true, strict=False):
+    for bounce, _ in zip(e.bounces, e.true_bounces, strict=False):
         if not bounce.resolved:
             inside = (e.motion.time >= bounce.start) & (e.motion.time <= bounce.end)
             step = float(np.abs(np.diff(e.motion.angles.psi[inside])).max())

@@ -11,10 +11,15 @@ far below; the boundary sought is the upper end of the longest unbroken run of u
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
+
+import numpy as np
 
 from harness.core.case import Case
+from harness.core.report_model import Column, Figure, Panel, Series, Table, table_of
 from harness.studies.shared.perturbation import member
 from harness.studies.stability.failure_criteria import ClassifiedRun
 from harness.studies.stability.suite import Suite, ladder, scenes
@@ -150,20 +155,15 @@ def next_round(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case
         What has been judged so far, the map included.
     """
     wanted: list[Case] = []
-    for scene in scenes(suite):
+    for scene, engine, standard in product(scenes(suite), engines, STANDARDS):
         rungs = ladder(suite, scene)
-        for engine in engines:
-            for standard in STANDARDS:
-                start = _tried(known, scene, engine, standard)
-                begin = bracket(start)[0] or rungs[-1]
-                for number in range(suite.members):
-                    released = member(scene, number)
-                    tried = _tried(known, released, engine, standard)
-                    step = next_timestep(tried, rungs, suite.ratio, begin)
-                    if step is not None:
-                        wanted.append(
-                            Case(scene=released, engine=engine, profile=PROFILE, timestep=step)
-                        )
+        begin = bracket(_tried(known, scene, engine, standard))[0] or rungs[-1]
+        for number in range(suite.members):
+            released = member(scene, number)
+            tried = _tried(known, released, engine, standard)
+            step = next_timestep(tried, rungs, suite.ratio, begin)
+            if step is not None:
+                wanted.append(Case(scene=released, engine=engine, profile=PROFILE, timestep=step))
     return tuple(dict.fromkeys(wanted))
 
 
@@ -181,9 +181,7 @@ def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Timestep
             coarsest=ladder(suite, scene)[0],
             finest=ladder(suite, scene)[-1],
         )
-        for scene in scenes(suite)
-        for engine in engines
-        for standard in STANDARDS
+        for scene, engine, standard in product(scenes(suite), engines, STANDARDS)
     )
 
 
@@ -194,3 +192,121 @@ def _tried(known: Known, scene: Scene, engine: str, standard: str) -> dict[float
         for one in known.get((scene, engine), ())
         if one.case.timestep is not None
     }
+
+
+_LIMITS = (
+    Column("scene", "Name of the hard case."),
+    Column("engine", "Name of the engine, profile matched."),
+    Column("accurate_timestep_s", "Largest that follows the exact motion, median of releases."),
+    Column("accurate_spread", "Largest over smallest of the releases; empty if some have none."),
+    Column("accurate_releases", "Of how many releases some timestep is accurate."),
+    Column("sound_timestep_s", "Largest timestep at which nothing fails, median of releases."),
+    Column("sound_spread", "Largest over smallest of the releases; empty if some have none."),
+    Column("sound_releases", "Of how many releases some timestep is sound."),
+    Column("finest_s", "Finest timestep that was tried."),
+    Column("coarsest_s", "Coarsest timestep tried: a limit that equals it may lie beyond."),
+)
+
+
+def limit_table(largest: Sequence[TimestepLimit]) -> Table:
+    """Return the largest usable timesteps, a row a case and engine."""
+    rows: dict[tuple[str, str], dict[str, object]] = {}
+    for limit in largest:
+        row = rows.setdefault((limit.scene, limit.engine), {})
+        row |= {
+            "scene": limit.scene,
+            "engine": limit.engine,
+            f"{limit.standard}_timestep_s": limit.middle,
+            f"{limit.standard}_spread": limit.spread,
+            f"{limit.standard}_releases": len(limit.known),
+            "finest_s": limit.finest,
+            "coarsest_s": limit.coarsest,
+        }
+    title = "The largest usable timestep"
+    return table_of("largest-timesteps", title, _LIMITS, rows.values())
+
+
+def limit_sentence(limits: Sequence[TimestepLimit]) -> str:
+    """Return between which timesteps the limits of an engine lie."""
+    known = sorted(
+        (limit.middle, limit.scene)
+        for limit in limits
+        if limit.standard == "accurate" and limit.middle is not None
+    )
+    if not known:
+        return "No hard case is followed at any timestep that was tried."
+    (least, hardest), (most, easiest) = known[0], known[-1]
+    return (
+        f"Matched, the largest timestep that follows the exact motion lies between {least:.2g} s "
+        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have one."
+    )
+
+
+_WIDE = 18
+"""Cases beside each other in a panel whose names can still be read."""
+
+
+def case_panels(
+    title: str,
+    names: Sequence[str],
+    ends: tuple[float, float],
+    series: Callable[[Sequence[str]], Iterable[Series]],
+) -> tuple[Panel, ...]:
+    """Return panels of timesteps over hard cases, as many as can be read, about as wide each.
+
+    Parameters
+    ----------
+    title : str
+    names : sequence of str
+        Of the cases, in the order in which they are drawn.
+    ends : tuple of 2 floats
+        Of the axis of timesteps, s.
+    series : callable
+        Returns the series of a part of the cases.
+    """
+    size = -(-len(names) // -(-len(names) // _WIDE))
+    parts = [names[start : start + size] for start in range(0, len(names), size)]
+    return tuple(
+        Panel(
+            title=title,
+            x_label="hard case",
+            y_label="timestep [s]",
+            series=tuple(series(part)),
+            log_y=True,
+            x_names=tuple(part),
+            y_range=ends,
+        )
+        for part in parts
+    )
+
+
+def limit_figure(limits: Sequence[TimestepLimit], names: Sequence[str]) -> Figure:
+    """Return the largest timesteps that are accurate and that are sound, a point a release."""
+    ends = (min(limit.finest for limit in limits), 2.0 * max(limit.coarsest for limit in limits))
+
+    def points(standard: str, part: Sequence[str]) -> Iterator[Series]:
+        for engine in dict.fromkeys(limit.engine for limit in limits):
+            pairs = [
+                (float(part.index(limit.scene)), step)
+                for limit in limits
+                if (limit.engine, limit.standard) == (engine, standard) and limit.scene in part
+                for step in limit.known
+            ]
+            x, y = np.array(pairs).reshape(-1, 2).T
+            yield Series(label=engine, kind=engine, x=x, y=y, mark="points")
+
+    accurate, sound = (partial(points, standard) for standard in STANDARDS)
+    return Figure(
+        name="limits",
+        title="The largest usable timestep",
+        seen=(
+            f"Profile matched, found by bisection for {len(limits[0].usable)} releases that differ "
+            "by a thousandth: where their points lie apart the boundary is ragged. A case without "
+            "a point is not usable at any timestep that was tried."
+        ),
+        panels=(
+            *case_panels("Largest timestep that follows the exact motion", names, ends, accurate),
+            *case_panels("Largest timestep at which nothing fails", names, ends, sound),
+        ),
+        columns=1,
+    )

@@ -5,64 +5,47 @@ largest usable timestep; the reference is solved in two ways on the same cases a
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Table, table_of
-from harness.evaluation.case_cache import case_key, case_metadata
+from harness.core.report_model import Artefact, Column, Figure, Prose, Series, Table, table_of
 from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
-from harness.execution.cache import CacheFolder
-from harness.execution.cache_entry import Metadata, checksum
-from harness.execution.tasks import ResultCache
 from harness.execution.worker import LostTaskError
 from harness.studies.shared.run_columns import ENGINE, OUTCOME, run_cells, without
-from harness.studies.stability.classify import classify
-from harness.studies.stability.failure_criteria import ClassifiedRun
-from harness.studies.stability.limits import TimestepLimit, by_scene, limits, next_round
-from harness.studies.stability.report import engine_page, limit_figure, map_figures, summary
+from harness.studies.stability.failure_criteria import (
+    MEANINGS,
+    SOUND,
+    ClassifiedRun,
+    StabilityStatus,
+    Symptom,
+    classify,
+)
+from harness.studies.stability.limits import (
+    TimestepLimit,
+    by_scene,
+    case_panels,
+    limit_figure,
+    limit_sentence,
+    limit_table,
+    limits,
+    next_round,
+)
 from harness.studies.stability.suite import Suite, random_scenes, scenes, stability_cases
-from harness.studies.stability.survey import ALLOWED, ReferenceCheck, examine
-from harness.studies.study import Job, Results, Work, case_record
-from models.catalogue import load
-from models.effects import IDEAL
-from models.scene import Scene
+from harness.studies.stability.survey import (
+    EXAMINING,
+    Part,
+    ReferenceCheck,
+    case_table,
+    survey_table,
+)
+from harness.studies.study import Job, Results, Work, case_record, record_cache
 
-_SHARE = 100
-"""Random scenes in a task: one takes some 50 ms."""
-
-Part = tuple[Scene, ...]
-"""Scenes that are examined in one task."""
-
-
-def classified_cache(store: CacheFolder) -> ResultCache[Case, ClassifiedRun]:
-    """Return where the verdicts on runs are kept."""
-    return ResultCache(
-        store=store,
-        kind="verdicts",
-        key=lambda case: case_key(case, classify.__module__),
-        metadata=lambda case: case_metadata(case, classify.__module__),
-    )
-
-
-def reference_check_cache(store: CacheFolder) -> ResultCache[Part, list[ReferenceCheck]]:
-    """Return where it is kept how the reference fares on scenes."""
-    module = examine.__module__
-
-    def case(part: Part) -> Case:  # of the reference, which carries no effects
-        return Case(scene=replace(part[0], effects=IDEAL), engine="reference")
-
-    def key(part: Part) -> str:
-        texts = [case_key(case(part), module), *(str(scene.to_dict()) for scene in part)]
-        return checksum("\n".join(texts).encode())[:32]
-
-    def metadata(part: Part) -> Metadata:
-        label = f"the reference on {len(part)} scenes from {part[0].name}"
-        own = case_metadata(case(part), module)
-        return replace(own, label=label, command="rockingcan stability")
-
-    return ResultCache(store=store, kind="findings", key=key, metadata=metadata)
+classified_cache = record_cache("verdicts", classify.__module__)
+"""Returns where the verdicts on runs are kept."""
 
 
 def _classified(case: Case) -> ClassifiedRun:
@@ -71,14 +54,6 @@ def _classified(case: Case) -> ClassifiedRun:
 
 def _lost(case: Case, error: LostTaskError) -> ClassifiedRun:
     return classify(failed_evaluation(case, error))
-
-
-def _examined(part: Part) -> list[ReferenceCheck]:
-    return [examine(scene) for scene in part]
-
-
-def _unexamined(part: Part, error: LostTaskError) -> list[ReferenceCheck]:
-    return [ReferenceCheck(scene=scene.name, failure=error.reason) for scene in part]
 
 
 CLASSIFYING: Work[Case, ClassifiedRun] = Work(
@@ -92,15 +67,8 @@ CLASSIFYING: Work[Case, ClassifiedRun] = Work(
 )
 """Run a case and say how it went, without its motion, so that thousands can be kept."""
 
-EXAMINING: Work[Part, list[ReferenceCheck]] = Work(
-    name="the reference",
-    call=_examined,
-    lost=_unexamined,
-    label=lambda part: f"{len(part)} scenes from {part[0].name}",
-    cache=reference_check_cache,
-    effort=lambda part: float(len(part)),
-)
-"""Solve scenes in two ways, and compare."""
+_SHARE = 100
+"""Random scenes in a task: one takes some 50 ms."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,9 +129,9 @@ class StabilityStudy:
             *(engine_page(engine, on_grid, largest, names) for engine in self.engines),
             *map_figures(on_grid, names),
             limit_figure(largest, names),
-            _limit_table(largest),
-            table_of("hard-cases", "The hard cases, and the reference on each", _CASES, hard),
-            _survey_table(random),
+            limit_table(largest),
+            case_table(hard),
+            survey_table(random),
             _run_table(runs),
         )
 
@@ -199,98 +167,200 @@ def _run_table(runs: Sequence[ClassifiedRun]) -> Table:
     return table_of("verdicts", "Every run and its verdict", without(_RUNS, "outcome"), rows)
 
 
-_LIMITS = (
-    Column("scene", "Name of the hard case."),
-    Column("engine", "Name of the engine, profile matched."),
-    Column("accurate_timestep_s", "Largest that follows the exact motion, median of releases."),
-    Column("accurate_spread", "Largest over smallest of the releases; empty if some have none."),
-    Column("accurate_releases", "Of how many releases some timestep is accurate."),
-    Column("sound_timestep_s", "Largest timestep at which nothing fails, median of releases."),
-    Column("sound_spread", "Largest over smallest of the releases; empty if some have none."),
-    Column("sound_releases", "Of how many releases some timestep is sound."),
-    Column("finest_s", "Finest timestep that was tried."),
-    Column("coarsest_s", "Coarsest timestep tried: a limit that equals it may lie beyond."),
-)
+_PROFILES = {
+    "default": "As it ships",
+    "matched": "Matched to the scene",
+    "adaptive": "With steps that follow the motion",
+}
 
 
-def _limit_table(largest: Sequence[TimestepLimit]) -> Table:
-    """Return the largest usable timesteps, a row a case and engine."""
-    rows: dict[tuple[str, str], dict[str, object]] = {}
-    for limit in largest:
-        row = rows.setdefault((limit.scene, limit.engine), {})
-        row |= {
-            "scene": limit.scene,
-            "engine": limit.engine,
-            f"{limit.standard}_timestep_s": limit.middle,
-            f"{limit.standard}_spread": limit.spread,
-            f"{limit.standard}_releases": len(limit.known),
-            "finest_s": limit.finest,
-            "coarsest_s": limit.coarsest,
-        }
-    title = "The largest usable timestep"
-    return table_of("largest-timesteps", title, _LIMITS, rows.values())
+_VERBS = {StabilityStatus.UNRESOLVED: "is unresolved", StabilityStatus.REFUSED: "is refused"}
+"""What an engine is said to do where the verdict is no verb."""
+
+_UNITS = {"rad", "m/s", "s"}
+"""Units in which the words of a symptom may end."""
 
 
-def _reference(check: ReferenceCheck) -> str:
-    """Return what the reference makes of a scene."""
-    solved = f"refused: {check.refusal}" if check.refusal else f"solved: {check.outcome}"
-    return check.failure or solved
-
-
-_CASES = (
-    Column("scene", "Name of the hard case."),
-    Column(
-        "why",
-        "Why it is hard, and where it comes from.",
-        lambda check: load(check.scene).cite.removeprefix("Hard because "),
-    ),
-    Column("reference", "What the reference makes of it.", _reference),
-    Column(
-        "disagreement",
-        "Largest relative difference of formula and integration.",
-        lambda check: math.nan if check.refusal else check.disagreement,
-    ),
-    Column(
-        "energy_error",
-        "Largest change of energy over what the can has to spend.",
-        lambda check: math.nan if check.refusal else check.energy_error,
-    ),
-    Column(
-        "evaluations",
-        "Evaluations of the equations that the integration needed.",
-        lambda check: None if check.refusal else check.evaluations,
-    ),
-)
-
-_SURVEY = (
-    Column("ends", "How the motion ends."),
-    Column("scenes", "How many random scenes."),
-    Column("failures", "How many of them failed."),
-    Column("ill_conditioned", "In how many one ulp of the input does more than 1e-9: refused."),
-    Column("largest_disagreement", "Of formula and integration, relative."),
-    Column("largest_energy_error", "Over what the can has to spend."),
-    Column("most_evaluations", "Of the equations, in one bounce."),
-)
-
-
-def _survey_table(checks: Iterable[ReferenceCheck]) -> Table:
-    """Return how the reference fared on random scenes, by how they end."""
-    groups: dict[str, list[ReferenceCheck]] = {}
-    for check in checks:
-        ends = "refused" if check.refusal else check.outcome or "crash"
-        groups.setdefault(ends, []).append(check)
-    rows: list[Mapping[str, object]] = [
-        {
-            "ends": ends,
-            "scenes": len(group),
-            "failures": sum(bool(check.failure) for check in group),
-            "ill_conditioned": sum(check.conditioning > ALLOWED for check in group),
-            "largest_disagreement": max(
-                (c.disagreement for c in group if c.conditioning <= ALLOWED), default=math.nan
-            ),
-            "largest_energy_error": max(check.energy_error for check in group),
-            "most_evaluations": max(check.evaluations for check in group),
-        }
-        for ends, group in sorted(groups.items())
+def summary(
+    judged: Sequence[ClassifiedRun],
+    hard: Sequence[ReferenceCheck],
+    random: Sequence[ReferenceCheck],
+) -> Prose:
+    """Return the summary: counts, and how the reference fared."""
+    engines = dict.fromkeys(run.case.engine for run in judged)
+    solved = sum(not finding.failure and not finding.refusal for finding in hard)
+    refused = sum(bool(finding.refusal) for finding in hard)
+    failed = [finding for finding in hard if finding.failure]
+    unsure = sum(bool(finding.refusal) for finding in random)
+    wrong = sum(bool(finding.failure) for finding in random)
+    sentences = [
+        f"{len(judged)} runs of {' and '.join(engines)} over {len(hard)} hard cases were judged.",
+        (
+            f"The reference solves {solved} of the hard cases to 1e-9 in two ways that agree, and "
+            f"refuses {refused} with a sentence."
+        ),
+        *(f"It fails on {finding.scene}: {finding.failure}." for finding in failed),
+        f"Of {len(random)} random scenes it refuses {unsure} and fails on {wrong}.",
     ]
-    return table_of("random-scenes", "The reference on random scenes", _SURVEY, rows)
+    meanings = "; ".join(f"{verdict.value}: {MEANINGS[verdict]}" for verdict in StabilityStatus)
+    text = " ".join(sentences) + f"\n\nThe verdicts are {meanings}."
+    return Prose(name="summary", title="Hard cases stay numerically stable", text=text)
+
+
+def engine_page(
+    engine: str,
+    judged: Sequence[ClassifiedRun],
+    limits: Sequence[TimestepLimit],
+    names: Sequence[str],
+) -> Prose:
+    """Return the one-page verdict on an engine.
+
+    Parameters
+    ----------
+    engine : str
+    judged : sequence of ClassifiedRun
+        Of the map.
+    limits : sequence of TimestepLimit
+    names : sequence of str
+        Of the hard cases.
+    """
+    own = [run for run in judged if run.case.engine == engine and run.case.scene.name in names]
+    paragraphs = [
+        *(_counted(own, profile) for profile in _PROFILES if _of(own, profile)),
+        limit_sentence([limit for limit in limits if limit.engine == engine]),
+        " ".join(_cures(own, names)),
+    ]
+    return Prose(
+        name=f"verdict-{engine}", title=f"The verdict on {engine}", text="\n\n".join(paragraphs)
+    )
+
+
+def _of(own: Sequence[ClassifiedRun], profile: str) -> list[ClassifiedRun]:
+    """Return the runs of a profile."""
+    return [run for run in own if run.case.profile == profile]
+
+
+def _counted(own: Sequence[ClassifiedRun], profile: str) -> str:
+    """Return how the runs of a profile went, and an example of each failure."""
+    runs = _of(own, profile)
+    by_verdict = {v: [run for run in runs if run.verdict is v] for v in StabilityStatus}
+    told = ", ".join(f"{v.value} {len(found)}" for v, found in by_verdict.items() if found)
+    examples = []
+    for verdict, found in by_verdict.items():
+        if found and verdict not in SOUND:
+            # at the finest timestep at which it happens, where it is least to be expected
+            run = min(found, key=lambda run: run.timestep)
+            examples.append(
+                f"{_VERBS.get(verdict, verdict.value)} in {run.case.scene.name} down to "
+                f"a timestep of {run.timestep:.2g} s ({seen(run.symptom)})"
+            )
+    tail = f" It {'; it '.join(examples)}." if examples else ""
+    return f"{_PROFILES[profile]}, {len(runs)} runs: {told}.{tail}"
+
+
+def seen(symptom: Symptom) -> str:
+    """Return a symptom as a person says it: what was seen, how much of it, and when."""
+    if math.isnan(symptom.number):
+        return symptom.words
+    words, _, unit = symptom.words.rpartition(", ")
+    much = f"{symptom.number:.2g}"
+    told = f"{words} {much} {unit}" if words and unit in _UNITS else f"{symptom.words} {much}"
+    return f"{told}, at {symptom.time:.2g} s"
+
+
+def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
+    """Return for each case that fails as shipped what cures it, if anything does."""
+    cured: dict[str, list[str]] = {}
+    for name in names:
+        runs = [run for run in own if run.case.scene.name == name]
+        shipped = next((run for run in _of(runs, "default") if run.case.timestep is None), None)
+        if shipped is not None and not shipped.good:
+            cured.setdefault(_cure(runs, shipped), []).append(f"{name} ({shipped.verdict.value})")
+    return [f"{cure}: {', '.join(cases)}." for cure, cases in sorted(cured.items())]
+
+
+def _cure(runs: Sequence[ClassifiedRun], shipped: ClassifiedRun) -> str:
+    """Return the setting that makes a case good, the simplest first."""
+    best = {
+        profile: max((run.timestep for run in _of(runs, profile) if run.good), default=0.0)
+        for profile in _PROFILES
+    }
+    if best["default"]:
+        than = "shorter" if best["default"] < shipped.timestep else "longer"
+        return f"Cured by a {than} timestep alone, at {best['default']:.0e} s"
+    if best["matched"]:
+        return f"Cured by profile matched at {best['matched']:.0e} s"
+    if best["adaptive"]:
+        return "Cured by profile adaptive"
+    return "Cured by nothing that was tried"
+
+
+_KINDS = {
+    StabilityStatus.ACCURATE: "verdict-2",
+    StabilityStatus.STABLE: "verdict-2",
+    StabilityStatus.INACCURATE: "verdict-4",
+    StabilityStatus.UNRESOLVED: "verdict-1",
+    StabilityStatus.DISSIPATES: "verdict-3",
+    StabilityStatus.FLAT: "verdict-3",
+    StabilityStatus.GAINS: "verdict-5",
+    StabilityStatus.TUNNELS: "verdict-5",
+    StabilityStatus.DIVERGES: "verdict-6",
+    StabilityStatus.REFUSED: "verdict-6",
+}
+"""Verdicts of one colour; two of a colour differ in their marks."""
+
+_MAPPED = ("matched", "default")
+
+
+def map_figures(judged: Sequence[ClassifiedRun], names: Sequence[str]) -> Iterator[Figure]:
+    """Yield the stability map of each engine in each profile with a fixed timestep.
+
+    Parameters
+    ----------
+    judged : sequence of ClassifiedRun
+        Of the map; perturbed releases are left out.
+    names : sequence of str
+        Hard cases, in the order in which they are drawn.
+    """
+    known = [run for run in judged if run.case.scene.name in names and run.timestep]
+    for engine in dict.fromkeys(run.case.engine for run in judged):
+        for profile in _MAPPED:
+            own = [run for run in _of(known, profile) if run.case.engine == engine]
+            if own:
+                yield _map(engine, profile, own, names)
+
+
+def _map(engine: str, profile: str, own: Sequence[ClassifiedRun], names: Sequence[str]) -> Figure:
+    """Return one map."""
+    steps = [run.timestep for run in own]
+    ends = (min(steps) / 2.0, max(steps) * 2.0)
+
+    def points(part: Sequence[str]) -> Iterator[Series]:
+        for verdict, kind in _KINDS.items():
+            runs = [r for r in own if r.verdict is verdict and r.case.scene.name in part]
+            yield Series(
+                label=verdict.value,
+                kind=kind,
+                mark="points",
+                x=np.array([float(part.index(run.case.scene.name)) for run in runs]),
+                y=np.array([run.timestep for run in runs]),
+                hover=tuple(
+                    f"{run.case.scene.name}: {run.symptom.words} {run.symptom.number:.3g} "
+                    f"at {run.symptom.time:.3g} s"
+                    for run in runs
+                ),
+            )
+
+    sound = sum(run.sound for run in own)
+    accurate = sum(run.accurate for run in own)
+    return Figure(
+        name=f"map-{engine}-{profile}",
+        title=f"Stability map of {engine}, profile {profile}",
+        seen=(
+            f"Of {len(own)} runs {accurate} follow the exact motion, and in {sound} nothing fails. "
+            "A point is a run: its place says which case and which timestep, its colour and mark "
+            "how it went."
+        ),
+        panels=case_panels(f"{engine}, {profile}", names, ends, points),
+        columns=1,
+    )

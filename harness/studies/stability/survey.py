@@ -6,17 +6,26 @@ Energy is weighed by `models`, which knows none of them.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from harness.core.case import Case
+from harness.core.report_model import Column, Table, table_of
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, apart, beside, cancelled, solve_case, truth
 from harness.engines.stepping.horizon import natural_time
+from harness.evaluation.case_cache import case_key, case_metadata
+from harness.execution.cache import CacheFolder
+from harness.execution.cache_entry import Metadata, checksum
+from harness.execution.tasks import ResultCache
+from harness.execution.worker import LostTaskError
 from harness.metrics.energy import energy
 from harness.metrics.error import rotation_between
 from harness.studies.stability.failure_criteria import available_energy
+from harness.studies.study import Work
+from models.catalogue import load
 from models.effects import IDEAL
 from models.scene import Scene
 
@@ -218,3 +227,108 @@ def _energy_error(scene: Scene, truth: Truth) -> float:
     size = scene.can.mass * scene.gravity * scene.can.bounding_radius
     error = float(change) / max(available_energy(record, scene), size)
     return error if math.isfinite(error) else math.inf
+
+
+Part = tuple[Scene, ...]
+"""Scenes that are examined in one task."""
+
+
+def reference_check_cache(store: CacheFolder) -> ResultCache[Part, list[ReferenceCheck]]:
+    """Return where it is kept how the reference fares on scenes."""
+    module = examine.__module__
+
+    def case(part: Part) -> Case:  # of the reference, which carries no effects
+        return Case(scene=replace(part[0], effects=IDEAL), engine="reference")
+
+    def key(part: Part) -> str:
+        texts = [case_key(case(part), module), *(str(scene.to_dict()) for scene in part)]
+        return checksum("\n".join(texts).encode())[:32]
+
+    def metadata(part: Part) -> Metadata:
+        label = f"the reference on {len(part)} scenes from {part[0].name}"
+        own = case_metadata(case(part), module)
+        return replace(own, label=label, command="rockingcan stability")
+
+    return ResultCache(store=store, kind="findings", key=key, metadata=metadata)
+
+
+def _examined(part: Part) -> list[ReferenceCheck]:
+    return [examine(scene) for scene in part]
+
+
+def _unexamined(part: Part, error: LostTaskError) -> list[ReferenceCheck]:
+    return [ReferenceCheck(scene=scene.name, failure=error.reason) for scene in part]
+
+
+EXAMINING: Work[Part, list[ReferenceCheck]] = Work(
+    name="the reference",
+    call=_examined,
+    lost=_unexamined,
+    label=lambda part: f"{len(part)} scenes from {part[0].name}",
+    cache=reference_check_cache,
+    effort=lambda part: float(len(part)),
+)
+"""Solve scenes in two ways, and compare."""
+
+
+_CASES = (
+    Column("scene", "Name of the hard case."),
+    Column("why", "Why it is hard, and where it comes from."),
+    Column("reference", "What the reference makes of it."),
+    Column("disagreement", "Largest relative difference of formula and integration."),
+    Column("energy_error", "Largest change of energy over what the can has to spend."),
+    Column("evaluations", "Evaluations of the equations that the integration needed."),
+)
+
+
+def case_table(checks: Sequence[ReferenceCheck]) -> Table:
+    """Return why each hard case is hard, and what the reference makes of it."""
+    rows = []
+    for check in checks:
+        solved = not check.refusal
+        made = f"solved: {check.outcome}" if solved else f"refused: {check.refusal}"
+        rows.append(
+            {
+                "scene": check.scene,
+                "why": load(check.scene).cite.removeprefix("Hard because "),
+                "reference": check.failure or made,
+                "disagreement": check.disagreement if solved else math.nan,
+                "energy_error": check.energy_error if solved else math.nan,
+                "evaluations": check.evaluations if solved else None,
+            }
+        )
+    return table_of("hard-cases", "The hard cases, and the reference on each", _CASES, rows)
+
+
+_SURVEY = (
+    Column("ends", "How the motion ends."),
+    Column("scenes", "How many random scenes."),
+    Column("failures", "How many of them failed."),
+    Column("ill_conditioned", "In how many one ulp of the input does more than 1e-9: refused."),
+    Column("largest_disagreement", "Of formula and integration, relative."),
+    Column("largest_energy_error", "Over what the can has to spend."),
+    Column("most_evaluations", "Of the equations, in one bounce."),
+)
+
+
+def survey_table(checks: Sequence[ReferenceCheck]) -> Table:
+    """Return how the reference fared on random scenes, by how they end."""
+    groups: dict[str, list[ReferenceCheck]] = {}
+    for check in checks:
+        ends = "refused" if check.refusal else check.outcome or "crash"
+        groups.setdefault(ends, []).append(check)
+    rows = []
+    for ends, group in sorted(groups.items()):
+        sure = [check.disagreement for check in group if check.conditioning <= ALLOWED]
+        rows.append(
+            {
+                "ends": ends,
+                "scenes": len(group),
+                "failures": sum(bool(check.failure) for check in group),
+                "ill_conditioned": len(group) - len(sure),
+                "largest_disagreement": max(sure, default=math.nan),
+                "largest_energy_error": max(check.energy_error for check in group),
+                "most_evaluations": max(check.evaluations for check in group),
+            }
+        )
+    return table_of("random-scenes", "The reference on random scenes", _SURVEY, rows)

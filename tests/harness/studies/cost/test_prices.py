@@ -7,6 +7,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
+from harness.engines.base import Variant
 from harness.studies.cost.points import Point
 from harness.studies.cost.prices import NOISE, cost_of, offers, price
 from models import load
@@ -20,13 +21,14 @@ def ladder(errors: Sequence[float | None], costs: Sequence[float] = ()) -> list[
     return [
         Point(
             case=Case(scene=scene, engine="mujoco", timestep=10.0**-rung),
-            family="one",
-            outcome=Outcome.FINISHED,
-            version="1",
-            timestep=10.0**-rung,
-            errors={TURN: error},
-            cpu=(costs[rung] if costs else 10.0**rung,) * 3,
-            simulated=1.0,
+            variant=Variant(name="one"),
+            run={
+                "outcome": Outcome.FINISHED.name,
+                "timestep_s": 10.0**-rung,
+                "errors": {TURN: error},
+                "simulated_s": 1.0,
+            },
+            timed={"cpu_s": [costs[rung] if costs else 10.0**rung] * 3},
         )
         for rung, error in enumerate(errors)
     ]

@@ -10,10 +10,9 @@ import pytest
 
 from harness.core.report_model import Figure, Prose, Table
 from harness.engines.reference.truth import truth
-from harness.studies.cost.plateaus import Fall, falls
 from harness.studies.cost.prices import FIXED, HERE, Cost
-from harness.studies.cost.report import cost_report
-from harness.studies.cost.tables import points, price_rows
+from harness.studies.cost.study import cost_report
+from harness.studies.cost.tables import Fall, falls, points, price_rows
 from models import load
 
 OFF = 1e-3
@@ -69,14 +68,13 @@ def test_the_front_is_exact(found: Cost) -> None:
 def test_a_cost_is_what_the_engine_claims_over_the_simulated_time(found: Cost) -> None:
     for point in found.points:
         price = dict(point.case.options).get("price", 1e-6)
-        assert point.simulated is not None
-        claimed = point.steps * float(price) / point.simulated  # type: ignore[arg-type]
+        claimed = point.run["steps"] * float(price) / point.run["simulated_s"]  # type: ignore[arg-type]
         assert point.cost == pytest.approx(claimed, rel=1e-12)
-        assert point.setup == 0.01
+        assert point.times["setup_s"] == 0.01
 
 
 def test_the_cheapest_is_named_with_its_tie(found: Cost) -> None:
-    rung = next(p for p in found.points if p.family == "first order" and p.timestep == 1e-4)
+    rung = next(p for p in found.points if p.variant.name == "first order" and p.timestep == 1e-4)
     (row,) = price_rows(found, HERE, rung.error("turn_deg") * 1.001)
     assert row["settings"] == "second order"  # three steps at 2.5 for ten at 1
     (easy,) = price_rows(found, HERE, 1e3)
@@ -96,7 +94,7 @@ def test_settings_are_tuned_on_the_other_scene(found: Cost) -> None:
     assert found.tuned == {
         ("toy", FIXED): "first order"
     }  # coarse steps reach a tenth of a degree there
-    sold = {offer.point.family for offer in found.sold("toy", FIXED)}
+    sold = {offer.point.variant.name for offer in found.sold("toy", FIXED)}
     assert sold == {"first order"}
 
 
@@ -106,7 +104,9 @@ def test_failures_are_rows_and_are_not_sold(found: Cost) -> None:
     assert len(broken) == 5
     assert broken["outcome"].str.startswith("diverged").all()
     assert not broken["on_front"].any()
-    assert all(math.isinf(o.error) for o in found.sold("toy", HERE) if o.point.family == "broken")
+    assert all(
+        math.isinf(o.error) for o in found.sold("toy", HERE) if o.point.variant.name == "broken"
+    )
 
 
 def test_every_point_has_its_command(found: Cost) -> None:

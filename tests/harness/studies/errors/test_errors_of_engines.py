@@ -6,8 +6,8 @@ import pytest
 
 from harness.core.report_model import Figure, Prose, Table
 from harness.studies.errors.plan import plan_errors
-from harness.studies.errors.split import ErrorStatus
-from harness.studies.errors.study import ErrorsStudy, ThreeErrors
+from harness.studies.errors.split import ErrorStatus, ThreeErrors
+from harness.studies.errors.study import ErrorsStudy, errors_report
 from harness.studies.study import run_study
 from models import Horizon, Scene, load
 
@@ -75,7 +75,7 @@ def test_engine_and_truth_follow_a_perturbed_release_alike(mujoco: ThreeErrors) 
 
 def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
     (table,) = (
-        a for a in pybullet.artefacts() if isinstance(a, Table) and a.name.endswith("-efforts")
+        a for a in errors_report(pybullet) if isinstance(a, Table) and a.name.endswith("-efforts")
     )
     turn = table.frame[table.frame["quantity"] == "turn_deg"].set_index("effort")["off_converged"]
     sweeps = turn[["1 sweep", "2 sweeps", "5 sweeps", "10 sweeps"]].abs().tolist()
@@ -87,7 +87,7 @@ def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)
-    artefacts = found.artefacts()
+    artefacts = errors_report(found)
     names = [artefact.name for artefact in artefacts]
     assert len(set(names)) == len(names)
     for artefact in artefacts:

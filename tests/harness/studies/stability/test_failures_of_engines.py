@@ -5,8 +5,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.evaluation.evaluate import evaluate
-from harness.studies.stability.classify import classify
-from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus
+from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus, classify
 from models import load
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from harness.core.case import Case
 from harness.evaluation.evaluate import evaluate
 from harness.execution.cache import CacheFolder
-from harness.studies.stability.classify import classify
-from harness.studies.stability.study import classified_cache, reference_check_cache
+from harness.studies.stability.failure_criteria import classify
+from harness.studies.stability.study import classified_cache
 from harness.studies.stability.suite import random_scenes
-from harness.studies.stability.survey import examine
+from harness.studies.stability.survey import examine, reference_check_cache
 from models import Scene
 
 

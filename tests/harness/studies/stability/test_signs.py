@@ -13,8 +13,11 @@ from harness.core.trajectory import Trajectory, take
 from harness.engines.reference.truth import truth
 from harness.evaluation.evaluate import measure_simulation
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.stability.classify import classify
-from harness.studies.stability.failure_criteria import StabilityStatus, free_rotation
+from harness.studies.stability.failure_criteria import (
+    StabilityStatus,
+    classify,
+    free_rotation,
+)
 from models import Horizon, Scene, angular_velocity, load, quaternion, to_body
 
 Change = Callable[[dict[str, np.ndarray], np.ndarray], None]
