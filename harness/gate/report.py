@@ -23,7 +23,7 @@ from harness.core.report_model import (
 from harness.core.verdict import Status, Verdict
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Difference
 from harness.gate.scores import BY_COLUMN, QUANTITIES, CaseIdentity, QuantityKind, Scores
-from harness.studies.comparison.tables import ENGINE, PROFILE, SCENE
+from harness.studies.shared.run_columns import ENGINE, PROFILE, SCENE
 
 _MOVED = (Status.WORSE, Status.MISSING, Status.BETTER, Status.NEW)
 """What has changed, in the order in which it is named."""
@@ -61,9 +61,9 @@ class Wording:
     def columns(self) -> tuple[Column, ...]:
         """Return the columns of a table of differences."""
         return (
-            Column("scene", SCENE, lambda one: one.identity.scene),
-            Column("engine", ENGINE, lambda one: one.identity.engine),
-            Column("profile", PROFILE, lambda one: one.identity.profile),
+            Column("scene", SCENE.meaning, lambda one: one.identity.scene),
+            Column("engine", ENGINE.meaning, lambda one: one.identity.engine),
+            Column("profile", PROFILE.meaning, lambda one: one.identity.profile),
             Column(
                 "timestep_s",
                 "Timestep that was asked for; empty for the profile's own.",

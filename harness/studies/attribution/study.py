@@ -1,28 +1,47 @@
 """The attribution study: which of an engine's gaps causes which part of its discrepancy.
 
-Which of `harness.studies.attribution.accounts` takes away how much is read along an ablation path.
+Who accounts for how much is read along an ablation path, and told in numbers, words and bars.
 """
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Figure, Prose, Table, table_of
+from harness.core.report_model import (
+    Artefact,
+    Column,
+    Figure,
+    Panel,
+    Prose,
+    Series,
+    Table,
+    table_of,
+)
+from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.quantities import QUANTITIES, Quantity, recorded_turn_error, turn_error
-from harness.studies.attribution.accounts import (
+from harness.metrics.quantities import (
+    QUANTITIES,
+    Number,
+    Quantity,
+    less,
+    recorded_turn_error,
+    turn_error,
+)
+from harness.studies.shared.ablation import (
+    AblationPath,
     Account,
-    Level,
+    Closed,
     account,
     amount,
-    difference,
     in_order_sentence,
     interaction_sentence,
     total,
-    waterfall_panel,
+    unit_of,
 )
-from harness.studies.shared.ablation import AblationPath, Closed
 from harness.studies.shared.run_columns import (
     CASE,
     COMMAND,
@@ -47,10 +66,6 @@ ATTRIBUTED = tuple(
 """The discrepancies that are attributed, in the order in which words and figures take them."""
 
 _PANELS = 4
-
-
-def _share(part: Level, whole: Level) -> Level:
-    return None if part is None or not whole else part / whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,18 +94,17 @@ class Attribution:
     @property
     def sentences(self) -> tuple[str, str]:
         """Two sentences on the first quantity whose whole is known."""
-        path = self.path
         for quantity in ATTRIBUTED:
             found = self.accounts[quantity.key]
             if found.whole is not None:
                 return (
-                    f"{in_order_sentence(path, quantity, found)}{self._doubt()}.",
-                    f"{interaction_sentence(path, quantity, found)}.",
+                    f"{in_order_sentence(self.path, quantity, found)}{self._doubt()}.",
+                    f"{interaction_sentence(quantity, found)}.",
                 )
         ends = sorted({e.simulation.outcome.name.lower() for e in self.evaluations.values()})
         nothing = (
-            f"Nothing of what {path.engine} does to {path.scene.name} can be attributed, because "
-            "one end of the way has no motion to compare."
+            f"Nothing of what {self.path.engine} does to {self.path.scene.name} can be attributed, "
+            "because one end of the way has no motion to compare."
         )
         return nothing, f"The runs ended: {', '.join(ends)}."
 
@@ -98,14 +112,13 @@ class Attribution:
         """Return in how many runs the turn is not known, and what is known of it all the same."""
         if not self.uncounted:
             return ""
-        quantity = ATTRIBUTED[0]
-        found = self.accounts[quantity.key]
-        parts = zip(found.names, found.in_order, strict=True)
-        known = [(abs(value), name, value) for name, value in parts if value is not None]
+        found = self.accounts[ATTRIBUTED[0].key]
+        known = [(abs(value), name, value) for name, value in found.known(found.in_order)]
         words = f" (the turn cannot be counted in {self.uncounted} of {len(self.evaluations)} runs"
         if known and found.whole is None:
             _, name, value = max(known)
-            words += f"; where it can, most is taken away by {name}, {amount(quantity, value)}"
+            most = amount(ATTRIBUTED[0], value)
+            words += f"; where it can, most is taken away by {name}, {most}"
         return words + ")"
 
     def artefacts(self) -> tuple[Artefact, ...]:
@@ -150,10 +163,12 @@ class Attribution:
                 "what_it_does": gap.sentence,
                 "quantity": key,
                 "in_order": (in_order := found.in_order[place]),
-                "share_of_whole": _share(in_order, found.whole),
+                "share_of_whole": in_order / found.whole
+                if in_order is not None and found.whole
+                else None,
                 "alone": found.alone[place],
                 "left_open": found.left_open[place],
-                "interaction": difference(in_order, found.alone[place]),
+                "interaction": less(in_order, found.alone[place]),
             }
             for key, found in self.accounts.items()
             for place, gap in enumerate(self.path.gaps)
@@ -215,7 +230,7 @@ class Attribution:
                 "to matched. A mark off the end of its bar is interaction: alone, that gap takes "
                 f"away another amount{missing}."
             ),
-            panels=tuple(waterfall_panel(path, q, self.accounts[q.key]) for q in known[:_PANELS]),
+            panels=tuple(_waterfall(path, q, self.accounts[q.key]) for q in known[:_PANELS]),
             scene=path.scene.name,
         )
 
@@ -287,16 +302,15 @@ class AttributionStudy:
 
     name = "attribution"
 
-    def next_jobs(self, done: Results) -> list[Job[Case, Evaluation]]:
+    def next_jobs(self, _: Results) -> list[Job[Case, Evaluation]]:
         """Return the cases of the path."""
-        del done
         return evaluation_jobs(self.path.cases())
 
     def findings(self, done: Results) -> Attribution:
         """Return who accounts for what."""
         runs = done.of(EVALUATION)
 
-        def level(quantity: Quantity) -> Callable[[Closed], Level]:
+        def level(quantity: Quantity) -> Callable[[Closed], Number]:
             return lambda closed: quantity.of_run(runs[self.path.case(closed)])
 
         return Attribution(
@@ -333,3 +347,54 @@ class AttributionStudy:
             },
             "sentences": list(found.sentences),
         }
+
+
+def _waterfall(path: AblationPath, quantity: Quantity, found: Account) -> Panel:
+    """Return the waterfall of one quantity."""
+    word, scale = unit_of(quantity)
+
+    def numbers(values: Sequence[Number]) -> Floats:
+        return np.array([math.nan if value is None else value * scale for value in values])
+
+    def takes_away(values: Sequence[Number], words: str) -> tuple[str, ...]:
+        return tuple(
+            f"{name}{words}: "
+            + ("not known" if value is None else f"takes away {amount(quantity, value)}")
+            for name, value in zip(found.names, values, strict=True)
+        )
+
+    levels, count = numbers(found.levels), len(found.names)
+    places = np.arange(1.0, count + 1.0)
+    return Panel(
+        title=quantity.label.capitalize(),
+        x_label="gaps, closed from left to right",
+        y_label=f"off by [{word}]" if word else "off by",
+        x_names=("as shipped", *found.names, "matched"),
+        series=(
+            Series(
+                label="discrepancy",
+                kind=path.engine,
+                x=np.array((0.0, count + 1.0)),
+                y=levels[[0, -1]],
+                base=np.zeros(2),
+                mark="bars",
+            ),
+            Series(
+                label="taken away by a gap, in this order",
+                kind=path.engine,
+                x=places,
+                y=levels[1:],
+                base=levels[:-1],
+                mark="bars",
+                hover=takes_away(found.in_order, ""),
+            ),
+            Series(
+                label="where it would end if it took away as much as alone",
+                kind="reference",
+                x=places,
+                y=levels[:-1] - numbers(found.alone),
+                mark="points",
+                hover=takes_away(found.alone, ", alone"),
+            ),
+        ),
+    )

@@ -3,39 +3,20 @@
 What is allowed is what cannot be seen, or what changes the motion in kind; each has its reason at
 its definition. A run that ended early failed in all quantities; one that cannot be compared is said
 to be not decidable, and why.
-
-The comparison in one table: a row a scene and engine, as it ships beside the best it can do.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from harness.core.report_model import Column, Table, rows_of, table_of
+from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
 from harness.studies.comparison.selection import ended, finest
 from harness.studies.comparison.suite import Unsupported
-from harness.studies.comparison.tables import CASE, ENGINE, SCENE, case_digest
-
-_SCORECARD = (
-    Column("scene", SCENE),
-    Column("engine", ENGINE),
-    Column(
-        "shipped_verdict",
-        "As it ships: agrees, deviates, failed, unsupported, or not decidable.",
-    ),
-    Column("shipped_turn_error_deg", "First angle of turn, engine minus truth, as it ships."),
-    Column("shipped_phi_rms_rad", "Root mean square error of phi, as it ships."),
-    Column("best_verdict", "The same at the best that was run."),
-    Column("best_turn_error_deg", "First angle of turn, engine minus truth, of the best run."),
-    Column("best_phi_rms_rad", "Root mean square error of phi of the best run."),
-    Column("best_run", "Profile and timestep of the best run."),
-    Column("case", "Digest of the best run; its command is in the list of cases."),
-)
+from harness.studies.shared.run_columns import COMMAND, RUN, run_cells, without
 
 AGREES_TURN = 0.1
 """deg: what a protractor on the table would not show."""
@@ -44,46 +25,9 @@ AGREES_PHI = 0.01
 """Share of the largest true phi, for the rms error of phi: what a figure a hand wide would show."""
 
 
-def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
-    """Return the scorecard of the comparison."""
-    runs: dict[tuple[str, str], list[Evaluation]] = {}
-    for e in evaluations:
-        runs.setdefault((e.simulation.case.scene.name, e.simulation.case.engine), []).append(e)
-    rows = [_row(*pair, own) for pair, own in runs.items()]
-    rows += [
-        {
-            "scene": one.scene,
-            "engine": one.engine,
-            "shipped_verdict": one.verdict,
-            "best_verdict": one.verdict,
-        }
-        for one in unsupported
-    ]
-    return table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows)
-
-
-def _row(scene: str, engine: str, own: Sequence[Evaluation]) -> dict[str, Any]:
-    """Return the row of a scene and an engine."""
-    shipped = next((e for e in own if e.simulation.case.profile == "default"), None)
-    tuned = [e for e in own if e.simulation.case.profile != "default"]
-    best = min(tuned, key=_badness, default=None)
-    row: dict[str, Any] = {"scene": scene, "engine": engine}
-    for prefix, e in (("shipped", shipped), ("best", best)):
-        if e is not None:
-            row |= {
-                f"{prefix}_verdict": scorecard_verdict(e),
-                f"{prefix}_phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
-                f"{prefix}_turn_error_deg": turn_error(e),
-            }
-    if best is not None:
-        row["best_run"] = f"{best.simulation.case.profile}, {best.simulation.timestep:.2g} s"
-        row["case"] = case_digest(best)
-    return row
-
-
 def scorecard_verdict(e: Evaluation) -> Verdict:
     """Return how faithful a run was, with the number behind it."""
-    return _undecided(e) or _weighed(excess(e))
+    return undecided(e) or _weighed(excess(e))
 
 
 _WHOLE = 10.0
@@ -110,7 +54,7 @@ def excess(e: Evaluation) -> float:
     return max(*turns, e.errors.phi_rms / (AGREES_PHI * largest), 0.0)
 
 
-def _undecided(e: Evaluation) -> Verdict | None:
+def undecided(e: Evaluation) -> Verdict | None:
     """Return why a run has no error that could be weighed, or None if it has one."""
     if (end := ended(e)) is not None:
         return end
@@ -133,13 +77,8 @@ _NO_BOUNCE = Verdict(Status.FAILED, "failed: no complete bounce")
 _TOO_COARSE = Verdict(Status.DEVIATES, "deviates: too coarse to count the turns")
 
 
-def _badness(e: Evaluation) -> tuple[bool, float, float]:
-    """Return what the best run has least of; of a chaotic scene it is followed longest."""
-    return _undecided(e) is not None, excess(e), -(math.inf if e.parts_at is None else e.parts_at)
-
-
 _FIDELITY = (
-    *(Column(c.name, c.meaning) for c in CASE),
+    *RUN,
     Column("quantity", "What was compared; the unit is its suffix."),
     Column(
         "value", "Engine minus truth, or how far the contact is from the ideal one, which has zero."
@@ -150,7 +89,7 @@ _FIDELITY = (
         "In words: agrees; deviates, by what factor; failed; unsupported; or not decidable.",
     ),
     Column("case", "Digest of the run; its command is in the list of cases."),
-    Column("command", "Runs the case again.", shown=False),
+    *without((COMMAND,), "command"),
 )
 
 _SEEN = 0.01
@@ -185,34 +124,29 @@ class FidelityQuantity:
 
 def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
     """Return the verdicts on each profile of each engine, at its smallest timestep."""
-    return table_of(
-        "fidelity", "Every quantity and its verdict", _FIDELITY, _rows(evaluations, unsupported)
-    )
-
-
-def _rows(
-    evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported]
-) -> Iterator[Mapping[str, object]]:
-    runs = finest(evaluations)
-    for e, case in zip(runs, rows_of(CASE, runs), strict=True):
-        for quantity in JUDGED:
-            yield case | {
-                "quantity": quantity.key,
-                "value": quantity.value(e),
-                "allowed": _allowed(quantity, e),
-                "verdict": verdict(quantity, e),
-                "case": case_digest(e),
-                "command": e.simulation.case.command(),
-            }
-    for one in unsupported:
-        for quantity in JUDGED:
-            yield {
-                "scene": one.scene,
-                "engine": one.engine,
-                "profile": "matched",
-                "quantity": quantity.key,
-                "verdict": one.verdict,
-            }
+    rows = [
+        run_cells(e.simulation)
+        | {
+            "quantity": quantity.key,
+            "value": quantity.value(e),
+            "allowed": _allowed(quantity, e),
+            "verdict": verdict(quantity, e),
+        }
+        for e in finest(evaluations)
+        for quantity in JUDGED
+    ]
+    rows += [
+        {
+            "scene": one.scene,
+            "engine": one.engine,
+            "profile": "matched",
+            "quantity": quantity.key,
+            "verdict": one.verdict,
+        }
+        for one in unsupported
+        for quantity in JUDGED
+    ]
+    return table_of("fidelity", "Every quantity and its verdict", _FIDELITY, rows)
 
 
 def verdict(quantity: FidelityQuantity, e: Evaluation) -> Verdict:

@@ -1,123 +1,44 @@
-"""The comparison in figures: the angles, the locus, the friction and the errors of a scene.
+"""The comparison in figures: bounce, angles, locus, friction and errors of a scene.
 
-The figure of convergence: errors against the timestep.
+The first bounce is what the project is about: its angles, and the friction in it. The figure of
+convergence draws errors against the timestep.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
+from harness.core.bounce import Bounce
 from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
 from harness.metrics.motion import Motion
 from harness.metrics.quantities import QUANTITIES
-from harness.studies.comparison.bounce_figure import (
-    ANGLES,
-    bounce_figure,
-    degrees,
-    first_bounce,
-    in_bounce,
-)
 from harness.studies.comparison.selection import (
     MM,
     MS,
+    by_case,
+    curve,
     digests,
     drawn_runs,
+    exact_curve,
     followed_best,
     label,
     longest,
-    overlaid,
 )
 
+_ANGLES = {"phi": "Nutation phi", "psi": "Precession psi", "theta": "Rotation theta"}
 
-def convergence_figure(scene: str, evaluations: Sequence[Evaluation]) -> Figure | None:
-    """Return errors against the timestep, with every run as a point."""
-    ladders: dict[tuple[str, str], list[Evaluation]] = {}
-    for e in evaluations:
-        if e.errors is not None and e.simulation.timestep is not None:
-            ladders.setdefault((e.simulation.case.engine, e.simulation.case.profile), []).append(e)
-    if all(len({e.simulation.timestep for e in own}) == 1 for own in ladders.values()):
-        return None
-    panels = []
-    for title, y_label, key in _QUANTITIES:
-        series = []
-        for (engine, profile), ladder in ladders.items():
-            points = sorted((e.simulation.timestep, abs(_error(e, key))) for e in ladder)
-            x, y = np.array(points).T
-            series.append(
-                Series(
-                    label=f"{engine}, {profile}",
-                    kind=engine,
-                    x=x,
-                    y=np.where(y > 0.0, y, np.nan),
-                    mark="both",
-                    dashed=profile == "default",
-                )
-            )
-        if any(np.isfinite(s.y).any() for s in series):
-            panels.append(
-                Panel(
-                    title=title,
-                    x_label="timestep [s]",
-                    y_label=y_label,
-                    series=tuple(series),
-                    log_x=True,
-                    log_y=True,
-                )
-            )
-    return Figure(
-        name=f"{scene}-convergence",
-        title="Errors against the timestep",
-        seen=_seen(ladders),
-        panels=tuple(panels),
-        scene=scene,
-        cases=digests(evaluations),
-    )
+_WINDOW = 12.0
+"""Half-width of the zoom in 1/(peak precession rate): the turn is then 94 % done."""
 
+_FEW = 40
+"""Samples in the zoom up to which each is marked by a point."""
 
-def _seen(ladders: Mapping[tuple[str, str], Sequence[Evaluation]]) -> str:
-    """Return two sentences: whose error is smallest and largest, and how errors fall."""
-    every = [
-        (_phi_error(e), f"{engine}, {profile}")
-        for (engine, profile), own in ladders.items()
-        for e in own
-    ]
-    (least, best), (most, worst) = min(every), max(every)
-    falls = [
-        f"{_order(own):.2g} in {engine}, {profile}"
-        for (engine, profile), own in ladders.items()
-        if len({e.simulation.timestep for e in own}) > 1
-    ]
-    return (
-        f"The error of phi is smallest in {best}, {least:.2g} rad, and largest in {worst}, "
-        f"{most:.2g} rad. It goes with the timestep to the power of {' and '.join(falls)}."
-    )
-
-
-def _order(ladder: Sequence[Evaluation]) -> float:
-    steps = [e.simulation.timestep or math.nan for e in ladder]
-    return observed_order(steps, [_phi_error(e) for e in ladder]).order
-
-
-def _phi_error(e: Evaluation) -> float:
-    """Return the root mean square error of phi, rad."""
-    return _error(e, "phi_rms_rad")
-
-
-def _error(e: Evaluation, key: str) -> float:
-    """Return an error of a run; NaN where it has none."""
-    error = QUANTITIES[key].of_run(e)
-    return math.nan if error is None else error
-
-
-_QUANTITIES = (
-    ("Nutation", "phi, rms [rad]", "phi_rms_rad"),
-    ("Angle of turn", "error of the turn [deg]", "angle_of_turn_error_deg"),
-)
+_ENDS = 2
+"""Points of a curve in the zoom that are no samples: where it enters and where it leaves."""
 
 
 def scene_figures(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Figure, ...]:
@@ -129,48 +50,169 @@ def scene_figures(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Figure
     evaluations : sequence of Evaluation
         All of this scene, of every engine; those without a motion are left out.
     """
-    drawn = tuple(drawn_runs(evaluations))
+    drawn = drawn_runs(evaluations)
     if not drawn:
         return ()
-    return tuple(
-        figure
-        for figure in (
-            bounce_figure(scene, drawn),
-            _angles(scene, drawn),
-            _locus(scene, drawn),
-            _friction(scene, drawn),
-            _residuals(scene, drawn),
-            convergence_figure(scene, evaluations),
-        )
-        if figure is not None
+    # an exact can that falls in a plane does not turn, and has no inner region to look into
+    true = next((e.true_bounces[0] for e in drawn if e.true_bounces), None)
+    true = None if true is None or true.peak_psi_dot == 0.0 else true
+    figures = (
+        None if true is None else _bounce(scene, drawn, true),
+        _angles(scene, drawn),
+        _locus(scene, drawn),
+        _friction(scene, drawn, true),
+        _residuals(scene, drawn),
+        _convergence(scene, evaluations),
+    )
+    return tuple(figure for figure in figures if figure is not None)
+
+
+def _figure(
+    scene: str,
+    name: str,
+    title: str,
+    drawn: Sequence[Evaluation],
+    panels: Sequence[Panel],
+    *,
+    seen: str,
+    columns: int = 2,
+) -> Figure:
+    """Return a figure of some runs of a scene."""
+    return Figure(
+        name=f"{scene}-{name}",
+        title=title,
+        seen=seen,
+        panels=tuple(panels),
+        columns=columns,
+        scene=scene,
+        cases=digests(drawn),
     )
 
 
-def _over_time(read: Callable[[Motion], Floats]) -> Callable[[Motion], tuple[Floats, Floats]]:
-    """Return what reads a curve over time, ms."""
-    return lambda motion: (motion.time * MS, read(motion))
+def _angle(name: str) -> Callable[[Motion], Floats]:
+    """Return what reads an angle of a motion, deg."""
+    return lambda motion: np.degrees(getattr(motion.angles, name))
+
+
+def _bounce(scene: str, drawn: Sequence[Evaluation], true: Bounce) -> Figure:
+    """Return the angles in the first bounce, each run against its own time of bounce."""
+    panels = [
+        Panel(
+            title=title,
+            x_label="time from the bounce [ms]",
+            y_label=f"{name} [deg]",
+            series=_in_bounce(drawn, true, _angle(name)),
+            log_y=name == "phi",
+        )
+        for name, title in _ANGLES.items()
+    ]
+    turn, width = math.degrees(true.angle_of_turn), 2.0 / abs(true.peak_psi_dot)
+    seen = (
+        f"In {_duration(width)} about the bounce the can turns by {_within(drawn, true):.0f} "
+        f"of its {turn:.2f} degrees, while phi turns back at {true.phi_min:.2g} rad. "
+        f"{_turns(drawn, turn)}"
+    )
+    return _figure(scene, "bounce", "The first bounce", drawn, panels, seen=seen, columns=3)
+
+
+def _in_bounce(
+    drawn: Sequence[Evaluation], true: Bounce, values: Callable[[Motion], Floats]
+) -> tuple[Series, ...]:
+    """Return a quantity of all runs in the first bounce, each by its own clock."""
+    half = _WINDOW / abs(true.peak_psi_dot)
+    series: list[Series] = []
+    exact = longest(drawn).truth
+    if exact is not None:
+        series.append(exact_curve(*_near(exact.time - true.time, values(exact), half)))
+    for e in drawn:
+        if e.motion is not None and e.bounces:
+            x, y = _near(e.motion.time - e.bounces[0].time, values(e.motion), half)
+            series.append(curve(e, x, y, "both" if _ENDS < len(x) < _FEW else "line"))
+    return tuple(series)
+
+
+def _within(drawn: Sequence[Evaluation], true: Bounce) -> float:
+    """Return how far the exact can turns within 1/(peak precession rate) of the bounce, deg."""
+    exact = longest(drawn).truth
+    if exact is None:
+        return math.nan
+    ends = true.time + np.array((-1.0, 1.0)) / abs(true.peak_psi_dot)
+    first, last = np.interp(ends, exact.time, exact.angles.psi)
+    return math.degrees(float(last - first))
+
+
+def _near(time: Floats, values: Floats, half: float) -> tuple[Floats, Floats]:
+    """Return a curve within a window about time zero, ms, cut where it enters and leaves.
+
+    A run that steps over the window altogether is seen to do so.
+    """
+    inside = np.abs(time) < half
+    edges = np.clip((-half, half), time[0], time[-1])
+    x = np.concatenate((edges[:1], time[inside], edges[1:]))
+    return x * MS, np.interp(x, time, values)
+
+
+def _duration(seconds: float) -> str:
+    """Return a short time in the unit that suits it."""
+    for unit, size in (("ms", 1e-3), ("microseconds", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds * 1e9:.2g} nanoseconds"
+
+
+def _turns(drawn: Sequence[Evaluation], turn: float) -> str:
+    """Return a sentence on who turned most nearly as far, and who least."""
+    turned = sorted(
+        (
+            (math.degrees(e.bounces[0].angle_of_turn) - turn, e.bounces[0].resolved, label(e))
+            for e in drawn
+            if e.bounces
+        ),
+        key=lambda found: (not found[1], abs(found[0])),
+    )
+    if not turned:
+        return "No run completes the bounce."
+    nearest = f"Nearest is {_off(*turned[0])}"
+    lost = len(drawn) - len(turned)
+    told = f"; {lost} of {len(drawn)} runs do not complete the bounce" if lost else ""
+    if len(turned) == 1:
+        return f"{nearest}{told}."
+    return f"{nearest}, farthest {_off(*turned[-1])}{told}."
+
+
+def _off(error: float, resolved: bool, name: str) -> str:  # noqa: FBT001 - a field of a bounce
+    doubt = "" if resolved else ", too coarse to count its turns"
+    return f"{name}, off by {error:+.2g} degrees{doubt}"
+
+
+def _overlaid(
+    drawn: Sequence[Evaluation], read: Callable[[Motion], Floats], x: Callable[[Motion], Floats]
+) -> tuple[Series, ...]:
+    """Return the truth's curve and then every run's."""
+    exact = longest(drawn).truth
+    series = [] if exact is None else [exact_curve(x(exact), read(exact))]
+    series += [curve(e, x(e.motion), read(e.motion)) for e in drawn if e.motion is not None]
+    return tuple(series)
+
+
+def _ms(motion: Motion) -> Floats:
+    return motion.time * MS
 
 
 def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the three angles over the whole run."""
-    panels = tuple(
+    panels = [
         Panel(
             title=title,
             x_label="time [ms]",
             y_label=f"{name} [deg]",
-            series=overlaid(drawn, _over_time(degrees(name))),
+            series=_overlaid(drawn, _angle(name), _ms),
         )
-        for name, title in ANGLES.items()
-    )
-    return Figure(
-        name=f"{scene}-angles",
-        title="The angles over the whole run",
-        seen=followed_best(drawn) or _closest(drawn),
-        panels=panels,
-        columns=3,
-        scene=scene,
-        cases=digests(drawn),
-    )
+        for name, title in _ANGLES.items()
+    ]
+    title = "The angles over the whole run"
+    seen = followed_best(drawn) or _closest(drawn)
+    return _figure(scene, "angles", title, drawn, panels, seen=seen, columns=3)
 
 
 def _extremes(drawn: Sequence[Evaluation]) -> tuple[Evaluation, Evaluation]:
@@ -179,37 +221,31 @@ def _extremes(drawn: Sequence[Evaluation]) -> tuple[Evaluation, Evaluation]:
     return best, max(drawn, key=lambda e: e.errors.phi_rms if e.errors else 0.0)
 
 
+def _size(e: Evaluation, name: str) -> str:
+    """Return an error of a run in words."""
+    return f"{getattr(e.errors, name):.2g}" if e.errors else "no"
+
+
 def _closest(drawn: Sequence[Evaluation]) -> str:
     best, worst = _extremes(drawn)
     return (
-        f"Closest to the exact motion is {label(best)}, with {_phi(best)} rad rms in phi. "
-        f"Farthest is {label(worst)}, with {_phi(worst)} rad."
+        f"Closest to the exact motion is {label(best)}, with {_size(best, 'phi_rms')} rad rms in "
+        f"phi. Farthest is {label(worst)}, with {_size(worst, 'phi_rms')} rad."
     )
-
-
-def _phi(e: Evaluation) -> str:
-    return f"{e.errors.phi_rms:.2g}" if e.errors else "no"
 
 
 def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     """Return the contact locus from above."""
-    series = overlaid(drawn, lambda m: (m.locus[:, 0] * MM, m.locus[:, 1] * MM))
-    return Figure(
-        name=f"{scene}-locus",
-        title="The contact locus from above",
-        seen=(
-            "Each engine's locus is the centre of its contact points, weighted with their forces. "
-            f"{_apart(drawn)}"
-        ),
-        panels=(
-            Panel(
-                title="Contact locus", x_label="x [mm]", y_label="y [mm]", series=series, equal=True
-            ),
-        ),
-        columns=1,
-        scene=scene,
-        cases=digests(drawn),
+    series = _overlaid(drawn, lambda m: m.locus[:, 1] * MM, lambda m: m.locus[:, 0] * MM)
+    panel = Panel(
+        title="Contact locus", x_label="x [mm]", y_label="y [mm]", series=series, equal=True
     )
+    seen = (
+        "Each engine's locus is the centre of its contact points, weighted with their forces. "
+        f"{_apart(drawn)}"
+    )
+    title = "The contact locus from above"
+    return _figure(scene, "locus", title, drawn, [panel], seen=seen, columns=1)
 
 
 def _apart(drawn: Sequence[Evaluation]) -> str:
@@ -226,9 +262,8 @@ def _apart(drawn: Sequence[Evaluation]) -> str:
     )
 
 
-def _friction(scene: str, drawn: Sequence[Evaluation]) -> Figure:
+def _friction(scene: str, drawn: Sequence[Evaluation], true: Bounce | None) -> Figure:
     """Return the friction ratio over time."""
-    series = overlaid(drawn, _over_time(lambda m: m.friction_ratio))
     exact = longest(drawn).truth
     peak = np.nanmax(exact.friction_ratio) if exact is not None else math.nan
     slip = drawn[0].simulation.case.scene.effects.slip
@@ -240,27 +275,26 @@ def _friction(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         )
     else:
         second = f"Rolling without slipping asks for a friction coefficient of {peak:.3f} here."
-    panels = [Panel(title="The whole run", x_label="time [ms]", y_label="|F|/N [1]", series=series)]
-    true = first_bounce(drawn)
+    panels = [
+        Panel(
+            title="The whole run" if true is None else "The whole run (outer region)",
+            x_label="time [ms]",
+            y_label="|F|/N [1]",
+            series=_overlaid(drawn, lambda m: m.friction_ratio, _ms),
+        )
+    ]
     if true is not None:
         panels.append(
             Panel(
                 title="The first bounce (inner region)",
                 x_label="time from the bounce [ms]",
                 y_label="|F|/N [1]",
-                series=in_bounce(drawn, true, lambda m: m.friction_ratio),
+                series=_in_bounce(drawn, true, lambda m: m.friction_ratio),
             )
         )
-        panels[0] = replace(panels[0], title="The whole run (outer region)")
-    return Figure(
-        name=f"{scene}-friction",
-        title="The friction ratio",
-        seen=f"|F|/N from each engine's own contact forces against the exact ratio. {second}",
-        panels=tuple(panels),
-        columns=len(panels),
-        scene=scene,
-        cases=digests(drawn),
-    )
+    seen = f"|F|/N from each engine's own contact forces against the exact ratio. {second}"
+    title = "The friction ratio"
+    return _figure(scene, "friction", title, drawn, panels, seen=seen, columns=len(panels))
 
 
 def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
@@ -268,45 +302,20 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     tilt: list[Series] = []
     locus: list[Series] = []
     for e in drawn:
-        if e.motion is None or e.truth is None:
-            continue
-        n = len(e.truth.time)
-        x, shipped = e.truth.time * MS, e.simulation.case.profile == "default"
-        phi = np.abs(e.motion.angles.phi[:n] - e.truth.angles.phi)
-        distance = np.linalg.norm(e.motion.locus[:n] - e.truth.locus, axis=1) * MM
-        for series, y in ((tilt, phi), (locus, distance)):
-            series.append(
-                Series(
-                    label=label(e),
-                    kind=e.simulation.case.engine,
-                    x=x,
-                    y=np.where(y > 0.0, y, np.nan),
-                    dashed=shipped,
-                )
-            )
-    return Figure(
-        name=f"{scene}-residuals",
-        title="Errors over time",
-        seen=_told(drawn),
-        panels=(
-            Panel(
-                title="Nutation",
-                x_label="time [ms]",
-                y_label="error of phi [rad]",
-                series=tuple(tilt),
-                log_y=True,
-            ),
-            Panel(
-                title="Contact point",
-                x_label="time [ms]",
-                y_label="distance [mm]",
-                series=tuple(locus),
-                log_y=True,
-            ),
-        ),
-        scene=scene,
-        cases=digests(drawn),
-    )
+        if e.motion is not None and e.truth is not None:
+            n = len(e.truth.time)
+            phi = np.abs(e.motion.angles.phi[:n] - e.truth.angles.phi)
+            distance = np.linalg.norm(e.motion.locus[:n] - e.truth.locus, axis=1) * MM
+            for series, y in ((tilt, phi), (locus, distance)):
+                series.append(curve(e, _ms(e.truth), np.where(y > 0.0, y, np.nan)))
+    panels = [
+        Panel(title=title, x_label="time [ms]", y_label=y_label, series=tuple(series), log_y=True)
+        for title, y_label, series in (
+            ("Nutation", "error of phi [rad]", tilt),
+            ("Contact point", "distance [mm]", locus),
+        )
+    ]
+    return _figure(scene, "residuals", "Errors over time", drawn, panels, seen=_told(drawn))
 
 
 def _told(drawn: Sequence[Evaluation]) -> str:
@@ -317,7 +326,7 @@ def _told(drawn: Sequence[Evaluation]) -> str:
     best, worst = _extremes(known)
     first = (
         f"The distance from the exact motion at the same instant: {label(best)} stays within "
-        f"{_most(best)} rad in phi, {label(worst)} within {_most(worst)} rad."
+        f"{_size(best, 'phi_max')} rad in phi, {label(worst)} within {_size(worst, 'phi_max')} rad."
     )
     if worst.errors is None or not math.isfinite(worst.errors.phi_rms_after):
         return f"{first} There is no bounce at which an error could be made."
@@ -328,5 +337,57 @@ def _told(drawn: Sequence[Evaluation]) -> str:
     )
 
 
-def _most(e: Evaluation) -> str:
-    return f"{e.errors.phi_max:.2g}" if e.errors else "no"
+_CONVERGING = (
+    ("Nutation", "phi, rms [rad]", "phi_rms_rad"),
+    ("Angle of turn", "error of the turn [deg]", "angle_of_turn_error_deg"),
+)
+
+
+def _convergence(scene: str, evaluations: Sequence[Evaluation]) -> Figure | None:
+    """Return errors against the timestep, with every run as a point."""
+    known = [e for e in evaluations if e.errors and e.simulation.timestep is not None]
+    ladders = {", ".join(own): runs for own, runs in by_case(known, "engine", "profile").items()}
+    if all(len({e.simulation.timestep for e in ladder}) == 1 for ladder in ladders.values()):
+        return None
+    panels = []
+    for title, y_label, key in _CONVERGING:
+        series = []
+        for name, ladder in ladders.items():
+            points = sorted((e.simulation.timestep, abs(_error(e, key))) for e in ladder)
+            x, y = np.array(points).T
+            series.append(curve(ladder[0], x, np.where(y > 0.0, y, np.nan), "both", name))
+        if any(np.isfinite(s.y).any() for s in series):
+            panels.append(
+                Panel(
+                    title=title,
+                    x_label="timestep [s]",
+                    y_label=y_label,
+                    series=tuple(series),
+                    log_x=True,
+                    log_y=True,
+                )
+            )
+    title = "Errors against the timestep"
+    return _figure(scene, "convergence", title, evaluations, panels, seen=_falls(ladders))
+
+
+def _falls(ladders: Mapping[str, Sequence[Evaluation]]) -> str:
+    """Return two sentences: whose error is smallest and largest, and how errors fall."""
+    every = [(_error(e), name) for name, ladder in ladders.items() for e in ladder]
+    (least, best), (most, worst) = min(every), max(every)
+    orders = []
+    for name, ladder in ladders.items():
+        steps = [e.simulation.timestep or math.nan for e in ladder]
+        if len(set(steps)) > 1:
+            order = observed_order(steps, [_error(e) for e in ladder]).order
+            orders.append(f"{order:.2g} in {name}")
+    return (
+        f"The error of phi is smallest in {best}, {least:.2g} rad, and largest in {worst}, "
+        f"{most:.2g} rad. It goes with the timestep to the power of {' and '.join(orders)}."
+    )
+
+
+def _error(e: Evaluation, key: str = "phi_rms_rad") -> float:
+    """Return an error of a run; NaN where it has none."""
+    error = QUANTITIES[key].of_run(e)
+    return math.nan if error is None else error

@@ -14,7 +14,7 @@ from harness.core.report_model import Body, Replay
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
-from harness.studies.comparison.selection import drawn_runs, label, longest
+from harness.studies.comparison.selection import by_case, drawn_runs, label, longest
 from models.rim import contact_point
 from models.scene import Scene
 
@@ -33,7 +33,7 @@ _LARGEST_TILT = 12.0
 
 def replay(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Replay, ...]:
     """Return the replay of a scene, or nothing if there is nothing exact to show."""
-    drawn = _two_each(tuple(drawn_runs(evaluations)))
+    drawn = _two_each(drawn_runs(evaluations))
     exact = longest(drawn).truth if drawn else None
     if exact is None or len(exact.time) <= 1:
         return ()
@@ -62,15 +62,13 @@ def replay(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Replay, ...]:
     )
 
 
-def _two_each(drawn: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
+def _two_each(drawn: Sequence[Evaluation]) -> list[Evaluation]:
     """Return of each engine the run as shipped, and beside it the best that there is."""
-    names = dict.fromkeys(e.simulation.case.engine for e in drawn)
-    chosen: list[Evaluation] = []
-    for name in names:
-        own = {e.simulation.case.profile: e for e in drawn if e.simulation.case.engine == name}
-        best = own.get("adaptive", own.get("matched"))
-        chosen += [e for e in (own.get("default"), best) if e is not None]
-    return tuple(chosen)
+    chosen: list[Evaluation | None] = []
+    for runs in by_case(drawn, "engine").values():
+        own = {e.simulation.case.profile: e for e in runs}
+        chosen += [own.get("default"), own.get("adaptive", own.get("matched"))]
+    return [e for e in chosen if e is not None]
 
 
 def _frames(exact: Motion) -> Floats:

@@ -6,14 +6,14 @@ A run of a chaotic scene is followed for as long as it stays near the exact moti
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
+from typing import Literal
 
 from harness.core.report_model import Series
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Floats
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.motion import Motion
 
 MS = 1e3
 """Milliseconds in a second."""
@@ -22,26 +22,34 @@ MM = 1e3
 """Millimetres in a metre."""
 
 
+def by_case(
+    evaluations: Sequence[Evaluation], *names: str
+) -> dict[tuple[str, ...], list[Evaluation]]:
+    """Return runs in groups, by one or several of "scene", "engine" and "profile"."""
+    groups: dict[tuple[str, ...], list[Evaluation]] = {}
+    for e in evaluations:
+        case = e.simulation.case
+        key = {"scene": case.scene.name, "engine": case.engine, "profile": case.profile}
+        groups.setdefault(tuple(key[name] for name in names), []).append(e)
+    return groups
+
+
 def finest(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
     """Return of each scene and engine the run of each profile with the smallest timestep."""
-    best: dict[tuple[str, str, str], Evaluation] = {}
-    for e in evaluations:
-        case, step = e.simulation.case, e.simulation.timestep or math.inf
-        name = (case.scene.name, case.engine, case.profile)
-        kept = best.get(name)
-        if kept is None or step < (kept.simulation.timestep or math.inf):
-            best[name] = e
-    return tuple(best.values())
+    return tuple(
+        min(own, key=lambda e: e.simulation.timestep or math.inf)
+        for own in by_case(evaluations, "scene", "engine", "profile").values()
+    )
 
 
-def drawn_runs(evaluations: Sequence[Evaluation]) -> Iterator[Evaluation]:
-    """Yield of each engine the run of each profile with the smallest timestep, as shipped last."""
-    known = finest([e for e in evaluations if _comparable(e)])
-    yield from sorted(known, key=lambda e: e.simulation.case.profile == "default")
-
-
-def _comparable(e: Evaluation) -> bool:
-    return e.motion is not None and e.truth is not None and e.simulation.timestep is not None
+def drawn_runs(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+    """Return of each engine the run of each profile with the smallest timestep, as shipped last."""
+    known = [
+        e
+        for e in evaluations
+        if e.motion is not None and e.truth is not None and e.simulation.timestep is not None
+    ]
+    return sorted(finest(known), key=lambda e: e.simulation.case.profile == "default")
 
 
 def label(e: Evaluation) -> str:
@@ -62,22 +70,18 @@ def longest(drawn: Sequence[Evaluation]) -> Evaluation:
     return max(drawn, key=lambda e: len(e.truth.time) if e.truth else 0)
 
 
-def overlaid(
-    drawn: Sequence[Evaluation], curve: Callable[[Motion], tuple[Floats, Floats]]
-) -> tuple[Series, ...]:
-    """Return the truth's curve and then every run's."""
-    exact = longest(drawn).truth
-    series = []
-    if exact is not None:
-        x, y = curve(exact)
-        series.append(Series(label="exact", kind="reference", x=x, y=y))
-    for e in drawn:
-        if e.motion is not None:
-            x, y = curve(e.motion)
-            shipped = e.simulation.case.profile == "default"
-            kind = e.simulation.case.engine
-            series.append(Series(label=label(e), kind=kind, x=x, y=y, dashed=shipped))
-    return tuple(series)
+def curve(
+    e: Evaluation, x: Floats, y: Floats, mark: Literal["line", "both"] = "line", name: str = ""
+) -> Series:
+    """Return a curve of a run, or of several under a name; dashed if the engine ran as shipped."""
+    case = e.simulation.case
+    dashed = case.profile == "default"
+    return Series(label=name or label(e), kind=case.engine, x=x, y=y, mark=mark, dashed=dashed)
+
+
+def exact_curve(x: Floats, y: Floats) -> Series:
+    """Return a curve of the exact motion."""
+    return Series(label="exact", kind="reference", x=x, y=y)
 
 
 _MOVED = frozenset({Outcome.FINISHED, Outcome.FLAT, Outcome.OVERTURNED, Outcome.TIMED_OUT})

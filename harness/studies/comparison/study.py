@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
@@ -9,17 +10,17 @@ from harness.core.report_model import Artefact, Prose
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import turn_error
-from harness.studies.comparison.fidelity import fidelity, scorecard
+from harness.studies.comparison.fidelity import fidelity
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.replay import replay
-from harness.studies.comparison.selection import followed_best
+from harness.studies.comparison.selection import by_case, followed_best
 from harness.studies.comparison.suite import (
     SUITES,
     Unsupported,
     split_unsupported,
     suite_cases,
 )
-from harness.studies.comparison.tables import bounces, orders, parity, results
+from harness.studies.comparison.tables import bounces, orders, parity, results, scorecard
 from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
 from models.catalogue import load
 from models.modelling_choices import modelling_choices
@@ -107,28 +108,24 @@ def comparison_report(
     evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()
 ) -> tuple[Artefact, ...]:
     """Return the artefacts of the comparison, and say what was left out of it."""
-    scenes = list(dict.fromkeys(e.simulation.case.scene.name for e in evaluations))
     artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations, unsupported)]
-    for scene in scenes:
-        own = [e for e in evaluations if e.simulation.case.scene.name == scene]
-        artefacts += [*replay(scene, own), *scene_figures(scene, own)]
+    for (scene,), own in by_case(evaluations, "scene").items():
+        cite, supposed = own[0].simulation.case.scene.cite, _supposed(own)
+        title = "What the exact motion supposes"
         artefacts += [
-            Prose(
-                name=f"{scene}-assumptions",
-                title="What the exact motion supposes",
-                text=_supposed(own),
-                scene=scene,
-            ),
-            Prose(name=f"{scene}-cite", title="Source", text=_cite(own), scene=scene),
+            *replay(scene, own),
+            *scene_figures(scene, own),
+            Prose(name=f"{scene}-assumptions", title=title, text=supposed, scene=scene),
+            Prose(name=f"{scene}-cite", title="Source", text=cite, scene=scene),
         ]
-    artefacts += [
+    return (
+        *artefacts,
         fidelity(evaluations, unsupported),
         results(evaluations),
         orders(evaluations),
         bounces(evaluations),
         parity(evaluations),
-    ]
-    return tuple(artefacts)
+    )
 
 
 def _supposed(own: Sequence[Evaluation]) -> str:
@@ -145,43 +142,38 @@ def _supposed(own: Sequence[Evaluation]) -> str:
     return " ".join(part for part in parts if part)
 
 
-def _cite(own: Sequence[Evaluation]) -> str:
-    return own[0].simulation.case.scene.cite
-
-
 def _summary(evaluations: Sequence[Evaluation]) -> Prose:
-    """Return what was found, a sentence an engine, worst first."""
-    engines = list(dict.fromkeys(e.simulation.case.engine for e in evaluations))
+    """Return what was found, a sentence an engine and profile."""
+    by_engine = by_case(evaluations, "engine")
+    runs = by_case(evaluations, "engine", "profile")
     sentences = [
-        f"{len(evaluations)} runs of {len(engines)} engines were held against the exact motion."
+        f"{len(evaluations)} runs of {len(by_engine)} engines were held against the exact motion."
     ]
-    for engine in engines:
-        for profile, words in (
-            ("default", "as it ships"),
-            ("matched", "matched to the scene"),
-            ("adaptive", "with steps that follow the motion"),
-        ):
-            turned = [
-                (abs(error), e)
-                for e in evaluations
-                if e.simulation.case.engine == engine
-                and e.simulation.case.profile == profile
-                and (error := turn_error(e)) is not None
-                and e.simulation.outcome is Outcome.FINISHED
-                and not e.truth_pulls
-            ]
-            if not turned:
-                continue
-            choose = max if profile == "default" else min
+    for (engine,), (profile, words) in product(by_engine, _PROFILES.items()):
+        turned = [
+            (abs(error), e)
+            for e in runs.get((engine, profile), ())
+            if (error := turn_error(e)) is not None
+            and e.simulation.outcome is Outcome.FINISHED
+            and not e.truth_pulls
+        ]
+        if turned:
+            choose, extreme = (max, "worst") if profile == "default" else (min, "best")
             error, e = choose(turned, key=lambda pair: pair[0])
-            extreme = "at worst" if profile == "default" else "at best"
             sentences.append(
-                f"{engine} {words} misses the angle of turn by {extreme} {error:.2g} degrees "
+                f"{engine} {words} misses the angle of turn by at {extreme} {error:.2g} degrees "
                 f"({e.simulation.case.scene.name}, timestep "
                 f"{'up to ' if profile == 'adaptive' else ''}{e.simulation.timestep:.2g} s)."
             )
     paragraphs = (" ".join(sentences), f"{_uncounted(evaluations)} {_endings(evaluations)}")
     return Prose(name="summary", title="Summary", text="\n\n".join(paragraphs))
+
+
+_PROFILES = {
+    "default": "as it ships",
+    "matched": "matched to the scene",
+    "adaptive": "with steps that follow the motion",
+}
 
 
 def _uncounted(evaluations: Sequence[Evaluation]) -> str:

@@ -7,8 +7,9 @@ what it can do.
 What an engine is not asked: scenes with effects that it neither honours nor imposes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 from types import MappingProxyType
 
 from harness.core.case import Case
@@ -65,19 +66,12 @@ def suite_cases(
     scenes : mapping of str to Scene
         At least the scenes of the suite, by name.
     """
-    return tuple(_cases(SUITES[suite], engines, scenes))
-
-
-def _cases(
-    ladders: Mapping[str, Ladder], engines: Sequence[str], scenes: Mapping[str, Scene]
-) -> Iterator[Case]:
-    """Yield the cases scene by scene."""
-    for name, ladder in ladders.items():
-        for engine in engines:
-            yield Case(scene=scenes[name], engine=engine, profile="default")
-            yield Case(scene=scenes[name], engine=engine, profile="adaptive")
-            for timestep in ladder:
-                yield Case(scene=scenes[name], engine=engine, profile="matched", timestep=timestep)
+    cases = []
+    for (name, ladder), engine in product(SUITES[suite].items(), engines):
+        case = Case(scene=scenes[name], engine=engine)
+        cases += [replace(case, profile="default"), replace(case, profile="adaptive")]
+        cases += [replace(case, timestep=timestep) for timestep in ladder]
+    return tuple(cases)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

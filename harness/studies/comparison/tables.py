@@ -1,260 +1,260 @@
-"""The tables of the comparison: all cases, bounces, model parity, observed orders."""
+"""The tables of the comparison: scorecard, all cases, bounces, model parity, observed orders."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 
-from harness.core.bounce import Bounce
 from harness.core.report_model import Column, Table, table_of
-from harness.core.simulation import ParityRow
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.convergence import Order, observed_order
-from harness.metrics.quantities import QUANTITIES, column, turn_error
-
-SCENE = "Name of the scene."
-ENGINE = "Name of the engine."
-PROFILE = "default: as it ships; matched: what the scene declares; adaptive: and own steps."
-
-
-def case_digest(e: Evaluation) -> str:
-    """Return what names the case of a run, in the version of its engine."""
-    return e.simulation.case.digest(e.simulation.engine_version)
-
-
-CASE = (
-    Column("scene", SCENE, lambda e: e.simulation.case.scene.name),
-    Column("engine", ENGINE, lambda e: e.simulation.case.engine),
-    Column("profile", PROFILE, lambda e: e.simulation.case.profile),
-    Column(
-        "timestep_s",
-        "Timestep of the engine, s; the largest of an adaptive run.",
-        lambda e: e.simulation.timestep,
-    ),
+from harness.metrics.convergence import observed_order
+from harness.metrics.quantities import QUANTITIES, turn_error
+from harness.studies.comparison.fidelity import excess, scorecard_verdict, undecided
+from harness.studies.comparison.selection import by_case
+from harness.studies.comparison.suite import Unsupported
+from harness.studies.shared.run_columns import (
+    COMMAND,
+    ENGINE,
+    LINK,
+    OUTCOME,
+    RUN,
+    SCENE,
+    run_cells,
 )
-"""The columns that name a case; the records are runs."""
+
+_SCORECARD = (
+    SCENE,
+    ENGINE,
+    Column(
+        "shipped_verdict",
+        "As it ships: agrees, deviates, failed, unsupported, or not decidable.",
+    ),
+    Column("shipped_turn_error_deg", "First angle of turn, engine minus truth, as it ships."),
+    Column("shipped_phi_rms_rad", "Root mean square error of phi, as it ships."),
+    Column("best_verdict", "The same at the best that was run."),
+    Column("best_turn_error_deg", "First angle of turn, engine minus truth, of the best run."),
+    Column("best_phi_rms_rad", "Root mean square error of phi of the best run."),
+    Column("best_run", "Profile and timestep of the best run."),
+    Column("case", "Digest of the best run; its command is in the list of cases."),
+)
 
 
-def _of_record(column: Column) -> Column:
-    return Column(column.name, column.meaning, lambda record: column.cell(record.run), column.shown)
+def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
+    """Return the scorecard of the comparison: a row a scene and engine, as it ships and at best."""
+    rows = []
+    for (scene, engine), own in by_case(evaluations, "scene", "engine").items():
+        shipped = next((e for e in own if e.simulation.case.profile == "default"), None)
+        tuned = [e for e in own if e.simulation.case.profile != "default"]
+        best = min(tuned, key=_badness, default=None)
+        row: dict[str, object] = {"scene": scene, "engine": engine}
+        for prefix, e in (("shipped", shipped), ("best", best)):
+            if e is not None:
+                row |= {
+                    f"{prefix}_verdict": scorecard_verdict(e),
+                    f"{prefix}_phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
+                    f"{prefix}_turn_error_deg": turn_error(e),
+                }
+        if best is not None:
+            profile, step = best.simulation.case.profile, best.simulation.timestep
+            row |= run_cells(best.simulation) | {"best_run": f"{profile}, {step:.2g} s"}
+        rows.append(row)
+    rows += [
+        {
+            "scene": one.scene,
+            "engine": one.engine,
+            "shipped_verdict": one.verdict,
+            "best_verdict": one.verdict,
+        }
+        for one in unsupported
+    ]
+    return table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows)
 
 
-def of_run(columns: Sequence[Column]) -> tuple[Column, ...]:
-    """Return columns of runs as those of records that have a run as their field `run`."""
-    return tuple(map(_of_record, columns))
+def _badness(e: Evaluation) -> tuple[bool, float, float]:
+    """Return what the best run has least of; of a chaotic scene it is followed longest."""
+    return undecided(e) is not None, excess(e), -(math.inf if e.parts_at is None else e.parts_at)
+
+
+def _quantity(key: str, *, shown: bool = True) -> Column:
+    return Column(key, QUANTITIES[key].meaning, shown=shown)
 
 
 _RESULTS = (
-    *CASE,
-    Column("outcome", "How the run ended.", lambda e: e.simulation.ending),
-    column("angle_of_turn_deg", shown=True),
-    column("angle_of_turn_error_deg", shown=True),
+    *RUN,
+    OUTCOME,
+    _quantity("angle_of_turn_deg"),
+    _quantity("angle_of_turn_error_deg"),
     Column(
         "turn_resolved",
         "Whether the record is dense enough to count the turns of psi.",
-        lambda e: e.bounces[0].resolved if e.bounces else None,
         shown=False,
     ),
-    column("bounce_time_error_s", shown=True),
-    column("phi_min_rad"),
-    column("peak_friction_ratio"),
-    column("peak_friction_ratio_error", shown=True),
-    column("phi_rms_rad", shown=True),
-    column("phi_rms_before_rad"),
-    column("phi_rms_after_rad"),
-    column("phi_max_rad"),
-    column("rotation_rms_rad"),
-    column("psi_rms_rad"),
-    column("theta_rms_rad"),
-    column("contact_locus_rms_m", shown=True),
-    column("contact_locus_hausdorff_m"),
+    _quantity("bounce_time_error_s"),
+    _quantity("phi_min_rad", shown=False),
+    _quantity("peak_friction_ratio", shown=False),
+    _quantity("peak_friction_ratio_error"),
+    _quantity("phi_rms_rad"),
+    _quantity("phi_rms_before_rad", shown=False),
+    _quantity("phi_rms_after_rad", shown=False),
+    _quantity("phi_max_rad", shown=False),
+    _quantity("rotation_rms_rad", shown=False),
+    _quantity("psi_rms_rad", shown=False),
+    _quantity("theta_rms_rad", shown=False),
+    _quantity("contact_locus_rms_m"),
+    _quantity("contact_locus_hausdorff_m", shown=False),
     Column(
         "parts_at_s",
         "When the orientation is first 0.1 rad from the truth's; empty if it never is.",
-        lambda e: e.parts_at,
         shown=False,
     ),
-    column("energy_drift", shown=True),
-    column("max_penetration_m", shown=True),
-    column("max_slip_m_s", shown=True),
-    column("lift_off_fraction"),
-    column("multi_contact_fraction"),
-    Column(
-        "static_penetration_m",
-        "Depth at which the can was released.",
-        lambda e: e.simulation.static_penetration,
-        shown=False,
-    ),
-    Column(
-        "simulated_s",
-        "Length of the run.",
-        lambda e: None if e.motion is None else float(e.motion.time[-1]),
-        shown=False,
-    ),
-    column("steps", shown=True),
-    column("constraint_rows"),
-    column("setup_s"),
-    column("wall_s", shown=True),
-    column("cpu_s"),
+    _quantity("energy_drift"),
+    _quantity("max_penetration_m"),
+    _quantity("max_slip_m_s"),
+    _quantity("lift_off_fraction", shown=False),
+    _quantity("multi_contact_fraction", shown=False),
+    Column("static_penetration_m", "Depth at which the can was released.", shown=False),
+    Column("simulated_s", "Length of the run.", shown=False),
+    _quantity("steps"),
+    _quantity("constraint_rows", shown=False),
+    _quantity("setup_s", shown=False),
+    _quantity("wall_s"),
+    _quantity("cpu_s", shown=False),
     Column(
         "truth_pulls",
         "Whether the exact motion asks the plane to pull, which no engine's can.",
         shown=False,
     ),
-    Column("digest", "Names the case in this version of its engine.", case_digest, shown=False),
-    Column("command", "Runs the case again.", lambda e: e.simulation.case.command(), shown=False),
+    Column("digest", "Names the case in this version of its engine.", shown=False),
+    Column("command", COMMAND.meaning, shown=False),
 )
 
 
 def results(evaluations: Sequence[Evaluation]) -> Table:
     """Return the table of all cases, with everything that was measured of them."""
-    return table_of("results", "All cases", _RESULTS, evaluations)
+    keys = [column.name for column in _RESULTS if column.name in QUANTITIES]
+    rows = []
+    for e in evaluations:
+        run = run_cells(e.simulation)
+        row = run | {key: QUANTITIES[key].of_run(e) for key in keys}
+        row |= {
+            "outcome": e.simulation.ending,
+            "turn_resolved": e.bounces[0].resolved if e.bounces else None,
+            "parts_at_s": e.parts_at,
+            "static_penetration_m": e.simulation.static_penetration,
+            "simulated_s": None if e.motion is None else float(e.motion.time[-1]),
+            "truth_pulls": e.truth_pulls,
+            "digest": run["case"],
+        }
+        rows.append(row)
+    return table_of("results", "All cases", _RESULTS, rows)
 
-
-class _BounceOfRun(NamedTuple):
-    run: Evaluation
-    number: int
-    bounce: Bounce
-
-    @property
-    def true(self) -> Bounce | None:
-        bounces = self.run.true_bounces
-        return bounces[self.number] if self.number < len(bounces) else None
-
-
-def _bounce_column(name: str, meaning: str, key: str = "") -> Column:
-    read = QUANTITIES[key or name].of_bounce
-    return Column(name, meaning, lambda record: read(record.bounce))
-
-
-_LINK = Column("case", "Digest of the case; its command is in the list of cases.", case_digest)
 
 _BOUNCES = (
-    *of_run(CASE),
-    Column("bounce", "Number of the bounce, from 1.", lambda record: record.number + 1),
-    _bounce_column("time_s", "Time of the minimum of phi.", "bounce_time_s"),
-    _bounce_column("phi_min_rad", "Smallest phi."),
-    _bounce_column("angle_of_turn_deg", "Change of psi between the maxima of phi on either side."),
-    Column(
-        "angle_of_turn_true_deg",
-        "The same of the exact motion.",
-        lambda record: record.true and QUANTITIES["angle_of_turn_deg"].of_bounce(record.true),
-    ),
-    _bounce_column("rotation_turn_deg", QUANTITIES["rotation_turn_deg"].meaning),
-    _bounce_column("peak_psi_dot_rad_s", "Precession rate of largest magnitude."),
-    _bounce_column("peak_friction_ratio", "Largest |F|/N."),
-    Column(
-        "resolved",
-        "Whether the record is dense enough to count the turns of psi.",
-        lambda record: record.bounce.resolved,
-    ),
-    *of_run((_LINK,)),
+    *RUN,
+    Column("bounce", "Number of the bounce, from 1."),
+    Column("time_s", "Time of the minimum of phi."),
+    Column("phi_min_rad", "Smallest phi."),
+    Column("angle_of_turn_deg", "Change of psi between the maxima of phi on either side."),
+    Column("angle_of_turn_true_deg", "The same of the exact motion."),
+    _quantity("rotation_turn_deg"),
+    Column("peak_psi_dot_rad_s", "Precession rate of largest magnitude."),
+    Column("peak_friction_ratio", "Largest |F|/N."),
+    Column("resolved", "Whether the record is dense enough to count the turns of psi."),
+    LINK,
 )
 
 
 def bounces(evaluations: Sequence[Evaluation]) -> Table:
     """Return the table of all bounces."""
-    records = [
-        _BounceOfRun(e, n, bounce) for e in evaluations for n, bounce in enumerate(e.bounces)
-    ]
-    return table_of("bounces", "All bounces", _BOUNCES, records)
-
-
-class _Property(NamedTuple):
-    run: Evaluation
-    row: ParityRow
-
-
-def _parity_column(name: str, meaning: str) -> Column:
-    return Column(name, meaning, lambda record: getattr(record.row, name))
+    quantities = [QUANTITIES[c.name] for c in _BOUNCES if c.name in QUANTITIES]
+    turn = QUANTITIES["angle_of_turn_deg"].of_bounce
+    rows = []
+    for e in evaluations:
+        run = run_cells(e.simulation)
+        for place, bounce in enumerate(e.bounces):
+            row = run | {quantity.key: quantity.of_bounce(bounce) for quantity in quantities}
+            row |= {
+                "bounce": place + 1,
+                "time_s": QUANTITIES["bounce_time_s"].of_bounce(bounce),
+                "angle_of_turn_true_deg": next(map(turn, e.true_bounces[place:]), None),
+                "resolved": bounce.resolved,
+            }
+            rows.append(row)
+    return table_of("bounces", "All bounces", _BOUNCES, rows)
 
 
 _PARITY = (
-    *of_run(CASE),
-    _parity_column("quantity", "Property of the model."),
-    _parity_column("unit", "Its unit."),
-    _parity_column("declared", "What the scene declares."),
-    _parity_column("found", "What the compiled engine has."),
-    _parity_column(
+    *RUN,
+    Column("quantity", "Property of the model."),
+    Column("unit", "Its unit."),
+    Column("declared", "What the scene declares."),
+    Column("found", "What the compiled engine has."),
+    Column(
         "verdict",
         "equal; imposed: the profile is known to differ here; mismatch: the run stopped.",
     ),
-    _parity_column("how", "How it was read or probed."),
-    *of_run((_LINK,)),
+    Column("how", "How it was read or probed."),
+    LINK,
 )
 
 
 def parity(evaluations: Sequence[Evaluation]) -> Table:
     """Return what each engine compiled against what the scene declares, at one timestep each."""
     seen: set[tuple[str, str, str]] = set()
-    records = []
+    rows = []
     for e in evaluations:
         case = e.simulation.case
         model = (case.scene.name, case.engine, case.profile)
         differs = any(row.verdict == "mismatch" for row in e.simulation.parity)
-        if model in seen and not differs:
-            continue
+        if model not in seen or differs:
+            rows += [run_cells(e.simulation) | asdict(row) for row in e.simulation.parity]
         seen.add(model)
-        records += [_Property(e, row) for row in e.simulation.parity]
-    return table_of("parity", "Model parity: the can that each engine compiled", _PARITY, records)
-
-
-class _Ladder(NamedTuple):
-    run: Evaluation
-    quantity: str
-    order: Order
-    smallest_error: float
+    return table_of("parity", "Model parity: the can that each engine compiled", _PARITY, rows)
 
 
 _ORDERS = (
-    *of_run(CASE[:2]),
+    SCENE,
+    ENGINE,
     Column("quantity", "Which error."),
-    Column(
-        "observed_order",
-        "Slope of log error against log timestep, profile matched.",
-        lambda ladder: ladder.order.order,
-    ),
-    Column(
-        "spread",
-        "Half the range of the slopes between neighbouring timesteps.",
-        lambda ladder: ladder.order.spread,
-    ),
-    Column("timesteps", "How many timesteps it rests on.", lambda ladder: ladder.order.points),
+    Column("observed_order", "Slope of log error against log timestep, profile matched."),
+    Column("spread", "Half the range of the slopes between neighbouring timesteps."),
+    Column("timesteps", "How many timesteps it rests on."),
     Column("smallest_error", "Error at the smallest timestep, in the quantity's unit."),
-    *of_run((_LINK,)),
+    LINK,
 )
+
+_ROUND_OFF = 1e-12
+"""rad or deg: below it an error is the sum of roundings, which has no order."""
 
 
 def orders(evaluations: Sequence[Evaluation]) -> Table:
     """Return the observed orders of all ladders; the case is the run at the smallest timestep."""
-    return table_of("orders", "Observed order", _ORDERS, _ladders(evaluations))
-
-
-def _ladders(evaluations: Sequence[Evaluation]) -> Iterator[_Ladder]:
-    ladders: dict[tuple[str, str], list[Evaluation]] = {}
-    for e in evaluations:
-        case = e.simulation.case
-        if case.profile == "matched" and e.errors is not None and e.simulation.timestep:
-            ladders.setdefault((case.scene.name, case.engine), []).append(e)
-    reads: tuple[tuple[str, Callable[[Evaluation], float | None]], ...] = (
-        ("phi_rms_rad", QUANTITIES["phi_rms_rad"].of_run),
-        ("angle_of_turn_deg", turn_error),
-    )
-    for ladder in ladders.values():
-        steps = [e.simulation.timestep or math.nan for e in ladder]
-        finest = steps.index(min(steps))
-        for quantity, read in reads:
-            known = (read(e) for e in ladder)
-            errors = [math.nan if error is None else error for error in known]
+    reads: Mapping[str, Callable[[Evaluation], float | None]] = {
+        "phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run,
+        "angle_of_turn_deg": turn_error,
+    }
+    known = [e for e in evaluations if e.errors is not None and e.simulation.timestep]
+    rows = []
+    for (_, _, profile), ladder in by_case(known, "scene", "engine", "profile").items():
+        for quantity, read in reads.items() if profile == "matched" else ():
+            steps = [e.simulation.timestep or math.nan for e in ladder]
+            errors = [math.nan if error is None else error for error in map(read, ladder)]
             order = observed_order(steps, [_weighty(errors, error) for error in errors])
+            finest = steps.index(min(steps))
             if order.points > 1:
-                yield _Ladder(ladder[finest], quantity, order, errors[finest])
+                rows.append(
+                    run_cells(ladder[finest].simulation)
+                    | {
+                        "quantity": quantity,
+                        "observed_order": order.order,
+                        "spread": order.spread,
+                        "timesteps": order.points,
+                        "smallest_error": errors[finest],
+                    }
+                )
+    return table_of("orders", "Observed order", _ORDERS, rows)
 
 
 def _weighty(errors: Sequence[float], error: float) -> float:
     """Return an error that an order can rest on; NaN for round-off and where the sign changes."""
     signs = {math.copysign(1.0, other) for other in errors if math.isfinite(other)}
     return error if len(signs) == 1 and abs(error) > _ROUND_OFF else math.nan
-
-
-_ROUND_OFF = 1e-12
-"""rad or deg: below it an error is the sum of roundings, which has no order."""

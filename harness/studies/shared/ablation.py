@@ -4,9 +4,18 @@ Every step of the path is a set of closed gaps, and every set of closed gaps is 
 `default` with the settings of the closed gaps put to their matched values, all of them closed being
 profile `matched` itself. A setting whose matched value goes with the timestep takes its value for
 the timestep in force there.
+
+Who accounts for what: with the discrepancy D(S) in which the set S of gaps is closed, gaps 1 to n,
+
+- the whole, D({}) - D({1..n}), is what closing all of them takes away;
+- in order, D({1..k-1}) - D({1..k}), which sum to the whole: each level is added and taken once;
+- alone, D({}) - D({k}), whose sum is off the whole by the *interaction*: what they do together;
+- left open, D(all but k) - D(all), likewise, seen from the matched end.
+
+A level that is not known leaves what rests on it unknown, and nothing else.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from harness.core.case import Case
@@ -14,6 +23,7 @@ from harness.core.errors import InvalidSettingError
 from harness.engines.base import TIMESTEP, Engine, ModelDifference, Setting, features_of
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.registry import engine, timestep_of
+from harness.metrics.quantities import Number, Quantity, less
 from models.scene import Scene
 
 Closed = frozenset[str]
@@ -159,3 +169,152 @@ def all_gaps(chosen: Engine) -> tuple[ModelDifference, ...]:
         name="timestep", settings=(TIMESTEP,), sentence="The timestep as shipped is longer."
     )
     return declared + others + (() if TIMESTEP in covered else (last,))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Account:
+    """One quantity, all gaps. None is not known.
+
+    Parameters
+    ----------
+    names : tuple of str, length n
+        Gaps in the order of closing.
+    levels : tuple, length n + 1
+        Discrepancy as shipped and after each gap.
+    in_order, alone, left_open : tuple, length n
+        What each gap takes away: after those before it, by itself, and as the last one.
+    """
+
+    names: tuple[str, ...]
+    levels: tuple[Number, ...]
+    in_order: tuple[Number, ...]
+    alone: tuple[Number, ...]
+    left_open: tuple[Number, ...]
+
+    def known(self, parts: Sequence[Number]) -> list[tuple[str, float]]:
+        """Return the gaps of which a part is known, by name, with that part."""
+        pairs = zip(self.names, parts, strict=True)
+        return [(name, part) for name, part in pairs if part is not None]
+
+    @property
+    def shipped(self) -> Number:
+        """Discrepancy with all gaps open."""
+        return self.levels[0]
+
+    @property
+    def remains(self) -> Number:
+        """Discrepancy with all gaps closed."""
+        return self.levels[-1]
+
+    @property
+    def whole(self) -> Number:
+        """What closing all gaps takes away."""
+        return less(self.shipped, self.remains)
+
+    @property
+    def interaction(self) -> Number:
+        """What the gaps alone take away, all together, beyond the whole."""
+        return less(total(self.alone), self.whole)
+
+    @property
+    def interaction_left_open(self) -> Number:
+        """The same, seen from the matched end."""
+        return less(total(self.left_open), self.whole)
+
+
+def account(names: Sequence[str], level: Callable[[Closed], Number]) -> Account:
+    """Return who accounts for what.
+
+    Parameters
+    ----------
+    names : sequence of str, length n
+        Gaps in the order of closing.
+    level : callable
+        Discrepancy with a set of gaps closed.
+    """
+    whole = frozenset(names)
+    levels = tuple(level(frozenset(names[:count])) for count in range(len(names) + 1))
+    return Account(
+        names=tuple(names),
+        levels=levels,
+        in_order=tuple(map(less, levels[:-1], levels[1:])),
+        alone=tuple(less(levels[0], level(frozenset((name,)))) for name in names),
+        left_open=tuple(less(level(whole - {name}), levels[-1]) for name in names),
+    )
+
+
+def total(parts: Sequence[Number]) -> Number:
+    """Return the sum, if every part is known."""
+    known = [part for part in parts if part is not None]
+    return sum(known) if len(known) == len(parts) else None
+
+
+_NOTHING = 1e-6
+"""Share of the largest discrepancy on the path below which a gap takes away nothing."""
+
+_HARDLY = 0.01
+"""Share of the whole below which an interaction is not worth a word."""
+
+
+def in_order_sentence(path: AblationPath, quantity: Quantity, found: Account) -> str:
+    """Return what each gap takes away, largest first."""
+    parts = sorted(
+        zip(found.names, found.in_order, strict=True),
+        key=lambda part: -abs(part[1]) if part[1] is not None else 0.0,
+    )
+    least = _NOTHING * max(abs(value) for value in found.levels if value is not None)
+    told = "; ".join(
+        f"{name} nothing"
+        if value is not None and abs(value) <= least
+        else f"{name} {amount(quantity, value, unit=False)}"
+        for name, value in parts
+    )
+    return (
+        f"As it ships, {path.engine} is off by {amount(quantity, found.shipped)} in the "
+        f"{quantity.label} of {path.scene.name}, and matched, at a timestep of "
+        f"{path.matched_timestep:.2g} s, by {amount(quantity, found.remains)}; closing the gaps "
+        f"in the order {', '.join(found.names)} takes away, largest first: {told}"
+    )
+
+
+def interaction_sentence(quantity: Quantity, found: Account) -> str:
+    """Return how far the gaps alone are from the whole, and which gap is behind it most."""
+    whole, alone, interaction = found.whole, total(found.alone), found.interaction
+    early = dict(found.known(found.alone))
+    if whole is None or alone is None or interaction is None:
+        unknown = ", ".join(name for name in found.names if name not in early)
+        return (
+            f"Together they take away {amount(quantity, whole)}; how they interact is not known, "
+            f"because the discrepancy with one gap closed alone is not, for {unknown}"
+        )
+    opening = (
+        f"Closed one by one from the engine as it ships, they add up to {amount(quantity, alone)}"
+    )
+    if abs(interaction) <= _HARDLY * abs(whole):
+        return f"{opening}, the whole to within {_HARDLY:.0%}, so that they hardly interact"
+    told = (
+        f"{opening}, where the whole is {amount(quantity, whole)}: an interaction of "
+        f"{amount(quantity, interaction)}"
+    )
+    late = dict(found.known(found.in_order))
+    if not late:
+        return told
+    name = max(late, key=lambda name: (abs(late[name] - early[name]), name))
+    return (
+        f"{told}, most of it in {name}, which takes away {amount(quantity, early[name])} alone "
+        f"and {amount(quantity, late[name])} after those before it"
+    )
+
+
+def amount(quantity: Quantity, value: Number, *, unit: bool = True) -> str:
+    """Return a discrepancy in words; what is not known is said to be so."""
+    if value is None:
+        return "an unknown part"
+    word, scale = unit_of(quantity)
+    number = f"{value * scale:+.3g}"
+    return f"{number} {word}".rstrip() if unit else number
+
+
+def unit_of(quantity: Quantity) -> tuple[str, float]:
+    """Return the unit in words and figures, and the factor from the unit of the column to it."""
+    return {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}.get(quantity.unit, (quantity.unit, 1.0))

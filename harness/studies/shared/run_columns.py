@@ -8,12 +8,24 @@ from harness.core.simulation import Simulation
 
 SCENE = Column("scene", "Name of the scene.")
 ENGINE = Column("engine", "Name of the engine.")
+PROFILE = Column(
+    "profile", "default: as it ships; matched: what the scene declares; adaptive: and own steps."
+)
 MODEL = Column("model", "What was solved.")
 TIMESTEP = Column("timestep_s", "Timestep, s.")
 OUTCOME = Column("outcome", "How the run ended.")
 NOTE = Column("note", "What else is to be known of it.")
 CASE = Column("case", "Names the case in this version of its engine.")
+LINK = Column("case", "Digest of the case; its command is in the list of cases.")
 COMMAND = Column("command", "Runs the case again.")
+
+RUN = (
+    SCENE,
+    ENGINE,
+    PROFILE,
+    Column("timestep_s", "Timestep of the engine, s; the largest of an adaptive run."),
+)
+"""Which run a row is of."""
 
 
 def run_cells(simulation: Simulation) -> dict[str, object]:

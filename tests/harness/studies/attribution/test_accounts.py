@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.studies.attribution.accounts import account, total
+from harness.studies.shared.ablation import account, total
 
 NAMES = ("rim", "damping", "timestep")
 

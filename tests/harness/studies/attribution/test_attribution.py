@@ -12,9 +12,8 @@ from harness.cli.main import code_of
 from harness.core.report_model import Figure, Prose, Table
 from harness.core.simulation import Outcome
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.attribution.accounts import total
 from harness.studies.attribution.study import Attribution, AttributionStudy
-from harness.studies.shared.ablation import ablation_path
+from harness.studies.shared.ablation import ablation_path, total
 from harness.studies.study import run_study
 from models import Scene
 

@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 from harness.core.report_model import Figure
-from harness.studies.attribution.accounts import Account, account
 from harness.studies.attribution.study import ATTRIBUTED, Attribution, AttributionStudy
-from harness.studies.shared.ablation import ablation_path
+from harness.studies.shared.ablation import Account, ablation_path, account
 from harness.studies.study import run_study
 from models import Horizon, Scene, load
 
