@@ -37,7 +37,6 @@ from harness.studies.cost.prices import CHOICES, FIXED, FOLLOWING, TARGETS, Cost
 from harness.studies.cost.study import CostStudy
 from harness.studies.cost.tables import price_rows
 from harness.studies.effects.changes import EffectStatus
-from harness.studies.effects.friction import friction_ladder
 from harness.studies.effects.plan import plan_effects
 from harness.studies.effects.study import EffectsStudy
 from harness.studies.errors.plan import plan_errors
@@ -165,7 +164,7 @@ def effects(  # noqa: PLR0917 - a parameter an option
     engines = ("reference", *(n for n in api.stepping_engines(engine) if n != "reference"))
     words = tuple(_assumption(word) for word in assume or ())
     plan = plan_effects(load(scene), engines, timestep=timestep, words=words, tolerance=tolerance)
-    study = EffectsStudy(plan=plan, ladder=friction_ladder(plan.scene, engines, timestep))
+    study = EffectsStudy(plan=plan)
     run_command(study, running, out=out, json=json, answer=study.answer, show=_show_effects)
 
 

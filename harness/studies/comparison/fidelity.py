@@ -14,9 +14,9 @@ from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
-from harness.studies.comparison.selection import ended, finest
+from harness.studies.comparison.selection import RUN, ended, finest
 from harness.studies.comparison.suite import Unsupported
-from harness.studies.shared.run_columns import COMMAND, RUN, run_cells, without
+from harness.studies.shared.run_columns import COMMAND, run_cells, without
 
 AGREES_TURN = 0.1
 """deg: what a protractor on the table would not show."""

@@ -9,11 +9,20 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
-from harness.core.report_model import Series
+from harness.core.report_model import Column, Series
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Floats
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
+from harness.studies.shared.run_columns import ENGINE, PROFILE, SCENE
+
+RUN = (
+    SCENE,
+    ENGINE,
+    PROFILE,
+    Column("timestep_s", "Timestep of the engine, s; the largest of an adaptive run."),
+)
+"""Columns that say which run a row is of."""
 
 MS = 1e3
 """Milliseconds in a second."""

@@ -9,14 +9,13 @@ from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
 from harness.metrics.quantities import QUANTITIES, turn_error
 from harness.studies.comparison.fidelity import excess, scorecard_verdict, undecided
-from harness.studies.comparison.selection import by_case
+from harness.studies.comparison.selection import RUN, by_case
 from harness.studies.comparison.suite import Unsupported
 from harness.studies.shared.run_columns import (
     COMMAND,
     ENGINE,
     LINK,
     OUTCOME,
-    RUN,
     SCENE,
     run_cells,
 )

@@ -1,6 +1,6 @@
 """What effects change and cost in the runs of a plan, and what each effect therefore is."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -10,7 +10,7 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.engines.registry import engine
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.quantities import QUANTITIES, Number
+from harness.metrics.quantities import QUANTITIES, Number, less
 from harness.studies.effects.plan import EffectsPlan, Subset
 from models.effects import KINDS
 
@@ -114,10 +114,11 @@ class EffectsResults:
         least = COUNTS[key] * self.plan.tolerance
         if "reference" not in self.plan.engines:
             return least
-        own, exact = (
-            self.evaluation(name, self.plan.declared) for name in (engine_name, "reference")
-        )
-        error = _difference(own, exact, key)
+        declared = self.plan.declared
+        own, exact = (self.evaluation(name, declared) for name in (engine_name, "reference"))
+        if own is None or exact is None:
+            return least
+        error = less(QUANTITIES[key].of_run(own), QUANTITIES[key].of_run(exact))
         return least if error is None else max(least, abs(error))
 
     def _effect(self, engine_name: str, name: str) -> Effect:
@@ -148,7 +149,7 @@ class EffectsResults:
         one, other = (self.evaluation(engine_name, subset) for subset in (with_it, without))
         if one is None or other is None:
             return {}
-        return {key: _difference(one, other, key) for key in COUNTS}
+        return {q.key: less(q.of_run(one), q.of_run(other)) for q in CHANGED}
 
     def _mean(self, engine_name: str, name: str) -> dict[str, Number]:
         """Return the main effect of a factor: its change, averaged over all sets of the others."""
@@ -167,29 +168,19 @@ class EffectsResults:
     def _cost(self, engine_name: str, with_it: Subset, without: Subset) -> dict[str, Number]:
         """Return what a run costs with the effect over what it costs without."""
         cases = [self.plan.case(engine_name, subset) for subset in (with_it, without)]
-        runs = [
-            (self.evaluations[case], _repeats(self.times, case))
-            for case in cases
-            if case is not None
-        ]
-        if len(runs) != len(cases):
+        known = [case for case in cases if case is not None]
+        if len(known) != len(cases):
             return {}
-        steps, rows, cpu = zip(
-            *(
-                (
-                    _rate(e, e.simulation.steps),
-                    _rate(e, e.simulation.constraint_rows),
-                    _rate(e, min(repeats, default=None)),
-                )
-                for e, repeats in runs
-            ),
-            strict=True,
-        )
+        runs = [self.evaluations[case] for case in known]
+        repeats = [
+            [s for s in self.times.get(case, {}).get("cpu_s", ()) if s > 0.0] for case in known
+        ]
+        least = [min(seconds, default=None) for seconds in repeats]
         return {
-            "steps_ratio": _ratio(*steps),
-            "constraint_rows_ratio": _ratio(*rows),
-            "cpu_ratio": _ratio(*cpu),
-            "cpu_spread": max((max(r) / min(r) for _, r in runs if r), default=None),
+            "steps_ratio": _ratio(runs, [e.simulation.steps for e in runs]),
+            "constraint_rows_ratio": _ratio(runs, [e.simulation.constraint_rows for e in runs]),
+            "cpu_ratio": _ratio(runs, least),
+            "cpu_spread": max((max(s) / min(s) for s in repeats if s), default=None),
         }
 
     def _verdict(
@@ -235,25 +226,12 @@ class EffectsResults:
         return (matters if over > 1.0 else EffectStatus.HARMLESS), worst
 
 
-def _difference(one: Evaluation | None, other: Evaluation | None, key: str) -> Number:
-    """Return by how much a quantity of one run exceeds that of another, if both are known."""
-    if one is None or other is None:
-        return None
-    a, b = QUANTITIES[key].of_run(one), QUANTITIES[key].of_run(other)
-    return None if a is None or b is None else a - b
-
-
-def _rate(e: Evaluation, amount: Number) -> Number:
-    """Return an amount of work per simulated second."""
-    if e.motion is None or amount is None or e.motion.time[-1] == 0.0:
-        return None
-    return amount / float(e.motion.time[-1])
-
-
-def _ratio(above: Number, below: Number) -> Number:
+def _ratio(runs: Sequence[Evaluation], amounts: Sequence[Number]) -> Number:
+    """Return an amount of work per simulated second of a first run over that of a second."""
+    above, below = (
+        None
+        if e.motion is None or amount is None or e.motion.time[-1] == 0.0
+        else amount / float(e.motion.time[-1])
+        for e, amount in zip(runs, amounts, strict=True)
+    )
     return above / below if above is not None and below else None
-
-
-def _repeats(times: Times, case: Case) -> list[float]:
-    """Return the processor times of a case, s; none of one that was not timed."""
-    return [value for value in times.get(case, {}).get("cpu_s", ()) if value > 0.0]

@@ -6,7 +6,7 @@ engines meet the no-slip value, slip is no longer called for.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -53,32 +53,16 @@ _COLUMNS = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FrictionLadder:
-    """Runs of a scene that differ in friction alone.
-
-    Parameters
-    ----------
-    scene : Scene
-    cases : mapping of str to mapping of float to Case
-        By engine and coefficient.
-    """
-
-    scene: Scene
-    cases: Mapping[str, Mapping[float, Case]]
-
-    def runs(self) -> tuple[Case, ...]:
-        """Return the cases, each once."""
-        cases = (case for rungs in self.cases.values() for case in rungs.values())
-        return tuple(dict.fromkeys(cases))
+FrictionLadder = Mapping[str, Mapping[float, Case]]
+"""Runs of a scene that differ in friction alone, by engine and coefficient."""
 
 
 def friction_ladder(
     scene: Scene, engines: tuple[str, ...], timestep: float | None
 ) -> FrictionLadder:
     """Return the ladder of friction for a scene, in each engine that can represent it."""
-    cases: dict[str, dict[float, Case]] = {name: {} for name in engines}
-    for name, rungs in cases.items():
+    ladder: dict[str, dict[float, Case]] = {name: {} for name in engines}
+    for name, rungs in ladder.items():
         for mu in COEFFICIENTS:
             try:
                 slippery = replace(scene, effects=replace(scene.effects, slip=Slip(mu=mu)))
@@ -87,12 +71,13 @@ def friction_ladder(
                 continue
             step = None if name == "reference" else timestep
             rungs[mu] = Case(scene=slippery, engine=name, timestep=step)
-    return FrictionLadder(scene=scene, cases=cases)
+    return ladder
 
 
-def friction(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[Figure, Table]:
+def friction(
+    scene: str, ladder: FrictionLadder, runs: Mapping[Case, Evaluation]
+) -> tuple[Figure, Table]:
     """Return the figure of turn and phases against friction, and its table."""
-    scene = ladder.scene.name
     table = table_of(
         f"{scene}-friction-runs",
         "Every run of the ladder of friction",
@@ -100,17 +85,15 @@ def friction(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[F
         _rows(ladder, runs),
         scene=scene,
     )
-    turn = QUANTITIES["turn_deg"].of_run
     turns = tuple(
         Series(
-            label=name,
-            kind=name,
-            x=np.array(list(rungs)),
-            y=np.array([turn(runs[case]) for case in rungs.values()], dtype=np.float64),
+            label=str(name),
+            kind=str(name),
+            x=own["mu"].to_numpy(dtype=np.float64),
+            y=own["turn_deg"].to_numpy(dtype=np.float64),
             mark="both",
         )
-        for name, rungs in ladder.cases.items()
-        if rungs
+        for name, own in table.frame.groupby("engine", sort=False)
     )
     figure = Figure(
         name=f"{scene}-friction",
@@ -150,7 +133,7 @@ def _phases(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[Se
     for label, wanted, kind in (("slides", True, "truth"), ("sticks", False, "reference")):
         xs: list[Floats] = []
         ys: list[Floats] = []
-        for mu, case in ladder.cases.get("reference", {}).items():
+        for mu, case in ladder.get("reference", {}).items():
             time, slides = _sliding(runs[case])
             xs += [time, np.array([np.nan])]
             ys += [np.where(slides == wanted, mu, np.nan), np.array([np.nan])]
@@ -163,14 +146,11 @@ def _phases(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[Se
 def _rows(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> list[dict[str, object]]:
     """Return every run in a row."""
     rows = []
-    for name, rungs in ladder.cases.items():
+    for name, rungs in ladder.items():
         for mu, case in rungs.items():
             e = runs[case]
-            row = run_cells(e.simulation) | {
-                "scene": ladder.scene.name,
-                "mu": mu,
-                "turn_deg": QUANTITIES["turn_deg"].of_run(e),
-            }
+            row = run_cells(e.simulation)
+            row |= {"mu": mu, "turn_deg": QUANTITIES["turn_deg"].of_run(e)}
             time, slides = _sliding(e)
             if name == "reference" and len(time) > 1:
                 row["slipping_share"] = float(np.sum(np.diff(time) * slides[1:]) / time[-1])

@@ -16,6 +16,7 @@ from typing import Any
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, UnsupportedEffectError
 from harness.engines.registry import check_effects, engine
+from harness.studies.effects.friction import FrictionLadder, friction_ladder
 from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can
 from models.contact_effects import (
@@ -160,9 +161,14 @@ class EffectsPlan:
         return Case(scene=scene, engine=engine_name, timestep=timestep)
 
     def cases(self) -> tuple[Case, ...]:
-        """Return the cases, each once."""
+        """Return the cases with and without effects, each once."""
         cases = (self.case(name, subset) for name in self.engines for subset in self.subsets())
         return tuple(dict.fromkeys(case for case in cases if case is not None))
+
+    @property
+    def friction(self) -> FrictionLadder:
+        """The ladder of friction."""
+        return friction_ladder(self.scene, self.engines, self.timestep)
 
 
 def plan_effects(

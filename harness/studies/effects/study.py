@@ -11,7 +11,7 @@ from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Se
 from harness.evaluation.case_record import LOST
 from harness.evaluation.timing import untimed
 from harness.studies.effects.changes import CHANGED, Effect, EffectsResults, EffectStatus
-from harness.studies.effects.friction import FrictionLadder, friction
+from harness.studies.effects.friction import friction
 from harness.studies.effects.plan import EffectsPlan
 from harness.studies.shared.run_columns import (
     CASE,
@@ -32,6 +32,8 @@ _KNOWN = _COUNTS | {EffectStatus.HARMLESS}
 
 _LEAST = 1e-6
 """Change over what counts below which a bar would be longer than the axis is worth."""
+
+_RATIOS = ("steps_ratio", "constraint_rows_ratio", "cpu_ratio")
 
 _EFFECT = Column("effect", "Name of the effect, its key in a scene file.")
 
@@ -142,7 +144,6 @@ def _run_rows(found: EffectsResults) -> list[dict[str, Any]]:
     return [
         run_cells(e.simulation)
         | {
-            "scene": found.plan.scene.name,
             "effects": ", ".join(sorted(subset)) or "none",
             **{q.key: q.of_run(e) for q in CHANGED},
         }
@@ -288,21 +289,19 @@ class EffectsStudy:
     ----------
     plan : EffectsPlan
         From `harness.studies.effects.plan.plan_effects`.
-    ladder : FrictionLadder
-        Of the same scene; from `harness.studies.effects.friction.friction_ladder`.
     """
 
     plan: EffectsPlan
-    ladder: FrictionLadder
 
     name = "effects"
 
     def next_jobs(self, done: Results) -> list[Job[Case, Any]]:
         """Return the runs; then the timing of those of the plan that came back."""
-        runs = done.of(EVALUATION)
-        return evaluation_jobs((*self.plan.cases(), *self.ladder.runs())) + [
+        runs, cases = done.of(EVALUATION), self.plan.cases()
+        slippery = (case for rungs in self.plan.friction.values() for case in rungs.values())
+        return evaluation_jobs((*cases, *slippery)) + [
             Job(TIMING, case)
-            for case in self.plan.cases()
+            for case in cases
             if case in runs and runs[case].simulation.outcome.name not in LOST
         ]
 
@@ -317,8 +316,8 @@ class EffectsStudy:
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables, and the turn against friction."""
-        runs = done.of(EVALUATION)
-        return (*effects_report(self.findings(done)), *friction(self.ladder, runs))
+        slippery = friction(self.plan.scene.name, self.plan.friction, done.of(EVALUATION))
+        return (*effects_report(self.findings(done)), *slippery)
 
     def answer(self, done: Results) -> dict[str, Any]:
         """Return the effects as `--json` prints them."""
@@ -334,9 +333,7 @@ class EffectsStudy:
                         "verdict": effect.verdict.value,
                         "why": effect.why,
                         "changes": dict(effect.changes),
-                        "steps_ratio": effect.cost.get("steps_ratio"),
-                        "constraint_rows_ratio": effect.cost.get("constraint_rows_ratio"),
-                        "cpu_ratio": effect.cost.get("cpu_ratio"),
+                        **{key: effect.cost.get(key) for key in _RATIOS},
                     }
                     for effect in found.of_engine(engine)
                 }

@@ -19,14 +19,6 @@ CASE = Column("case", "Names the case in this version of its engine.")
 LINK = Column("case", "Digest of the case; its command is in the list of cases.")
 COMMAND = Column("command", "Runs the case again.")
 
-RUN = (
-    SCENE,
-    ENGINE,
-    PROFILE,
-    Column("timestep_s", "Timestep of the engine, s; the largest of an adaptive run."),
-)
-"""Which run a row is of."""
-
 
 def run_cells(simulation: Simulation) -> dict[str, object]:
     """Return the cells that say of a run which it is and how it ended, by column."""

@@ -167,11 +167,11 @@ def _run_table(runs: Sequence[ClassifiedRun]) -> Table:
     return table_of("verdicts", "Every run and its verdict", without(_RUNS, "outcome"), rows)
 
 
-_PROFILES = {
-    "default": "As it ships",
-    "matched": "Matched to the scene",
-    "adaptive": "With steps that follow the motion",
-}
+_PROFILES = (
+    ("default", "As it ships"),
+    ("matched", "Matched to the scene"),
+    ("adaptive", "With steps that follow the motion"),
+)
 
 
 _VERBS = {StabilityStatus.UNRESOLVED: "is unresolved", StabilityStatus.REFUSED: "is refused"}
@@ -226,7 +226,7 @@ def engine_page(
     """
     own = [run for run in judged if run.case.engine == engine and run.case.scene.name in names]
     paragraphs = [
-        *(_counted(own, profile) for profile in _PROFILES if _of(own, profile)),
+        *(_counted(runs, words) for profile, words in _PROFILES if (runs := _of(own, profile))),
         limit_sentence([limit for limit in limits if limit.engine == engine]),
         " ".join(_cures(own, names)),
     ]
@@ -240,9 +240,8 @@ def _of(own: Sequence[ClassifiedRun], profile: str) -> list[ClassifiedRun]:
     return [run for run in own if run.case.profile == profile]
 
 
-def _counted(own: Sequence[ClassifiedRun], profile: str) -> str:
+def _counted(runs: Sequence[ClassifiedRun], words: str) -> str:
     """Return how the runs of a profile went, and an example of each failure."""
-    runs = _of(own, profile)
     by_verdict = {v: [run for run in runs if run.verdict is v] for v in StabilityStatus}
     told = ", ".join(f"{v.value} {len(found)}" for v, found in by_verdict.items() if found)
     examples = []
@@ -255,7 +254,7 @@ def _counted(own: Sequence[ClassifiedRun], profile: str) -> str:
                 f"a timestep of {run.timestep:.2g} s ({seen(run.symptom)})"
             )
     tail = f" It {'; it '.join(examples)}." if examples else ""
-    return f"{_PROFILES[profile]}, {len(runs)} runs: {told}.{tail}"
+    return f"{words}, {len(runs)} runs: {told}.{tail}"
 
 
 def seen(symptom: Symptom) -> str:
@@ -283,7 +282,7 @@ def _cure(runs: Sequence[ClassifiedRun], shipped: ClassifiedRun) -> str:
     """Return the setting that makes a case good, the simplest first."""
     best = {
         profile: max((run.timestep for run in _of(runs, profile) if run.good), default=0.0)
-        for profile in _PROFILES
+        for profile, _ in _PROFILES
     }
     if best["default"]:
         than = "shorter" if best["default"] < shipped.timestep else "longer"
