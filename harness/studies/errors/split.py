@@ -16,9 +16,9 @@ from enum import Enum
 from harness.core.case import Case
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES, Number, Quantity, less
-from harness.studies.errors.extrapolation import ExtrapolatedLimit, limit
+from harness.studies.errors.extrapolation import ExtrapolatedLimit
 from harness.studies.errors.plan import ErrorsPlan
-from harness.studies.shared.perturbation import MEMBERS, SIZES
+from harness.studies.shared.perturbation import SIZES
 
 
 class ErrorStatus(Enum):
@@ -200,43 +200,6 @@ class ThreeErrors:
             f"{_amount(quantity, small.of_engine, sign=False)} for {SIZES[0]:.0e}): a discrepancy "
             "smaller than that is not decidable."
         )
-
-
-def three_errors(plan: ErrorsPlan, runs: Mapping[Case, Evaluation]) -> ThreeErrors:
-    """Return the three errors of every quantity on every way."""
-    known = quantities(plan)
-
-    def values(case: Case, quantity: Quantity) -> tuple[Number, Number]:
-        return quantity.of_run(runs[case]), quantity.of_truth(runs[case])
-
-    spreads = {
-        (q.key, size): spread(
-            values(plan.tried(plan.ways[0], None), q),
-            [values(plan.member(size, number), q) for number in range(MEMBERS)],
-        )
-        for q in known
-        for size in SIZES
-    }
-    splits = {}
-    for way in plan.ways:
-        for q in known:
-            ladder = [q.of_run(runs[plan.on_ladder(way, step)]) for step in plan.timesteps]
-            value, true = values(plan.tried(way, None), q)
-            # releases that differ by no more than a few roundings show what of it is noise
-            noise = spreads[q.key, SIZES[0]].of_error or 0.0
-            splits[way.name, q.key] = Split(
-                case=plan.tried(way, None),
-                way=way.name,
-                quantity=q.key,
-                true=true,
-                value=value,
-                ladder=tuple(ladder),
-                converged=q.of_run(runs[plan.on_ladder(way, plan.probe)]),
-                limit=limit(plan.timesteps, ladder, noise=noise),
-                band=spreads[q.key, SIZES[-1]].band,
-            )
-    evaluations = {case: runs[case] for case in plan.cases()}
-    return ThreeErrors(plan=plan, evaluations=evaluations, spreads=spreads, splits=splits)
 
 
 _VERDICTS = {

@@ -25,9 +25,10 @@ from harness.core.report_model import (
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import Number, Quantity, less
+from harness.studies.errors.extrapolation import limit
 from harness.studies.errors.plan import ErrorsPlan, Way
-from harness.studies.errors.split import ThreeErrors, quantities, three_errors
-from harness.studies.shared.perturbation import SIZES
+from harness.studies.errors.split import Split, ThreeErrors, quantities, spread
+from harness.studies.shared.perturbation import MEMBERS, SIZES
 from harness.studies.shared.run_columns import (
     CASE,
     COMMAND,
@@ -61,7 +62,40 @@ class ErrorsStudy:
 
     def findings(self, done: Results) -> ThreeErrors:
         """Return the three errors of every quantity on every way."""
-        return three_errors(self.plan, done.of(EVALUATION))
+        plan, runs = self.plan, done.of(EVALUATION)
+        known = quantities(plan)
+
+        def values(case: Case, quantity: Quantity) -> tuple[Number, Number]:
+            return quantity.of_run(runs[case]), quantity.of_truth(runs[case])
+
+        spreads = {
+            (q.key, size): spread(
+                values(plan.tried(plan.ways[0], None), q),
+                [values(plan.member(size, number), q) for number in range(MEMBERS)],
+            )
+            for q in known
+            for size in SIZES
+        }
+        splits = {}
+        for way in plan.ways:
+            for q in known:
+                ladder = [q.of_run(runs[plan.on_ladder(way, step)]) for step in plan.timesteps]
+                value, true = values(plan.tried(way, None), q)
+                # releases that differ by no more than a few roundings show what of it is noise
+                noise = spreads[q.key, SIZES[0]].of_error or 0.0
+                splits[way.name, q.key] = Split(
+                    case=plan.tried(way, None),
+                    way=way.name,
+                    quantity=q.key,
+                    true=true,
+                    value=value,
+                    ladder=tuple(ladder),
+                    converged=q.of_run(runs[plan.on_ladder(way, plan.probe)]),
+                    limit=limit(plan.timesteps, ladder, noise=noise),
+                    band=spreads[q.key, SIZES[-1]].band,
+                )
+        evaluations = {case: runs[case] for case in plan.cases()}
+        return ThreeErrors(plan=plan, evaluations=evaluations, spreads=spreads, splits=splits)
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables."""
