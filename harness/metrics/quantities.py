@@ -16,7 +16,6 @@ from types import MappingProxyType
 from typing import Protocol
 
 from harness.core.bounce import Bounce
-from harness.core.report_model import Column
 from harness.core.simulation import Simulation
 from harness.metrics.contact import ContactQuality
 from harness.metrics.error import Errors
@@ -394,9 +393,3 @@ _ALL = (
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType({q.key: q for q in _ALL})
 """Every quantity by its key."""
-
-
-def column(key: str, *, shown: bool = False) -> Column:
-    """Return the column of a quantity in a table whose records are runs."""
-    chosen = QUANTITIES[key]
-    return Column(key, chosen.meaning, chosen.of_run, shown)
