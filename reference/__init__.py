@@ -6,14 +6,23 @@ from reference.analysis.confirmation import differences
 from reference.analysis.lyapunov import Divergence, divergence
 from reference.analysis.validity import Finding, Guard, examine
 from reference.equations.contact_laws import Kind, Phase
-from reference.integrable.cycle import Cycles, exact_bounces
+from reference.integrable.cycle import PeriodicMotions, exact_bounces
 from reference.problem.can import PAPER_CAN, ParameterError, Parameters
 from reference.problem.effects import EffectError, Effects, Gravity, Mass
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem, ProblemError
 from reference.problem.states import States
 from reference.solution import Bounce, Solution
-from reference.solve import METHODS, MODELS, Choice, SolverError, carries, smallest, solve
+from reference.solve import (
+    METHODS,
+    MODELS,
+    Choice,
+    SolverError,
+    carries,
+    current_method,
+    smallest,
+    solve,
+)
 
 __all__ = [
     "ENDING",
@@ -23,7 +32,6 @@ __all__ = [
     "Agreement",
     "Bounce",
     "Choice",
-    "Cycles",
     "Divergence",
     "EffectError",
     "Effects",
@@ -35,6 +43,7 @@ __all__ = [
     "Outcome",
     "ParameterError",
     "Parameters",
+    "PeriodicMotions",
     "Phase",
     "Problem",
     "ProblemError",
@@ -42,6 +51,7 @@ __all__ = [
     "SolverError",
     "States",
     "carries",
+    "current_method",
     "differences",
     "divergence",
     "exact_bounces",

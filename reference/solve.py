@@ -14,9 +14,11 @@ Psi, theta, the time and the contact point are quadratures wherever nothing depe
 approximations of it, good for nothing more.
 """
 
+import warnings
 from collections.abc import Callable
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from reference.analysis.bounces import measure_bounces
 from reference.analysis.confirmation import solve_twice
@@ -109,7 +111,9 @@ def carries(model: str, problem: Problem) -> bool:
 
 
 OUTPUTS = frozenset({"contact_locus"})
-METHODS = ("regular", "marching", *SCIPY_METHODS)
+METHODS = ("half-period", "picard-chebyshev", *SCIPY_METHODS)
+RENAMED_METHODS = MappingProxyType({"regular": "half-period", "marching": "picard-chebyshev"})
+"""Names of methods until this release, which are still understood, with a warning."""
 MODELS = (
     "auto",
     "pendulum",
@@ -133,7 +137,7 @@ def solve(
     problem: Problem,
     *,
     model: str = "auto",
-    method: str = "regular",
+    method: str = "half-period",
     rtol: float = 1e-12,
     outputs: AbstractSet[str] = frozenset(),
 ) -> Solution:
@@ -151,13 +155,12 @@ def solve(
         solution says how they compare. "exact" asks for the closed solution alone, without
         confirmation, and integrates where the can does not bounce. "rolling" always integrates.
     method : str
-        How to integrate: "regular", the default (`reference.smooth.time_reversal`); "marching",
-        the same without
-        use of its mirror symmetry (`reference.smooth.stepping`); or one of scipy's methods in the
-        raw
-        variables.
+        How to integrate: "half-period", the default, up to the next extremum of phi and from there
+        by the motion's mirror symmetry (`reference.smooth.time_reversal`); "picard-chebyshev", the
+        same steps without use of the symmetry (`reference.smooth.stepping`); or one of scipy's
+        methods in the raw variables.
     rtol : float
-        Relative tolerance of scipy's methods; "regular" always works to round-off.
+        Relative tolerance of scipy's methods; the first two always work to round-off.
     outputs : set of str
         What to integrate beside the angles: "contact_locus" or nothing.
 
@@ -171,6 +174,7 @@ def solve(
     SolverError
         If a choice does not exist, or the model is too small for the effects of the problem.
     """
+    method = current_method(method)
     choice = smallest(problem)
     if model not in MODELS:
         raise SolverError(f"unknown `model` {model!r}; there are {', '.join(MODELS)}")
@@ -188,7 +192,7 @@ def solve(
             f"`model` {model!r} is too small; the smallest that carries this is {choice.model!r}"
         )
     confirmed = None
-    if model == "auto" and method == "regular" and choice.model == "rolling":
+    if model == "auto" and method == "half-period" and choice.model == "rolling":
         confirmed = solve_twice(problem, locus=locus)
         run = confirmed.motion.run
         solved_by, used = ("exact", "quadrature") if confirmed.closed else ("rolling", method)
@@ -222,16 +226,30 @@ def solve(
     )
 
 
+def current_method(method: str) -> str:
+    """Return the name of a method today; a name that was given up warns."""
+    if method not in RENAMED_METHODS:
+        return method
+    now = RENAMED_METHODS[method]
+    message = f"method {method!r} is called {now!r} now; the old name goes with the next release"
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
+    return now
+
+
 def _dispatch(
     problem: Problem, *, model: str, method: str, rtol: float, locus: bool
 ) -> tuple[Run, str, str]:
     """Return the run, the model that was solved in the end, and how."""
-    stepped = "DOP853" if method == "regular" else method
+    stepped = "DOP853" if method == "half-period" else method
     needed = smallest(problem).model
-    if model == "auto" and needed != "rolling" and (method == "regular" or needed != "pendulum"):
+    if (
+        model == "auto"
+        and needed != "rolling"
+        and (method == "half-period" or needed != "pendulum")
+    ):
         model = needed
-    if model in {"coulomb", "general"} and method != "regular":
-        raise SolverError(f"`method` of model {model!r} is 'regular' alone, not {method!r}")
+    if model in {"coulomb", "general"} and method != "half-period":
+        raise SolverError(f"`method` of model {model!r} is 'half-period' alone, not {method!r}")
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (solve_pendulum(problem), "closed form"),
         "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),
@@ -243,13 +261,13 @@ def _dispatch(
     if model in smaller:
         run, used = smaller[model]()
         return run, model, used
-    if model == "exact" and method == "regular":
-        found = solve_exactly(problem, locus=locus)
-        if found is not None:
-            return found, "exact", "quadrature"
-    if method == "regular":
+    if model == "exact" and method == "half-period":
+        closed = solve_exactly(problem, locus=locus)
+        if closed is not None:
+            return closed, "exact", "quadrature"
+    if method == "half-period":
         return integrate_by_symmetry(problem, locus=locus), "rolling", method
-    if method == "marching":
+    if method == "picard-chebyshev":
         return integrate(problem, locus=locus), "rolling", method
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
 

@@ -2,11 +2,10 @@
 
 Beside an equilibrium the force on phi is what is left of terms that cancel. Gravity alone cancels
 without loss (`reference.equations.balancing_angle`), and a motion beside the balancing angle is
-solved for exactly
-the doubles given; but its neighbours, one ulp away, move otherwise. Where precession takes part,
-the terms are rounded before they cancel, and the motion is known to that share only. A release that
-moves has its energy to round-off: it decides where phi turns, at the top, by the energy over the
-square of the force that is left there.
+solved for exactly the doubles given; but its neighbours, one ulp away, move otherwise. Where
+precession takes part, the terms are rounded before they cancel, and the motion is known to that
+share only. A release that moves has its energy to round-off: it decides where phi turns, at the
+top, by the energy over the square of the force that is left there.
 
 What no formula foresees is seen by solving the neighbours of a problem as well.
 """

@@ -1,11 +1,10 @@
 """Solving a motion twice: it is given only where two methods find the same.
 
 A wrong answer is no less smooth than a right one, and nothing in it says that it is wrong. So the
-quadrature between turning points (`reference.integrable.exact_motion`), which does not go along
-the motion, is
-held against the integration (`reference.smooth.time_reversal`), which knows no turning point
-beforehand. The
-motion is periodic: its first bounces up to the end of a whole period stand for all.
+quadrature between turning points (`reference.integrable.exact_motion`), which does not go along the
+motion, is held against the integration (`reference.smooth.time_reversal`), which knows no turning
+point beforehand. The motion is periodic: its first bounces up to the end of a whole period stand
+for all.
 
 How far the two may part is no fixed tolerance. Each of the n operations of the integration rounds,
 so what it returns is, to within n roundings, the motion of numbers that are off by n eps at most
@@ -168,7 +167,7 @@ def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
     Angles are taken over 1 rad or over themselves, if they are larger, times over a period.
     """
     start = max(1.0, abs(other.problem.psi), abs(other.problem.theta))
-    found: dict[str, float] = {}
+    largest: dict[str, float] = {}
     rows = zip(
         one.bounces, other.bounces, pairwise(one.maxima), pairwise(other.maxima), strict=False
     )
@@ -184,8 +183,8 @@ def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
         }
         for name, (a, b, scale) in scales.items():
             off = abs(a - b) / max(scale, abs(b))
-            found[name] = max(found.get(name, 0.0), off if np.isfinite(off) else np.inf)
-    return found
+            largest[name] = max(largest.get(name, 0.0), off if np.isfinite(off) else np.inf)
+    return largest
 
 
 def _closed(problem: Problem, path: ExactPath) -> Motion:
@@ -250,11 +249,11 @@ def _apart(one: Motion, other: Motion) -> dict[str, float]:
     if not other.bounces:
         return {ENDING: 0.0}
     top, known = mine.extrema.phi[mine.maximum][-1], theirs.extrema.phi[theirs.maximum][-1]
-    found = differences(one, other) | {"greatest phi": abs(top / known - 1)}
+    largest = differences(one, other) | {"greatest phi": abs(top / known - 1)}
     if mine.extrema.x is not None and theirs.extrema.x is not None:
         moved, truth = (_displacement(extrema) for extrema in (mine.extrema, theirs.extrema))
-        found["contact locus"] = abs(moved - truth) / max(1.0, abs(truth))
-    return {name: float(off) if np.isfinite(off) else np.inf for name, off in found.items()}
+        largest["contact locus"] = abs(moved - truth) / max(1.0, abs(truth))
+    return {name: float(off) if np.isfinite(off) else np.inf for name, off in largest.items()}
 
 
 def _displacement(extrema: States) -> complex:

@@ -85,7 +85,7 @@ def examine(solution: Solution, times: Floats) -> Guard:
     ratio = np.divide(friction, normal, out=np.full_like(normal, np.inf), where=normal > 0)
     if solution.outcome is Outcome.LIFTED:
         ratio = ratio[normal >= LIGHT]
-    found = Guard(
+    guard = Guard(
         friction_ratio=float(max([*ratio, *peaks], default=0.0)),
         normal_force=float(normal.min()),
         phi_min=float(states.phi.min()),
@@ -94,12 +94,12 @@ def examine(solution: Solution, times: Floats) -> Guard:
         findings=(),
     )
     return Guard(
-        friction_ratio=found.friction_ratio,
-        normal_force=found.normal_force,
-        phi_min=found.phi_min,
-        phi_max=found.phi_max,
-        gap=found.gap,
-        findings=(*_findings(solution, found), *_beyond_cone(solution, states, friction, normal)),
+        friction_ratio=guard.friction_ratio,
+        normal_force=guard.normal_force,
+        phi_min=guard.phi_min,
+        phi_max=guard.phi_max,
+        gap=guard.gap,
+        findings=(*_findings(solution, guard), *_beyond_cone(solution, states, friction, normal)),
     )
 
 
@@ -120,7 +120,7 @@ def _beyond_cone(
     return [Finding(sentence=f"{told} {mu * normal[worst]:.4g}: this is no motion of the model.")]
 
 
-def _findings(solution: Solution, found: Guard) -> list[Finding]:
+def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     findings = []
     if solution.agreement is not None and not solution.agreement.holds:
         findings.append(Finding(sentence=solution.agreement.sentence))
@@ -131,15 +131,15 @@ def _findings(solution: Solution, found: Guard) -> list[Finding]:
         findings.append(Finding(sentence=solution.outcome.value))
     # at lift-off it is zero but for round-off, and the outcome has said so
     lifted = solution.outcome is Outcome.LIFTED
-    if never_slips and found.normal_force <= 0 and not lifted:
-        pull = f"Rolling asks the plane to pull, with up to {-found.normal_force:.4g} m g: "
+    if never_slips and guard.normal_force <= 0 and not lifted:
+        pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
         findings.append(
             Finding(sentence=f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}")
         )
-    elif never_slips and found.friction_ratio > PLENTY:
-        findings.append(_slippery(solution, found.friction_ratio))
-    if found.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
-        near = f"The far rim comes within {found.gap:.2g} R of the plane, less than an atom: "
+    elif never_slips and guard.friction_ratio > PLENTY:
+        findings.append(_slippery(solution, guard.friction_ratio))
+    if guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+        near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
         findings.append(
             Finding(
                 sentence=f"{near}a real can touches it with more than one point. {NONE_CARRIES}"

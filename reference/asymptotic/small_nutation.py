@@ -103,7 +103,7 @@ class Reduced:
             low=np.array([low]),
             high=np.array([phi]),
             swing=np.array([phi - low]),
-            beyond=np.array([np.pi]),
+            fourth_root=np.array([np.pi]),
         )
         nodes = 4 * int(nodes_needed(clock)[0])
         fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
@@ -111,7 +111,7 @@ class Reduced:
         room = 2 * (level - self.potential(nutation))
         quartic = rise * (nutation + low) * gap * (np.pi - nutation)
         slow = np.sqrt(quartic / np.where(room > 0, room, np.nan))
-        return float(2 * clock.quarter[0] * clock.gauge[0] * slow.mean())
+        return float(2 * clock.quarter[0] * clock.scale[0] * slow.mean())
 
 
 def reduced_force_series(

@@ -1,9 +1,8 @@
 """Steady motions at given first integrals: the effective potential, its critical points, its folds.
 
-Rolling conserves the two linear constants (K, B) of `reference.integrable.frobenius` and the
-energy E. On a
-level of (K, B) precession and spin are functions of nutation, and energy leaves a motion in one
-dimension,
+Rolling conserves the two linear constants (K, B) of `reference.integrable.frobenius` and the energy
+E. On a level of (K, B) precession and spin are functions of nutation, and energy leaves a motion in
+one dimension,
 
     (a_p + 1)/2 phi'^2 + V(phi; K, B) = E,
     V = (a q^2 + c w^2 + (w - h q)^2)/2 + S + h C,    q = Psi S,  w = Psi C + Theta,
@@ -128,9 +127,9 @@ def steady_motions(parameters: Parameters, K: float, B: float) -> SteadyMotions:
         return _form(can, x, psi_dot, spin - psi_dot)
 
     phi = np.union1d(phi, _roots(bend, phi))
-    found = _roots(force, phi)
-    psi_dot, spin = _rates(can, found, K, B)
-    return states_at(can, found, psi_dot, spin - psi_dot)
+    at = _roots(force, phi)
+    psi_dot, spin = _rates(can, at, K, B)
+    return states_at(can, at, psi_dot, spin - psi_dot)
 
 
 def folds(parameters: Parameters, phi: Floats) -> tuple[SteadyMotions, SteadyMotions]:
@@ -159,7 +158,7 @@ def folds(parameters: Parameters, phi: Floats) -> tuple[SteadyMotions, SteadyMot
 
 def folds_at(parameters: Parameters, K: float) -> SteadyMotions:
     """Return the folds with a given first integral K, shape (n,): where its branches turn back."""
-    phi, found = np.linspace(0.0, UPRIGHT, SAMPLES + 1)[1:], []
+    phi, folds_met = np.linspace(0.0, UPRIGHT, SAMPLES + 1)[1:], []
     for number in (0, 1):
         for sign in (1.0, -1.0):
 
@@ -168,10 +167,10 @@ def folds_at(parameters: Parameters, K: float) -> SteadyMotions:
 
             at = _roots(excess, phi)
             fold = folds(parameters, at)[number]
-            found.append(states_at(parameters, at, sign * fold.psi_dot, sign * fold.theta_dot))
+            folds_met.append(states_at(parameters, at, sign * fold.psi_dot, sign * fold.theta_dot))
     return SteadyMotions(
         **{
-            name: np.concatenate([getattr(fold, name) for fold in found])
+            name: np.concatenate([getattr(fold, name) for fold in folds_met])
             for name in SteadyMotions.__slots__
         }
     )

@@ -69,7 +69,7 @@ class Contact:
         Angular acceleration, in frame B.
     slipping : ndarray, shape (2, n)
         Acceleration of the slip, in the directions of the force.
-    grip : ndarray, shape (n,)
+    normal_mobility : ndarray, shape (n,)
         Normal mobility: how much the rim yields upwards to a unit of normal force and what that
         brings with it, with all that is held; not positive where rigid sliding has no solution, or
         several.
@@ -79,7 +79,7 @@ class Contact:
     moment: Floats
     turning: Floats
     slipping: Floats
-    grip: Floats
+    normal_mobility: Floats
 
 
 class Equations(Protocol):
@@ -101,7 +101,7 @@ class Equations(Protocol):
         ...
 
     @property
-    def pulls(self) -> bool:
+    def bilateral_normal(self) -> bool:
         """Whether the plane may pull: whether the contact is bilateral.
 
         That of the ideal can is, to which nothing is declared: rolling without slipping is the

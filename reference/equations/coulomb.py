@@ -74,7 +74,7 @@ class CoulombEquations:
         return 0.0
 
     @property
-    def pulls(self) -> bool:
+    def bilateral_normal(self) -> bool:
         """Whether the plane may pull: under a rim that never slips, the ideal can."""
         return bool(np.isinf(self.mu))
 
@@ -93,25 +93,25 @@ class CoulombEquations:
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
-        at, found = Angles.of(y[LEAN]), self.contact(y, mode)
+        at, contact = Angles.of(y[LEAN]), self.contact(y, mode)
         w1, w2, w3 = y[W1], y[W2], y[W3]
         rotation = at.S * w3 - at.C * w1  # theta' S
         out = np.zeros_like(y)
         out[LEAN] = -w2
-        out[W1] = found.turning[0] - rotation * w2
-        out[W2] = found.turning[1] + rotation * w1
-        out[W3] = found.turning[2]
+        out[W1] = contact.turning[0] - rotation * w2
+        out[W2] = contact.turning[1] + rotation * w1
+        out[W3] = contact.turning[2]
         out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
         u1, u2 = y[U1], y[U2]
         if mode.slips:
-            out[U1] = found.slipping[0] + w1 * u2
-            out[U2] = found.slipping[1] - w1 * u1
+            out[U1] = contact.slipping[0] + w1 * u2
+            out[U2] = contact.slipping[1] - w1 * u1
         if not along:
             return out
         ahead, aside = np.zeros_like(w1), rotation
         if mode.slips:
             ahead, aside = at.S * u1, at.S * u2 + rotation
-            out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
+            out[DISSIPATED] = -(contact.force[0] * u1 + contact.force[1] * u2)
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
         out[X], out[Y] = ahead * cos - aside * sin, ahead * sin + aside * cos
         return out
@@ -138,7 +138,7 @@ class CoulombEquations:
             moment=np.array([zero, zero, zero]),
             turning=np.array([a1, a2, a3]),
             slipping=np.array([zero, zero]),
-            grip=zero + 1,
+            normal_mobility=zero + 1,
         )
 
     def _slipping(self, y: Floats) -> Contact:
@@ -149,8 +149,8 @@ class CoulombEquations:
         reach, height = at.C - p.h * at.S, at.S + p.h * at.C
         k1, k2, k3 = _inertial(p, at, w1, w2, w3)
         own = at.S * (p.c - p.a) * w1 * w3 / p.a
-        grip = 1 + reach * (reach + n1 * height) / p.a
-        N = (at.S - reach * own - (at.S * k1 + at.C * k3)) / grip
+        normal_mobility = 1 + reach * (reach + n1 * height) / p.a
+        N = (at.S - reach * own - (at.S * k1 + at.C * k3)) / normal_mobility
         F1, F2 = -N * n1, -N * n2
         a1 = at.S * (p.a - p.c) * w2 * w3 / p.a + p.h * F2 / p.a
         a2 = own + (reach * N - height * F1) / p.a
@@ -163,7 +163,7 @@ class CoulombEquations:
             moment=np.array([zero, zero, zero]),
             turning=np.array([a1, a2, a3]),
             slipping=np.array([u1, u2]),
-            grip=grip,
+            normal_mobility=normal_mobility,
         )
 
 

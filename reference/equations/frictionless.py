@@ -19,8 +19,7 @@ About the symmetry axis and about the vertical (eq01:ang_mom_B, eq01:ang_mom_G),
     H_B = c (Psi C + Theta),        H_G = a Psi S^2 + C H_B.
 
 Without friction both are conserved. Rolling conserves K and B of `reference.integrable.frobenius`
-instead,
-and as phi goes to 0
+instead, and as phi goes to 0
 
     B_0 = k c_p/(2 c) H_B + O(phi),       B_{-2} = (H_G - H_B)/a + O(phi):
 
@@ -111,7 +110,7 @@ class FrictionlessEquations:
         return 0.0
 
     @property
-    def pulls(self) -> bool:
+    def bilateral_normal(self) -> bool:
         """Whether the plane may pull: it may not."""
         return False
 
@@ -133,8 +132,8 @@ class FrictionlessEquations:
         w1, w3 = self.momenta(at)
         reach, height = at.C - p.h * at.S, at.S + p.h * at.C
         own = ((p.c / p.a) * at.S * w3 - at.C * w1) * w1
-        grip = 1 + reach * reach / p.a
-        N = (at.S - reach * own - at.S * height * w2 * w2) / grip
+        normal_mobility = 1 + reach * reach / p.a
+        N = (at.S - reach * own - at.S * height * w2 * w2) / normal_mobility
         zero = np.zeros_like(w2)
         return Contact(
             force=np.array([zero, zero, N]),
@@ -142,7 +141,7 @@ class FrictionlessEquations:
             # of frame B too, which turns with it
             turning=np.array([zero, own + reach * N / p.a, zero]),
             slipping=np.array([zero, zero]),
-            grip=grip,
+            normal_mobility=normal_mobility,
         )
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:

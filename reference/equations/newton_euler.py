@@ -101,7 +101,7 @@ class GeneralEquations:
         return self.effects.rolling_resistance
 
     @property
-    def pulls(self) -> bool:
+    def bilateral_normal(self) -> bool:
         """Whether the plane may pull: under the ideal can alone."""
         return not self.effects.declared()
 
@@ -129,28 +129,28 @@ class GeneralEquations:
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         e, here = self.effects, self._setting(y, mode)
-        at, found = here.at, self._contact(y, mode, here)
+        at, contact = here.at, self._contact(y, mode, here)
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
         rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
         out = np.zeros_like(y)
         out[LEAN] = -w2
-        out[TURN] = found.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
+        out[TURN] = contact.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
         out[PSI], out[TOTAL], out[TIME] = w1, at.S * (w3 + at.T * w1), at.S
         u1, u2 = y[U1], y[U2]
         if mode.slips:
-            out[U1] = found.slipping[0] + w1 * u2
-            out[U2] = found.slipping[1] - w1 * u1
+            out[U1] = contact.slipping[0] + w1 * u2
+            out[U2] = contact.slipping[1] - w1 * u1
         if not along:
             return out
         radius = 1 - e.rim + e.rim * at.S
         ahead, aside = at.S * e.rim * w2, radius * rotation
         if mode.slips:
             ahead, aside = ahead + at.S * u1, aside + at.S * u2
-            out[DISSIPATED] = -(found.force[0] * u1 + found.force[1] * u2)
+            out[DISSIPATED] = -(contact.force[0] * u1 + contact.force[1] * u2)
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
         out[X], out[Y] = ahead * cos - aside * sin, ahead * sin + aside * cos
-        out[DISSIPATED] -= dot(found.moment, to_level(here.turning, at))
+        out[DISSIPATED] -= dot(contact.moment, to_level(here.turning, at))
         if e.linear_damping or e.angular_damping:
             drag = e.linear_damping * here.mass * dot(here.velocity, here.velocity)
             drag += e.angular_damping * dot(here.turning, applied(here.inertia, here.turning))
@@ -269,12 +269,14 @@ class GeneralEquations:
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
         columns[:, -1] = answer
         matrix = np.moveaxis(columns[held], -1, 0)
-        grip = answer[NORMAL]
+        normal_mobility = answer[NORMAL]
         if len(held) > 1:
             # what is held answers, too; the law of the normal force in the last column
             rows = held[:-1]
             others = np.linalg.solve(mobility[:, rows][:, :, rows], answer[rows].T[..., None])
-            grip = grip - np.einsum("ni,ni->n", mobility[:, NORMAL][:, rows], others[..., 0])
+            normal_mobility = normal_mobility - np.einsum(
+                "ni,ni->n", mobility[:, NORMAL][:, rows], others[..., 0]
+            )
         share = np.linalg.solve(matrix, -start[held].T[..., None])[..., 0].T
         wrench = law * share[-1]
         for row, index in enumerate(held[:-1]):
@@ -286,7 +288,7 @@ class GeneralEquations:
             moment=wrench[:3],
             turning=to_body(both[:3], at),
             slipping=both[[SLIP_1, SLIP_2]],
-            grip=grip * here.mass,
+            normal_mobility=normal_mobility * here.mass,
         )
 
 

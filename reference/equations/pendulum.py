@@ -108,7 +108,7 @@ class Pendulum:
         scale = 1.0 if m > 0 else np.sqrt(1 - m)
         fraction = np.minimum(scale * np.abs(elapsed) / ellipkm1(complementary), 1.0)
         sn2, cn2 = (
-            found[:, 0] for found in squared_sn_cn(fraction[:, None], np.array([complementary]))
+            squares[:, 0] for squares in squared_sn_cn(fraction[:, None], np.array([complementary]))
         )
         dn2 = cn2 + complementary * sn2
         if m > 0:

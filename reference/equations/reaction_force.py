@@ -15,8 +15,8 @@ Where a point of a can with effects is, and how fast, takes its effects: with z 
 e3 the axes of frame B (z = S e1 + C e3) and r the radius to which the rim is rounded, the contact
 is at p = -(1 - r) e1 - (h - r) e3 - r z from the middle of the can, a point mass of share q at d
 moves the centre of mass by q d/(1 + q), and with the slip u of the material at the contact the
-middle has the velocity u - w x p. The contact point itself moves with
-(u_1 - r Phi, u_2 + (1 - r + r S) Theta).
+middle has the velocity u - w x p. The contact point itself moves with (u_1 - r Phi, u_2 + (1 - r +
+r S) Theta).
 
 The paper is in error in the sign of eq01:friction_tangential, which it prints without the minus,
 and in eq01:lin_eom and eq01:fx: the x component is L cos psi - M sin psi, not

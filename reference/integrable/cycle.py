@@ -1,11 +1,10 @@
 """The exact bounce: period, turn, rotation and extrema by quadrature, to round-off.
 
-Precession and spin are known functions of nutation (`reference.integrable.frobenius`), energy
-gives phi'
-(`reference.integrable.effective_potential`), and the elliptic clock
-(`reference.integrable.elliptic`) makes every integrand an analytic
-periodic function, so that the midpoint rule is exact to round-off with about 4 log(8
-phi_max/phi_min) nodes: 32 for the paper's release. How hard the bounce is changes nothing else.
+Precession and spin are known functions of nutation (`reference.integrable.frobenius`), energy gives
+phi' (`reference.integrable.effective_potential`), and the elliptic clock
+(`reference.integrable.elliptic`) makes every integrand an analytic periodic function, so that the
+midpoint rule is exact to round-off with about 4 log(8 phi_max/phi_min) nodes: 32 for the paper's
+release. How hard the bounce is changes nothing else.
 
 This replaces eq01:hyper_geom, which is not evaluated; the two are compared in the tests.
 """
@@ -38,7 +37,7 @@ CACHED = 32768
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cycles:
+class PeriodicMotions:
     """The periodic motions of n cans; every field has shape (n,).
 
     Where the can does not bounce every number is 0 and `code` says why.
@@ -83,7 +82,7 @@ def exact_bounces(
     phi_dot: ArrayLike = 0.0,
     psi_dot: ArrayLike = 0.0,
     theta_dot: ArrayLike = 0.0,
-) -> Cycles:
+) -> PeriodicMotions:
     """Solve many releases of many cans exactly.
 
     Parameters
@@ -96,7 +95,7 @@ def exact_bounces(
 
     Returns
     -------
-    Cycles
+    PeriodicMotions
         Arrays of shape (n,), in the order of the raveled releases.
 
     Raises
@@ -123,7 +122,7 @@ def exact_bounces(
         code[pick] = result[0]
         for field, values in zip(fields, result[1:], strict=True):
             field[pick] = values
-    return Cycles(
+    return PeriodicMotions(
         code=code,
         period=fields[0],
         angle_of_turn=fields[1],

@@ -29,7 +29,7 @@ class EllipticSubstitution:
 
     Attributes
     ----------
-    low, high, beyond : ndarray, shape (n,)
+    low, high, fourth_root : ndarray, shape (n,)
         c, b, a with 0 < c < b < a.
     swing : ndarray, shape (n,)
         b - c, which has digits of its own where phi hardly moves.
@@ -38,12 +38,12 @@ class EllipticSubstitution:
     low: Floats
     high: Floats
     swing: Floats
-    beyond: Floats
+    fourth_root: Floats
 
     @property
     def complementary(self) -> Floats:
         """k'^2, shape (n,)."""
-        a, b, c = self.beyond, self.high, self.low
+        a, b, c = self.fourth_root, self.high, self.low
         return 2 * c * (a - b) / ((a - c) * (b + c))
 
     @property
@@ -52,7 +52,7 @@ class EllipticSubstitution:
         return np.asarray(ellipkm1(self.complementary), dtype=float)
 
     @property
-    def strip(self) -> Floats:
+    def analyticity_strip(self) -> Floats:
         """Height above the real axis of u at which phi = 0, shape (n,)."""
         conjugate = ellipk(self.complementary)
         # sc^2(height) = (b + c)/(b - c) for the complementary parameter, about pi/4 in a hard
@@ -61,9 +61,9 @@ class EllipticSubstitution:
         return np.asarray(np.minimum(np.arctan(ratio), conjugate), dtype=float)
 
     @property
-    def gauge(self) -> Floats:
+    def scale(self) -> Floats:
         """The factor g of dphi/du, shape (n,)."""
-        a, b, c = self.beyond, self.high, self.low
+        a, b, c = self.fourth_root, self.high, self.low
         return 2 / np.sqrt((a - c) * (b + c))
 
     def nutation(self, fraction: Floats) -> tuple[Floats, Floats, Floats]:

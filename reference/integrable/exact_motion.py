@@ -1,8 +1,7 @@
 """The exact motion as a function of time.
 
-In the clock's time u (`reference.integrable.elliptic`) the rates of t, psi and psi + theta are
-even periodic
-functions; their Fourier series integrate term by term,
+In the clock's time u (`reference.integrable.elliptic`) the rates of t, psi and psi + theta are even
+periodic functions; their Fourier series integrate term by term,
 
     t(u) = c_0 u + sum c_k sin(k pi u/K) K/(k pi),
 
@@ -284,14 +283,15 @@ def exact_path(problem: Problem, *, locus: bool) -> ExactPath | Outcome:
     clock = elliptic_substitution(points)
     nodes = MORE_NODES * int(nodes_needed(clock)[0])
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
-    found = rates(points, clock, fraction, careful=True)
+    at_nodes = rates(points, clock, fraction, careful=True)
     # the turning points are certain: what is not positive between them, or has harmonics that do
     # not fall, has lost its digits
-    if not (found.room > 0).all() or unresolved(found)[0]:
+    if not (at_nodes.room > 0).all() or unresolved(at_nodes)[0]:
         return Outcome.UNRESOLVED
     K = float(clock.quarter[0])
     time, precession, total = (
-        harmonics_of(K * part[:, 0]) for part in (found.time, found.precession, found.total)
+        harmonics_of(K * part[:, 0])
+        for part in (at_nodes.time, at_nodes.precession, at_nodes.total)
     )
     return ExactPath(
         problem=problem,
@@ -301,7 +301,7 @@ def exact_path(problem: Problem, *, locus: bool) -> ExactPath | Outcome:
         time=time,
         precession=precession,
         total=total,
-        locus=locus_harmonics(K * (found.total - found.precession)[:, 0], precession)
+        locus=locus_harmonics(K * (at_nodes.total - at_nodes.precession)[:, 0], precession)
         if locus
         else None,
         t_end=0.0,
@@ -315,7 +315,7 @@ def _phase_at_release(
     """u/K of the release: -1 at rest on a maximum, 0 at rest on a minimum.
 
     A release that hardly moves is near a turning point by a distance that phi has no digits for:
-    it is found from the distance, and not from phi.
+    it is computed from the distance, and not from phi.
     """
     if problem.phi_dot == 0:
         return -1.0 if points.climb[0] == 0 else 0.0
@@ -326,8 +326,8 @@ def _phase_at_release(
         _, rise, gap = clock.nutation(fraction[None])
         return np.asarray((goal - gap[0]) if upper else (rise[0] - goal))
 
-    found = bracketed_roots(apart, np.zeros(1), np.ones(1))
-    return float(np.copysign(found[0], problem.phi_dot))
+    share = bracketed_roots(apart, np.zeros(1), np.ones(1))
+    return float(np.copysign(share[0], problem.phi_dot))
 
 
 def until_horizon(problem: Problem, path: ExactPath) -> Run:

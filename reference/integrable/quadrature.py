@@ -91,12 +91,12 @@ def elliptic_substitution(points: TurningPoints) -> EllipticSubstitution:
     with np.errstate(divide="ignore", over="ignore"):
         reach = np.where(drop > 0, near * aside / np.where(drop > 0, drop, 1.0), np.inf)
     beyond = high + np.clip(reach, 2 * np.spacing(high), np.pi - high)
-    return EllipticSubstitution(low=points.low, high=high, swing=points.swing, beyond=beyond)
+    return EllipticSubstitution(low=points.low, high=high, swing=points.swing, fourth_root=beyond)
 
 
 def nodes_needed(clock: EllipticSubstitution) -> NDArray[np.int64]:
     """Nodes of the midpoint rule, rounded up so that few different numbers occur, shape (n,)."""
-    raw = DECADES * clock.quarter / (2 * np.pi * clock.strip) + 4
+    raw = DECADES * clock.quarter / (2 * np.pi * clock.analyticity_strip) + 4
     return np.asarray(8 * np.ceil(raw / 8), dtype=np.int64)
 
 
@@ -122,9 +122,9 @@ def rates(
     state, g, noise = energy_left(points, phi, rise, gap, careful=careful)
     can = points.well.can
     S = state.sine
-    outside = (phi + points.low) * ((clock.beyond - clock.high) + gap)
+    outside = (phi + points.low) * ((clock.fourth_root - clock.high) + gap)
     room = S**2 * (g / (rise * gap)) / outside
-    time = np.sqrt((can.a_p + 1) / 2) * clock.gauge * S / np.sqrt(np.where(room > 0, room, np.nan))
+    time = np.sqrt((can.a_p + 1) / 2) * clock.scale * S / np.sqrt(np.where(room > 0, room, np.nan))
     psi_dot = state.b / S**2
     return Rates(
         time=time,
@@ -199,16 +199,16 @@ def cycle_integrals(points: TurningPoints, nodes: int, *, careful: bool) -> tupl
     """
     clock = elliptic_substitution(points)
     fraction = (np.arange(nodes)[:, None] + 0.5) / nodes
-    found = rates(points, clock, fraction, careful=careful)
+    at_nodes = rates(points, clock, fraction, careful=careful)
     scale = 2 * clock.quarter / nodes
     period, turn, total = (
-        scale * part.sum(axis=0) for part in (found.time, found.precession, found.total)
+        scale * part.sum(axis=0) for part in (at_nodes.time, at_nodes.precession, at_nodes.total)
     )
-    doubt = ~known_positive(found)
+    doubt = ~known_positive(at_nodes)
     if not careful:
-        doubt |= _loses_digits(points, clock, found, fraction)
-    rough = ~doubt & unresolved(found)
-    values = [period, turn, total - turn, points.low, points.high, peak_rate(points, found)]
+        doubt |= _loses_digits(points, clock, at_nodes, fraction)
+    rough = ~doubt & unresolved(at_nodes)
+    values = [period, turn, total - turn, points.low, points.high, peak_rate(points, at_nodes)]
     if nodes < MOST_NODES:
         few = np.flatnonzero(rough)
         values.append(np.asarray(doubt, dtype=float))
@@ -222,10 +222,10 @@ def cycle_integrals(points: TurningPoints, nodes: int, *, careful: bool) -> tupl
 
 
 def _loses_digits(
-    points: TurningPoints, clock: EllipticSubstitution, found: Rates, fraction: Floats
+    points: TurningPoints, clock: EllipticSubstitution, at_nodes: Rates, fraction: Floats
 ) -> NDArray[np.bool_]:
     """Whether g, referred to phi_max, has lost digits where it is least or nearest to phi_min."""
-    least = np.where(found.room > 0, found.room, np.inf).argmin(axis=0)
+    least = np.where(at_nodes.room > 0, at_nodes.room, np.inf).argmin(axis=0)
     at = np.stack([np.broadcast_to(fraction[0], least.shape), fraction[least, 0]])
     phi, _, gap = clock.nutation(at)
     state = evaluate_potential(points.well, phi, gap)
@@ -233,9 +233,9 @@ def _loses_digits(
     return np.asarray((lost > LOST * np.abs(state.slope * gap)).any(axis=0))
 
 
-def known_positive(found: Rates) -> NDArray[np.bool_]:
+def known_positive(at_nodes: Rates) -> NDArray[np.bool_]:
     """Whether g is shown to be positive between the turning points, of rates at midpoints."""
-    room = found.room
+    room = at_nodes.room
     series = _to_cosines(room.shape[0]) @ room
     return np.asarray((room > 0).all(axis=0) & stays_positive(room, series))
 
@@ -249,30 +249,30 @@ def _to_cosines(n: int) -> Floats:
     return np.asarray(matrix)
 
 
-def unresolved(found: Rates) -> NDArray[np.bool_]:
+def unresolved(at_nodes: Rates) -> NDArray[np.bool_]:
     """Where the two highest harmonics of an integrand have not yet fallen."""
-    nodes = found.time.shape[0]
+    nodes = at_nodes.time.shape[0]
     angle = np.pi * (np.arange(nodes) + 0.5) / nodes
     waves = np.stack([np.cos((nodes - 1) * angle), np.cos((nodes - 2) * angle)])
-    rough = np.zeros(found.time.shape[1], dtype=bool)
-    for part in (found.time, found.precession, found.total):
+    rough = np.zeros(at_nodes.time.shape[1], dtype=bool)
+    for part in (at_nodes.time, at_nodes.precession, at_nodes.total):
         rough |= np.abs(waves @ part).max(axis=0) > TAIL * np.abs(part).sum(axis=0)
     return rough
 
 
-def peak_rate(points: TurningPoints, found: Rates) -> Floats:
+def peak_rate(points: TurningPoints, at_nodes: Rates) -> Floats:
     """Precession rate of largest magnitude on the way."""
     low, high = points.low, points.high
     bottom = evaluate_potential(points.well, low[None], points.swing[None])
     ends = np.stack([bottom.b[0] / bottom.sine[0] ** 2, points.well.b / np.sin(high) ** 2])
-    rate = np.concatenate([ends[:1], found.psi_dot, ends[1:]])
+    rate = np.concatenate([ends[:1], at_nodes.psi_dot, ends[1:]])
     best = np.abs(rate).argmax(axis=0)
     columns = np.arange(low.size)
     peak = rate[best, columns]
     inside = (best > 0) & (best < rate.shape[0] - 1)
     some = np.flatnonzero(inside)
     if some.size:
-        nodes = found.psi_dot.shape[0]
+        nodes = at_nodes.psi_dot.shape[0]
         peak[some] = _peak_between(
             select_points(points, some), (best[some] - 0.5) / nodes, 1.0 / nodes
         )

@@ -27,10 +27,10 @@ FLAT_AND_PUSHED = -60.0
 # Share of a piece after which what begins with it has a direction.
 BEGUN = 1e-9
 # Of the bracket under N: nearer to zero the normal force is no longer a number.
-LEAST_GRIP = 1e-6
+LEAST_MOBILITY = 1e-6
 
 
-class What(Enum):
+class EventKind(Enum):
     """What happens."""
 
     MAXIMUM = auto()
@@ -46,15 +46,22 @@ class What(Enum):
     ROLLS = auto()
 
 
-LIMITS = {What.LIFTS, What.JAMS, What.SLIPS, What.ROLLS, What.HELD, What.TURNS}
+LIMITS = {
+    EventKind.LIFTS,
+    EventKind.JAMS,
+    EventKind.SLIPS,
+    EventKind.ROLLS,
+    EventKind.HELD,
+    EventKind.TURNS,
+}
 """What ends a mode wherever it is seen, not only where it sets in: also right at the start."""
 OF_THE_STATE = {
-    What.MAXIMUM,
-    What.MINIMUM,
-    What.HORIZON,
-    What.OVERTURNED,
-    What.FLAT,
-    What.HELD,
+    EventKind.MAXIMUM,
+    EventKind.MINIMUM,
+    EventKind.HORIZON,
+    EventKind.OVERTURNED,
+    EventKind.FLAT,
+    EventKind.HELD,
 }
 """What a state says without its contact, also where that has no direction yet."""
 
@@ -64,10 +71,10 @@ class Event:
     """What happens, and where in its piece."""
 
     c: float
-    what: What
+    what: EventKind
 
 
-class Seen:
+class EventSample:
     """A piece at some instants, and its contact there if anybody asks."""
 
     def __init__(self, y: Floats, piece: Segment, equations: Equations) -> None:
@@ -80,7 +87,7 @@ class Seen:
         return self._equations.contact(self.y, self._piece.mode)
 
 
-Margin = Callable[[Seen], Floats]
+Margin = Callable[[EventSample], Floats]
 
 
 def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
@@ -102,15 +109,15 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     if equations.resistance and not piece.mode.rests:
         # nor has a rolling that does
         begun &= np.logical_not(stands(y))
-    whole, touching = Seen(y, piece, equations), Seen(y[:, begun], piece, equations)
+    whole, touching = EventSample(y, piece, equations), EventSample(y[:, begun], piece, equations)
 
-    def crossings(what: What, margin: Margin) -> list[float]:
+    def crossings(what: EventKind, margin: Margin) -> list[float]:
         def one(c: float) -> float:
-            return float(margin(Seen(piece.at(np.array([c])), piece, equations))[0])
+            return float(margin(EventSample(piece.at(np.array([c])), piece, equations))[0])
 
         values = margin(whole if what in OF_THE_STATE else touching)
         places = looks if what in OF_THE_STATE else looks[begun]
-        if what is What.HELD and values[0] <= 0:
+        if what is EventKind.HELD and values[0] <= 0:
             # a turning that begins has no sense yet
             values, places = values[1:], places[1:]
         down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
@@ -120,39 +127,39 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
             roots.insert(0, _root(one, min(BEGUN, float(places[0])), float(places[0])))
         return roots
 
-    found = [
+    met = [
         Event(c=c, what=what)
         for what, margin in _margins(piece, equations, t_end).items()
         for c in crossings(what, margin)
     ]
-    return sorted(found, key=lambda event: event.c)
+    return sorted(met, key=lambda event: event.c)
 
 
-def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[What, Margin]:
+def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKind, Margin]:
     """Return what must stay positive, in the mode of the piece."""
     mode = piece.mode
-    flat = FLAT if equations.pulls else FLAT_AND_PUSHED
-    margins: dict[What, Margin] = {
-        What.OVERTURNED: lambda seen: -seen.y[LEAN],
-        What.FLAT: lambda seen: seen.y[LEAN] - flat,
+    flat = FLAT if equations.bilateral_normal else FLAT_AND_PUSHED
+    margins: dict[EventKind, Margin] = {
+        EventKind.OVERTURNED: lambda seen: -seen.y[LEAN],
+        EventKind.FLAT: lambda seen: seen.y[LEAN] - flat,
     }
     if mode.rests:
-        margins[What.ROLLS] = lambda seen: reserve(equations, seen.contact, LEAN_OF_CAN)
+        margins[EventKind.ROLLS] = lambda seen: reserve(equations, seen.contact, LEAN_OF_CAN)
     else:
-        margins[What.MAXIMUM] = lambda seen: -seen.y[W2]
-        margins[What.MINIMUM] = lambda seen: seen.y[W2]
+        margins[EventKind.MAXIMUM] = lambda seen: -seen.y[W2]
+        margins[EventKind.MINIMUM] = lambda seen: seen.y[W2]
     if np.isfinite(t_end):
-        margins[What.HORIZON] = lambda seen: t_end - seen.y[TIME]
-    if not equations.pulls:
-        margins[What.LIFTS] = lambda seen: seen.contact.force[2]
+        margins[EventKind.HORIZON] = lambda seen: t_end - seen.y[TIME]
+    if not equations.bilateral_normal:
+        margins[EventKind.LIFTS] = lambda seen: seen.contact.force[2]
     if mode.slips or equations.drilling or equations.resistance:
-        margins[What.JAMS] = lambda seen: seen.contact.grip - LEAST_GRIP
+        margins[EventKind.JAMS] = lambda seen: seen.contact.normal_mobility - LEAST_MOBILITY
     if not mode.slips and np.isfinite(equations.mu):
-        margins[What.SLIPS] = lambda seen: reserve(equations, seen.contact)
+        margins[EventKind.SLIPS] = lambda seen: reserve(equations, seen.contact)
     if equations.drilling and mode.turns:
-        margins[What.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
+        margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
-        margins[What.TURNS] = lambda seen: holding(equations, seen.contact)
+        margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
     return margins
 
 

@@ -23,7 +23,7 @@ from reference.equations.state_vector import (
     sizes,
     snapshot_of,
 )
-from reference.nonsmooth.events import Event, What, events
+from reference.nonsmooth.events import Event, EventKind, events
 from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
 from reference.nonsmooth.radau_iia import (
     STAGES,
@@ -70,13 +70,13 @@ SHARE = 0.8
 MOST_WORK = 200_000
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
-EXTREMA = (What.MAXIMUM, What.MINIMUM)
+EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
-    What.HORIZON: Outcome.FINISHED,
-    What.OVERTURNED: Outcome.OVERTURNED,
-    What.FLAT: Outcome.FELL_FLAT,
-    What.LIFTS: Outcome.LIFTED,
-    What.JAMS: Outcome.JAMMED,
+    EventKind.HORIZON: Outcome.FINISHED,
+    EventKind.OVERTURNED: Outcome.OVERTURNED,
+    EventKind.FLAT: Outcome.FELL_FLAT,
+    EventKind.LIFTS: Outcome.LIFTED,
+    EventKind.JAMS: Outcome.JAMMED,
 }
 
 
@@ -101,7 +101,7 @@ class HybridIntegrator:
         if equations.resistance and stands(self._y[:, None])[0]:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
-        rates = equations.rates(now.hardly(self._y), now.mode)[:, 0]
+        rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
         self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 
@@ -242,7 +242,7 @@ class HybridIntegrator:
             if event.what in EXTREMA:
                 y = piece.at(np.array([event.c]))[:, 0]
                 self.watch.extremum(
-                    float(y[TIME]), snapshot_of(y), maximum=event.what is What.MAXIMUM
+                    float(y[TIME]), snapshot_of(y), maximum=event.what is EventKind.MAXIMUM
                 )
             else:
                 ending = event
@@ -260,10 +260,10 @@ class HybridIntegrator:
         """Change the law, or end, at what happened."""
         if event is not None and event.what in ENDINGS:
             self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
-        elif event is not None and event.what is What.SLIPS:
+        elif event is not None and event.what is EventKind.SLIPS:
             now = begin_slip(self._equations, self._y, self._now)
             self._go_on(settled(self._equations, self._y, now))
-        elif event is not None and event.what is What.ROLLS:
+        elif event is not None and event.what is EventKind.ROLLS:
             now = begin_roll(self._equations, self._y, self._now)
             self._go_on(settled(self._equations, self._y, now))
             self._turned(before=0.0)
@@ -314,12 +314,12 @@ class HybridIntegrator:
         )
 
     def _phases(self) -> list[Phase]:
-        found: list[Phase] = []
+        phases: list[Phase] = []
         for piece in self._pieces:
             kind: Kind = piece.mode.kind
             start, end = float(piece.start[TIME]), float(piece.end[TIME])
-            if found and found[-1].kind is kind:
-                found[-1] = replace(found[-1], end=end)
+            if phases and phases[-1].kind is kind:
+                phases[-1] = replace(phases[-1], end=end)
             else:
-                found.append(Phase(kind=kind, start=start, end=end))
-        return found
+                phases.append(Phase(kind=kind, start=start, end=end))
+        return phases

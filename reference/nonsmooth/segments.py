@@ -126,15 +126,15 @@ class SegmentsPath:
         low, high = np.zeros_like(target), self._cuts[number].copy()
         c = high * np.clip(target / self._spans[number], 0.0, 1.0)
         for _ in range(HALVINGS):
-            found = np.einsum("ij,ij->i", basis(c), series) - target
-            low, high = np.where(found < 0, c, low), np.where(found < 0, high, c)
+            residual = np.einsum("ij,ij->i", basis(c), series) - target
+            low, high = np.where(residual < 0, c, low), np.where(residual < 0, high, c)
             slope = np.einsum("ij,ij->i", _slopes(c), series)
             with np.errstate(divide="ignore", invalid="ignore"):
-                better = c - found / slope
+                better = c - residual / slope
             inside = (better >= low) & (better <= high)
             new = np.where(inside, better, (low + high) / 2)
             stands = np.abs(new - c) <= 4 * np.finfo(float).eps * (1e-3 + c)
-            if (stands | (np.abs(found) <= noise)).all():
+            if (stands | (np.abs(residual) <= noise)).all():
                 break
             c = new
         return np.asarray(np.clip(c, 0.0, self._cuts[number]))

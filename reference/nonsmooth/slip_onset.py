@@ -2,9 +2,8 @@
 
 A rim at rest that cannot be held there slips in a direction e, with the friction -mu N e. By
 linearity (`reference.equations.newton_euler`; D is the mobility of the contact, what is held
-besides
-eliminated, and l what a unit of normal force brings with it but friction) the accelerations along
-the plane and the normal are
+besides eliminated, and l what a unit of normal force brings with it but friction) the accelerations
+along the plane and the normal are
 
     a(e) = s + N (D_tz l - mu D_tt e),        0 = n + N G(e),        G(e) = D_zz l - mu D_zt e
 
@@ -34,10 +33,9 @@ where n > 0 the rim may also leave the plane. So where nothing can be held:
 
 D is symmetric and positive definite, with which the last cannot happen to a rim at rest that
 friction alone acts on (J.-S. Pang and J. C. Trinkle, Math. Programming 73, 1996, 199-226); a rim
-that slips already has no choice of direction, and meets it (`reference.nonsmooth.transitions`).
-The names are
-those of Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999, 653-677; A. R.
-Champneys and P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
+that slips already has no choice of direction, and meets it (`reference.nonsmooth.transitions`). The
+names are those of Painleve's paradox: F. Genot and B. Brogliato, Eur. J. Mech. A 18, 1999, 653-677;
+A. R. Champneys and P. L. Varkonyi, IMA J. Appl. Math. 81, 2016, 538-588.
 
 On the edge of the friction cone, where sticking ends, e is against the force that sticking took,
 and a(e) = 0: there the signs of e.a(e) and of what is left of the cone are those of a round-off,
@@ -95,7 +93,7 @@ class UnilateralHold:
     ----------
     freed : callable
         The mode in which it is not held.
-    hardly : callable
+    infinitesimal : callable
         States (13, n) in which it moves hardly, in directions of shape (2, n).
     acceleration : callable
         Of what begins, shape (2, n), from a contact and its states.
@@ -104,7 +102,7 @@ class UnilateralHold:
     """
 
     freed: Callable[[Mode], Mode]
-    hardly: Callable[[Floats, Floats], Floats]
+    infinitesimal: Callable[[Floats, Floats], Floats]
     acceleration: Callable[[Contact, Floats], Floats]
     reaction: Callable[[Equations, Contact], tuple[Floats, Floats]]
 
@@ -117,37 +115,40 @@ def _slipping(y: Floats, direction: Floats) -> Floats:
 
 RIM = UnilateralHold(
     freed=lambda mode: replace(mode, slips=True),
-    hardly=_slipping,
-    acceleration=lambda found, _: found.slipping,
-    reaction=lambda equations, found: (found.force[:2], equations.mu * found.force[2]),
+    infinitesimal=_slipping,
+    acceleration=lambda contact, _: contact.slipping,
+    reaction=lambda equations, contact: (contact.force[:2], equations.mu * contact.force[2]),
 )
 """Friction holds the rim's material where it touches."""
 
 LEAN_OF_CAN = UnilateralHold(
     freed=lambda mode: replace(mode, rests=False),
-    hardly=rolled,
-    acceleration=lambda found, y: to_level(found.turning, Angles.of(y[LEAN]))[:2],
-    reaction=lambda equations, found: (found.moment[:2], equations.resistance * found.force[2]),
+    infinitesimal=rolled,
+    acceleration=lambda contact, y: to_level(contact.turning, Angles.of(y[LEAN]))[:2],
+    reaction=lambda equations, contact: (
+        contact.moment[:2],
+        equations.resistance * contact.force[2],
+    ),
 )
 """Rolling resistance holds the level part of the angular velocity."""
 
 
-def slack(equations: Equations, found: Contact, rest: UnilateralHold = RIM) -> Floats:
+def slack(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
     """How much of the cone a contact that holds leaves, (mu N - |F|) sin phi, shape (n,)."""
-    reaction, limit = rest.reaction(equations, found)
+    reaction, limit = rest.reaction(equations, contact)
     return np.asarray(limit - np.hypot(*reaction))
 
 
-def reserve(equations: Equations, found: Contact, rest: UnilateralHold = RIM) -> Floats:
+def reserve(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
     """How much is left until what is held lets go, `BEYOND` its cone, times sin phi, shape (n,)."""
-    reaction, limit = rest.reaction(equations, found)
+    reaction, limit = rest.reaction(equations, contact)
     return np.asarray((1 + BEYOND) * limit - np.hypot(*reaction))
 
 
-def holding(equations: Equations, found: Contact) -> Floats:
+def holding(equations: Equations, contact: Contact) -> Floats:
     """How much is left until turning about the normal is let go, likewise, shape (n,)."""
-    limit = (1 + BEYOND) * equations.drilling * found.force[2]
-    return np.asarray(limit - np.abs(found.moment[2]))
+    limit = (1 + BEYOND) * equations.drilling * contact.force[2]
+    return np.asarray(limit - np.abs(contact.moment[2]))
 
 
 def onset(
@@ -187,18 +188,18 @@ def _growing(
 ) -> tuple[tuple[SlipOnset, ...], int, bool]:
     """Return the directions, how many there are but for G < 0, and whether n < 0."""
     steps = np.arange(SAMPLES) / SAMPLES
-    _, across, found = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
+    _, across, contact = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
     angles = ASIDE + _roots(across)
     # the same for every direction, but for round-off
-    falls = bool(np.median(found.force[2] * found.grip) > 0)
+    falls = bool(np.median(contact.force[2] * contact.normal_mobility) > 0)
     if not angles.size:
         return (), 0, falls
-    along, _, found = _yielding(equations, y, mode, rest, angles)
-    grows = (found.force[2] > 0) & (along / found.grip > 0)
-    good = grows & (found.grip > 0)
+    along, _, contact = _yielding(equations, y, mode, rest, angles)
+    grows = (contact.force[2] > 0) & (along / contact.normal_mobility > 0)
+    good = grows & (contact.normal_mobility > 0)
     directions = tuple(
         SlipOnset(angle=float(angle), size=float(size))
-        for angle, size in zip(angles[good], (along / found.grip)[good], strict=True)
+        for angle, size in zip(angles[good], (along / contact.normal_mobility)[good], strict=True)
     )
     return directions, int((grows & ~good).sum()), falls
 
@@ -208,10 +209,10 @@ def _yielding(
 ) -> tuple[Floats, Floats, Contact]:
     """Return G a along a direction and across it, both of shape (n,), and the contact."""
     cos, sin = np.cos(angles), np.sin(angles)
-    columns = rest.hardly(np.repeat(y[:, None], angles.size, axis=1), np.array([cos, sin]))
-    found = equations.contact(columns, mode)
-    a1, a2 = rest.acceleration(found, columns) * found.grip
-    return a1 * cos + a2 * sin, a2 * cos - a1 * sin, found
+    columns = rest.infinitesimal(np.repeat(y[:, None], angles.size, axis=1), np.array([cos, sin]))
+    contact = equations.contact(columns, mode)
+    a1, a2 = rest.acceleration(contact, columns) * contact.normal_mobility
+    return a1 * cos + a2 * sin, a2 * cos - a1 * sin, contact
 
 
 def _roots(values: Floats) -> Floats:

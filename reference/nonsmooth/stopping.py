@@ -42,9 +42,9 @@ def left_to_jam(equations: Equations, piece: Segment) -> float:
     Where the normal mobility G falls to zero N = -n/G grows without bound, and with it what lets G
     fall: G G' tends to a constant, so that G^2 falls to zero in a straight line.
     """
-    found = equations.contact(piece.at(np.array([piece.cut / 2, piece.cut])), piece.mode)
-    before, after = (found.grip**2).tolist()
-    falls = before > after and found.force[2, 1] > found.force[2, 0] > 0
+    contact = equations.contact(piece.at(np.array([piece.cut / 2, piece.cut])), piece.mode)
+    before, after = (contact.normal_mobility**2).tolist()
+    falls = before > after and contact.force[2, 1] > contact.force[2, 0] > 0
     return piece.cut * piece.length / 2 * after / (before - after) if falls else np.inf
 
 

@@ -2,14 +2,13 @@
 
 Everything at rest is held first. What asks for more than its limit is let go, and begins in the
 direction of its own acceleration (`reference.nonsmooth.slip_onset`); as that changes what the
-others ask for
-they are looked at again, until all agree: the level turning first, then the turning about the
-normal, then the slip; the slip first where holding would take a pull, which no friction goes with.
+others ask for they are looked at again, until all agree: the level turning first, then the turning
+about the normal, then the slip; the slip first where holding would take a pull, which no friction
+goes with.
 
 What has begun must have N > 0 and a positive normal mobility
-(`reference.equations.contact_laws.Contact.grip`). A rim that is released slipping has the
-direction of its
-slip, and with it
+(`reference.equations.contact_laws.Contact.normal_mobility`). A rim that is released slipping has
+the direction of its slip, and with it
 
     mobility > 0:     N > 0                   it slips; otherwise it lifts
     mobility <= 0:    free, it would fall     no force keeps it on the plane: inconsistent
@@ -70,13 +69,13 @@ class ModeTransition:
         """Whether something begins from nothing."""
         return self.slip is not None or self.roll is not None
 
-    def hardly(self, y: Floats) -> Floats:
+    def infinitesimal(self, y: Floats) -> Floats:
         """Return a state, shape (13, 1), in which all that begins has begun hardly."""
         column = y[:, None]
         if self.roll is not None:
-            column = LEAN_OF_CAN.hardly(column, self.roll.direction[:, None])
+            column = LEAN_OF_CAN.infinitesimal(column, self.roll.direction[:, None])
         if self.slip is not None:
-            column = RIM.hardly(column, self.slip.direction[:, None])
+            column = RIM.infinitesimal(column, self.slip.direction[:, None])
         return column
 
 
@@ -102,16 +101,18 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
         now = then
     if now.slip and now.roll and now.ending is None:
         now = _agree(equations, y, now)
-    if now.ending is not None or equations.pulls:
+    if now.ending is not None or equations.bilateral_normal:
         return now
-    found = equations.contact(now.hardly(y), now.mode)
-    return replace(now, ending=_impossible(float(found.force[2, 0]), float(found.grip[0])))
+    contact = equations.contact(now.infinitesimal(y), now.mode)
+    return replace(
+        now, ending=_impossible(float(contact.force[2, 0]), float(contact.normal_mobility[0]))
+    )
 
 
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Let the rim slip, in the only direction that it has."""
     free = RIM.freed(now.mode)
-    slip = onset(equations, now.hardly(y)[:, 0], free)
+    slip = onset(equations, now.infinitesimal(y)[:, 0], free)
     if isinstance(slip, Outcome):
         return replace(now, ending=slip)
     return replace(now, mode=free, slip=slip)
@@ -120,7 +121,7 @@ def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Let the can roll, in the only direction that it has."""
     free = LEAN_OF_CAN.freed(now.mode)
-    roll = onset(equations, now.hardly(y)[:, 0], free, LEAN_OF_CAN)
+    roll = onset(equations, now.infinitesimal(y)[:, 0], free, LEAN_OF_CAN)
     if isinstance(roll, Outcome):
         return replace(now, ending=roll)
     return replace(now, mode=free, roll=roll)
@@ -128,7 +129,7 @@ def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 
 def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
     """Guess the change of a state, shape (13, n), so much later, shape (n,) in sigma."""
-    column = replace(now, slip=None).hardly(y)
+    column = replace(now, slip=None).infinitesimal(y)
     sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
     guess = equations.rates(column, sticking) * ahead
     if now.roll is not None:
@@ -155,16 +156,16 @@ def _grown(
     On the edge of its cone the acceleration with which it begins is next to nothing, and soon no
     measure of what it becomes: that follows from what would hold it, were it held further on.
     """
-    column, held = others.hardly(y), others.mode
+    column, held = others.infinitesimal(y), others.mode
     rates = equations.rates(column, held)
     bend = (equations.rates(column + LATER * rates, held) - rates) / LATER
     times = np.append(0.0, ahead)
     along = column + rates * times + bend * times**2 / 2
     reaction, _ = rest.reaction(equations, equations.contact(along, held))
     against = -reaction / np.maximum(np.hypot(*reaction), np.finfo(float).tiny)
-    moving = rest.hardly(along, against)
-    found = equations.contact(moving, rest.freed(held))
-    gains = (rest.acceleration(found, moving) * against).sum(axis=0)
+    moving = rest.infinitesimal(along, against)
+    contact = equations.contact(moving, rest.freed(held))
+    gains = (rest.acceleration(contact, moving) * against).sum(axis=0)
     gains = begun.size + np.maximum(gains[1:] - gains[0], 0.0)
     return np.asarray(ahead[-1] * (integrator() @ gains) * begun.direction[:, None])
 
@@ -175,29 +176,29 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
         return mode
     about = float(equations.turning(column)[0])
     held = replace(mode, turns=0)
-    found = equations.contact(column, held)
-    needed = found.moment[2, 0]
+    contact = equations.contact(column, held)
+    needed = contact.moment[2, 0]
     small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
     if abs(about) > small:
         return replace(mode, turns=int(np.sign(about)))
-    if holding(equations, found)[0] > 0:
+    if holding(equations, contact)[0] > 0:
         return held
     return replace(mode, turns=int(-np.sign(needed)))
 
 
 def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Let go of one thing that is held beyond its limit."""
-    found = equations.contact(now.hardly(y), now.mode)
+    contact = equations.contact(now.infinitesimal(y), now.mode)
     may_slip = not now.mode.slips and np.isfinite(equations.mu)
-    if may_slip and found.force[2, 0] <= 0:
+    if may_slip and contact.force[2, 0] <= 0:
         return begin_slip(equations, y, now)
-    if now.mode.rests and reserve(equations, found, LEAN_OF_CAN)[0] < 0:
+    if now.mode.rests and reserve(equations, contact, LEAN_OF_CAN)[0] < 0:
         return begin_roll(equations, y, now)
     if equations.drilling and now.mode.turns == 0:
-        mode = turning(equations, now.hardly(y), now.mode)
+        mode = turning(equations, now.infinitesimal(y), now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
-    if may_slip and reserve(equations, found)[0] < 0:
+    if may_slip and reserve(equations, contact)[0] < 0:
         return begin_slip(equations, y, now)
     return now
 

@@ -28,7 +28,7 @@ def in_blocks(at: Callable[[Floats], States], times: Floats) -> States:
     parts = [at(times[start : start + BLOCK]) for start in range(0, times.size, BLOCK)]
 
     def column(name: str) -> Floats | None:
-        found = [getattr(part, name) for part in parts]
-        return None if found[0] is None else np.concatenate(found)
+        arrays = [getattr(part, name) for part in parts]
+        return None if arrays[0] is None else np.concatenate(arrays)
 
     return States(**{name: column(name) for name in States.__slots__})  # type: ignore[arg-type]

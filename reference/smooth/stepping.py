@@ -255,7 +255,7 @@ def _ending(watch: ExtremumRecorder, piece: Piece) -> tuple[float, Outcome] | No
     T, end = piece.values[TANGENT], piece.values[TIME, -1]
     if end < watch.t_end and T.max() < 1 and T[-1] > FLAT:
         return None
-    found = []
+    endings = []
     for row, level, outcome in (
         (TANGENT, 1.0, Outcome.OVERTURNED),
         (TANGENT, FLAT, Outcome.FELL_FLAT),
@@ -264,8 +264,8 @@ def _ending(watch: ExtremumRecorder, piece: Piece) -> tuple[float, Outcome] | No
         above = piece.values[row] >= level
         crossed = np.flatnonzero(above[1:] != above[:-1])
         if crossed.size:
-            found.append((piece.root(row, level, int(crossed[0])), outcome))
-    return min(found, default=None, key=lambda item: item[0])
+            endings.append((piece.root(row, level, int(crossed[0])), outcome))
+    return min(endings, default=None, key=lambda item: item[0])
 
 
 def snapshot(column: list[float]) -> Snapshot:

@@ -165,7 +165,7 @@ def directions(tally: Tally, problem: Problem) -> None:
         return
     # in any direction: without a force the rim falls if one holds it where the mobility is positive
     sliding = equations.contact(_aside(y)[:, None], Mode(slips=True))
-    falls = bool(sliding.force[2, 0] * sliding.grip[0] > 0)
+    falls = bool(sliding.force[2, 0] * sliding.normal_mobility[0] > 0)
     tally.directions[len(admissible(equations, y, Mode(slips=True))), falls] += 1
 
 

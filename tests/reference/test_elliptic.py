@@ -28,7 +28,7 @@ def test_nutation_obeys_its_equation(low: float) -> None:
         low=np.array([low]),
         high=np.array([0.3]),
         swing=np.array([0.3 - low]),
-        beyond=np.array([0.31]),
+        fourth_root=np.array([0.31]),
     )
     K, step = clock.quarter, 1e-6
     before, now, after = (clock.nutation(FRACTIONS + d) for d in (-step, 0.0, step))
@@ -36,5 +36,5 @@ def test_nutation_obeys_its_equation(low: float) -> None:
     phi, rise, gap = now
     quartic = rise * (phi + low) * gap * (0.01 + gap)
     # the difference errs by step^2 K^2 phi''' and by round-off over the step
-    assert np.allclose(slope, clock.gauge * np.sqrt(quartic), rtol=1e-7)
+    assert np.allclose(slope, clock.scale * np.sqrt(quartic), rtol=1e-7)
     assert np.allclose(rise + gap, 0.3 - low, rtol=1e-14)

@@ -114,11 +114,11 @@ class RigidBody:
         # beside 0, where a can that does not nod slips
         angles = np.linspace(-math.pi, math.pi, 20_001) + 1e-4
         e = np.array([np.cos(angles), np.sin(angles)])
-        N, grip, a = self.sliding(mu, e)
-        across = grip * (e[0] * a[1] - e[1] * a[0])
+        N, normal_mobility, a = self.sliding(mu, e)
+        across = normal_mobility * (e[0] * a[1] - e[1] * a[0])
         turns = across * np.roll(across, 1) < 0
         turns[0] = False
-        return angles[turns & (N > 0) & (grip > 0) & ((e * a).sum(axis=0) > 0)].tolist()
+        return angles[turns & (N > 0) & (normal_mobility > 0) & ((e * a).sum(axis=0) > 0)].tolist()
 
 
 def admissible_of(problem: Problem) -> tuple[SlipOnset, ...]:
@@ -224,10 +224,10 @@ def test_what_a_slipping_rim_has_none_or_several_of_is_so_by_hand() -> None:
     reach, height = C - p.h * S, S + p.h * C
     for phi_dot in (0.0, -2.0):
         body = RigidBody(replace(SLIDING, phi_dot=phi_dot))
-        (N,), (grip,), _ = body.sliding(3.0, np.array([[-1.0], [0.0]]))
-        assert grip == pytest.approx(1 + reach * (reach - 3.0 * height) / p.a, rel=1e-9)
-        assert grip < 0
-        assert N * grip == pytest.approx(1 - height * phi_dot**2, rel=1e-9)
+        (N,), (normal_mobility,), _ = body.sliding(3.0, np.array([[-1.0], [0.0]]))
+        assert normal_mobility == pytest.approx(1 + reach * (reach - 3.0 * height) / p.a, rel=1e-9)
+        assert normal_mobility < 0
+        assert N * normal_mobility == pytest.approx(1 - height * phi_dot**2, rel=1e-9)
         assert (N > 0) == (phi_dot != 0)
 
 
@@ -274,7 +274,7 @@ def test_the_arms_have_a_mobility_of_their_own() -> None:
     y = released(can)[:, None]
     for mode in (Mode(slips=True), Mode(slips=True, turns=1), Mode(turns=1)):
         found = equations.contact(y, mode)
-        # a plane that is lifted by one unit of acceleration asks for 1/grip more
+        # a plane that is lifted by one unit of acceleration asks for 1/normal_mobility more
         lifted = GeneralEquations(
             parameters=can.parameters,
             effects=replace(
@@ -282,7 +282,7 @@ def test_the_arms_have_a_mobility_of_their_own() -> None:
             ),
         ).contact(y, mode)
         more = (lifted.force[2] - found.force[2]) / math.sin(can.phi)
-        assert more * found.grip == pytest.approx(1.0, rel=1e-12)
+        assert more * found.normal_mobility == pytest.approx(1.0, rel=1e-12)
 
 
 FEW = 200

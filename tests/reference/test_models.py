@@ -203,3 +203,11 @@ def test_asymptotic_solution_needs_a_release_from_rest() -> None:
         solve(Problem(parameters=PAPER_CAN, phi=0.1, bounces=1), model="asymptotic")
     with pytest.raises(SolverError, match="locus"):
         solve(PAPER, model="asymptotic", outputs={"contact_locus"})
+
+
+def test_the_old_name_of_a_method_is_understood_with_a_warning() -> None:
+    with pytest.warns(DeprecationWarning, match="'half-period' now"):
+        old = solve(PAPER, model="rolling", method="regular")
+    new = solve(PAPER, model="rolling", method="half-period")
+    assert old.method == new.method == "half-period"
+    assert old.maxima.tobytes() == new.maxima.tobytes()

@@ -111,7 +111,7 @@ def test_a_motion_with_one_extremum_goes_back_on_its_own_way(phi_dot: float) -> 
     )
     whole, marched = (
         solve(problem, model="rolling", method=method, outputs={"contact_locus"})
-        for method in ("regular", "marching")
+        for method in ("half-period", "picard-chebyshev")
     )
     assert whole.outcome is marched.outcome is Outcome.OVERTURNED
     assert whole.t_end == pytest.approx(marched.t_end, rel=1e-13)
@@ -132,7 +132,7 @@ def test_marching_comes_back_without_the_mirror() -> None:
     problem = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.3, theta_dot=-0.1, bounces=3)
     mirrored, marched = (
         solve(problem, model="rolling", method=method, outputs={"contact_locus"})
-        for method in ("regular", "marching")
+        for method in ("half-period", "picard-chebyshev")
     )
     times = np.linspace(0.0, min(mirrored.t_end, marched.t_end), 200)
     here, there = mirrored.at(times), marched.at(times)
@@ -154,7 +154,7 @@ def test_a_moving_release_is_followed_both_ways(phi_dot: float) -> None:
     )
     mirrored, marched = (
         solve(problem, model="rolling", method=method, outputs={"contact_locus"})
-        for method in ("regular", "marching")
+        for method in ("half-period", "picard-chebyshev")
     )
     times = np.linspace(0.0, 7.0, 200)
     here, there = mirrored.at(times), marched.at(times)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from reference import Outcome, exact_bounces
+from reference import Outcome, Parameters, exact_bounces
+from reference.equations.steady_motion import steady_rotation
 from reference.integrable.brackets import first_brackets, stays_positive
 from reference.integrable.cycle import released_potential
 from reference.integrable.effective_potential import nutation_force
@@ -113,6 +114,28 @@ def test_a_cosine_series_is_positive_only_where_it_is() -> None:
     assert not positive[2:].any()
 
 
+def test_a_dip_halfway_between_two_points_is_seen() -> None:
+    """With the ends among the 34 points these are pi/33 apart, and no pi/34."""
+    points, wave = 34, 2
+    halfway = wave**2 / 8 * ((np.pi / (points - 1)) ** 2 - (np.pi / points) ** 2)
+    above = np.array([0.01, -halfway / 2])
+    series = np.zeros((16, 2))
+    series[0], series[wave] = 1 + above, 1.0
+    at = np.linspace(0.0, np.pi, points)
+    values = series[0] + np.cos(wave * at)[:, None]
+    assert (values > 0).all()
+    assert stays_positive(values, series).tolist() == [True, False]
+
+
+def test_a_function_that_is_all_round_off_is_not_decided() -> None:
+    def f(_which: np.ndarray, x: Floats) -> tuple[Floats, Floats]:
+        return np.full(x.shape, 1e-17), np.full(x.shape, 1e-16)
+
+    brackets = first_brackets(f, np.array([1.0]), np.array([0.01]))
+    assert not brackets.found[0]
+    assert not brackets.decided[0]
+
+
 def test_a_release_that_leaves_a_steady_motion_overturns_in_any_company() -> None:
     # g is least at the release itself, where it is the energy of the release and not round-off
     cans = {"a": 0.051641924872913275, "c": 0.03047555427588795, "h": 1.693891301575401}
@@ -134,3 +157,16 @@ def test_a_release_that_leaves_a_steady_motion_overturns_in_any_company() -> Non
     alone = exact_bounces(**cans, **release)
     both = exact_bounces(**{name: [one, other[name]] for name, one in (cans | release).items()})
     assert alone.outcome(0) is both.outcome(0) is Outcome.OVERTURNED
+
+
+@pytest.mark.parametrize(("off", "ending"), [(1e-9, Outcome.FINISHED), (7e-10, Outcome.STEADY)])
+def test_a_swing_of_less_than_a_billionth_of_phi_is_steady(off: float, ending: Outcome) -> None:
+    """Off the steady motion by a share of phi: the swing is 1.2 of it."""
+    can, phi, psi_dot = Parameters(a=0.6, c=1.0, h=0.5), 0.3, 2.0
+    release = {"phi": phi * (1 + off), "psi_dot": psi_dot}
+    release["theta_dot"] = steady_rotation(can, phi, psi_dot)
+    cycles = exact_bounces(a=can.a, c=can.c, h=can.h, **release)
+    assert cycles.outcome(0) is ending
+    if ending is Outcome.FINISHED:
+        share = 1 - cycles.phi_min[0] / cycles.phi_max[0]
+        assert 1e-9 < share < 1.5e-9

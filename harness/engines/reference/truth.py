@@ -30,6 +30,7 @@ from reference import (
     Solution,
     SolverError,
     carries,
+    current_method,
     differences,
     neighbours,
     smallest,
@@ -232,7 +233,8 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         raise InvalidSettingError("release.height", case.scene.release.height, "zero: on the rim")
     chosen = resolve(case, SETTINGS, 0.0)
     posed = problem(case.scene, seconds)
-    model, method, rtol = str(chosen["model"]), str(chosen["method"]), float(chosen["rtol"])  # type: ignore[arg-type]
+    model, rtol = str(chosen["model"]), float(chosen["rtol"])  # type: ignore[arg-type]
+    method = current_method(str(chosen["method"]))
     for name, value, known_words in (
         ("model", model, MODELS),
         ("method", method, ("auto", *METHODS)),
@@ -259,7 +261,7 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
             **choices,
         )
     except SolverError as error:  # what is left: a method that the model does not know
-        allowed = f"auto or regular: {error}"
+        allowed = f"auto or half-period: {error}"
         raise InvalidSettingError("method", method, allowed) from error
     found = Truth(scene=case.scene, solution=solution)
     if plain:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reference import Cycles, Outcome, Problem, Solution, exact_bounces, solve
+from reference import Outcome, PeriodicMotions, Problem, Solution, exact_bounces, solve
 from reference.analysis.agreement import USEFUL
 from reference.analysis.conditioning import EPS, neighbours
 from tests.reference.hostile.made import CLOSEST, FAMILIES, Made, made
@@ -267,7 +267,7 @@ def integrated_answer(problem: Problem) -> Answer:
     return _of_solution(solve(problem, model="rolling"))
 
 
-def _of_batch(cycles: Cycles, number: int) -> Answer:
+def _of_batch(cycles: PeriodicMotions, number: int) -> Answer:
     outcome = cycles.outcome(number)
     if outcome is not Outcome.FINISHED:
         return Answer(outcome=outcome)
