@@ -63,7 +63,7 @@ def check_scene_limits(scene: Scene) -> None:
 
     Raises
     ------
-    OutOfReachError
+    SceneLimitError
     """
     for key, value, allowed in _beyond(scene):
         raise SceneLimitError(scene.name, key, value, allowed)
