@@ -1,0 +1,183 @@
+"""Numbers that the stability page cites of its verdicts, just inside and just outside each.
+
+They are written out here as the docstrings have them, and not imported: whoever changes one in the
+code is told which sentence no longer holds.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from harness.core.case import Case
+from harness.core.simulation import Outcome, Simulation
+from harness.core.trajectory import Trajectory
+from harness.engines.reference.truth import truth
+from harness.evaluation.evaluate import measure_simulation
+from harness.metrics.energy import energy
+from harness.metrics.motion import Motion, motion
+from harness.studies.stability.failure_criteria import StabilityStatus, classify, stuck_flat
+from models import Horizon, Scene, load, quaternion
+from models.kinematics import angles
+
+SCENE = replace(load("gentle-rock"), horizon=Horizon(seconds=0.33))
+"""A whole bounce, and a little more."""
+CAN = SCENE.can
+Made = Callable[..., Trajectory]
+Change = Callable[[dict[str, np.ndarray]], None]
+
+
+@pytest.fixture(scope="module")
+def exact() -> Trajectory:
+    """Return the exact motion of the scene."""
+    own = truth(SCENE)
+    return own.at(own.grid())
+
+
+def verdict(exact: Trajectory, change: Change, scene: Scene = SCENE) -> tuple[StabilityStatus, str]:
+    """Return the verdict on the exact motion with something changed, and what it rests on."""
+    fields = {name: np.array(getattr(exact, name)) for name in exact.__slots__}
+    change(fields)
+    found = classify(
+        measure_simulation(
+            Simulation(
+                case=Case(scene=scene, engine="mujoco", timestep=1e-4),
+                outcome=Outcome.FINISHED,
+                trajectory=Trajectory(**fields),
+                engine_version="0",
+                model="by hand",
+                timestep=1e-4,
+            )
+        )
+    )
+    return found.verdict, found.symptom.words
+
+
+@pytest.mark.parametrize(("share", "tunnels"), [(0.0999, False), (0.1001, True)])
+def test_a_can_tunnels_from_a_tenth_of_its_radius_on(
+    exact: Trajectory, share: float, *, tunnels: bool
+) -> None:
+    def sink(fields: dict[str, np.ndarray]) -> None:
+        fields["position"][:, 2] -= share * CAN.radius
+
+    assert (verdict(exact, sink)[0] is StabilityStatus.TUNNELS) is tunnels
+
+
+@pytest.mark.parametrize(
+    ("sign", "name"), [(1.0, StabilityStatus.GAINS), (-1.0, StabilityStatus.DISSIPATES)]
+)
+@pytest.mark.parametrize(("share", "seen"), [(0.0499, False), (0.0501, True)])
+def test_a_twentieth_of_what_there_is_to_spend_is_seen(
+    exact: Trajectory, sign: float, name: StabilityStatus, share: float, *, seen: bool
+) -> None:
+    # over the can that lies flat: it is released nearer to that than to its side
+    weight = CAN.mass * SCENE.gravity
+    spendable = float(energy(exact, SCENE)[0]) - weight * CAN.half_height
+
+    def lift(fields: dict[str, np.ndarray]) -> None:
+        fields["position"][-1, 2] += sign * share * spendable / weight
+
+    assert (verdict(exact, lift)[0] is name) is seen
+
+
+@pytest.mark.parametrize(("share", "accurate"), [(0.0099, True), (0.0101, False)])
+def test_phi_is_accurate_to_a_hundredth_of_its_largest(
+    exact: Trajectory, share: float, *, accurate: bool
+) -> None:
+    phi, psi, theta = angles(exact.quaternion)
+    off = share * float(phi.max())
+
+    def lean(fields: dict[str, np.ndarray]) -> None:
+        fields["quaternion"] = quaternion(phi + off, psi, theta)
+
+    found, words = verdict(exact, lean)
+    assert (found is StabilityStatus.ACCURATE) is accurate
+    assert "phi" in words
+
+
+@pytest.mark.parametrize(("degrees", "accurate"), [(1.98, True), (2.02, False)])
+def test_a_turn_is_accurate_to_two_degrees(
+    exact: Trajectory, degrees: float, *, accurate: bool
+) -> None:
+    # from the middle of the bounce on everything is turned about the vertical
+    phi, psi, theta = angles(exact.quaternion)
+    further = math.radians(degrees) * (exact.time > exact.time[np.argmin(phi)])
+
+    def turn(fields: dict[str, np.ndarray]) -> None:
+        fields["quaternion"] = quaternion(phi, psi + further, theta)
+        x, y, _ = fields["angular_velocity"].T.copy()
+        fields["angular_velocity"][:, 0] = x * np.cos(further) - y * np.sin(further)
+        fields["angular_velocity"][:, 1] = x * np.sin(further) + y * np.cos(further)
+
+    found, words = verdict(exact, turn)
+    assert (found is StabilityStatus.ACCURATE) is accurate
+    assert "turn" in words
+
+
+@pytest.mark.parametrize(("share", "missing"), [(0.979, True), (0.981, False)])
+def test_a_bounce_is_missing_that_ends_before_98_percent_of_the_motion(
+    share: float, *, missing: bool
+) -> None:
+    end = truth(SCENE).bounces[0].end
+    scene = replace(SCENE, horizon=Horizon(seconds=end / share))
+    own = truth(scene)
+    exact = own.at(own.grid())
+
+    def stay(fields: dict[str, np.ndarray]) -> None:
+        # it goes on to rise where the maximum would end the bounce, by a millionth of a radian
+        last = int(np.flatnonzero(exact.time < end)[-1])
+        for name in set(fields) - {"time"}:
+            fields[name][last:] = fields[name][last]
+        phi, psi, theta = angles(fields["quaternion"])
+        rising = np.clip(np.linspace(-last, len(phi) - last, len(phi)), 0.0, None)
+        fields["quaternion"] = quaternion(phi + 1e-6 * rising / len(phi), psi, theta)
+
+    found, words = verdict(exact, stay, scene)
+    assert (found is StabilityStatus.ACCURATE) is not missing
+    assert ("bounces missing" in words) is missing
+
+
+def leaning(made: Made, *phi: float, last: float = 1.0) -> Motion:
+    """Return a motion that leans so far at even times from 0 on."""
+    tilts = np.array(phi)
+    zero = np.zeros(len(tilts))
+    record = made(
+        len(tilts),
+        time=np.linspace(0.0, last, len(tilts)),
+        quaternion=quaternion(tilts, zero, zero),
+    )
+    return motion(record, SCENE)
+
+
+def flat(own: Motion, true: Motion | None, scene: Scene = SCENE) -> bool:
+    case = Case(scene=scene, engine="mujoco")
+    run = SimpleNamespace(motion=own, simulation=SimpleNamespace(case=case))
+    return stuck_flat(run, true) is not None  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("share", "lies"), [(0.0499, True), (0.0501, False)])
+def test_below_a_twentieth_of_the_largest_phi_a_can_is_flat(
+    made: Made, share: float, *, lies: bool
+) -> None:
+    own = leaning(made, 0.4, 0.4 * share, 0.4 * share)
+    assert flat(own, leaning(made, 0.4, 0.01, 0.4)) is lies
+
+
+@pytest.mark.parametrize(("share", "rises"), [(0.499, False), (0.501, True)])
+def test_above_half_of_the_largest_phi_the_exact_motion_is_not_flat(
+    made: Made, share: float, *, rises: bool
+) -> None:
+    own = leaning(made, 0.4, 0.001, 0.001)
+    assert flat(own, leaning(made, 0.4, 0.01, 0.4 * share)) is rises
+
+
+@pytest.mark.parametrize(("share", "lies"), [(0.99, False), (1.01, True)])
+def test_without_an_exact_motion_a_can_is_flat_after_a_natural_time(
+    made: Made, share: float, *, lies: bool
+) -> None:
+    lasting = share * math.sqrt(CAN.radius / SCENE.gravity)
+    own = leaning(made, 0.4, 0.001, 0.001, last=2.0 * lasting)
+    assert flat(own, None) is lies
