@@ -23,7 +23,12 @@ from harness.engines.base import (
     World,
     resolve,
 )
-from harness.engines.stepping.generic_stepping import take_stage, walk
+from harness.engines.stepping.generic_stepping import (
+    StageReader,
+    step_by_stages,
+    take_stage,
+    walk,
+)
 from harness.engines.stepping.physics_engine import PhysicsEngine
 from harness.engines.stepping.recording import Chunk, SamplingInterval, record, trajectory_of
 from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
@@ -54,6 +59,7 @@ __all__ = [
     "Simulation",
     "SolverEffort",
     "Stage",
+    "StageReader",
     "Trajectory",
     "Value",
     "Variant",
@@ -61,6 +67,7 @@ __all__ = [
     "record",
     "resolve",
     "settle",
+    "step_by_stages",
     "take_stage",
     "trajectory_of",
     "walk",

@@ -75,6 +75,11 @@ class Setting:
     choices: tuple[str, ...] = ()
     positive: bool = False
 
+    @classmethod
+    def as_shipped(cls, name: str, value: Value, meaning: str, **allowed: Any) -> "Setting":  # noqa: ANN401 - the fields
+        """Return a setting of which every profile takes the value that the engine ships with."""
+        return cls(name, value, value, meaning, **allowed)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelDifference:
@@ -124,15 +129,12 @@ class Engine(Protocol):
     @property
     def version(self) -> str:
         """The version of the engine's package."""
-        ...
 
     def timestep(self, case: Case) -> float | None:
         """Return the timestep of a case, s; None for a solver that chooses its own."""
-        ...
 
     def simulate(self, case: Case) -> Simulation:
         """Run a case to its horizon; numerical failure is its outcome."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -151,41 +153,39 @@ class World(Protocol):
     @property
     def mass(self) -> float:
         """Mass of the can, kg."""
-        ...
 
     @property
     def inertia(self) -> Floats:
         """Principal moments in the order of the body's axes, shape (3,), kg m^2."""
-        ...
 
     @property
     def timestep(self) -> float:
         """The timestep that was asked for, s."""
-        ...
 
     def place(self, pose: Pose, twist: Twist) -> None:
         """Put the can somewhere, moving; forget what was before."""
-        ...
 
     def step(self) -> None:
         """Advance by one timestep."""
-        ...
 
     def pose(self) -> Pose:
         """Return where the can is."""
-        ...
 
     def twist(self) -> Twist:
         """Return how the can moves."""
-        ...
 
     def contact(self) -> Contact:
         """Return the contact that the last step solved: that of the state before it."""
-        ...
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
-        ...
+
+
+class SteeredWorld(World, Protocol):
+    """A world whose timestep can change between steps."""
+
+    def set_timestep(self, timestep: float) -> None:
+        """Step by another length from now on, s."""
 
 
 def signed_distance(world: World) -> float:

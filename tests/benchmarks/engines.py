@@ -16,6 +16,7 @@ from models.catalogue import load
 from models.rim import released
 from models.state import Pose, Release
 from tests.benchmarks.clock import Ratio, in_turns, seconds
+from tests.benchmarks.recording_loops import recording_loop
 
 OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
 """Largest ratio of an adapter's loop to its engine's own loop, in C where the engine has one and
@@ -67,7 +68,7 @@ def _overhead(chosen: PhysicsEngine, timestep: float) -> Iterator[Ratio]:  # typ
         return seconds(lambda: loop(world, steps)) * known.steps / steps
 
     rounds = [
-        (chosen.simulate(case).cpu_s, bare(chosen.bare_loop), bare(chosen.recording_loop, _KEPT))
+        (chosen.simulate(case).cpu_s, bare(chosen.bare_loop), bare(recording_loop, _KEPT))
         for _ in range(_ROUNDS)
     ]
     bound = OVERHEAD.get(chosen.name, math.inf) if timestep <= FINE else math.inf

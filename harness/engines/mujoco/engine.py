@@ -41,12 +41,12 @@ from harness.engines import (
     Value,
     record,
     settle,
+    step_by_stages,
     take_stage,
     trajectory_of,
 )
 from harness.engines.mujoco import settings as declared
 from harness.engines.mujoco.world import MujocoWorld, alike
-from harness.engines.stepping.physics_engine import MOST
 from models.kinematics import to_world
 from models.rim import released
 
@@ -119,46 +119,118 @@ WORTH_IT = 32
 """Steps between two readings, where no angle moves, from which reading less often pays: a reading
 costs what three steps do."""
 
-_OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
+_SENSORS_OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
-def spares(world: MujocoWorld, schedule: Schedule) -> bool:
-    """Whether most steps of a run are to be taken without a reading.
+def sparse_sampling(world: MujocoWorld, schedule: Schedule) -> SamplingInterval | None:
+    """Return what says which steps of a run to read, where most are not; None to read every step.
 
-    Not where forces change from step to step: MuJoCo takes those in its batched loop alone.
+    Every step is read where forces change from step to step: MuJoCo takes those in its batched loop
+    alone.
     """
     sampling = schedule.sampling
-    still = world.forces(np.zeros(1)) is None
-    fixed = sampling is not None and isinstance(schedule, Fixed)
-    return still and fixed and sampling.steps(schedule.largest) >= WORTH_IT  # type: ignore[union-attr]
-
-
-def take_sparsely(world: MujocoWorld, stage: Stage, sampling: SamplingInterval) -> Chunk | None:
-    """Step through a stage from where the world is; return what was read, if anything."""
-    model, data, option = world.model, world.data, world.model.opt
-    seen = int(option.disableflags)
-    state, spin = np.empty(mujoco.mj_stateSize(model, STATE)), np.empty(3)
-    states: list[Floats] = []
-    sensors: list[Floats] = []
-
-    def read_and_step() -> tuple[list[float], list[float]]:
-        mujoco.mj_getState(model, data, state, STATE)
-        option.disableflags = seen
-        mujoco.mj_step(model, data)
-        option.disableflags = seen | _OFF
-        states.append(state.copy())
-        sensors.append(data.sensordata.copy())
-        mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
-        return state[[5, 6, 7, 4]].tolist(), spin.tolist()
-
-    option.disableflags = seen | _OFF
-    skip = partial(mujoco.mj_step, model, data)
-    places, spans = take_stage(stage, sampling, read_and_step, skip)
-    option.disableflags = seen
-    if not places:
+    if sampling is None or not isinstance(schedule, Fixed) or world.forces(np.zeros(1)) is not None:
         return None
-    times = stage.times[places]
-    return chunk_of(world, times, np.array(states), np.array(sensors), np.array(spans))
+    return sampling if sampling.steps(schedule.largest) >= WORTH_IT else None
+
+
+def state_of(world: MujocoWorld) -> Floats:
+    """Return the state of MuJoCo, shape (14,)."""
+    state = np.empty(mujoco.mj_stateSize(world.model, STATE))
+    mujoco.mj_getState(world.model, world.data, state, STATE)
+    return state
+
+
+class MujocoSteps:
+    """Steps a world in C; holds the states before the steps that it reads, with their sensors.
+
+    Parameters
+    ----------
+    world : MujocoWorld
+    sampling : SamplingInterval or None
+        Of a run of which most steps are not read; None reads every step.
+    """
+
+    def __init__(self, world: MujocoWorld, sampling: SamplingInterval | None) -> None:
+        self._world, self._sampling = world, sampling
+        self._state = state_of(world)
+        self._times: list[Floats] = []
+        self._states: list[Floats] = []
+        self._sensors: list[Floats] = []
+        self._spans: list[int] = []
+
+    def state(self) -> tuple[list[float], list[float]]:
+        """Return quaternion (scalar first) and angular velocity; fixed steps do not ask for it."""
+        spin = np.empty(3)
+        mujoco.mju_rotVecQuat(spin, self._state[11:14], self._state[4:8])
+        return self._state[4:8].tolist(), spin.tolist()
+
+    def take(self, stage: Stage) -> bool:
+        """Take the steps of a stage."""
+        if self._sampling is None:
+            self._roll(stage)
+        else:
+            self._take_sparsely(stage, self._sampling)
+        return True
+
+    def _roll(self, stage: Stage) -> None:
+        """Step through a stage in one call of MuJoCo."""
+        world, state = self._world, self._state
+        states = np.empty((1, len(stage.times) + 1, len(state)))
+        states[0, 0] = state
+        world.set_timestep(stage.timestep)
+        _, sensors = rollout.rollout(
+            world.model,
+            world.data,
+            state[None],
+            **control(world, stage.times),
+            initial_warmstart=world.data.qacc_warmstart.copy()[None],
+            state=states[:, 1:],
+        )
+        self._times.append(stage.times)
+        self._states.append(states[0, :-1])
+        self._sensors.append(sensors[0])
+        self._state = states[0, -1]
+
+    def _take_sparsely(self, stage: Stage, sampling: SamplingInterval) -> None:
+        """Step through a stage; read some of its steps, and have no sensors in the others."""
+        model, data, option = self._world.model, self._world.data, self._world.model.opt
+        seen, spin = int(option.disableflags), np.empty(3)
+        states: list[Floats] = []
+        sensors: list[Floats] = []
+
+        def read_and_step() -> tuple[list[float], list[float]]:
+            state = state_of(self._world)
+            option.disableflags = seen
+            mujoco.mj_step(model, data)
+            option.disableflags = seen | _SENSORS_OFF
+            states.append(state)
+            sensors.append(data.sensordata.copy())
+            mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
+            return state[[5, 6, 7, 4]].tolist(), spin.tolist()
+
+        option.disableflags = seen | _SENSORS_OFF
+        skip = partial(mujoco.mj_step, model, data)
+        places, spans = take_stage(stage, sampling, read_and_step, skip)
+        option.disableflags = seen
+        if places:
+            self._times.append(stage.times[places])
+            self._states.append(np.array(states))
+            self._sensors.append(np.array(sensors))
+            self._spans += spans
+
+    def chunk(self) -> Chunk | None:
+        """Return what was read since the last chunk; None if nothing was."""
+        if not self._times:
+            return None
+        # a single part as it is: no copy
+        times, states, sensors = (
+            parts[0] if len(parts) == 1 else np.concatenate(parts)
+            for parts in (self._times, self._states, self._sensors)
+        )
+        spans = None if self._sampling is None else np.array(self._spans)
+        self._times, self._states, self._sensors, self._spans = [], [], [], []
+        return chunk_of(self._world, times, states, sensors, spans)
 
 
 MOST_STEPS = 4096
@@ -186,39 +258,30 @@ def run_batch(
         That each is given.
     """
     wall, cpu = time.perf_counter(), time.process_time()
-    model, data = world.model, world.data
-    states = np.empty((len(cases), mujoco.mj_stateSize(model, STATE)))
-    depths = []
-    for row, case in enumerate(cases):
+    states, depths = [], []
+    for case in cases:
         pose, twist = released(case.scene)
         depth, pose = settle(world, case.scene, pose, twist)
         world.place(pose, twist)
-        mujoco.mj_getState(model, data, states[row], STATE)
+        states.append(state_of(world))
         depths.append(depth)
-    mujoco.mj_resetData(model, data)
+    mujoco.mj_resetData(world.model, world.data)
     times = np.arange(steps) * np.float64(world.timestep)
-    after, sensors = rollout.rollout(model, data, states, **control(world, times))
-    done: list[Simulation | None] = []
+    told = control(world, times)
+    after, sensors = rollout.rollout(world.model, world.data, np.array(states), **told)
+    runs = []
     for row, case in enumerate(cases):
         before = np.vstack((states[row], after[row, :-1]))
         prepared = replace(first, case=case, static_penetration=depths[row])
-        run = record(prepared, [chunk_of(world, times, before, sensors[row])])
-        ended = run.outcome not in {Outcome.TIMED_OUT, Outcome.DIVERGED}
-        done.append(run if ended and case.scene.horizon.seconds is None else None)
-    share_wall = (time.perf_counter() - wall) / len(cases)
-    share_cpu = (time.process_time() - cpu) / len(cases)
+        runs.append(record(prepared, [chunk_of(world, times, before, sensors[row])]))
+    wall = (time.perf_counter() - wall) / len(cases)
+    cpu = (time.process_time() - cpu) / len(cases)
     return [
-        None if run is None else replace(run, wall_s=share_wall, cpu_s=share_cpu, setup_s=0.0)
-        for run in done
+        None
+        if run.outcome in {Outcome.TIMED_OUT, Outcome.DIVERGED}
+        else replace(run, wall_s=wall, cpu_s=cpu, setup_s=0.0)
+        for run in runs
     ]
-
-
-def steps_for(first: Simulation) -> int | None:
-    """Return the steps that cases like a finished one get in a batch; None if too many."""
-    if first.outcome is not Outcome.FINISHED or first.case.scene.horizon.seconds is not None:
-        return None
-    steps = int(first.steps * _MARGIN) + 16
-    return steps if steps <= MOST_STEPS else None
 
 
 class MujocoEngine(PhysicsEngine[MujocoWorld]):
@@ -264,9 +327,9 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         """The version of MuJoCo."""
         return str(mujoco.mj_versionString())
 
-    def resolve(self, case: Case) -> dict[str, Value]:
-        """Return every setting in force for a case: an option, else what an effect asks for."""
-        return declared.in_force(case, self.timestep(case))
+    def for_effects(self, case: Case, timestep: float) -> dict[str, Value]:
+        """Return the settings that the effects of a scene decide."""
+        return declared.for_effects(case, timestep)
 
     def open(self, case: Case) -> MujocoWorld:
         """Compile the scene of a case."""
@@ -274,50 +337,20 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
 
     def chunks(self, world: MujocoWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
-        state = np.empty(mujoco.mj_stateSize(world.model, STATE))
-        mujoco.mj_getState(world.model, world.data, state, STATE)
-        if spares(world, schedule) and schedule.sampling is not None:
-            while (stage := _next(schedule, state)) is not None:
-                world_chunk = take_sparsely(world, stage, schedule.sampling)
-                if world_chunk is not None:
-                    yield world_chunk
-            return
-        # the schedule is asked after a chunk was seen: what is seen may change what comes
-        while (stage := _next(schedule, state)) is not None:
-            befores, sensors, times = [], [], []
-            count = 0
-            while stage is not None:
-                states, seen = _roll(world, stage, state)
-                befores.append(states[:-1])
-                sensors.append(seen)
-                times.append(stage.times)
-                count += len(stage.times)
-                state = states[-1]
-                stage = _next(schedule, state) if count < size else None
-            yield chunk_of(world, _joined(times), _joined(befores), _joined(sensors))
+        steps = MujocoSteps(world, sparse_sampling(world, schedule))
+        return step_by_stages(steps, schedule, size)
 
     def bare_loop(self, world: MujocoWorld, steps: int) -> None:
         """Step so many times in C and do nothing else: no sensor, no reading, no record.
 
         Under forces that change, states are kept: MuJoCo takes those in its batched loop alone.
         """
-        world.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR
-        times = np.arange(steps) * np.float64(world.timestep)
-        told = control(world, times)
+        world.model.opt.disableflags |= _SENSORS_OFF
+        told = control(world, np.arange(steps) * np.float64(world.timestep))
         if set(told) == {"nstep"}:
             mujoco.mj_step(world.model, world.data, nstep=steps)
-            return
-        state = np.empty(mujoco.mj_stateSize(world.model, STATE))
-        mujoco.mj_getState(world.model, world.data, state, STATE)
-        rollout.rollout(world.model, world.data, state[None], **told)
-
-    def recording_loop(self, world: MujocoWorld, steps: int) -> None:
-        """Step so many times in C and keep each state and the sensors of its contact."""
-        state = np.empty(mujoco.mj_stateSize(world.model, STATE))
-        mujoco.mj_getState(world.model, world.data, state, STATE)
-        schedule = Fixed(world.timestep, world.timestep * (steps - 1), MOST)
-        while (stage := _next(schedule, state)) is not None:
-            state = _roll(world, stage, state)[0][-1]
+        else:
+            rollout.rollout(world.model, world.data, state_of(world)[None], **told)
 
     def counted_step(self, world: MujocoWorld) -> int:
         """Step, and return the solver's iterations over all islands, of RK4 in its last stage."""
@@ -335,17 +368,18 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         for place, case in enumerate(cases):
             families.setdefault(alike(case), []).append(place)
         done: dict[int, Simulation] = {}
-        for places in families.values():
-            done[places[0]] = self.simulate(cases[places[0]])
-            done |= self._family(done[places[0]], {n: cases[n] for n in places[1:]})
-        return [done[place] for place in range(len(cases))]
+        for family, (place, *left) in families.items():
+            done[place] = self.simulate(cases[place])
+            timed = family.profile == "adaptive" or family.scene.horizon.seconds is not None
+            if left and not timed and done[place].outcome is Outcome.FINISHED:
+                done |= self._batched(done[place], {n: cases[n] for n in left})
+        return [done.get(n) or self.simulate(case) for n, case in enumerate(cases)]
 
-    def _family(self, first: Simulation, others: dict[int, Case]) -> dict[int, Simulation]:
-        """Run cases that are alike to a finished one, by their places."""
+    def _batched(self, first: Simulation, others: dict[int, Case]) -> dict[int, Simulation]:
+        """Return what came of cases alike to a finished one, by their places, if batches end."""
         done: dict[int, Simulation] = {}
-        steps = None if first.case.profile == "adaptive" else steps_for(first)
-        left = list(others)
-        while steps is not None and steps <= MOST_STEPS and left:
+        steps, left = int(first.steps * _MARGIN) + 16, list(others)
+        while steps <= MOST_STEPS and left:
             for start in range(0, len(left), LARGEST):
                 batch = left[start : start + LARGEST]
                 cases = [others[place] for place in batch]
@@ -353,33 +387,4 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
                 done |= {n: run for n, run in zip(batch, runs, strict=True) if run is not None}
             left = [place for place in left if place not in done]
             steps *= 2
-        return done | {place: self.simulate(others[place]) for place in left}
-
-
-def _roll(world: MujocoWorld, stage: Stage, state: Floats) -> tuple[Floats, Floats]:
-    """Step through a stage in C; return its states with the first, and the sensors before each."""
-    steps = len(stage.times)
-    states = np.empty((1, steps + 1, len(state)))
-    states[0, 0] = state
-    world.set_timestep(stage.timestep)
-    _, sensors = rollout.rollout(
-        world.model,
-        world.data,
-        state[None],
-        **control(world, stage.times),
-        initial_warmstart=world.data.qacc_warmstart.copy()[None],
-        state=states[:, 1:],
-    )
-    return states[0], sensors[0]
-
-
-def _joined(parts: list[Floats]) -> Floats:
-    """Return arrays one after the other; a single one as it is."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def _next(schedule: Schedule, state: Floats) -> Stage | None:
-    """Return the stage that a state calls for."""
-    spin = np.empty(3)
-    mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
-    return schedule.next(state[4:8].tolist(), spin.tolist())
+        return done

@@ -31,7 +31,6 @@ from harness.engines import (
     Setting,
     SolverEffort,
     Variant,
-    resolve,
 )
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, pair, spring, surface
@@ -49,9 +48,8 @@ def matched_solref(timestep: float) -> tuple[float, ...]:
 
 
 OPTIONS = (
-    Setting(
+    Setting.as_shipped(
         "integrator",
-        "Euler",
         "Euler",
         "Time stepping; Euler and RK4 treat the gyroscopic term explicitly.",
         choices=("Euler", "RK4", "implicit", "implicitfast", "discrete"),
@@ -77,24 +75,22 @@ OPTIONS = (
         "Storage of the constraint Jacobian; changes round-off and time only.",
         choices=("dense", "sparse", "auto"),
     ),
-    Setting(
+    Setting.as_shipped(
         "solver",
-        "Newton",
         "Newton",
         "Algorithm that finds the contact forces.",
         choices=("PGS", "CG", "Newton"),
     ),
-    Setting("iterations", 100, 100, "Most iterations of the solver in a step."),
+    Setting.as_shipped("iterations", 100, "Most iterations of the solver in a step."),
     Setting("tolerance", 1e-8, 1e-12, "Scaled improvement below which the solver stops."),
-    Setting("ls_iterations", 50, 50, "Most iterations of the line search."),
-    Setting("ls_tolerance", 0.01, 0.01, "Slope at which the line search stops."),
-    Setting(
-        "noslip_iterations",
-        0,
-        0,
-        "Iterations of the solver that suppresses slip after the main one.",
+    Setting.as_shipped("ls_iterations", 50, "Most iterations of the line search."),
+    Setting.as_shipped("ls_tolerance", 0.01, "Slope at which the line search stops."),
+    Setting.as_shipped(
+        "noslip_iterations", 0, "Iterations of the solver that suppresses slip after the main one."
     ),
-    Setting("noslip_tolerance", 1e-6, 1e-6, "Improvement below which the noslip solver stops."),
+    Setting.as_shipped(
+        "noslip_tolerance", 1e-6, "Improvement below which the noslip solver stops."
+    ),
 )
 
 GEOM = (
@@ -110,17 +106,14 @@ GEOM = (
         (0.9, 0.9, 0.001, 0.5, 2.0),
         "Impedance against depth; constant, and 0.9: at 0.99 the contact chatters.",
     ),
-    Setting(
-        "condim",
-        3,
-        3,
-        "Dimensions of the contact force: 1 normal, 3 friction, 4 torsion, 6 rolling.",
+    Setting.as_shipped(
+        "condim", 3, "Dimensions of the contact force: 1 normal, 3 friction, 4 torsion, 6 rolling."
     ),
-    Setting("margin", 0.0, 0.0, "Distance at which a contact becomes active, m."),
+    Setting.as_shipped("margin", 0.0, "Distance at which a contact becomes active, m."),
 )
 
 FLAGS = tuple(
-    Setting(name, "enable", "enable", meaning, choices=("enable", "disable"))
+    Setting.as_shipped(name, "enable", meaning, choices=("enable", "disable"))
     for name, meaning in (
         ("refsafe", "Keeps the time constant of solref at two timesteps or more."),
         ("warmstart", "Starts the solver at the last step's forces."),
@@ -168,11 +161,6 @@ def for_effects(case: Case, timestep: float) -> dict[str, Value]:
         found["solref"], found["solimp"] = soft, SOFT_SOLIMP
         found["impratio"], found["cone"] = SOFT_IMPRATIO, "elliptic"
     return found
-
-
-def in_force(case: Case, timestep: float) -> dict[str, Value]:
-    """Return every setting in force for a case: an option, else what an effect asks for."""
-    return resolve(case, SETTINGS, timestep, for_effects(case, timestep))
 
 
 def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:

@@ -18,9 +18,8 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.simulation import ParityRow
-from harness.engines.base import Floats, World
+from harness.engines.base import Floats, SteeredWorld, World
 from harness.engines.parity.contact import Compared, contact_laws, friction
-from harness.engines.stepping.generic_stepping import SteeredWorld
 from harness.engines.stepping.settling import (
     AT_REST,
     LIFT,
@@ -96,12 +95,10 @@ class WeighedWorld(World, Protocol):
     @property
     def centre_of_mass(self) -> Floats:
         """From the centre of the can in the body's axes, shape (3,), m."""
-        ...
 
     @property
     def inertia_tensor(self) -> Floats:
         """About the centre of mass in the body's axes, shape (3, 3), kg m^2."""
-        ...
 
 
 def _mass_properties(world: World, scene: Scene) -> Iterator[Compared]:

@@ -24,15 +24,12 @@ class Opener(Protocol):
     @property
     def version(self) -> str:
         """The version of the engine's package."""
-        ...
 
     def timestep(self, case: Case) -> float:
         """Return the timestep of a case, s."""
-        ...
 
     def open(self, case: Case) -> World:
         """Compile the scene of a case."""
-        ...
 
 
 def follow(world: World, steps: int) -> Iterator[tuple[Pose, Twist, Contact]]:

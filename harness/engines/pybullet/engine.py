@@ -6,13 +6,12 @@ together cost more than the step. So most steps of a slow motion are taken witho
 chunk by chunk; the contacts that a step leaves are paired with the state before it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from importlib.metadata import version
 from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from harness.engines import (
     Capabilities,
@@ -26,38 +25,44 @@ from harness.engines import (
     Stage,
     Trajectory,
     Value,
+    step_by_stages,
     take_stage,
     trajectory_of,
 )
 from harness.engines.pybullet import settings as declared
+from harness.engines.pybullet.suppress_output import pybullet
 from harness.engines.pybullet.world import ContactPoint, Numbers, PybulletWorld, State, resultant
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
 _STATE = 13  # numbers of a state: position, quaternion, velocity, angular velocity
-_POINT = 19  # numbers of a contact point that matter, in PyBullet's order
-_NONE = (0.0,) * _POINT
 
 
 class Steps:
-    """The states before consecutive steps that were read, and the contacts that they solved.
+    """Steps a world; holds the states before the steps that it reads, and the contacts solved.
 
     Parameters
     ----------
+    world : PybulletWorld
     sampling : SamplingInterval or None
         Of the run; None reads every step.
     """
 
-    def __init__(self, sampling: SamplingInterval | None) -> None:
-        self._sampling = sampling
+    def __init__(self, world: PybulletWorld, sampling: SamplingInterval | None) -> None:
+        self._world, self._sampling = world, sampling
         self._times: list[Floats] = []
-        self._parts = 1
         self._spans: list[int] = []
         self._states: list[State] = []
         self._contacts: list[tuple[ContactPoint, ...]] = []
-        self.taken = 0
 
-    def take(self, world: PybulletWorld, stage: Stage) -> None:
+    def state(self) -> tuple[Numbers, Numbers]:
+        """Return quaternion (scalar first) and angular velocity of the can."""
+        _, (x, y, z, w), _, spin = self._world.state()
+        return (w, x, y, z), spin
+
+    def take(self, stage: Stage) -> bool:
         """Take the steps of a stage, reading the state before a step and the contacts after."""
+        world = self._world
+        world.set_timestep(stage.timestep)
         client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
@@ -78,67 +83,37 @@ class Steps:
                 step(client)
 
         places, spans = take_stage(stage, self._sampling, read_and_step, skip)
-        self._parts = world.parts
         self._times.append(stage.times[places])
         self._spans += spans
-        self.taken += len(stage.times)
+        return True
 
-    @property
-    def seen(self) -> bool:
-        """Whether any step was read."""
-        return len(self._states) > 0
-
-    def chunk(self) -> Chunk:
-        """Return what was read as a chunk."""
+    def chunk(self) -> Chunk | None:
+        """Return what was read since the last chunk; None if nothing was."""
+        if not self._states:
+            return None
         times, numbers = np.concatenate(self._times), chain.from_iterable(self._states)
         states = np.fromiter(chain.from_iterable(numbers), np.float64).reshape(-1, _STATE)
         states[:, 3:7] = states[:, [6, 3, 4, 5]]
         good = np.isfinite(states).all(axis=1)
         count = len(states) if np.all(good) else int(np.argmin(good))
-        contacts = np.fromiter(map(len, self._contacts), np.int64)
+        points, spans, parts = self._contacts, np.array(self._spans), self._world.parts
+        contacts = np.fromiter(map(len, points), np.int64)
         contacts[count:] = 0
+        self._times, self._spans, self._states, self._contacts = [], [], [], []
 
         def read(keep: Integers) -> Trajectory:
-            point, force, depth, bearing = _resultants([self._contacts[n] for n in keep.tolist()])
-            return trajectory_of(
-                times[keep], states[keep], (point, force * self._parts, depth, bearing)
-            )
+            p = np.array([resultant(points[place]) for place in keep.tolist()])
+            contact = p[:, :3], p[:, 3:6] * parts, p[:, 6], p[:, 7]
+            return trajectory_of(times[keep], states[keep], contact)
 
         return Chunk(
             times=times,
             quaternions=states[:count, 3:7],
             constraint_rows=contacts * _ROWS_PER_CONTACT,
-            spans=np.array(self._spans),
+            spans=spans,
             sound=count == len(states),
             read=read,
         )
-
-
-def _resultants(
-    contacts: Sequence[tuple[ContactPoint, ...]],
-) -> tuple[Floats, Floats, Floats, Integers]:
-    """Return point (n, 3), force (n, 3), depth (n,) and bearing points (n,) of some steps."""
-    single = [_numbers(*points) if len(points) == 1 else _NONE for points in contacts]
-    p = np.array(single).reshape(-1, _POINT)
-    normal = p[:, 10:11]
-    bears = normal[:, 0] > 0.0
-    # weighted and divided again, as of several points, so that both ways give the same bits
-    weighted = normal * (p[:, 0:3] + p[:, 3:6]) / 2.0
-    point = np.divide(weighted, normal, out=np.full_like(weighted, np.nan), where=normal > 0.0)
-    force = normal * p[:, 6:9] + p[:, 11:12] * p[:, 12:15] + p[:, 15:16] * p[:, 16:19]
-    force[~bears] = 0.0
-    depth, bearing = -p[:, 9], bears.astype(np.int64)
-    for row, points in enumerate(contacts):
-        if len(points) != 1:
-            x, y, z, f_x, f_y, f_z, deepest, number, _ = resultant(points)
-            point[row], force[row] = (x, y, z), (f_x, f_y, f_z)
-            depth[row], bearing[row] = deepest, int(number)
-    return point, force, depth, bearing
-
-
-def _numbers(p: ContactPoint) -> tuple[float, ...]:
-    """Return the numbers of a contact point that matter, in PyBullet's order."""
-    return (*p[5], *p[6], *p[7], p[8], p[9], p[10], *p[11], p[12], *p[13])
 
 
 _ADAPTIVE = """\
@@ -189,9 +164,10 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         """The version of the package."""
         return version("pybullet")
 
-    def resolve(self, case: Case) -> dict[str, Value]:
-        """Return every setting in force for a case: an option, else what an effect asks for."""
-        return declared.in_force(case, self.timestep(case))
+    def for_effects(self, case: Case, timestep: float) -> dict[str, Value]:
+        """Return the settings that the effects of a scene decide."""
+        del timestep
+        return declared.for_effects(case.scene)
 
     def open(self, case: Case) -> PybulletWorld:
         """Open a world with the scene of a case."""
@@ -199,15 +175,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
     def chunks(self, world: PybulletWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
-        # the schedule is asked after a chunk was seen: what is seen may change what comes
-        while (stage := _next(schedule, world)) is not None:
-            steps = Steps(schedule.sampling)
-            while stage is not None:
-                world.set_timestep(stage.timestep)
-                steps.take(world, stage)
-                # until so many are taken, and any of them was read
-                stage = None if steps.taken >= size and steps.seen else _next(schedule, world)
-            yield steps.chunk()
+        return step_by_stages(Steps(world, schedule.sampling), schedule, size)
 
     def counted_step(self, world: PybulletWorld) -> int:
         """Step, and return the sweeps of the solver over all islands."""
@@ -242,24 +210,6 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         step, client = world.stepper(times), world.client
         for _ in range(steps):
             step(client)
-
-    def recording_loop(self, world: PybulletWorld, steps: int) -> None:
-        """Step so many times and keep what PyBullet says of each state and contact, as it is."""
-        step = world.stepper(np.arange(steps) * np.float64(world.timestep))
-        can, ground, client = world.can, world.ground, world.client
-        kept = []
-        for _ in range(steps):
-            pose = pybullet.getBasePositionAndOrientation(can, client)
-            twist = pybullet.getBaseVelocity(can, client)
-            step(client)
-            contacts = pybullet.getContactPoints(can, ground, physicsClientId=client)
-            kept.append((pose, twist, contacts))
-
-
-def _next(schedule: Schedule, world: PybulletWorld) -> Stage | None:
-    """Return the stage that the world's state calls for."""
-    _, (x, y, z, w), _, spin = world.state()
-    return schedule.next((w, x, y, z), spin)
 
 
 def _arguments(settings: dict[str, Any]) -> str:

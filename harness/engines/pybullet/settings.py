@@ -24,7 +24,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from harness.core.case import Case, Value
+from harness.core.case import Value
 from harness.engines import (
     COMMON,
     ETA_SETTING,
@@ -33,7 +33,6 @@ from harness.engines import (
     Setting,
     SolverEffort,
     Variant,
-    resolve,
 )
 from models.scene import Scene
 
@@ -58,48 +57,42 @@ URDF_FLAGS = (
         matched=True,
         meaning="The declared moments; else those of the shape, of its bounding box for a prism.",
     ),
-    Setting(
+    Setting.as_shipped(
         "URDF_ENABLE_SLEEPING",
-        default=False,
-        matched=False,
+        value=False,
         meaning="A can that has been slow for two seconds is put to sleep and stands still.",
     ),
-    Setting(
+    Setting.as_shipped(
         "useMaximalCoordinates",
-        default=False,
-        matched=False,
+        value=False,
         meaning="btRigidBody with an implicit gyroscopic term; else btMultiBody, explicit.",
     ),
 )
 
 SOLVER = (
-    Setting(
+    Setting.as_shipped(
         "numSubSteps",
-        0,
         0,
         "Parts that a timestep is stepped in, of 2 or more; forces are the last one's.",
     ),
-    Setting(
+    Setting.as_shipped(
         "constraintSolverType",
-        SEQUENTIAL_IMPULSE,
         SEQUENTIAL_IMPULSE,
         "Algorithm that finds the contact impulses.",
         choices=(SEQUENTIAL_IMPULSE, "CONSTRAINT_SOLVER_LCP_PGS", "CONSTRAINT_SOLVER_LCP_DANTZIG"),
     ),
-    Setting(
+    Setting.as_shipped(
         "useSplitImpulse",
-        0,
         0,
         "Pushes a deep penetration out without speed (1); of maximal coordinates alone.",
     ),
-    Setting(
+    Setting.as_shipped(
         "splitImpulsePenetrationThreshold",
-        None,
         None,
         "Distance below which an impulse is split, m, negative.",
     ),
-    Setting(
-        "numSolverIterations", 50, 50, "Most sweeps of the sequential impulse solver in a step."
+    Setting.as_shipped(
+        "numSolverIterations", 50, "Most sweeps of the sequential impulse solver in a step."
     ),
     Setting(
         "solverResidualThreshold",
@@ -108,22 +101,18 @@ SOLVER = (
         "Squared velocity residual at which the sweeps stop.",
     ),
     Setting("contactERP", None, 0.8, "Share of the penetration taken away in a step."),
-    Setting(
-        "frictionERP", None, None, "Share of the slip taken back in a step, with friction anchors."
+    Setting.as_shipped(
+        "frictionERP", None, "Share of the slip taken back in a step, with friction anchors."
     ),
-    Setting("globalCFM", None, None, "Softness mixed into every constraint."),
+    Setting.as_shipped("globalCFM", None, "Softness mixed into every constraint."),
     Setting("contactSlop", None, 0.0, "Penetration that is left alone, m."),
-    Setting(
+    Setting.as_shipped(
         "contactBreakingThreshold",
-        None,
         None,
         "Distance beyond which a cached contact is dropped, relative to the can's size.",
     ),
-    Setting(
-        "warmStartingFactor",
-        None,
-        None,
-        "Share of the last step's impulses that the solver starts from.",
+    Setting.as_shipped(
+        "warmStartingFactor", None, "Share of the last step's impulses that the solver starts from."
     ),
     Setting(
         "enableConeFriction",
@@ -131,11 +120,8 @@ SOLVER = (
         1,
         "Circular friction cone (1) or two independent directions (0).",
     ),
-    Setting(
-        "restitutionVelocityThreshold",
-        None,
-        None,
-        "Speed below which an impact gives nothing back, m/s.",
+    Setting.as_shipped(
+        "restitutionVelocityThreshold", None, "Speed below which an impact gives nothing back, m/s."
     ),
 )
 
@@ -184,11 +170,6 @@ def for_effects(scene: Scene) -> dict[str, Value]:
 
 
 SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)
-
-
-def in_force(case: Case, timestep: float) -> dict[str, Value]:
-    """Return every setting in force for a case: an option, else what an effect asks for."""
-    return resolve(case, SETTINGS, timestep, for_effects(case.scene))
 
 
 PROCESS_WIDE: Mapping[str, float] = MappingProxyType({"contactBreakingThreshold": 0.02})

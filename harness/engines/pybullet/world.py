@@ -13,10 +13,6 @@ centre:
     R_WB = R_WI R_IB,    p = p_com - R_WB c,    v = v_com - omega x R_WB c
 
 with c the centre of mass from the can's centre in the can's axes.
-
-PyBullet prints a line on standard error, from C, when it is imported, and on standard output when
-it changes its solver. A command whose output is one JSON object, or whose standard error holds one
-message, must not contain these lines, so the descriptors point elsewhere meanwhile.
 """
 
 import math
@@ -27,7 +23,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-import pybullet
 
 from harness.engines import Case, Contact, Floats, RefusedModelError, Value
 from harness.engines.pybullet.settings import (
@@ -38,7 +33,7 @@ from harness.engines.pybullet.settings import (
     given,
     urdf_flags,
 )
-from harness.engines.pybullet.suppress_output import silence
+from harness.engines.pybullet.suppress_output import pybullet, silence
 from models import Pose, Twist, ground_urdf, urdf
 from models.gravity import gravity_vector, shaking
 
@@ -139,7 +134,7 @@ def _turned(quaternion: Numbers, vector: Numbers) -> tuple[float, float, float]:
 
 
 ContactPoint: TypeAlias = tuple[Any, ...]
-Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
+Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 _REACH = 1.0  # m: distance up to which closest points are sought
@@ -221,8 +216,6 @@ class PybulletWorld:
     @property
     def inertia(self) -> Floats:
         """Moments about the body's axes through the centre of mass, shape (3,), kg m^2."""
-        if not self.off_centre:
-            return np.array(self._dynamics()[2], dtype=np.float64)
         moments: Floats = np.diagonal(self.inertia_tensor).copy()
         return moments
 
@@ -315,7 +308,7 @@ class PybulletWorld:
 
     def contact(self) -> Contact:
         """Return the contact that the last step solved: that of the state before it."""
-        x, y, z, fx, fy, fz, depth, count, _ = resultant(
+        x, y, z, fx, fy, fz, depth, count = resultant(
             pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
         )
         return Contact(
@@ -345,10 +338,10 @@ def resultant(points: Sequence[ContactPoint]) -> Resultant:
 
     Returns
     -------
-    tuple of 9 floats
+    tuple of 8 floats
         Force-weighted point (3), force on the can (3), depth of the deepest point, number of points
-        that bear a force, number of points in the solver. Cached points without force stay out of
-        the locus: they may be half a can away.
+        that bear a force. Cached points without force stay out of the locus: they may be half a can
+        away.
     """
     px = py = pz = fx = fy = fz = total = bearing = 0.0
     depth = -math.inf
@@ -372,5 +365,5 @@ def resultant(points: Sequence[ContactPoint]) -> Resultant:
     if not points:
         depth = math.nan
     if total == 0.0:
-        return (math.nan, math.nan, math.nan, 0.0, 0.0, 0.0, depth, 0.0, float(len(points)))
-    return (px / total, py / total, pz / total, fx, fy, fz, depth, bearing, float(len(points)))
+        return (math.nan, math.nan, math.nan, 0.0, 0.0, 0.0, depth, 0.0)
+    return (px / total, py / total, pz / total, fx, fy, fz, depth, bearing)

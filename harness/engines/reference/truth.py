@@ -69,13 +69,13 @@ def _meant(model: str, problem: Problem) -> str:
 
 
 SETTINGS = (
-    Setting(
-        "model", "auto", "auto", "Which equations; auto takes the smallest that carries the scene."
+    Setting.as_shipped(
+        "model", "auto", "Which equations; auto takes the smallest that carries the scene."
     ),
-    Setting(
-        "method", "auto", "auto", "How they are integrated; auto takes the model's own method."
+    Setting.as_shipped(
+        "method", "auto", "How they are integrated; auto takes the model's own method."
     ),
-    Setting("rtol", 1e-12, 1e-12, "Relative tolerance of the integrator."),
+    Setting.as_shipped("rtol", 1e-12, "Relative tolerance of the integrator."),
 )
 
 _TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -1,8 +1,8 @@
 """Stepping a world through its own readings, and stepping that leaves out readings.
 
 Each step is read through `World`, which costs some tens of microseconds. An engine that steps many
-times in one call writes its own `chunks` and saves that; with `take_stage` it reads a slow motion
-no oftener than the recorder needs.
+times in one call writes its own `StageReader` and saves that; with `take_stage` it reads a slow
+motion no oftener than the recorder needs.
 """
 
 import math
@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.base import World
+from harness.engines.base import SteeredWorld
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from models.errors import InvalidValueError
@@ -20,12 +20,31 @@ from models.errors import InvalidValueError
 _WIDTH = 21  # pose 7, twist 6, contact 8
 
 
-class SteeredWorld(World, Protocol):
-    """A world whose timestep can change between steps."""
+class StageReader(Protocol):
+    """Steps a world stage by stage, and holds what it read of the steps since the last chunk."""
 
-    def set_timestep(self, timestep: float) -> None:
-        """Step by another length from now on, s."""
-        ...
+    def state(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Return quaternion (scalar first) and angular velocity, which choose the next stage."""
+
+    def take(self, stage: Stage) -> bool:
+        """Take the steps of a stage; return False where the engine's numbers are known to break."""
+
+    def chunk(self) -> Chunk | None:
+        """Return the steps that were read since the last chunk; None if none was."""
+
+
+def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterator[Chunk]:
+    """Step by a schedule from where a world is, yielding after `size` steps or more."""
+    # the schedule is asked after a chunk was seen: what is seen may change what comes
+    sound = True
+    while sound and (stage := schedule.next(*reader.state())) is not None:
+        taken = 0
+        while stage is not None:
+            sound = reader.take(stage)
+            taken += len(stage.times)
+            stage = schedule.next(*reader.state()) if sound and taken < size else None
+        if (chunk := reader.chunk()) is not None:
+            yield chunk
 
 
 def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
@@ -38,68 +57,77 @@ def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
     schedule : Schedule
     size : int
     """
-    # the schedule is asked after a chunk was seen: what is seen may change what comes
-    sound = True
-    while sound and (stage := _next(world, schedule)) is not None:
-        times: list[float] = []
-        rows: list[Floats] = []
-        while stage is not None:
-            world.set_timestep(stage.timestep)
-            for time in stage.times.tolist():
-                row = _step(world)
-                times.append(time)
-                if row is None:
-                    sound = False
-                    break
-                rows.append(row)
-            stage = _next(world, schedule) if sound and len(rows) < size else None
-        yield _chunk(np.array(times), np.array(rows).reshape(len(rows), _WIDTH), sound=sound)
+    return step_by_stages(_WorldReader(world), schedule, size)
 
 
-def _next(world: World, schedule: Schedule) -> Stage | None:
-    """Return the stage that a state calls for; of what is no state, the next step will tell."""
-    try:
-        pose, twist = world.pose(), world.twist()
-    except InvalidValueError:
-        return schedule.next((math.nan,) * 4, (math.nan,) * 3)
-    return schedule.next(pose.quaternion.tolist(), twist.angular_velocity.tolist())
+class _WorldReader:
+    """Reads every step of a world through the role `World`."""
 
+    def __init__(self, world: SteeredWorld) -> None:
+        self._world = world
+        self._times: list[float] = []
+        self._rows: list[Floats] = []
 
-def _step(world: World) -> Floats | None:
-    """Return the state before a step and the contact that it solved, or None if it is no state."""
-    try:
-        pose, twist = world.pose(), world.twist()
-    except InvalidValueError:
-        return None
-    with np.errstate(over="ignore", invalid="ignore"):  # numbers that break are an outcome
-        world.step()
-    contact = world.contact()
-    return np.concatenate(
-        (
-            pose.position,
-            pose.quaternion,
-            twist.velocity,
-            twist.angular_velocity,
-            contact.point,
-            contact.force,
-            (contact.penetration, contact.count),
+    def state(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Return the state of the world; of what is no state, the next step will tell."""
+        try:
+            pose, twist = self._world.pose(), self._world.twist()
+        except InvalidValueError:
+            return (math.nan,) * 4, (math.nan,) * 3
+        return pose.quaternion.tolist(), twist.angular_velocity.tolist()
+
+    def take(self, stage: Stage) -> bool:
+        """Step and read, up to the first state that is none."""
+        self._world.set_timestep(stage.timestep)
+        for time in stage.times.tolist():
+            self._times.append(time)
+            row = self._step()
+            if row is None:
+                return False
+            self._rows.append(row)
+        return True
+
+    def _step(self) -> Floats | None:
+        """Return the state before a step and the contact that it solved; None if it is no state."""
+        world = self._world
+        try:
+            pose, twist = world.pose(), world.twist()
+        except InvalidValueError:
+            return None
+        with np.errstate(over="ignore", invalid="ignore"):  # numbers that break are an outcome
+            world.step()
+        contact = world.contact()
+        return np.concatenate(
+            (
+                pose.position,
+                pose.quaternion,
+                twist.velocity,
+                twist.angular_velocity,
+                contact.point,
+                contact.force,
+                (contact.penetration, contact.count),
+            )
         )
-    )
 
+    def chunk(self) -> Chunk:
+        """Return the time of each step, and the rows of those that were sound."""
+        times, rows = np.array(self._times), np.array(self._rows).reshape(-1, _WIDTH)
+        self._times, self._rows = [], []
 
-def _chunk(times: Floats, rows: Floats, *, sound: bool) -> Chunk:
-    """Return consecutive steps: the time of each, and the rows of those that were sound."""
+        def read(keep: Integers) -> Trajectory:
+            kept = rows[keep]
+            contact = kept[:, 13:16], kept[:, 16:19], kept[:, 19], kept[:, 20]
+            return trajectory_of(times[keep], kept[:, :13], contact)
 
-    def read(keep: Integers) -> Trajectory:
-        kept = rows[keep]
-        contact = kept[:, 13:16], kept[:, 16:19], kept[:, 19], kept[:, 20]
-        return trajectory_of(times[keep], kept[:, :13], contact)
-
-    worked = np.zeros(len(times), dtype=np.int64)
-    worked[: len(rows)] = 3 * rows[:, 20].astype(np.int64)  # a normal and two of friction
-    return Chunk(
-        times=times, quaternions=rows[:, 3:7], constraint_rows=worked, sound=sound, read=read
-    )
+        worked = np.zeros(len(times), dtype=np.int64)
+        worked[: len(rows)] = 3 * rows[:, 20].astype(np.int64)  # a normal and two of friction
+        return Chunk(
+            times=times,
+            quaternions=rows[:, 3:7],
+            constraint_rows=worked,
+            sound=len(rows) == len(times),
+            read=read,
+        )
 
 
 def take_stage(

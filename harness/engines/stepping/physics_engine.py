@@ -151,8 +151,14 @@ class PhysicsEngine(ABC, Generic[W]):
         return self.default_timestep if case.profile == "default" else self.matched_timestep
 
     def resolve(self, case: Case) -> dict[str, Value]:
-        """Return every setting in force for a case."""
-        return resolve(case, self.settings, self.timestep(case))
+        """Return every setting in force for a case: an option, else what an effect asks for."""
+        timestep = self.timestep(case)
+        return resolve(case, self.settings, timestep, self.for_effects(case, timestep))
+
+    def for_effects(self, case: Case, timestep: float) -> dict[str, Value]:
+        """Return the settings that the effects of a scene decide, in every profile."""
+        del case, timestep
+        return {}
 
     def parity(self, case: Case) -> tuple[ParityRow, ...]:
         """Return the compiled model of a case against its scene."""
@@ -213,14 +219,6 @@ class PhysicsEngine(ABC, Generic[W]):
         """Step so many times and do nothing else: no reading, no record."""
         for _ in range(steps):
             world.step()
-
-    def recording_loop(self, world: W, steps: int) -> None:
-        """Step so many times and keep each state and contact: the leanest loop with a record."""
-        kept = []
-        for _ in range(steps):
-            state = world.pose(), world.twist()
-            world.step()
-            kept.append((*state, world.contact()))
 
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""

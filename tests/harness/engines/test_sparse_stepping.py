@@ -39,13 +39,14 @@ def test_what_is_looked_at_has_the_bits_of_a_run_that_looks_at_every_step(
 
 def test_coarse_steps_and_shaken_planes_are_looked_at_step_by_step() -> None:
     fine = {"gentle-rock": True, "shaken-plane": False}
-    for name, spares in fine.items():
+    for name, sparse in fine.items():
         chosen = engine("mujoco")
-        for timestep, expected in ((1e-6, spares), (1e-4, False)):
+        for timestep, expected in ((1e-6, sparse), (1e-4, False)):
             case = Case(scene=load(name), engine="mujoco", timestep=timestep)
             prepared = chosen.simulate(replace(case, scene=replace(case.scene, horizon=SHORT)))
             schedule, _ = chosen._schedule(prepared)  # noqa: SLF001 - what a run is stepped by
-            assert mujoco_engine.spares(chosen.open(case), schedule) is expected
+            sampling = mujoco_engine.sparse_sampling(chosen.open(case), schedule)
+            assert (sampling is not None) is expected
 
 
 SHORT = Horizon(seconds=1e-4)

@@ -1,0 +1,61 @@
+"""The leanest loop of an engine that keeps each state and its contact: what an adapter is held to.
+
+In C where the engine has such a loop, else in Python.
+"""
+
+from typing import Any
+
+import numpy as np
+from mujoco import rollout
+
+from harness.engines.base import World
+from harness.engines.mujoco.engine import control, state_of
+from harness.engines.pybullet.suppress_output import pybullet
+
+_PIECE = 16384
+"""Steps in a call of MuJoCo, as in a run: few enough to be held, 180 bytes each."""
+
+
+def recording_loop(world: Any, steps: int) -> None:  # noqa: ANN401 - of any engine
+    """Step a world so many times and keep each state and contact."""
+    _LOOPS.get(type(world).__name__, _in_python)(world, steps)
+
+
+def _in_python(world: World, steps: int) -> None:
+    """Keep what the role `World` reads."""
+    kept = []
+    for _ in range(steps):
+        state = world.pose(), world.twist()
+        world.step()
+        kept.append((*state, world.contact()))
+
+
+def _of_mujoco(world: Any, steps: int) -> None:  # noqa: ANN401 - of one adapter
+    """Keep each state and the sensors of its contact, in C."""
+    state = state_of(world)
+    for first in range(0, steps, _PIECE):
+        times = np.arange(first, min(first + _PIECE, steps)) * np.float64(world.timestep)
+        states, _ = rollout.rollout(
+            world.model,
+            world.data,
+            state[None],
+            **control(world, times),
+            initial_warmstart=world.data.qacc_warmstart.copy()[None],
+        )
+        state = states[0, -1]
+
+
+def _of_pybullet(world: Any, steps: int) -> None:  # noqa: ANN401 - of one adapter
+    """Keep what PyBullet says of each state and contact, as it is."""
+    step = world.stepper(np.arange(steps) * np.float64(world.timestep))
+    can, ground, client = world.can, world.ground, world.client
+    kept = []
+    for _ in range(steps):
+        pose = pybullet.getBasePositionAndOrientation(can, client)
+        twist = pybullet.getBaseVelocity(can, client)
+        step(client)
+        contacts = pybullet.getContactPoints(can, ground, physicsClientId=client)
+        kept.append((pose, twist, contacts))
+
+
+_LOOPS = {"MujocoWorld": _of_mujoco, "PybulletWorld": _of_pybullet}
