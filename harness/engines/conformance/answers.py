@@ -1,35 +1,29 @@
-"""What an engine hands over: declarations, refusals, a sound simulation, and the same one again."""
+"""What an engine declares of itself, and a sound simulation that states what was asked.
 
-import math
+The clauses of the contract about name, version, settings, capabilities and one brief run.
+"""
+
 import pickle
 import re
 from dataclasses import fields, replace
-from typing import Any
 
 from harness.core.case import PROFILES, Case
-from harness.core.errors import InvalidSettingError, UnknownSettingError, UnsupportedEffectError
-from harness.core.simulation import Outcome, Simulation
-from harness.engines.base import Capabilities, Setting, features_of, resolve
-from harness.engines.conformance.effects import DECLARED
-from harness.engines.conformance.fixture import (
-    FINE,
+from harness.core.simulation import Outcome
+from harness.engines.base import Capabilities, Setting, resolve
+from harness.engines.conformance.suite import (
     ClauseResult,
     Fixture,
+    clause,
     fingerprint,
     holds,
-    not_applicable,
     same_bits,
 )
-from harness.engines.contract import contract_violation
-from harness.engines.registry import check_effects, engine, names
-from harness.engines.stepping.horizon import Watch
-from harness.execution.isolated_pool import IsolatedProcessPool
-from harness.execution.limits import Limits
-from models import Effects, Horizon
+from models import Effects
 
 _NAME = r"[a-z][a-z0-9_.-]{0,31}"
 
 
+@clause("The name fits a command line, a file name and a table.", needs_run=False)
 def name(fixture: Fixture) -> ClauseResult:
     """Look at the name: what a command line, a file name and a table key alike can hold."""
     found: object = fixture.engine.name
@@ -38,6 +32,7 @@ def name(fixture: Fixture) -> ClauseResult:
     return holds(wrong, str(found))
 
 
+@clause("The version is a text.", needs_run=False)
 def version(fixture: Fixture) -> ClauseResult:
     """Look at the version, which goes into the digest of every case."""
     found: object = fixture.engine.version
@@ -45,6 +40,7 @@ def version(fixture: Fixture) -> ClauseResult:
     return holds("" if fits else f"{found!r} is no text", str(found))
 
 
+@clause("Each setting is named once, explained, and takes its own values.", needs_run=False)
 def settings(fixture: Fixture) -> ClauseResult:
     """Look at the settings: each named once, explained, and taking its own values."""
     declared: object = fixture.engine.settings
@@ -66,6 +62,7 @@ def settings(fixture: Fixture) -> ClauseResult:
     return holds("", f"{len(known)} settings")
 
 
+@clause("What is honoured is an effect of scenes; what is imposed has a sentence.", needs_run=False)
 def capabilities(fixture: Fixture) -> ClauseResult:
     """Look at the capabilities: effects that exist, and a sentence for each imposed one."""
     found: object = fixture.engine.capabilities
@@ -81,6 +78,7 @@ def capabilities(fixture: Fixture) -> ClauseResult:
     return holds(wrong, f"honours {honours}, imposes {imposes}")
 
 
+@clause("A case runs to its horizon and hands over a sound trajectory.", needs_run=False)
 def trajectory(fixture: Fixture) -> ClauseResult:
     """Run the brief release: it ends at its horizon, with a trajectory that is sound."""
     samples, outcome = len(fixture.trajectory()), fixture.run(fixture.case()).outcome
@@ -88,6 +86,7 @@ def trajectory(fixture: Fixture) -> ClauseResult:
     return holds(wrong, f"{samples} samples")
 
 
+@clause("A simulation states the settings, timestep and version that were in force.")
 def report(fixture: Fixture) -> ClauseResult:
     """Compare what a simulation says of itself with what was asked."""
     case, chosen = fixture.case(), fixture.engine
@@ -109,6 +108,7 @@ def report(fixture: Fixture) -> ClauseResult:
     return holds("; ".join(wrong), f"{len(asked)} settings, {simulation.steps} steps")
 
 
+@clause("A simulation goes through pickle unchanged.")
 def pickling(fixture: Fixture) -> ClauseResult:
     """Send a simulation through pickle: it goes to and from other processes."""
     simulation = fixture.run(fixture.case())
@@ -116,153 +116,3 @@ def pickling(fixture: Fixture) -> ClauseResult:
     if back.case != simulation.case or dict(back.settings) != dict(simulation.settings):
         return holds("the case or its settings changed on the way", "")
     return same_bits(fingerprint(back) == fingerprint(simulation), "the arrays changed on the way")
-
-
-def repeats(fixture: Fixture) -> ClauseResult:
-    """Run a case twice."""
-    case = fixture.case()
-    same = fingerprint(fixture.run(case)) == fingerprint(fixture.run_anew(case))
-    return same_bits(same, "two runs of one case differ")
-
-
-def repeats_after_another(fixture: Fixture) -> ClauseResult:
-    """Run a case again after one with another can, gravity, release and timestep."""
-    first = fingerprint(fixture.run(fixture.case()))
-    can = replace(fixture.brief.can, mass=2.0 * fixture.brief.can.mass)
-    fixture.run_anew(fixture.case(replace(fixture.thrown, can=can, gravity=1.62), FINE))
-    same = fingerprint(fixture.run_anew(fixture.case())) == first
-    return same_bits(same, "a case runs otherwise after another case")
-
-
-def repeats_in_a_batch(fixture: Fixture) -> ClauseResult:
-    """Run cases together: two cans, two timesteps, and one case twice."""
-    together = features_of(fixture.engine).simulate_many
-    if together is None:
-        return not_applicable("the engine runs cases one by one")
-    can = replace(fixture.brief.can, mass=2.0 * fixture.brief.can.mass)
-    case, other = fixture.case(), fixture.case(replace(fixture.brief, can=can))
-    cases = [case, fixture.case(timestep=FINE), other, case]
-    answers = list(together(cases))
-    if len(answers) != len(cases):
-        return holds(f"{len(answers)} answers to {len(cases)} cases", "")
-    for index, (asked, answer) in enumerate(zip(cases, answers, strict=True)):
-        reason = contract_violation(answer, asked)
-        if not reason and fingerprint(answer) != fingerprint(fixture.run(asked)):
-            reason = "differs from its run alone"
-        if reason:
-            return holds(f"case {index + 1} of {len(cases)}: {reason}", "")
-    return holds("", f"equal bits in {len(cases)} cases")
-
-
-_PATIENCE = Limits(seconds=120.0)  # a fresh process imports an engine and runs 20 steps
-
-
-def repeats_in_a_fresh_process(fixture: Fixture) -> ClauseResult:
-    """Run a case in a process of its own."""
-    own = fixture.engine.name
-    if own not in names():
-        return not_applicable("the engine is not registered, so that no other process finds it")
-    with IsolatedProcessPool(1, _PATIENCE) as alone:
-        there = alone.submit(_brief_fingerprint, own).result()
-    same = there == fingerprint(fixture.run(fixture.case()))
-    return same_bits(same, "a fresh process runs a case otherwise")
-
-
-def _brief_fingerprint(own: str) -> str:
-    """Return the fingerprint of a registered engine's run of the brief release."""
-    fixture = Fixture(engine(own))
-    return fingerprint(fixture.run(fixture.case()))
-
-
-_ODD = (math.nan,) * 17
-"""A value that no setting takes: seventeen numbers that are none."""
-
-
-def unknown_setting(fixture: Fixture) -> ClauseResult:
-    """Ask for a setting that no engine has."""
-    try:
-        fixture.engine.simulate(fixture.case(no_such_setting=1.0))
-    except UnknownSettingError as error:
-        named = "no_such_setting" in str(error)
-        return holds("" if named else f"the message does not name it: {error}", str(error))
-    return holds("a setting that does not exist was taken", "")
-
-
-def wrong_value(fixture: Fixture) -> ClauseResult:
-    """Give every setting a value of another kind."""
-    if not fixture.engine.settings:
-        return not_applicable("the engine has no settings")
-    taken = []
-    for setting in fixture.engine.settings:
-        odd: dict[str, Any] = {setting.name: _ODD}
-        try:
-            fixture.engine.simulate(fixture.case(**odd))
-        except InvalidSettingError:
-            continue
-        taken.append(setting.name)
-    wrong = f"took a value of another kind: {', '.join(taken)}" if taken else ""
-    return holds(wrong, f"{len(fixture.engine.settings)} settings")
-
-
-def unsupported_effect(fixture: Fixture) -> ClauseResult:
-    """Declare every effect that the engine neither honours nor imposes."""
-    own = fixture.engine.capabilities
-    represented = {*own.honours, *own.imposes}
-    missing = [field.name for field in fields(Effects) if field.name not in represented]
-    if not missing:
-        return not_applicable("the engine honours or imposes every effect")
-    if fixture.engine.name not in names():
-        return not_applicable("the engine is not registered, so that no case reaches it")
-    taken = []
-    for effect in missing:
-        try:
-            check_effects(fixture.engine.name, replace(fixture.brief, effects=DECLARED[effect]))
-        except UnsupportedEffectError:
-            continue
-        taken.append(effect)
-    wrong = f"not refused: {', '.join(taken)}" if taken else ""
-    return holds(wrong, f"refused: {', '.join(missing)}")
-
-
-_VIOLENT = 1e8
-"""rad/s: the can would turn a hundred thousand times in a timestep of the suite."""
-
-_COARSEST = 0.5
-"""s: a timestep of a whole rocking."""
-
-_DEPTH, _SHORT = 1e-3, 5e-6
-"""m and s: a penetration that is pushed out within some steps."""
-
-
-def divergence(fixture: Fixture) -> ClauseResult:
-    """Ask for what few engines can do, and see that they say so.
-
-    Violent rates; a timestep as long as the motion; and a rim that starts inside the plane, which a
-    contact tied to a short timestep throws out at any speed.
-    """
-    if not fixture.steps:
-        return not_applicable("a solver that chooses its own steps takes as many as it needs")
-    release = fixture.brief.release
-    violent = replace(release, phi_dot=_VIOLENT, theta_dot=_VIOLENT)
-    sunk = replace(release, height=-_DEPTH)
-    told = []
-    for scene, timestep in (
-        (replace(fixture.brief, release=violent), 1e-3),
-        (replace(fixture.gentle, horizon=Horizon(seconds=20.0)), _COARSEST),
-        (replace(fixture.brief, release=sunk), _SHORT),
-    ):
-        # raises where the answer is no simulation
-        simulation = fixture.run_anew(fixture.case(scene, timestep))
-        outcome: object = simulation.outcome
-        if not isinstance(outcome, Outcome):
-            return holds(f"`outcome` is {outcome!r}, not an Outcome", "")
-        if _exploded(simulation) and outcome is not Outcome.DIVERGED:
-            return holds(f"the speed grows without bound, and the outcome is {outcome.name}", "")
-        told.append(simulation.outcome.name.lower().replace("_", " "))
-    return holds("", ", ".join(told))
-
-
-def _exploded(simulation: Simulation) -> bool:
-    """Whether the record reaches a speed that no fall gives."""
-    path = simulation.trajectory
-    return path is not None and Watch(simulation.case.scene).over(path) is Outcome.DIVERGED

@@ -1,4 +1,4 @@
-"""The motion at the release, the accelerations that follow, and the grid of the samples.
+"""The motion: at the release and after it, the same again, and the grid of its samples.
 
 The clauses about the release compare the first accelerations with rigid-body mechanics. Neither
 the reference nor an engine has a part in that: Newton's and Euler's equations are solved here. The
@@ -28,16 +28,24 @@ import numpy as np
 
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.base import features_of
-from harness.engines.conformance.fixture import (
+from harness.engines.conformance.suite import (
     BRIEF,
     COARSE,
     FINE,
     ClauseResult,
     Fixture,
+    clause,
+    fingerprint,
+    holds,
     not_applicable,
+    same_bits,
     within,
 )
+from harness.engines.contract import contract_violation
+from harness.engines.registry import engine, names
 from harness.engines.stepping.settling import UP
+from harness.execution.isolated_pool import IsolatedProcessPool
+from harness.execution.limits import Limits
 from models import (
     RESOLVED_STEP,
     Can,
@@ -110,6 +118,7 @@ SMOOTH = 1e-3
 rule over its grid of a ninth of a natural time; measured: 9e-5."""
 
 
+@clause("The first sample is the release to round-off, at static penetration.")
 def initial_state(fixture: Fixture) -> ClauseResult:
     """Compare the first sample with the release, lowered by the static penetration."""
     first, can = fixture.trajectory(), fixture.brief.can
@@ -126,6 +135,7 @@ def initial_state(fixture: Fixture) -> ClauseResult:
     return within(float(max(misses)), 16.0 * EPS, "relative", "pose and twist of the first sample")
 
 
+@clause("Mass and moments of the compiled can are the declared ones.")
 def mass_properties(fixture: Fixture) -> ClauseResult:
     """Read mass and moments back from the compiled world."""
     opens = features_of(fixture.engine).open
@@ -139,12 +149,14 @@ def mass_properties(fixture: Fixture) -> ClauseResult:
     return within(worst, 1e-12, "relative", "mass and the three moments of the compiled world")
 
 
+@clause("The first acceleration is that of a rigid can that rolls.")
 def acceleration_at_release(fixture: Fixture) -> ClauseResult:
     """Compare the first difference of the velocities with Newton's and Euler's equations."""
     error = float(_errors(fixture, fixture.trajectory())[0])
     return within(error, AT_RELEASE, "g", "acceleration over the first step, at t = 0")
 
 
+@clause("Later accelerations converge to those of a rigid can, in the first order.")
 def acceleration(fixture: Fixture) -> ClauseResult:
     """Let the timestep halve: once the contact is at rest, the error goes with it."""
     error, what = _late(fixture, COARSE), "acceleration between samples"
@@ -179,10 +191,71 @@ def _errors(fixture: Fixture, path: Trajectory) -> Floats:
     return errors
 
 
+@clause("A case run twice gives equal bits.")
+def repeats(fixture: Fixture) -> ClauseResult:
+    """Run a case twice."""
+    case = fixture.case()
+    same = fingerprint(fixture.run(case)) == fingerprint(fixture.run_anew(case))
+    return same_bits(same, "two runs of one case differ")
+
+
+@clause("A case run after another case gives equal bits.")
+def repeats_after_another(fixture: Fixture) -> ClauseResult:
+    """Run a case again after one with another can, gravity, release and timestep."""
+    first = fingerprint(fixture.run(fixture.case()))
+    can = replace(fixture.brief.can, mass=2.0 * fixture.brief.can.mass)
+    fixture.run_anew(fixture.case(replace(fixture.thrown, can=can, gravity=1.62), FINE))
+    same = fingerprint(fixture.run_anew(fixture.case())) == first
+    return same_bits(same, "a case runs otherwise after another case")
+
+
+@clause("Cases run together give the same bits as one by one.")
+def repeats_in_a_batch(fixture: Fixture) -> ClauseResult:
+    """Run cases together: two cans, two timesteps, and one case twice."""
+    together = features_of(fixture.engine).simulate_many
+    if together is None:
+        return not_applicable("the engine runs cases one by one")
+    can = replace(fixture.brief.can, mass=2.0 * fixture.brief.can.mass)
+    case, other = fixture.case(), fixture.case(replace(fixture.brief, can=can))
+    cases = [case, fixture.case(timestep=FINE), other, case]
+    answers = list(together(cases))
+    if len(answers) != len(cases):
+        return holds(f"{len(answers)} answers to {len(cases)} cases", "")
+    for index, (asked, answer) in enumerate(zip(cases, answers, strict=True)):
+        reason = contract_violation(answer, asked)
+        if not reason and fingerprint(answer) != fingerprint(fixture.run(asked)):
+            reason = "differs from its run alone"
+        if reason:
+            return holds(f"case {index + 1} of {len(cases)}: {reason}", "")
+    return holds("", f"equal bits in {len(cases)} cases")
+
+
+_PATIENCE = Limits(seconds=120.0)  # a fresh process imports an engine and runs 20 steps
+
+
+@clause("A case run in a process of its own gives equal bits.")
+def repeats_in_a_fresh_process(fixture: Fixture) -> ClauseResult:
+    """Run a case in a process of its own."""
+    own = fixture.engine.name
+    if own not in names():
+        return not_applicable("the engine is not registered, so that no other process finds it")
+    with IsolatedProcessPool(1, _PATIENCE) as alone:
+        there = alone.submit(_brief_fingerprint, own).result()
+    same = there == fingerprint(fixture.run(fixture.case()))
+    return same_bits(same, "a fresh process runs a case otherwise")
+
+
+def _brief_fingerprint(own: str) -> str:
+    """Return the fingerprint of a registered engine's run of the brief release."""
+    fixture = Fixture(engine(own))
+    return fingerprint(fixture.run(fixture.case()))
+
+
 _ODD = 7e-4
 """s: a timestep that does not divide the horizon."""
 
 
+@clause("Samples start at t = 0 and time increases strictly.")
 def starts(fixture: Fixture) -> ClauseResult:
     """Look at the first instant and at the smallest distance between two."""
     time = fixture.trajectory().time
@@ -192,6 +265,7 @@ def starts(fixture: Fixture) -> ClauseResult:
     return within(abs(float(time[0])), 0.0, "s", f"first instant of {len(time)}, all increasing")
 
 
+@clause("Samples are dense by angle, so that turns can be counted.")
 def dense(fixture: Fixture) -> ClauseResult:
     """Look at how far the precession gets between samples, through the whole bounce.
 
@@ -208,6 +282,7 @@ def dense(fixture: Fixture) -> ClauseResult:
     return within(float(turn.max()), float(RESOLVED_STEP), "rad", detail)
 
 
+@clause("Samples end at the horizon, whether or not the timestep divides it.")
 def ends(fixture: Fixture) -> ClauseResult:
     """Look at the last instant, where the timestep divides the horizon and where it does not."""
     worst = 0.0
@@ -221,6 +296,7 @@ def ends(fixture: Fixture) -> ClauseResult:
     return within(worst, 1.0, "timesteps", "from the last sample to a horizon of 20 ms")
 
 
+@clause("A longer horizon does not change what happens before.")
 def horizon(fixture: Fixture) -> ClauseResult:
     """Let the horizon double: the first half of the run stays what it was."""
     if not fixture.steps:

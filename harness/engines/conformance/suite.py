@@ -1,75 +1,200 @@
-"""The contract in full: every clause, in order, and its result for an engine."""
+"""The suite: its scenes, cases and shared runs, its clauses, and their results for an engine.
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+Every scene is the release `gentle-rock` of the catalogue: for 20 ms, of which every timestep is
+recorded; through its bounce; or thrown so that it flies. A clause passes, fails or does not apply,
+and says by which number. The clauses are in the modules of this package, whose order, and that of
+the clauses in each, is the one in which they are worth reading.
+"""
 
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from enum import Enum
+
+from harness.core.case import Case, Value
+from harness.core.simulation import Simulation
+from harness.core.trajectory import Trajectory
 from harness.engines.base import Engine
-from harness.engines.conformance import answers, effects, motion
-from harness.engines.conformance.fixture import (
-    BrokenContractError,
-    ClauseResult,
-    ClauseStatus,
-    Fixture,
-    holds,
-    not_applicable,
-)
+from harness.engines.contract import contract_violation
+from models import Horizon, Scene, load
 
-_PROMISES: Mapping[Callable[[Fixture], ClauseResult], str] = {
-    answers.name: "The name fits a command line, a file name and a table.",
-    answers.version: "The version is a text.",
-    answers.settings: "Each setting is named once, explained, and takes its own values.",
-    answers.capabilities: "What is honoured is an effect of scenes; what is imposed has a "
-    "sentence.",
-    answers.trajectory: "A case runs to its horizon and hands over a sound trajectory.",
-    answers.report: "A simulation states the settings, timestep and version that were in force.",
-    answers.pickling: "A simulation goes through pickle unchanged.",
-    motion.initial_state: "The first sample is the release to round-off, at static penetration.",
-    motion.mass_properties: "Mass and moments of the compiled can are the declared ones.",
-    motion.acceleration_at_release: "The first acceleration is that of a rigid can that rolls.",
-    motion.acceleration: "Later accelerations converge to those of a rigid can, in the first "
-    "order.",
-    answers.repeats: "A case run twice gives equal bits.",
-    answers.repeats_after_another: "A case run after another case gives equal bits.",
-    answers.repeats_in_a_batch: "Cases run together give the same bits as one by one.",
-    answers.repeats_in_a_fresh_process: "A case run in a process of its own gives equal bits.",
-    motion.starts: "Samples start at t = 0 and time increases strictly.",
-    motion.dense: "Samples are dense by angle, so that turns can be counted.",
-    motion.ends: "Samples end at the horizon, whether or not the timestep divides it.",
-    motion.horizon: "A longer horizon does not change what happens before.",
-    answers.unknown_setting: "A setting that does not exist is refused by name.",
-    answers.wrong_value: "A value of another kind than the setting's is refused.",
-    answers.unsupported_effect: "A scene that declares what the engine cannot represent is "
-    "refused.",
-    effects.friction: "Where slip is honoured, friction reaches what is declared and not more.",
-    effects.laws_of_effects: "Each effect that is honoured follows its law in the compiled world.",
-    effects.motion_with_effects: "With an effect that is honoured the can moves as the exact "
-    "equations say.",
-    answers.divergence: "What no engine can do ends with an outcome, not with an exception.",
-    effects.flight: "Where nothing touches there is no contact point and no force.",
-    effects.newton: "The contact force is the one that changed the velocity.",
-    effects.same_instant: "The contact point is the lowest point of the rim of the same state.",
-}
-"""What looks, and what an adapter promises; whatever a look raises is a failure of the adapter."""
+COARSE = 1e-3
+"""s: longer than the recorder's time step for the can of the suite, so that no step is left out."""
 
-CLAUSES = {look.__name__.replace("_", " "): look for look in _PROMISES}
+FINE = 1e-4
+"""s: the bounce of the suite's scene is resolved."""
+
+BRIEF = 0.02
+"""s: long enough for a contact to come to rest, too short for the bounce."""
+
+
+class BrokenContractError(Exception):
+    """A run that is no simulation of its case; the message says why."""
+
+
+class Fixture:
+    """One engine under test.
+
+    Parameters
+    ----------
+    engine : Engine
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        self.gentle: Scene = load("gentle-rock")
+        self.brief: Scene = replace(self.gentle, horizon=Horizon(seconds=BRIEF))
+        release = replace(self.gentle.release, phi_dot=60.0)  # the centre outruns the falling rim
+        self.thrown: Scene = replace(self.gentle, release=release, horizon=Horizon(seconds=5e-3))
+        self._runs: dict[Case, Simulation] = {}
+
+    @property
+    def steps(self) -> bool:
+        """Whether the engine takes timesteps, rather than choosing its own."""
+        return self.engine.timestep(Case(scene=self.brief, engine=self.engine.name)) is not None
+
+    def case(self, scene: Scene | None = None, timestep: float = COARSE, **options: Value) -> Case:
+        """Return a case of the engine, matched, of the brief release if no scene is given.
+
+        The timestep is left out where the engine takes none.
+        """
+        return Case(
+            scene=self.brief if scene is None else scene,
+            engine=self.engine.name,
+            timestep=timestep if self.steps else None,
+            options=tuple(options.items()),
+        )
+
+    def run(self, case: Case) -> Simulation:
+        """Return a run of a case, the same one whenever it is asked for."""
+        if case not in self._runs:
+            self._runs[case] = self.run_anew(case)
+        return self._runs[case]
+
+    def run_anew(self, case: Case) -> Simulation:
+        """Run a case.
+
+        Raises
+        ------
+        BrokenContractError
+            If the answer is no simulation of it.
+        """
+        answer = self.engine.simulate(case)
+        reason = contract_violation(answer, case)
+        if reason:
+            raise BrokenContractError(reason)
+        return answer
+
+    def trajectory(self, case: Case | None = None) -> Trajectory:
+        """Return the trajectory of a run, of the brief release if no case is given.
+
+        Raises
+        ------
+        BrokenContractError
+            If there is none.
+        """
+        simulation = self.run(self.case() if case is None else case)
+        if simulation.trajectory is None:
+            reason = f"no trajectory: {simulation.outcome.value} {simulation.note}".strip()
+            raise BrokenContractError(reason)
+        return simulation.trajectory
+
+
+def fingerprint(simulation: Simulation) -> str:
+    """Return a line that differs where a bit differs; times and cost are not in it."""
+    digest = hashlib.sha256()
+    if simulation.trajectory is not None:
+        for field in fields(Trajectory):
+            digest.update(getattr(simulation.trajectory, field.name).tobytes())
+    return f"{simulation.outcome.name} {simulation.steps} {digest.hexdigest()}"
+
+
+class ClauseStatus(Enum):
+    """How a check ended."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    NOT_APPLICABLE = "not applicable"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClauseResult:
+    """The result of one check.
+
+    Parameters
+    ----------
+    name, sentence : str
+        Of the clause; empty until `conform` puts them in.
+    result : ClauseStatus
+    number, allowed : float or None
+        What was measured, and the most that passes; None where the answer is yes or no.
+    unit : str
+    detail : str
+        What was looked at, or what was wrong.
+    """
+
+    name: str = ""
+    sentence: str = ""
+    result: ClauseStatus
+    number: float | None = None
+    allowed: float | None = None
+    unit: str = ""
+    detail: str = ""
+
+
+def within(number: float, allowed: float, unit: str, detail: str) -> ClauseResult:
+    """Return passed if a number is at most what is allowed; a number that is none fails."""
+    result = ClauseStatus.PASSED if number <= allowed else ClauseStatus.FAILED
+    return ClauseResult(result=result, number=number, allowed=allowed, unit=unit, detail=detail)
+
+
+def holds(wrong: str, detail: str) -> ClauseResult:
+    """Return failed with what is wrong, or passed with what was looked at if nothing is."""
+    result = ClauseStatus.FAILED if wrong else ClauseStatus.PASSED
+    return ClauseResult(result=result, detail=wrong or detail)
+
+
+def same_bits(same: bool, wrong: str) -> ClauseResult:  # noqa: FBT001 - the one question
+    """Return passed if the bits of two runs are the same, or failed with what differs."""
+    return holds("" if same else wrong, "equal bits")
+
+
+def not_applicable(why: str) -> ClauseResult:
+    """Return that a check does not apply."""
+    return ClauseResult(result=ClauseStatus.NOT_APPLICABLE, detail=why)
+
+
+Look = Callable[[Fixture], ClauseResult]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clause:
+    """A promise of an adapter in a sentence, and what looks whether it is kept.
+
+    `needs_run` is false where there is something to look at though no run hands over a trajectory.
+    """
+
+    sentence: str
+    look: Look
+    needs_run: bool
+
+
+CLAUSES: dict[str, Clause] = {}
 """Every clause by its name, in the order in which they are worth reading."""
 
-_RUNS = "trajectory"
 
-_WITHOUT_A_RUN = frozenset(
-    {
-        "name",
-        "version",
-        "settings",
-        "capabilities",
-        "trajectory",
-        "unknown setting",
-        "wrong value",
-        "unsupported effect",
-        "divergence",
-    }
-)
-"""Clauses that have something to look at where no run hands over a trajectory."""
+def clause(sentence: str, *, needs_run: bool = True) -> Callable[[Look], Look]:
+    """Return a decorator that makes a clause of what looks; its name is that of the function."""
+
+    def registered(look: Look) -> Look:
+        name = look.__name__.replace("_", " ")
+        CLAUSES[name] = Clause(sentence=sentence, look=look, needs_run=needs_run)
+        return look
+
+    return registered
+
+
+_RUNS = "trajectory"
 
 
 def conform(engine: Engine) -> tuple[ClauseResult, ...]:
@@ -82,18 +207,18 @@ def conform(engine: Engine) -> tuple[ClauseResult, ...]:
     """
     fixture, results = Fixture(engine), list[ClauseResult]()
     runs = True
-    for name, look in CLAUSES.items():
-        if runs or name in _WITHOUT_A_RUN:
-            result = _look(look, fixture)
+    for name, each in CLAUSES.items():
+        if runs or not each.needs_run:
+            result = _look(each.look, fixture)
         else:
             result = not_applicable(f"needs a run that passes the check '{_RUNS}'")
         if name == _RUNS:
             runs = result.result is ClauseStatus.PASSED
-        results.append(replace(result, name=name, sentence=_PROMISES[look]))
+        results.append(replace(result, name=name, sentence=each.sentence))
     return tuple(results)
 
 
-def _look(look: Callable[[Fixture], ClauseResult], fixture: Fixture) -> ClauseResult:
+def _look(look: Look, fixture: Fixture) -> ClauseResult:
     """Return the result of a clause; whatever the adapter raises is a failure of it."""
     try:
         return look(fixture)

@@ -1,4 +1,4 @@
-"""Effects and contact: what an engine must honour, and what it must report of its contact.
+"""What a case asks of an engine: settings and effects, refused, honoured or ended; and the contact.
 
 An effect that an engine honours is probed by its law in the compiled world, as before every run;
 where a rigid can carries the effect, the motion must be the one that the exact equations give with
@@ -13,16 +13,21 @@ is a force of the wrong instant; half of that is what a force at either end may 
 mean.
 """
 
-from dataclasses import replace
+import math
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
+from harness.core.errors import InvalidSettingError, UnknownSettingError, UnsupportedEffectError
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import features_of
-from harness.engines.conformance.fixture import (
+from harness.engines.conformance.suite import (
     FINE,
     BrokenContractError,
     ClauseResult,
     Fixture,
+    clause,
     holds,
     not_applicable,
     within,
@@ -30,6 +35,8 @@ from harness.engines.conformance.fixture import (
 from harness.engines.parity.checks import parity
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import truth
+from harness.engines.registry import check_effects, names
+from harness.engines.stepping.horizon import Watch
 from models import (
     IDEAL,
     Compliance,
@@ -72,7 +79,60 @@ MISSED = 0.1
 """Share of what an effect does that an engine may miss at a timestep of 1e-4. A law that is off by
 a tenth costs as much; the first-order error of the engines costs 0.01 to 0.03."""
 
+_ODD = (math.nan,) * 17
+"""A value that no setting takes: seventeen numbers that are none."""
 
+
+@clause("A setting that does not exist is refused by name.", needs_run=False)
+def unknown_setting(fixture: Fixture) -> ClauseResult:
+    """Ask for a setting that no engine has."""
+    try:
+        fixture.engine.simulate(fixture.case(no_such_setting=1.0))
+    except UnknownSettingError as error:
+        named = "no_such_setting" in str(error)
+        return holds("" if named else f"the message does not name it: {error}", str(error))
+    return holds("a setting that does not exist was taken", "")
+
+
+@clause("A value of another kind than the setting's is refused.", needs_run=False)
+def wrong_value(fixture: Fixture) -> ClauseResult:
+    """Give every setting a value of another kind."""
+    if not fixture.engine.settings:
+        return not_applicable("the engine has no settings")
+    taken = []
+    for setting in fixture.engine.settings:
+        odd: dict[str, Any] = {setting.name: _ODD}
+        try:
+            fixture.engine.simulate(fixture.case(**odd))
+        except InvalidSettingError:
+            continue
+        taken.append(setting.name)
+    wrong = f"took a value of another kind: {', '.join(taken)}" if taken else ""
+    return holds(wrong, f"{len(fixture.engine.settings)} settings")
+
+
+@clause("A scene that declares what the engine cannot represent is refused.", needs_run=False)
+def unsupported_effect(fixture: Fixture) -> ClauseResult:
+    """Declare every effect that the engine neither honours nor imposes."""
+    own = fixture.engine.capabilities
+    represented = {*own.honours, *own.imposes}
+    missing = [field.name for field in fields(Effects) if field.name not in represented]
+    if not missing:
+        return not_applicable("the engine honours or imposes every effect")
+    if fixture.engine.name not in names():
+        return not_applicable("the engine is not registered, so that no case reaches it")
+    taken = []
+    for effect in missing:
+        try:
+            check_effects(fixture.engine.name, replace(fixture.brief, effects=DECLARED[effect]))
+        except UnsupportedEffectError:
+            continue
+        taken.append(effect)
+    wrong = f"not refused: {', '.join(taken)}" if taken else ""
+    return holds(wrong, f"refused: {', '.join(missing)}")
+
+
+@clause("Where slip is honoured, friction reaches what is declared and not more.")
 def friction(fixture: Fixture) -> ClauseResult:
     """Put the can on a slippery plane, if the engine says that it honours slip."""
     if "slip" not in fixture.engine.capabilities.honours:
@@ -91,6 +151,7 @@ def friction(fixture: Fixture) -> ClauseResult:
     return within(over, 1e-3, "relative", f"friction ratio beyond the declared {SLIPPERY}")
 
 
+@clause("Each effect that is honoured follows its law in the compiled world.")
 def laws_of_effects(fixture: Fixture) -> ClauseResult:
     """Probe each effect that the engine says it honours in the compiled world."""
     chosen, opens = fixture.engine, features_of(fixture.engine).open
@@ -106,6 +167,7 @@ def laws_of_effects(fixture: Fixture) -> ClauseResult:
     return within(float(len(wrong)), 0.0, "quantities", "; ".join(wrong) or detail)
 
 
+@clause("With an effect that is honoured the can moves as the exact equations say.")
 def motion_with_effects(fixture: Fixture) -> ClauseResult:
     """Compare the motion with each effect with the exact motions with and without it."""
     worst, named = 0.0, []
@@ -140,6 +202,52 @@ def _missed(fixture: Fixture, scene: Scene) -> float:
     return float(np.linalg.norm(path.position - exact.position, axis=1).max() / taken)
 
 
+_VIOLENT = 1e8
+"""rad/s: the can would turn a hundred thousand times in a timestep of the suite."""
+
+_COARSEST = 0.5
+"""s: a timestep of a whole rocking."""
+
+_DEPTH, _SHORT = 1e-3, 5e-6
+"""m and s: a penetration that is pushed out within some steps."""
+
+
+@clause("What no engine can do ends with an outcome, not with an exception.", needs_run=False)
+def divergence(fixture: Fixture) -> ClauseResult:
+    """Ask for what few engines can do, and see that they say so.
+
+    Violent rates; a timestep as long as the motion; and a rim that starts inside the plane, which a
+    contact tied to a short timestep throws out at any speed.
+    """
+    if not fixture.steps:
+        return not_applicable("a solver that chooses its own steps takes as many as it needs")
+    release = fixture.brief.release
+    violent = replace(release, phi_dot=_VIOLENT, theta_dot=_VIOLENT)
+    sunk = replace(release, height=-_DEPTH)
+    told = []
+    for scene, timestep in (
+        (replace(fixture.brief, release=violent), 1e-3),
+        (replace(fixture.gentle, horizon=Horizon(seconds=20.0)), _COARSEST),
+        (replace(fixture.brief, release=sunk), _SHORT),
+    ):
+        # raises where the answer is no simulation
+        simulation = fixture.run_anew(fixture.case(scene, timestep))
+        outcome: object = simulation.outcome
+        if not isinstance(outcome, Outcome):
+            return holds(f"`outcome` is {outcome!r}, not an Outcome", "")
+        if _exploded(simulation) and outcome is not Outcome.DIVERGED:
+            return holds(f"the speed grows without bound, and the outcome is {outcome.name}", "")
+        told.append(simulation.outcome.name.lower().replace("_", " "))
+    return holds("", ", ".join(told))
+
+
+def _exploded(simulation: Simulation) -> bool:
+    """Whether the record reaches a speed that no fall gives."""
+    path = simulation.trajectory
+    return path is not None and Watch(simulation.case.scene).over(path) is Outcome.DIVERGED
+
+
+@clause("Where nothing touches there is no contact point and no force.")
 def flight(fixture: Fixture) -> ClauseResult:
     """Throw the can up: where nothing touches there is no contact point, and no force."""
     if not fixture.steps:
@@ -168,6 +276,7 @@ SAME = 0.1
 sample to sample: 1 is the next instant. A tenth is left to engines that round the rim a little."""
 
 
+@clause("The contact force is the one that changed the velocity.")
 def newton(fixture: Fixture) -> ClauseResult:
     """Compare the force of each sample with the change of the velocity up to the next."""
     path = fixture.trajectory()
@@ -185,6 +294,7 @@ def newton(fixture: Fixture) -> ClauseResult:
     return within(ratio, NEWTON, "1", detail)
 
 
+@clause("The contact point is the lowest point of the rim of the same state.")
 def same_instant(fixture: Fixture) -> ClauseResult:
     """Compare the contact point of each sample with the lowest point of the rim."""
     path = fixture.trajectory(fixture.case(fixture.gentle, FINE))
