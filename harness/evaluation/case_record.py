@@ -17,12 +17,11 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
-from harness.core.trajectory import Trajectory
-from harness.engines.base import World, features_of
+from harness.engines.base import features_of
 from harness.engines.reference.truth import Truth, solve_case, truth
 from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.schedule import SMALLEST_SHARE, Adaptive
+from harness.engines.stepping.physics_engine import schedule_of
 from harness.evaluation.evaluate import evaluate_case, failed_evaluation
 from harness.evaluation.evaluation import Record
 from harness.execution.worker import LostTaskError
@@ -58,49 +57,20 @@ def iterations(simulation: Simulation) -> float | None:
         return None
     world = opens(case)
     places = np.unique(np.linspace(0, len(trajectory) - 2, _INSTANTS).astype(np.int64))
-    steps = np.array([_timestep(simulation, trajectory, place) for place in places.tolist()])
-    gaps = np.diff(trajectory.time)[places]
-    found = np.empty(len(places))
+    steps, found = np.empty(len(places)), np.empty(len(places))
     for number, place in enumerate(places.tolist()):
+        quaternion, spin = trajectory.quaternion[place], trajectory.angular_velocity[place]
+        stage = schedule_of(simulation)[0].next(quaternion.tolist(), spin.tolist())
+        steps[number] = simulation.timestep if stage is None else stage.timestep
         if hasattr(world, "set_timestep"):
             world.set_timestep(float(steps[number]))
-        found[number] = _counted(world, trajectory, place, count)
-    weight = gaps / steps
+        world.place(
+            Pose(position=trajectory.position[place], quaternion=quaternion),
+            Twist(velocity=trajectory.velocity[place], angular_velocity=spin),
+        )
+        found[number] = [count(world) for _ in range(_STEPS)][-1]
+    weight = np.diff(trajectory.time)[places] / steps
     return float(np.sum(weight * found) / np.sum(weight))
-
-
-def _counted(world: World, trajectory: Trajectory, place: int, count: object) -> int:
-    """Return the iterations of the third step from an instant on."""
-    world.place(
-        Pose(position=trajectory.position[place], quaternion=trajectory.quaternion[place]),
-        Twist(
-            velocity=trajectory.velocity[place],
-            angular_velocity=trajectory.angular_velocity[place],
-        ),
-    )
-    found = 0
-    for _ in range(_STEPS):
-        found = count(world)  # type: ignore[operator]
-    return found
-
-
-def _timestep(simulation: Simulation, trajectory: Trajectory, place: int) -> float:
-    """Return the timestep in force at an instant, s."""
-    case, fixed = simulation.case, simulation.timestep
-    if fixed is None:
-        raise ValueError("a solver that chooses its own steps has no iterations to count")
-    if case.profile != "adaptive":
-        return fixed
-    natural = natural_time(case.scene)
-    stage = Adaptive(
-        case.scene.can,
-        largest=fixed,
-        smallest=SMALLEST_SHARE * natural,
-        limit=natural,
-        eta=float(simulation.settings["eta"]),  # type: ignore[arg-type]
-        unit=natural,
-    ).next(trajectory.quaternion[place].tolist(), trajectory.angular_velocity[place].tolist())
-    return fixed if stage is None else stage.timestep
 
 
 _AT_A_TIME = 2000
@@ -144,6 +114,7 @@ def lost_errors(case: Case, error: LostTaskError) -> Record:
 def _record(
     simulation: Simulation, simulated: float | None, found: Mapping[str, float | None]
 ) -> Record:
+    each = iterations(simulation) if simulation.steps else None
     return {
         "outcome": simulation.outcome.name,
         "note": simulation.note,
@@ -152,7 +123,7 @@ def _record(
         "timestep_s": simulation.timestep,
         "steps": simulation.steps,
         "constraint_rows": simulation.constraint_rows,
-        "solver_iterations": _iterations(simulation),
+        "solver_iterations": None if each is None else each * simulation.steps,
         "simulated_s": simulated,
         "cpu_s": simulation.cpu_s,
         "setup_s": simulation.setup_s,
@@ -191,12 +162,3 @@ def _of_solution(own: Truth, exact: Truth) -> dict[str, float | None]:
             "peak_friction_ratio": mine.peak_friction_ratio - true.peak_friction_ratio,
         }
     return found
-
-
-def _iterations(simulation: Simulation) -> float | None:
-    """Return the solver's iterations over the whole run, if they can be counted."""
-    trajectory = simulation.trajectory
-    if trajectory is None or not simulation.steps:
-        return None
-    each = iterations(simulation)
-    return None if each is None else each * simulation.steps

@@ -19,8 +19,13 @@ from harness.core.errors import HarnessError
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import features_of
 from harness.engines.contract import contract_violation
-from harness.engines.reference.batch import SENTENCES, Releases, bounces_of, epsilon_of
-from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.to_reference_problem import (
+    SENTENCES,
+    Releases,
+    bounces_of,
+    epsilon_of,
+    refusal,
+)
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine
 from harness.evaluation.evaluate import failed_simulation, simulate_case

@@ -1,7 +1,7 @@
 """Checks of an exact motion: whether a scene has one, its assumptions, and when copies part."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from harness.core.errors import InvalidSettingError
@@ -10,36 +10,10 @@ from harness.engines.reference.truth import Truth, sample_truth, truth
 from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
-from reference import Finding, Outcome, divergence, examine
+from reference import Finding, Guard, Outcome, divergence, examine
 
 PARTED = 0.1
 """Angle between orientations, rad, from which two motions have nothing to do with each other."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Guard:
-    """What the assumptions of a model came to, over a whole motion.
-
-    Parameters
-    ----------
-    friction_ratio : float
-        Largest |F|/N: of a rim that never slips the friction that it needs; infinite where the
-        plane would have to pull.
-    normal_force : float
-        The least, N.
-    phi_min, phi_max : float
-        rad.
-    gap : float
-        Least height of the far rim above the plane, m.
-    findings : tuple of Finding
-    """
-
-    friction_ratio: float
-    normal_force: float
-    phi_min: float
-    phi_max: float
-    gap: float
-    findings: tuple[Finding, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,17 +46,11 @@ class Divergence:
 
 @lru_cache(maxsize=64)
 def check_assumptions(motion: Truth) -> Guard:
-    """Look at an exact motion again: does it keep to what its model assumes."""
-    scene = motion.scene
-    found = examine(motion.solution, sample_truth(motion).time / natural_time(scene))
-    return Guard(
-        friction_ratio=found.friction_ratio,
-        normal_force=found.normal_force * scene.can.mass * scene.gravity,
-        phi_min=found.phi_min,
-        phi_max=found.phi_max,
-        gap=found.gap * scene.can.radius,
-        findings=found.findings,
-    )
+    """Return what the assumptions of a model came to over an exact motion, in N, rad and m."""
+    can, gravity = motion.scene.can, motion.scene.gravity
+    found = examine(motion.solution, sample_truth(motion).time / natural_time(motion.scene))
+    weight = can.mass * gravity
+    return replace(found, normal_force=found.normal_force * weight, gap=found.gap * can.radius)
 
 
 def findings(scene: Scene) -> tuple[Finding, ...]:

@@ -41,7 +41,7 @@ from harness.engines.stepping.schedule import (
     power_of_two,
 )
 from harness.engines.stepping.settling import settle
-from models import InvalidValueError, Pose, Scene, Twist
+from models import InvalidValueError, Scene
 from models.kinematics import half_angles
 from models.rim import released
 
@@ -173,20 +173,8 @@ class PhysicsEngine(ABC, Generic[W]):
         UnknownSettingError, InvalidSettingError
             If the case asks for what the engine does not have.
         """
-        prepared, pose, twist = self._prepare(case)
-        if pose is None or twist is None:
-            return prepared
-        world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
-        world.place(pose, twist)
-        return self._run(world, prepared)
-
-    def _prepare(self, case: Case) -> tuple[Simulation, Pose | None, Twist | None]:
-        """Return a case checked and settled: what is known before the run, and its release.
-
-        Without a release the run is over before it began, and its outcome says why.
-        """
         started = time.perf_counter()
-        empty = Simulation(
+        prepared = Simulation(
             case=case,
             outcome=Outcome.MISMATCH,
             trajectory=None,
@@ -196,20 +184,21 @@ class PhysicsEngine(ABC, Generic[W]):
             settings=self.resolve(case),
         )
         pose, twist = released(case.scene)
-        rows: tuple[ParityRow, ...] = ()
+        depth = 0.0
         try:
-            rows = self.parity(case)
-            differing = ", ".join(row.quantity for row in rows if row.verdict == "mismatch")
-            if differing:
-                setup = time.perf_counter() - started
-                return replace(empty, note=differing, parity=rows, setup_s=setup), None, None
-            depth, pose = settle(self.open(case), case.scene, pose, twist)
+            prepared = replace(prepared, parity=self.parity(case))
+            differing = [row.quantity for row in prepared.parity if row.verdict == "mismatch"]
+            if not differing:
+                depth, pose = settle(self.open(case), case.scene, pose, twist)
         except InvalidValueError as error:  # a pose or twist read back holds no numbers
             note = f"within the probes before the run: {error}"
-            return replace(empty, outcome=Outcome.DIVERGED, note=note, parity=rows), None, None
+            return replace(prepared, outcome=Outcome.DIVERGED, note=note)
         setup = time.perf_counter() - started
-        done = replace(empty, parity=rows, setup_s=setup, static_penetration=depth)
-        return done, pose, twist
+        if differing:
+            return replace(prepared, note=", ".join(differing), setup_s=setup)
+        world = self.open(case)  # a fresh one, so that nothing of the probes is left in it
+        world.place(pose, twist)
+        return self._run(world, replace(prepared, setup_s=setup, static_penetration=depth))
 
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases, with the same results as one by one; an engine may know a faster way."""
@@ -222,7 +211,7 @@ class PhysicsEngine(ABC, Generic[W]):
 
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
-        schedule, size = self._schedule(prepared)
+        schedule, size = schedule_of(prepared)
         prediction = HorizonPrediction(prepared.case.scene)
 
         def seen(kept: Trajectory) -> None:
@@ -235,25 +224,28 @@ class PhysicsEngine(ABC, Generic[W]):
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         return replace(done, wall_s=wall, cpu_s=cpu)
 
-    def _schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
-        """Return the schedule of a case, and how many steps to take between two looks."""
-        case, timestep = prepared.case, self.timestep(prepared.case)
-        scene, limit = case.scene, longest_time(case.scene)
-        sampling = SamplingInterval(natural_time(scene) / SAMPLES_IN_TIME)
-        if case.profile != "adaptive":
-            fixed = Fixed(timestep, limit, _size(HorizonPrediction(scene), timestep), _FIRST)
-            fixed.sampling = sampling
-            return fixed, 1  # a stage is a chunk
-        adaptive = Adaptive(
-            scene.can,
-            largest=timestep,
-            smallest=SMALLEST_SHARE * natural_time(scene),
-            limit=limit,
-            eta=float(prepared.settings["eta"]),  # type: ignore[arg-type]
-            unit=natural_time(scene),
+
+def schedule_of(prepared: Simulation) -> tuple[Schedule, int]:
+    """Return the schedule of a case that steps, and how many steps to take between two looks.
+
+    Of what was prepared the case, the timestep and the settings count.
+    """
+    scene, timestep = prepared.case.scene, prepared.timestep or 0.0
+    unit, limit = natural_time(scene), longest_time(scene)
+    schedule: Schedule
+    if prepared.case.profile == "adaptive":
+        eta, smallest = float(prepared.settings["eta"]), SMALLEST_SHARE * unit  # type: ignore[arg-type]
+        schedule, size = (
+            Adaptive(
+                scene.can, largest=timestep, smallest=smallest, limit=limit, eta=eta, unit=unit
+            ),
+            _ADAPTIVE_LOOK,
         )
-        adaptive.sampling = sampling
-        return adaptive, _ADAPTIVE_LOOK
+    else:
+        first = _size(HorizonPrediction(scene), timestep)
+        schedule, size = Fixed(timestep, limit, first, _FIRST), 1  # a stage is a chunk
+    schedule.sampling = SamplingInterval(unit / SAMPLES_IN_TIME)
+    return schedule, size
 
 
 def _size(prediction: HorizonPrediction, timestep: float) -> int:

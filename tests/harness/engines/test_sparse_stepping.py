@@ -9,6 +9,7 @@ from harness.core.case import Case
 from harness.core.simulation import Simulation
 from harness.engines.mujoco import engine as mujoco_engine
 from harness.engines.registry import engine
+from harness.engines.stepping.physics_engine import schedule_of
 from models import Horizon, Scene, load
 
 
@@ -44,7 +45,7 @@ def test_coarse_steps_and_shaken_planes_are_looked_at_step_by_step() -> None:
         for timestep, expected in ((1e-6, sparse), (1e-4, False)):
             case = Case(scene=load(name), engine="mujoco", timestep=timestep)
             prepared = chosen.simulate(replace(case, scene=replace(case.scene, horizon=SHORT)))
-            schedule, _ = chosen._schedule(prepared)  # noqa: SLF001 - what a run is stepped by
+            schedule, _ = schedule_of(prepared)
             sampling = mujoco_engine.sparse_sampling(chosen.open(case), schedule)
             assert (sampling is not None) is expected
 
