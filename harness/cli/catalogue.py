@@ -11,11 +11,12 @@ import typer
 
 from harness.cli import terminal
 from harness.cli.run_options import Json, SceneName
+from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, MissingPackageError
 from harness.core.scene_limits import check_scene_limits
 from harness.engines.base import Setting
 from harness.engines.conformance import ClauseStatus, conform
-from harness.engines.probes import design, measure
+from harness.engines.probes import measure
 from harness.engines.registry import engine, names
 from models.catalogue import load
 from models.catalogue import names as scene_names
@@ -124,8 +125,9 @@ def check(
 
 def _measure(name: str, profile: str, timestep: float | None, *, json: bool) -> None:
     """Print what an engine adds of its own accord."""
-    (case,) = design((name,), (profile,), timestep)
-    found = measure(case)
+    # the can and the gravity of this scene are probed; the release is each probe's own
+    scene = load("gentle-rock")
+    found = measure(Case(scene=scene, engine=name, profile=profile, timestep=timestep))
     findings = [asdict(finding) for finding in found.findings]
     if json:
         told = {

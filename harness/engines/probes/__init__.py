@@ -1,5 +1,6 @@
 """What an engine adds to a can of its own accord, measured: one probe for each effect."""
 
-from harness.engines.probes.survey import PROBES, Measurement, ProbeFinding, design, measure
+from harness.engines.probes import contact, flight  # noqa: F401 - the probes, in the order of report
+from harness.engines.probes.survey import PROBES, Measurement, ProbeFinding, measure
 
-__all__ = ["PROBES", "Measurement", "ProbeFinding", "design", "measure"]
+__all__ = ["PROBES", "Measurement", "ProbeFinding", "measure"]

@@ -1,4 +1,9 @@
-"""Probes of the contact: rim, contact points, friction compliance, stabilisation, compliance.
+"""Probes of a can under its weight: compliance, friction compliance, rim, contact points.
+
+Compliance. The can is balanced on its rim, at rest with its centre above the contact point
+(eq:phistar), so that the load is its weight exactly; gravity is varied to vary the load. The depth
+is the one at which one step leaves the contact at rest, and it is read again from the engine's
+contact after a while.
 
 Rim. The lowest point of an ideal can is z(phi) = R sin phi + H cos phi below the centre, whatever
 the azimuth. A prism with n sides reaches as far at its corners and less between them, by
@@ -25,16 +30,6 @@ the contact point and z = R sin phi + H cos phi above it, energy and Newton's la
 so the friction that holds the rim is known from phi alone. Every speed that the solver leaves at
 the point where it pushed is creep; mass and moment are the engine's own, so that a wrong moment
 does not pass for creep.
-
-Stabilisation. Without gravity a can at rest stays at rest. Placed a little inside the plane,
-balanced so that the contact force goes through its centre, it is pushed out by a contact that
-corrects positions by velocities: speed and energy out of nothing. A true plane that takes up an
-impact without rebound leaves no speed at all.
-
-Compliance. The can is balanced on its rim, at rest with its centre above the contact point
-(eq:phistar), so that the load is its weight exactly; gravity is varied to vary the load. The depth
-is the one at which one step leaves the contact at rest, and it is read again from the engine's
-contact after a while.
 """
 
 import math
@@ -45,70 +40,39 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.trajectory import Floats
-from harness.engines.probes.fixture import Opener, Reading, aloft, follow, leaning, with_gravity
+from harness.engines.probes.survey import Opener, Reading, follow, leaning, probe, with_gravity
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.settling import (
-    AT_REST,
-    LIFT,
-    UP,
-    hovering_distance,
-    lowered,
-    moving,
-    touching_pose,
-)
-from models import Can, Twist, angles, contact_offset
+from harness.engines.stepping.settling import LIFT, hovering_distance
+from models import Can, angles, contact_offset
 
-TILTS = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2)
-"""rad."""
+LOADS = (0.25, 0.5, 1.0, 1.5)
+"""Weights of the can."""
 
-AZIMUTHS = 256
-"""Positions round the rim: eight to a side of a prism with 32."""
+_HELD = 0.1
+"""Natural times for which the load is held: a balanced can has tipped by a thousandth of its
+deviation's growth, exp(0.1), so that it still stands where it was put."""
 
 
-def rim(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield sides of a polygon, its sagitta, the radius of a fillet, and a swelling."""
-    world, can, tilts = engine.open(case), case.scene.can, np.array(TILTS)
-    azimuths: Floats = np.arange(AZIMUTHS) * np.float64(2.0 * math.pi / AZIMUTHS)
-    # how much lower the collider reaches than an ideal can, by tilt and azimuth
-    found = np.array(
-        [
-            [LIFT * can.radius - hovering_distance(world, can, phi, theta) for theta in azimuths]
-            for phi in TILTS
-        ]
-    )
-    spread, corners = np.ptp(found, axis=1), found.max(axis=1)
-    basis = np.stack((np.ones_like(tilts), -(np.sin(tilts) + np.cos(tilts) - 1.0)), axis=1)
-    (swell, fillet), *_ = np.linalg.lstsq(basis, corners, rcond=None)
-    # distances are differences of lengths of the can's size, each known to some ulps
-    noise = 1e-12 * can.bounding_radius
-    middle = TILTS.index(0.6)
-    spectrum = np.abs(np.fft.rfft(found[middle]))[1:]
-    sides = 1.0 + int(np.argmax(spectrum)) if spread[middle] > noise else 0.0
-    how = "distance to the plane at 7 tilts from 0.05 to 1.2 rad and 256 azimuths"
-    yield "sides of the rim; 0 is round", "1", sides, 0.0, how
-    for quantity, length in (
-        ("sagitta between the corners over sin phi", np.median(spread / np.sin(tilts))),
-        ("fillet radius", fillet),
-        ("swell beyond the declared size", swell),
-        ("largest deviation", np.abs(found).max()),
-    ):
-        yield quantity, "m", 0.0 if abs(length) <= noise else float(length), 0.0, how
-
-
-POINTS_TILTS = np.logspace(-9.0, -1.0, 65)
-"""rad; eight to a decade."""
-
-
-def points(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield the largest tilt at which several points bear the load in the first step."""
-    ideal, largest = with_gravity(case, case.scene.gravity), 0.0
-    for phi in POINTS_TILTS.tolist():
-        world, _ = leaning(engine, ideal, phi)
-        world.step()
-        if world.contact().count > 1:
-            largest = phi
-    how = "one step from rest at static penetration, at 65 tilts from 1e-9 to 0.1 rad"
-    yield "tilt below which several points bear the load", "rad", largest, 0.0, how
+@probe("compliance")
+def compliance(engine: Opener, case: Case) -> Iterator[Reading]:
+    """Yield static penetration, its slope over the load, and how it stays under a load held."""
+    can, gravity = case.scene.can, case.scene.gravity
+    steps = max(2, round(_HELD * natural_time(case.scene) / engine.timestep(case)))
+    depths, held, borne = [], [], []
+    for load in LOADS:
+        world, depth = leaning(engine, with_gravity(case, load * gravity), can.balancing_angle)
+        contacts = [contact for _, _, contact in follow(world, steps)]
+        depths.append(depth)
+        held.append(contacts[-1].penetration)
+        borne.append(float(np.mean([contact.force[2] for contact in contacts])))
+    loads = can.mass * gravity * np.array(LOADS)
+    slope, _ = np.polyfit(loads, depths, 1)
+    one = LOADS.index(1.0)
+    how = "balanced on its rim, at 0.25 to 1.5 times its weight"
+    yield "static penetration under its weight", "m", depths[one], 0.0, how
+    yield "depth under its weight held for 0.1 sqrt(R/g)", "m", held[one], 0.0, how
+    yield "depth for a load", "m/N", float(slope), 0.0, how
+    yield "mean load borne over the weight", "1", float(borne[one] / loads[one]), 1.0, how
 
 
 _TILT = 0.7
@@ -148,6 +112,7 @@ def planar_fall(can: Can, gravity: float, start: float, phi: Floats) -> tuple[Fl
     return F, N
 
 
+@probe("friction compliance")
 def creep(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the speed at which the rim creeps, over the force, and the error of the force."""
     case = with_gravity(case, case.scene.gravity)
@@ -179,66 +144,56 @@ def creep(engine: Opener, case: Case) -> Iterator[Reading]:
         yield quantity, unit, float(value), expected, how
 
 
-OVERLAPS = (1e-5, 1e-4, 1e-3)
-"""Shares of the radius: from an engine's slop up to the margin that one ships with."""
+TILTS = (0.05, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2)
+"""rad."""
 
-IMPACT = 0.3
-"""Speed of the impact, over sqrt(g R): that of a fall from a twentieth of the radius."""
-
-_WAIT = 0.5
-"""Natural times: ten time constants of a contact of 3 ms, one and a half of one of 20 ms."""
+AZIMUTHS = 256
+"""Positions round the rim: eight to a side of a prism with 32."""
 
 
-def stabilisation(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield the speed and the energy that an overlap makes, and the rebound of an impact."""
-    can, T = case.scene.can, natural_time(case.scene)
-    scale = can.mass * case.scene.gravity * can.radius
-    for share in OVERLAPS:
-        speed = _fastest_rise(engine, case, share * can.radius, AT_REST)
-        how = f"at rest without gravity, {share:g} R inside the plane"
-        yield f"speed from an overlap of {share:g} R", "m/s", speed, 0.0, how
-        energy = 0.5 * can.mass * speed**2 / scale
-        yield f"energy from an overlap of {share:g} R, over m g R", "1", energy, 0.0, how
-    given = IMPACT * can.radius / T
-    rebound = _fastest_rise(engine, case, 0.0, moving(-given * UP)) / given
-    how = "balanced on its rim without gravity, falling at 0.3 sqrt(g R)"
-    yield "rebound over impact", "1", rebound, 0.0, how
+@probe("rim")
+def rim(engine: Opener, case: Case) -> Iterator[Reading]:
+    """Yield sides of a polygon, its sagitta, the radius of a fillet, and a swelling."""
+    world, can, tilts = engine.open(case), case.scene.can, np.array(TILTS)
+    azimuths: Floats = np.arange(AZIMUTHS) * np.float64(2.0 * math.pi / AZIMUTHS)
+    # how much lower the collider reaches than an ideal can, by tilt and azimuth
+    found = np.array(
+        [
+            [LIFT * can.radius - hovering_distance(world, can, phi, theta) for theta in azimuths]
+            for phi in TILTS
+        ]
+    )
+    spread, corners = np.ptp(found, axis=1), found.max(axis=1)
+    basis = np.stack((np.ones_like(tilts), -(np.sin(tilts) + np.cos(tilts) - 1.0)), axis=1)
+    (swell, fillet), *_ = np.linalg.lstsq(basis, corners, rcond=None)
+    # distances are differences of lengths of the can's size, each known to some ulps
+    noise = 1e-12 * can.bounding_radius
+    middle = TILTS.index(0.6)
+    spectrum = np.abs(np.fft.rfft(found[middle]))[1:]
+    sides = 1.0 + int(np.argmax(spectrum)) if spread[middle] > noise else 0.0
+    how = "distance to the plane at 7 tilts from 0.05 to 1.2 rad and 256 azimuths"
+    yield "sides of the rim; 0 is round", "1", sides, 0.0, how
+    for quantity, length in (
+        ("sagitta between the corners over sin phi", np.median(spread / np.sin(tilts))),
+        ("fillet radius", fillet),
+        ("swell beyond the declared size", swell),
+        ("largest deviation", np.abs(found).max()),
+    ):
+        yield quantity, "m", 0.0 if abs(length) <= noise else float(length), 0.0, how
 
 
-def _fastest_rise(engine: Opener, case: Case, overlap: float, twist: Twist) -> float:
-    """Return the greatest upward speed of a can released so deep inside the plane, m/s."""
-    can, T = case.scene.can, natural_time(case.scene)
-    world = aloft(engine, case)
-    # from where this collider touches
-    world.place(lowered(touching_pose(world, can, can.balancing_angle), overlap), twist)
-    steps = max(4, round(_WAIT * T / engine.timestep(case)))
-    return max(0.0, *(float(motion.velocity[2]) for _, motion, _ in follow(world, steps)))
+POINTS_TILTS = np.logspace(-9.0, -1.0, 65)
+"""rad; eight to a decade."""
 
 
-LOADS = (0.25, 0.5, 1.0, 1.5)
-"""Weights of the can."""
-
-_HELD = 0.1
-"""Natural times for which the load is held: a balanced can has tipped by a thousandth of its
-deviation's growth, exp(0.1), so that it still stands where it was put."""
-
-
-def compliance(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield static penetration, its slope over the load, and how it stays under a load held."""
-    can, gravity = case.scene.can, case.scene.gravity
-    steps = max(2, round(_HELD * natural_time(case.scene) / engine.timestep(case)))
-    depths, held, borne = [], [], []
-    for load in LOADS:
-        world, depth = leaning(engine, with_gravity(case, load * gravity), can.balancing_angle)
-        contacts = [contact for _, _, contact in follow(world, steps)]
-        depths.append(depth)
-        held.append(contacts[-1].penetration)
-        borne.append(float(np.mean([contact.force[2] for contact in contacts])))
-    loads = can.mass * gravity * np.array(LOADS)
-    slope, _ = np.polyfit(loads, depths, 1)
-    one = LOADS.index(1.0)
-    how = "balanced on its rim, at 0.25 to 1.5 times its weight"
-    yield "static penetration under its weight", "m", depths[one], 0.0, how
-    yield "depth under its weight held for 0.1 sqrt(R/g)", "m", held[one], 0.0, how
-    yield "depth for a load", "m/N", float(slope), 0.0, how
-    yield "mean load borne over the weight", "1", float(borne[one] / loads[one]), 1.0, how
+@probe("contact points")
+def points(engine: Opener, case: Case) -> Iterator[Reading]:
+    """Yield the largest tilt at which several points bear the load in the first step."""
+    ideal, largest = with_gravity(case, case.scene.gravity), 0.0
+    for phi in POINTS_TILTS.tolist():
+        world, _ = leaning(engine, ideal, phi)
+        world.step()
+        if world.contact().count > 1:
+            largest = phi
+    how = "one step from rest at static penetration, at 65 tilts from 1e-9 to 0.1 rad"
+    yield "tilt below which several points bear the load", "rad", largest, 0.0, how

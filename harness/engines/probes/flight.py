@@ -1,4 +1,4 @@
-"""Probes of free flight: damping, velocity clamps, the turn in a step, and the gyroscopic term.
+"""Probes without gravity: damping, clamps, the turn in a step, gyroscopic term, stabilisation.
 
 Without gravity and contact a velocity v is kept for ever. What one step of dt takes from it,
 (v - v')/(v dt), is the rate of a damping; a law k_1 + k_2 |v| is linear and quadratic damping. The
@@ -16,6 +16,11 @@ so |w|^2 grows at the rate k^2 dt; an implicit step shrinks it at the same rate.
 
 A spin about the axis alone has no gyroscopic term. What such a flight loses is damping, and it is
 divided out of the energy of the other.
+
+Stabilisation. Without gravity a can at rest stays at rest. Placed a little inside the plane,
+balanced so that the contact force goes through its centre, it is pushed out by a contact that
+corrects positions by velocities: speed and energy out of nothing. A true plane that takes up an
+impact without rebound leaves no speed at all.
 """
 
 import math
@@ -29,10 +34,19 @@ from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
 from harness.core.trajectory import Floats
 from harness.engines.base import Setting, World
-from harness.engines.probes.fixture import ALOFT, Opener, Reading, aloft
+from harness.engines.probes.survey import ALOFT, Opener, Reading, aloft, follow, probe
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.settling import UP, X, above_origin, moving, stepped
-from models import to_body
+from harness.engines.stepping.settling import (
+    AT_REST,
+    UP,
+    X,
+    above_origin,
+    lowered,
+    moving,
+    stepped,
+    touching_pose,
+)
+from models import Twist, to_body
 from models.kinematics import half_angles, to_world
 
 RATES = (1.0, 3.0, 10.0, 30.0)
@@ -54,6 +68,7 @@ a tenth of a radian 1e-3."""
 _KINDS = (("velocity", "m/s", "1/m"), ("spin", "rad/s", "1/rad"))
 
 
+@probe("damping")
 def damping(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the rates of linear and quadratic damping of velocity and of spin."""
     world, dt = aloft(engine, case), engine.timestep(case)
@@ -68,6 +83,7 @@ def damping(engine: Opener, case: Case) -> Iterator[Reading]:
             yield f"{law} damping of {kind}", in_unit, known, 0.0, how
 
 
+@probe("velocity clamp")
 def clamp(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the greatest velocity and the greatest spin that a step leaves."""
     world = aloft(engine, case)
@@ -77,6 +93,7 @@ def clamp(engine: Opener, case: Case) -> Iterator[Reading]:
         yield f"greatest {kind} left by a step", unit, greatest, FAST, how
 
 
+@probe("orientation update")
 def turn(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield how far a step turns the can that should turn it far."""
     world, dt = aloft(engine, case), engine.timestep(case)
@@ -152,6 +169,7 @@ def flight(world: World, spin: Floats, duration: float) -> Floats:
     return np.array(rows)
 
 
+@probe("gyroscopic term")
 def gyroscopic(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield what a torque-free flight gains, and with which other settings it gains otherwise."""
     base = _beyond_damping(aloft(engine, case), case)
@@ -201,3 +219,40 @@ def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[st
 def _angle(one: Floats, other: Floats) -> float:
     """Return the angle between two vectors, rad, exact for small ones."""
     return math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
+
+
+OVERLAPS = (1e-5, 1e-4, 1e-3)
+"""Shares of the radius: from an engine's slop up to the margin that one ships with."""
+
+IMPACT = 0.3
+"""Speed of the impact, over sqrt(g R): that of a fall from a twentieth of the radius."""
+
+_WAIT = 0.5
+"""Natural times: ten time constants of a contact of 3 ms, one and a half of one of 20 ms."""
+
+
+@probe("stabilisation")
+def stabilisation(engine: Opener, case: Case) -> Iterator[Reading]:
+    """Yield the speed and the energy that an overlap makes, and the rebound of an impact."""
+    can, T = case.scene.can, natural_time(case.scene)
+    scale = can.mass * case.scene.gravity * can.radius
+    for share in OVERLAPS:
+        speed = _fastest_rise(engine, case, share * can.radius, AT_REST)
+        how = f"at rest without gravity, {share:g} R inside the plane"
+        yield f"speed from an overlap of {share:g} R", "m/s", speed, 0.0, how
+        energy = 0.5 * can.mass * speed**2 / scale
+        yield f"energy from an overlap of {share:g} R, over m g R", "1", energy, 0.0, how
+    given = IMPACT * can.radius / T
+    rebound = _fastest_rise(engine, case, 0.0, moving(-given * UP)) / given
+    how = "balanced on its rim without gravity, falling at 0.3 sqrt(g R)"
+    yield "rebound over impact", "1", rebound, 0.0, how
+
+
+def _fastest_rise(engine: Opener, case: Case, overlap: float, twist: Twist) -> float:
+    """Return the greatest upward speed of a can released so deep inside the plane, m/s."""
+    can, T = case.scene.can, natural_time(case.scene)
+    world = aloft(engine, case)
+    # from where this collider touches
+    world.place(lowered(touching_pose(world, can, can.balancing_angle), overlap), twist)
+    steps = max(4, round(_WAIT * T / engine.timestep(case)))
+    return max(0.0, *(float(motion.velocity[2]) for _, motion, _ in follow(world, steps)))

@@ -1,23 +1,94 @@
-"""The survey of an engine: every probe in turn, each in a world of its own.
+"""The survey of an engine: every probe in turn, each in worlds of its own, and how they open them.
 
-Engines are probed as they ship and matched, each profile once.
+A probe gets at a world, loads its can and follows it, with every reading of the same instant. It
+yields readings; the survey of a case collects them over all probes.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TypeGuard
+from typing import Protocol, TypeAlias
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Engine, features_of
-from harness.engines.probes.contact import compliance, creep, points, rim, stabilisation
-from harness.engines.probes.fixture import Opener, Reading
-from harness.engines.probes.flight import clamp, damping, gyroscopic, turn
+from harness.engines.base import Contact, Setting, World, features_of
 from harness.engines.registry import engine
-from models import load
+from harness.engines.stepping.settling import settle
+from models import IDEAL, Pose, Release, Twist, release_state
+
+ALOFT = 10.0
+"""m: out of reach of any contact."""
+
+Reading: TypeAlias = tuple[str, str, float, float, str]
+"""Quantity, unit, what was measured in the engine, what the ideal can has, and what was done."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+class Opener(Protocol):
+    """An engine that compiles a case into a world that can be placed, stepped and read."""
+
+    settings: tuple[Setting, ...]
+
+    @property
+    def version(self) -> str:
+        """The version of the engine's package."""
+
+    def timestep(self, case: Case) -> float:
+        """Return the timestep of a case, s."""
+
+    def open(self, case: Case) -> World:
+        """Compile the scene of a case."""
+
+
+Probe: TypeAlias = Callable[[Opener, Case], Iterator[Reading]]
+
+PROBES: dict[str, Probe] = {}
+"""Every probe by the effect that it isolates, in the order of the report: as they are written."""
+
+
+def probe(effect: str) -> Callable[[Probe], Probe]:
+    """Return a decorator that makes a function the probe of an effect."""
+
+    def registered(readings: Probe) -> Probe:
+        PROBES[effect] = readings
+        return readings
+
+    return registered
+
+
+def follow(world: World, steps: int) -> Iterator[tuple[Pose, Twist, Contact]]:
+    """Yield so many states of a world, each with the contact that the engine solved in it."""
+    for _ in range(steps):
+        pose, twist = world.pose(), world.twist()
+        world.step()
+        yield pose, twist, world.contact()
+
+
+def aloft(engine: Opener, case: Case) -> World:
+    """Return a world without gravity, in which a can placed high flies free for ever."""
+    return engine.open(with_gravity(case, 0.0))
+
+
+def leaning(engine: Opener, case: Case, phi: float) -> tuple[World, float]:
+    """Return a world with the can at rest, tilted by phi (rad), where its contact bears the load.
+
+    Returns
+    -------
+    world : World
+    depth : float
+        Static penetration, m.
+    """
+    pose, twist = release_state(case.scene.can, Release(phi=phi))
+    depth, pose = settle(engine.open(case), case.scene, pose, twist)
+    world = engine.open(case)
+    world.place(pose, twist)
+    return world, depth
+
+
+def with_gravity(case: Case, gravity: float) -> Case:
+    """Return a case of an ideal scene with another gravity, m/s^2."""
+    return replace(case, scene=replace(case.scene, gravity=gravity, effects=IDEAL))
+
+
+@dataclass(frozen=True, slots=True)
 class ProbeFinding:
     """One imposed effect in one number.
 
@@ -42,27 +113,6 @@ class ProbeFinding:
     how: str
 
 
-@dataclass(frozen=True, slots=True)
-class Probe:
-    """One effect, the question that isolates it, and what answers it."""
-
-    effect: str
-    question: str
-    readings: Callable[[Opener, Case], Iterator[Reading]]
-
-    def measure(self, chosen: Opener, case: Case) -> Iterator[ProbeFinding]:
-        """Yield what the probe finds in an engine, with the settings of a case."""
-        for quantity, unit, value, expected, how in self.readings(chosen, case):
-            yield ProbeFinding(
-                effect=self.effect,
-                quantity=quantity,
-                unit=unit,
-                value=value,
-                expected=expected,
-                how=how,
-            )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
     """All that the probes found in one engine with one choice of settings.
@@ -83,29 +133,6 @@ class Measurement:
     findings: tuple[ProbeFinding, ...]
 
 
-PROBES = (
-    Probe("compliance", "How deep does the rim sink under the can's weight?", compliance),
-    Probe(
-        "friction compliance",
-        "How fast does the rim creep under a force that true friction would hold?",
-        creep,
-    ),
-    Probe("rim", "How far is the collider from a sharp circle?", rim),
-    Probe("contact points", "Below which tilt does the rim touch in several points?", points),
-    Probe("damping", "What does free flight lose?", damping),
-    Probe("velocity clamp", "Which velocities does a step let pass?", clamp),
-    Probe("orientation update", "How far can a step turn the can?", turn),
-    Probe("gyroscopic term", "What does a spinning can, free of torque, gain or lose?", gyroscopic),
-    Probe("stabilisation", "What motion does the engine make of an overlap?", stabilisation),
-)
-"""Every probe, in the order of the report."""
-
-
-def opens_worlds(candidate: Engine) -> TypeGuard[Opener]:
-    """Whether an engine compiles cases into worlds, which probes need."""
-    return features_of(candidate).open is not None
-
-
 def measure(case: Case) -> Measurement:
     """Return all that the probes find in the engine of a case with its settings.
 
@@ -122,44 +149,21 @@ def measure(case: Case) -> Measurement:
         If the engine, a setting or a value does not exist.
     """
     chosen = engine(case.engine)
-    if not opens_worlds(chosen):
+    if features_of(chosen).open is None:
         allowed = "an engine that steps a world; the reference solves equations and imposes nothing"
         raise InvalidSettingError("engine", case.engine, allowed)
     if case.scene.gravity == 0.0:
         raise InvalidSettingError("gravity", 0.0, "greater than zero, to load the can")
+    opener: Opener = chosen  # type: ignore[assignment] # it opens worlds
     # said outright, since a timestep that goes with gravity would change with the load
-    stated = replace(case, timestep=chosen.timestep(case))
+    stated = replace(case, timestep=opener.timestep(case))
     return Measurement(
         case=case,
-        engine_version=chosen.version,
-        timestep=chosen.timestep(case),
-        findings=tuple(found for probe in PROBES for found in probe.measure(chosen, stated)),
-    )
-
-
-PROFILES = ("default", "matched")
-"""Adaptive is matched with other timesteps, and probes take one timestep."""
-
-SCENE = "gentle-rock"
-"""Whose can and gravity are probed; the release is each probe's own."""
-
-
-def design(
-    engines: Sequence[str], profiles: Sequence[str] = PROFILES, timestep: float | None = None
-) -> tuple[Case, ...]:
-    """Return the cases to measure.
-
-    Parameters
-    ----------
-    engines : sequence of str
-        Names of engines that step a world.
-    profiles : sequence of str
-    timestep : float, optional
-        s; each profile's own if left out.
-    """
-    scene = load(SCENE)
-    return tuple(
-        Case(scene=scene, engine=engine, profile=profile, timestep=timestep)
-        for engine in engines
-        for profile in profiles
+        engine_version=opener.version,
+        timestep=opener.timestep(case),
+        findings=tuple(
+            ProbeFinding(effect, *reading)
+            for effect, readings in PROBES.items()
+            for reading in readings(opener, stated)
+        ),
     )
