@@ -92,9 +92,9 @@ class Provenance:
 
 def provenance() -> Provenance:
     """Return the provenance of a result that is written now."""
-    found = {name: _version(name) for name in PACKAGES}
+    found = {name: version_of(name) for name in PACKAGES}
     return Provenance(
-        rockingcan=_version("rockingcan"),
+        rockingcan=version_of("rockingcan"),
         python=platform.python_version(),
         packages=MappingProxyType({k: v for k, v in found.items() if v != UNKNOWN}),
         platform=platform.platform(),
@@ -143,11 +143,12 @@ def _git(folder: Path, *words: str) -> str | None:
     return done.stdout.strip() if done.returncode == 0 else None
 
 
-def _version(package: str) -> str:
+def version_of(package: str, missing: str = UNKNOWN) -> str:
+    """Return the version of an installed package, or what to say of one that is missing."""
     try:
         return version(package)
     except PackageNotFoundError:
-        return UNKNOWN
+        return missing
 
 
 def _processor() -> str:

@@ -81,34 +81,28 @@ def _is_text(value: object) -> bool:
     return isinstance(value, str) and value == value.encode("utf-8", "replace").decode()
 
 
-def _is_number(value: object) -> bool:
-    own = _own(value)
-    return isinstance(own, float) or _is_whole(own)
-
-
 def _is_whole(value: object) -> bool:
     """Whether this is a whole number that arrays hold, which texts and files then do as well."""
     return isinstance(value, int) and not isinstance(value, bool) and abs(value) < _TOO_LARGE
 
 
-def _is_finite(value: object) -> bool:
+def _is_number(value: object) -> bool:
     own = _own(value)
-    return isinstance(own, int | float) and _is_number(own) and math.isfinite(own)
+    return isinstance(own, float) or _is_whole(own)
+
+
+def _is_finite(value: object) -> bool:
+    return _is_number(value) and math.isfinite(value)  # type: ignore[arg-type]
 
 
 def _is_count(value: object) -> bool:
     own = _own(value)
-    return isinstance(own, int) and _is_whole(own) and own >= 0
+    return _is_whole(own) and own >= 0  # type: ignore[operator]
 
 
 def is_timestep(value: object) -> bool:
     """Whether this is what an adapter may give as a timestep, s."""
-    own = _own(value)
-    return own is None or (isinstance(own, int | float) and _is_finite(own) and own > 0.0)
-
-
-def _is_verdict(value: object) -> bool:
-    return isinstance(value, str) and value in {"equal", "imposed", "mismatch"}
+    return value is None or (_is_finite(value) and value > 0.0)  # type: ignore[operator]
 
 
 def _is_setting(value: object) -> bool:
@@ -119,39 +113,55 @@ def _is_setting(value: object) -> bool:
     return own is None or isinstance(own, bool) or _is_number(own) or _is_text(own)
 
 
-_FIELDS: dict[str, tuple[Callable[[object], bool], str]] = {
+_Kinds = dict[str, tuple[Callable[[object], bool], str]]
+
+_TEXT, _NUMBER = (_is_text, "text"), (_is_number, "a number")
+_COUNT = (_is_count, "a whole number, zero or greater")
+_SECONDS = (_is_finite, "a number of seconds")
+
+_FIELDS: _Kinds = {
     "outcome": (lambda value: isinstance(value, Outcome), "an Outcome"),
-    "note": (_is_text, "text"),
-    "engine_version": (_is_text, "text"),
-    "model": (_is_text, "text"),
+    "note": _TEXT,
+    "engine_version": _TEXT,
+    "model": _TEXT,
     "timestep": (is_timestep, "a positive number of seconds, or None"),
-    "steps": (_is_count, "a whole number, zero or greater"),
-    "constraint_rows": (_is_count, "a whole number, zero or greater"),
-    "setup_s": (_is_finite, "a number of seconds"),
-    "wall_s": (_is_finite, "a number of seconds"),
-    "cpu_s": (_is_finite, "a number of seconds"),
+    "steps": _COUNT,
+    "constraint_rows": _COUNT,
+    "setup_s": _SECONDS,
+    "wall_s": _SECONDS,
+    "cpu_s": _SECONDS,
     "static_penetration": (_is_number, "a number of metres"),
     "parity": (lambda value: isinstance(value, tuple), "a tuple"),
 }
 """What each field must be that is neither the case, nor the settings, nor the motion."""
 
-_OF_ROWS = {
-    "quantity": (_is_text, "text"),
-    "unit": (_is_text, "text"),
-    "declared": (_is_number, "a number"),
-    "found": (_is_number, "a number"),
-    "how": (_is_text, "text"),
-    "verdict": (_is_verdict, "equal, imposed or mismatch"),
+_OF_ROWS: _Kinds = {
+    "quantity": _TEXT,
+    "unit": _TEXT,
+    "declared": _NUMBER,
+    "found": _NUMBER,
+    "how": _TEXT,
+    "verdict": (
+        lambda value: isinstance(value, str) and value in {"equal", "imposed", "mismatch"},
+        "equal, imposed or mismatch",
+    ),
 }
 """What each field of a row of the parity table must be."""
 
 
-def _fault_of_fields(answer: Simulation) -> str:
-    """Return which field of a simulation is not of its kind: it could not be told, nor kept."""
-    for name, (fits, kind) in _FIELDS.items():
-        value: object = getattr(answer, name)
+def _fault_of_kinds(owner: object, kinds: _Kinds, of: str = "") -> str:
+    """Return which field is not of its kind: it could not be told, nor kept."""
+    for name, (fits, kind) in kinds.items():
+        value: object = getattr(owner, name)
         if not fits(value):
-            return f"`{name}` is {_shown(value)}, not {kind}"
+            return f"`{name}`{of} is {_shown(value)}, not {kind}"
+    return ""
+
+
+def _fault_of_fields(answer: Simulation) -> str:
+    """Return which field of a simulation, of its settings or of its parity is not of its kind."""
+    if wrong := _fault_of_kinds(answer, _FIELDS):
+        return wrong
     for name, value in answer.settings.items():
         if not _is_text(name):
             return f"`settings` has a name that is {_shown(name)}, not text"
@@ -161,9 +171,8 @@ def _fault_of_fields(answer: Simulation) -> str:
     for row in rows:
         if not isinstance(row, ParityRow):
             return f"`parity` holds {_shown(row)}, not ParityRow"
-        for name, (fits, kind) in _OF_ROWS.items():
-            if not fits(getattr(row, name)):
-                return f"`{name}` of a row of `parity` is {_shown(getattr(row, name))}, not {kind}"
+        if wrong := _fault_of_kinds(row, _OF_ROWS, " of a row of `parity`"):
+            return wrong
     return ""
 
 

@@ -5,6 +5,7 @@ of each case: a package that crashes, or hangs, when it is imported or asked wou
 with it.
 """
 
+import re
 from collections.abc import Iterator
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
@@ -45,15 +46,12 @@ _MOST_CASES = 2**14
 
 def is_ours(chosen: Engine) -> bool:
     """Whether an engine is of this project."""
-    return _is_ours(type(chosen))
+    return _is_ours(type(chosen).__module__)
 
 
-def _is_ours(kind: type[Engine]) -> bool:
-    return kind.__module__.partition(".")[0] in _OURS
-
-
-def _is_entry_of_ours(entry: EntryPoint) -> bool:
-    return entry.value.partition(":")[0].partition(".")[0] in _OURS
+def _is_ours(place: str) -> bool:
+    """Whether a module, or the value of an entry point, is of this project."""
+    return re.split("[.:]", place)[0] in _OURS
 
 
 def crash_reason(entry: EntryPoint) -> str:
@@ -62,7 +60,7 @@ def crash_reason(entry: EntryPoint) -> str:
     An error in Python is no crash: it is met again where it can be told. In a worker nothing is
     tried: it is the process of its own.
     """
-    if _is_entry_of_ours(entry) or is_worker():
+    if _is_ours(entry.value) or is_worker():
         return ""
     with IsolatedProcessPool(1, _PATIENCE) as alone:
         error = alone.submit(_probe_plugin, entry.value).exception()
@@ -153,7 +151,7 @@ def engine(name: str) -> Engine:
         found: Engine = entries[name].load()()
         _ = found.version, found.settings, found.capabilities  # what everybody asks it for
     except ImportError as error:
-        if (error.name or "").partition(".")[0] in _OURS:
+        if _is_ours(error.name or ""):
             raise BrokenEngineError(name, entries[name].value, str(error)) from error
         raise MissingPackageError(name, error.name or name, str(error)) from error
     except Exception as error:
@@ -215,8 +213,8 @@ def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
 @cache
 def _foreign(name: str, kind: type[Engine]) -> str | None:
     """Return the entry point of an engine that is not of this project; None if it is."""
-    entry = None if _is_ours(kind) else _entries().get(name)
-    return None if entry is None or _is_entry_of_ours(entry) else entry.value
+    entry = None if _is_ours(kind.__module__) else _entries().get(name)
+    return None if entry is None or _is_ours(entry.value) else entry.value
 
 
 def check_effects(name: str, scene: Scene) -> None:

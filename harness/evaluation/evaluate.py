@@ -8,6 +8,7 @@ import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,19 +38,6 @@ from models.scene import Scene
 
 _NONE = 1e-9
 """Share of the weight: at lift-off the normal force is zero but for a round-off far below it."""
-
-__all__ = [
-    "Evaluation",
-    "check_case",
-    "evaluate",
-    "evaluate_case",
-    "evaluate_without_truth",
-    "failed_evaluation",
-    "failed_simulation",
-    "measure_simulation",
-    "run_cases",
-    "simulate_case",
-]
 
 
 def check_case(case: Case) -> None:
@@ -174,18 +162,16 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     if trajectory is None:
         return Evaluation(simulation=simulation, findings=findings(scene) if refusal(scene) else ())
     found = motion(trajectory, scene)
-    found_bounces = bounces(found, scene.can)
-    drift = energy_drift(trajectory, scene) if scene.gravity > 0.0 else None
-    quality = contact_quality(found)
+    measured = Evaluation(
+        simulation=simulation,
+        motion=found,
+        bounces=bounces(found, scene.can),
+        energy_drift=energy_drift(trajectory, scene),
+        contact=contact_quality(found),
+        findings=findings(scene),
+    )
     if refusal(scene):
-        return Evaluation(
-            simulation=simulation,
-            motion=found,
-            bounces=found_bounces,
-            energy_drift=drift,
-            contact=quality,
-            findings=findings(scene),
-        )
+        return measured
     own = truth(scene)
     exact = _until(scene, own, float(found.time[-1]))
     common = found.time <= exact.ends
@@ -196,21 +182,16 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     # to the very end of what is compared: cut at a sample, the curve would be too short
     locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))
     chaos = divergence_of(scene)
+    chaotic = chaos is not None and chaos.chaotic
     apart = rotation_between(compared.trajectory.quaternion, true.trajectory.quaternion) > PARTED
     pull = dense.contact_force[dense.time <= own.ends, 2] < -_NONE * scene.can.mass * scene.gravity
-    return Evaluation(
-        simulation=simulation,
-        motion=found,
-        bounces=found_bounces,
-        energy_drift=drift,
-        contact=quality,
+    own_errors = None if chaotic else errors(compared, true, measured.bounces, own.bounces, locus)
+    return replace(
+        measured,
         truth=true,
         true_bounces=own.bounces,
-        errors=None
-        if chaos is not None and chaos.chaotic
-        else errors(compared, true, found_bounces, own.bounces, locus),
+        errors=own_errors,
         truth_pulls=bool(pull.any()),
-        findings=findings(scene),
         divergence=chaos,
         parts_at=float(compared.time[apart][0]) if apart.any() else None,
     )

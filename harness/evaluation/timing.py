@@ -32,12 +32,12 @@ from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine, is_ours
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import Fixed
+from harness.engines.stepping.settling import above_origin, moving
 from harness.evaluation.evaluation import Record
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.worker import LostTaskError
 from models.scene import Horizon, Scene
-from models.state import Pose, Twist
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -93,15 +93,11 @@ def _timed(case: Case) -> Record:
     """Return the times of repeated runs of a case."""
     once = _work(case)
     _warm_up(case)
-    cpu: list[float] = []
-    wall: list[float] = []
-    setup: list[float] = []
+    runs: list[tuple[float, float, float]] = []
     started = time.perf_counter()
-    while len(cpu) < FEWEST or (time.perf_counter() - started < _PATIENCE and len(cpu) < _MOST):
-        taken = once()
-        cpu.append(taken[0])
-        wall.append(taken[1])
-        setup.append(taken[2])
+    while len(runs) < FEWEST or (time.perf_counter() - started < _PATIENCE and len(runs) < _MOST):
+        runs.append(once())
+    cpu, wall, setup = map(list, zip(*runs, strict=True))
     return {"cpu_s": cpu, "wall_s": wall, "setup_s": min(setup)}
 
 
@@ -268,10 +264,7 @@ def _repeated(world: World, way: Callable[[], None]) -> list[float]:
     """Return the seconds a step of each repeat; a first one warms up."""
     taken = []
     for _ in range(_REPEATS + 1):
-        world.place(
-            Pose(position=np.array((0.0, 0.0, _HEIGHT)), quaternion=np.array((1.0, 0.0, 0.0, 0.0))),
-            Twist(velocity=np.zeros(3), angular_velocity=np.array((1.0, 0.0, 2.0))),
-        )
+        world.place(above_origin(_HEIGHT), moving(spin=np.array((1.0, 0.0, 2.0))))
         started = time.process_time()
         way()
         taken.append((time.process_time() - started) / _ALOFT_STEPS)

@@ -18,12 +18,12 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager
 from functools import cache
-from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
+from importlib.metadata import EntryPoint, entry_points
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
 from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
-from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.core.provenance import ENGINE_ENTRY_POINTS, version_of
 from harness.execution.isolated_pool import IMPORTS, run_isolated
 from harness.execution.limits import Limits
 from harness.execution.source_fingerprint import fingerprint
@@ -43,21 +43,17 @@ _NONE = "none"
 REMEDY = "have the same there as here, and start the workers again"
 
 
+@cache
 def environment_description() -> dict[str, str]:
     """Return what this process computes with, by what it is."""
-    return dict(_likeness())
-
-
-@cache
-def _likeness() -> tuple[tuple[str, str], ...]:
-    return (
-        ("rockingcan", _version("rockingcan")),
-        (_SOURCES, fingerprint(_OURS)),
-        ("Python", f"{sys.version_info.major}.{sys.version_info.minor}"),
-        ("platform", f"{platform.system()} {platform.machine()}"),
-        *((name, _version(name)) for name in _PACKAGES),
-        *_engines(),
-    )
+    return {
+        "rockingcan": version_of("rockingcan", _NONE),
+        _SOURCES: fingerprint(_OURS),
+        "Python": f"{sys.version_info.major}.{sys.version_info.minor}",
+        "platform": f"{platform.system()} {platform.machine()}",
+        **{name: version_of(name, _NONE) for name in _PACKAGES},
+        **dict(_engines()),
+    }
 
 
 def _engines() -> Iterator[tuple[str, str]]:
@@ -70,13 +66,6 @@ def _engines() -> Iterator[tuple[str, str]]:
 
 def _origin(entry: EntryPoint) -> str:
     return "unknown" if entry.dist is None else f"{entry.dist.name} {entry.dist.version}"
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return _NONE
 
 
 def environment_differences(there: Mapping[str, str], here: Mapping[str, str]) -> list[str]:

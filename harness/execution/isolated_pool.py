@@ -18,10 +18,9 @@ import signal
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass
 from functools import cache
 from types import TracebackType
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 from harness.execution.limits import NO_LIMITS, Limits, default_limits
 from harness.execution.signals import SIGNALS
@@ -31,10 +30,8 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Task:
-    future: "Future[Any]"
-    payload: bytes
+_Task: TypeAlias = tuple["Future[Any]", bytes]
+"""Where the result of a task goes, and its function and arguments, pickled."""
 
 
 class IsolatedProcessPool(Executor):
@@ -88,7 +85,7 @@ class IsolatedProcessPool(Executor):
                 thread = threading.Thread(target=self._serve, daemon=True)
                 thread.start()  # raises where the system has none left: then nothing waits for it
                 self._threads.append(thread)
-            self._tasks.put(_Task(future=future, payload=payload))
+            self._tasks.put((future, payload))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
@@ -134,7 +131,7 @@ class IsolatedProcessPool(Executor):
             except queue.Empty:
                 return
             if task is not None:
-                task.future.cancel()
+                task[0].cancel()
 
     def _serve(self) -> None:
         """Give tasks to one worker, and a new one to the task after one that took it along."""
@@ -142,17 +139,18 @@ class IsolatedProcessPool(Executor):
         signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
         while (task := self._tasks.get()) is not None:
-            if not task.future.set_running_or_notify_cancel():
+            future, payload = task
+            if not future.set_running_or_notify_cancel():
                 continue
             try:
                 worker = worker or self._started()
-                answer = worker.do(task.payload)
+                answer = worker.do(payload)
             except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
-                task.future.set_exception(error)
+                future.set_exception(error)
                 self._ended(worker)
                 worker = None
                 continue
-            _settle(task.future, answer)
+            _settle(future, answer)
         self._ended(worker)
 
     def _started(self) -> Worker:

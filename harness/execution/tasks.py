@@ -163,14 +163,7 @@ def run_tasks(
     Exception
         What `work` raises, after which nothing more is begun. It says how much is kept.
     """
-    run = _Run(
-        tasks=tasks,
-        work=work,
-        executor=executor,
-        lost=lost,
-        cache=cache,
-        listener=listener or ProgressListener(),
-    )
+    run = _Run(tasks, work, executor, lost, cache, listener or ProgressListener())
     try:
         run.find()
         run_queue(run.left, run.submit, run.take, getattr(executor, "window", len(tasks)), run.read)
@@ -180,7 +173,7 @@ def run_tasks(
     return [run.results[index] for index in range(len(tasks))]
 
 
-@dataclass(slots=True, kw_only=True)
+@dataclass(slots=True)
 class _Run(Generic[T, R]):
     """The state of one call of `run_tasks`; tasks by their numbers."""
 
@@ -241,18 +234,13 @@ class _Run(Generic[T, R]):
         try:
             result = future.result()
         except BrokenExecutor as error:
-            loss = (
-                error
-                if isinstance(error, LostTaskError)
-                else LostTaskError(Loss.STOPPED, _WITH_ANOTHER.format(error))
-            )
-            result, keep = self.lost(task, loss), loss.loss is Loss.CRASHED
+            if not isinstance(error, LostTaskError):
+                reason = f"its process died, or one beside it, before it was done: {error}"
+                error = LostTaskError(Loss.STOPPED, reason)
+            result, keep = self.lost(task, error), error.loss is Loss.CRASHED
         if self.cache is not None and keep:
             with delay_signals():  # what is kept is counted, whatever comes meanwhile
                 self.cache.put(task, result)
                 self.safe += 1
         self.results[index] = result
         self.listener.done(task, result)
-
-
-_WITH_ANOTHER = "its process died, or one beside it, before it was done: {}"

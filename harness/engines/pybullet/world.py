@@ -58,7 +58,7 @@ class Frames:
 
     def __init__(self, centre: Numbers, axes: Numbers) -> None:
         x, y, z, w = axes
-        self.centre = (centre[0], centre[1], centre[2])
+        self.centre, self._from_centre = tuple(centre), tuple(-part for part in centre)
         self._axes, self._back = (x, y, z, w), (-x, -y, -z, w)
 
     @property
@@ -72,37 +72,32 @@ class Frames:
     ) -> State:
         """Return the state of the can's own frame, given that of PyBullet's."""
         turned = _product(quaternion, self._back)
-        return self._shifted(-1.0, turned, position, velocity, spin, turned)
+        arm = _turned(turned, self._from_centre)
+        return _shifted(position, turned, velocity, spin, arm)
 
     def principal(
         self, position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers
     ) -> State:
         """Return the state of PyBullet's frame, given that of the can's."""
         turned = _product(quaternion, self._axes)
-        return self._shifted(1.0, quaternion, position, velocity, spin, turned)
+        return _shifted(position, turned, velocity, spin, _turned(quaternion, self.centre))
 
-    def _shifted(  # noqa: PLR0917 - a state, and whose axes to shift it in
-        self,
-        sign: float,
-        body: Numbers,
-        position: Numbers,
-        velocity: Numbers,
-        spin: Numbers,
-        quaternion: Numbers,
-    ) -> State:
-        x, y, z = _turned(body, self.centre)
-        x, y, z = sign * x, sign * y, sign * z
-        o_x, o_y, o_z = spin
-        return (
-            (position[0] + x, position[1] + y, position[2] + z),
-            quaternion,
-            (
-                velocity[0] + o_y * z - o_z * y,
-                velocity[1] + o_z * x - o_x * z,
-                velocity[2] + o_x * y - o_y * x,
-            ),
-            spin,
-        )
+
+def _shifted(
+    position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers, arm: Numbers
+) -> State:
+    """Return the state of a point at the end of an arm, in a frame of its own orientation."""
+    (x, y, z), (o_x, o_y, o_z) = arm, spin
+    return (
+        (position[0] + x, position[1] + y, position[2] + z),
+        quaternion,
+        (
+            velocity[0] + o_y * z - o_z * y,
+            velocity[1] + o_z * x - o_x * z,
+            velocity[2] + o_x * y - o_y * x,
+        ),
+        spin,
+    )
 
 
 Reading: TypeAlias = Callable[[Numbers, Numbers, Numbers, Numbers], State]
