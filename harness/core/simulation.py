@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -97,8 +98,4 @@ class Simulation:
         """Pickle by the fields: a locked mapping cannot be pickled as it is."""
         values = {name: getattr(self, name) for name in self.__slots__}
         values["settings"] = dict(self.settings)
-        return _rebuild, (values,)
-
-
-def _rebuild(values: dict[str, Any]) -> Simulation:
-    return Simulation(**values)
+        return partial(Simulation, **values), ()

@@ -1,6 +1,7 @@
 """The one form in which every engine hands over a motion: read-only arrays on its own time grid."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,11 +87,7 @@ class Trajectory:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by the fields, so that the arrays are locked again on the other side."""
-        return _rebuild, (tuple(getattr(self, field.name) for field in fields(self)),)
-
-
-def _rebuild(values: tuple[object, ...]) -> Trajectory:
-    return Trajectory(**dict(zip(_WIDTHS, values, strict=True)))  # type: ignore[arg-type]
+        return partial(Trajectory, **{name: getattr(self, name) for name in _WIDTHS}), ()
 
 
 def join(parts: list[Trajectory]) -> Trajectory:

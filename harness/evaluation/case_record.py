@@ -94,7 +94,7 @@ def measured(case: Case) -> Record:
     Raises
     ------
     HarnessError
-        For wrong use, as `attempt` does.
+        For wrong use, as `evaluate_case` does.
     """
     evaluation = evaluate_case(case)
     found = {name: quantity.of_run(evaluation) for name, quantity in RECORDED.items()}

@@ -30,10 +30,9 @@ from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, run_tasks
 from harness.execution.worker import Loss, LostTaskError
 from harness.metrics.bounces import bounces
-from harness.metrics.contact import contact_quality
 from harness.metrics.energy import energy_drift
 from harness.metrics.error import errors, rotation_between
-from harness.metrics.motion import motion
+from harness.metrics.motion import contact_quality, motion
 from models.scene import Scene
 
 _NONE = 1e-9
@@ -75,7 +74,7 @@ def evaluate_case(case: Case) -> Evaluation:
     Raises
     ------
     HarnessError
-        For wrong use that `check` finds, or that only an engine of this project finds when it
+        For wrong use that `check_case` finds, or that only an engine of this project finds when it
         compiles the case; it says of which case.
     """
     try:
@@ -234,7 +233,7 @@ def run_cases(
     Raises
     ------
     HarnessError
-        Before anything runs, if a case is wrong use; else as `attempt` does.
+        Before anything runs, if a case is wrong use; else as `evaluate_case` does.
     """
     for case in cases:
         check_case(case)

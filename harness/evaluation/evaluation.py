@@ -7,9 +7,8 @@ from harness.core.bounce import Bounce
 from harness.core.simulation import Simulation
 from harness.engines.reference import Finding
 from harness.engines.reference.assumption_checks import Divergence
-from harness.metrics.contact import ContactQuality
 from harness.metrics.error import Errors
-from harness.metrics.motion import Motion
+from harness.metrics.motion import ContactQuality, Motion
 
 Record = dict[str, Any]
 """What is measured of a case as numbers by name, such as its times: what JSON can hold."""

@@ -1,10 +1,10 @@
 """Signals that end a run: they wait until what is being written is whole.
 
-A program that installs `listen` is stopped by Ctrl-C and by SIGTERM alike, with an exception that
-passes through everything and says which it was. Inside `finishing` a signal is only noted, and
-acts at the end of the block. One signal is enough: those that follow are not to disturb the
+A program that calls `handle_signals` is stopped by Ctrl-C and by SIGTERM alike, with an exception
+that passes through everything and says which it was. Inside `delay_signals` a signal is only noted,
+and acts at the end of the block. One signal is enough: those that follow are not to disturb the
 clean-up, unless it takes so long that somebody has to ask again. Before there is anything to clean
-up, `leave_at_once` is what a signal is for.
+up, `exit_on_signal` is what a signal is for.
 """
 
 import os
@@ -76,7 +76,7 @@ def exit_on_signal(words: str) -> None:
 
 @contextmanager
 def delay_signals() -> Iterator[None]:
-    """Let signals that `listen` hears wait until the block is done."""
+    """Let signals that `handle_signals` hears wait until the block is done."""
     global _depth  # noqa: PLW0603 - there is one main thread, and signals are heard there
     if threading.current_thread() is not threading.main_thread():
         yield

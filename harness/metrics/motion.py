@@ -1,5 +1,8 @@
 """What a trajectory says in the paper's terms, derived once and alike for every engine.
 
+How an engine's contact differs from a rolling point (depth, slip, lift-off, several points) is read
+at the recorded samples, which are dense by angle; a single step between two of them may be missed.
+
 A motion as a tidy table: a row a sample, units in the column names.
 """
 
@@ -90,6 +93,41 @@ def shares(time: Floats) -> Floats:
     weights[1:] += gaps / 2.0
     weights /= weights.sum()
     return weights
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactQuality:
+    """What the contact did over a run.
+
+    Parameters
+    ----------
+    max_penetration : float
+        m; zero if the can never sank.
+    max_slip : float
+        m/s, at the engine's contact point.
+    lift_off_fraction : float
+        Share of the time without any contact force.
+    multi_contact_fraction : float
+        Share of the time with more than one contact point that bears a force.
+    """
+
+    max_penetration: float
+    max_slip: float
+    lift_off_fraction: float
+    multi_contact_fraction: float
+
+
+def contact_quality(motion: Motion) -> ContactQuality:
+    """Return how the contact behaved over a motion."""
+    weight = shares(motion.time)
+    depth, slip = motion.trajectory.penetration, motion.slip
+    sunk, known = np.isfinite(depth), np.isfinite(slip)
+    return ContactQuality(
+        max_penetration=max(0.0, float(depth[sunk].max())) if sunk.any() else 0.0,
+        max_slip=float(slip[known].max()) if known.any() else 0.0,
+        lift_off_fraction=float(weight[~motion.touching].sum()),
+        multi_contact_fraction=float(weight[motion.trajectory.contact_count > 1].sum()),
+    )
 
 
 def motion_frame(motion: Motion) -> pd.DataFrame:

@@ -17,9 +17,8 @@ from typing import Protocol
 
 from harness.core.bounce import Bounce
 from harness.core.simulation import Simulation
-from harness.metrics.contact import ContactQuality
 from harness.metrics.error import Errors
-from harness.metrics.motion import Motion
+from harness.metrics.motion import ContactQuality, Motion
 
 Number = float | None
 

@@ -56,8 +56,9 @@ class MujocoWorld:
             every_sensor=chosen["build"] == "everything",
             spring_timestep=None if soft is None else timestep,
         )
-        # a warning is an outcome, not a line in a log file in the working folder
-        mujoco.set_mju_user_warning(_ignore)
+        # a warning is an outcome, which `MjData.warning` counts, not a line of a log file in the
+        # working folder
+        mujoco.set_mju_user_warning(lambda _: None)
         try:
             self.model = mujoco.MjModel.from_xml_string(text)
         except ValueError as error:
@@ -208,7 +209,3 @@ def alike(case: Case) -> Case:
     the model file. Compiled from this, every release has one and the same model, to the bit.
     """
     return replace(case, scene=replace(case.scene, name="can", cite="", release=_RELEASE))
-
-
-def _ignore(message: str) -> None:
-    """Let a warning of MuJoCo pass: `MjData.warning` counts it and the adapter reads that."""

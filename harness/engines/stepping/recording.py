@@ -198,10 +198,11 @@ def record(
         if outcome is None and not chunk.sound:
             outcome = Outcome.DIVERGED
         taken = int(np.searchsorted(chunk.times, watch.ended_at, side="right"))
-        spans = _spans(chunk, taken, ended=watch.ended_at < np.inf)
-        steps += taken if spans is None else int(spans.sum())
-        worked = chunk.constraint_rows[:taken]
-        rows += int(worked.sum()) if spans is None else int(worked @ spans)
+        spans = np.ones(taken, np.int64) if chunk.spans is None else chunk.spans[:taken].copy()
+        if watch.ended_at < np.inf:
+            spans[-1:] = 1  # where a run ended, the last reading stands for its own step
+        steps += int(spans.sum())
+        rows += int(chunk.constraint_rows[:taken] @ spans)
         if outcome is None and steps >= _MOST_STEPS:
             outcome = Outcome.TOO_SLOW
         if outcome is not None:
@@ -217,14 +218,6 @@ def record(
         steps=steps,
         constraint_rows=rows,
     )
-
-
-def _spans(chunk: Chunk, taken: int, *, ended: bool) -> Integers | None:
-    """Return the steps that the first readings stand for; where a run ended, the last for one."""
-    if chunk.spans is None:
-        return None
-    spans = chunk.spans[:taken]
-    return np.append(spans[:-1], 1) if ended and taken else spans
 
 
 READINGS_PER_SAMPLE = 2.0

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from harness.core.trajectory import Trajectory
-from harness.metrics.contact import contact_quality
 from harness.metrics.energy import energy, energy_drift
-from harness.metrics.motion import motion
+from harness.metrics.motion import contact_quality, motion
 from models import Scene, quaternion
 
 EPS = np.finfo(np.float64).eps

@@ -13,10 +13,9 @@ import pytest
 
 from harness.core.trajectory import Trajectory
 from harness.metrics.bounces import bounces
-from harness.metrics.contact import contact_quality
 from harness.metrics.convergence import asymptotic_order, observed_order, pareto_front, plateau
 from harness.metrics.error import hausdorff
-from harness.metrics.motion import Motion, motion
+from harness.metrics.motion import Motion, contact_quality, motion
 from models import Scene, angular_velocity, quaternion
 
 Made = Callable[..., Trajectory]

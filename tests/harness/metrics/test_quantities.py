@@ -11,9 +11,8 @@ from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Trajectory
-from harness.metrics.contact import ContactQuality
 from harness.metrics.error import Errors
-from harness.metrics.motion import Motion, motion
+from harness.metrics.motion import ContactQuality, Motion, motion
 from harness.metrics.quantities import QUANTITIES, finite, turn_error
 from models import Horizon, Scene, angular_velocity, quaternion
 
