@@ -308,6 +308,12 @@ class Variant:
     imposes: str = ""
     thorough: bool = False
 
+    @classmethod
+    def of(cls, setting: str, value: Value, **more: Any) -> "Variant":  # noqa: ANN401 - the fields
+        """Return the variant of one setting, which names it."""
+        spelled = f"{value:g}" if isinstance(value, float) else value
+        return cls(name=f"{setting} {spelled}", settings=((setting, value),), **more)
+
 
 COMMON = (
     Variant(name="as shipped", profile="default", imposes="everything that the engine ships with"),

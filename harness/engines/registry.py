@@ -167,7 +167,7 @@ def variants(name: str) -> tuple[Variant, ...]:
     if declared is not None:
         return declared
     return COMMON + tuple(
-        Variant(name=f"{setting.name} {word}", settings=((setting.name, word),))
+        Variant.of(setting.name, word)
         for setting in found.settings
         for word in setting.choices
         if word != setting.matched

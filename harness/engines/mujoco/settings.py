@@ -246,22 +246,14 @@ VARIANTS = (
     *COMMON,
     Variant(name="adaptive RK4", profile="adaptive", settings=(("integrator", "RK4"),)),
     *(
-        Variant(
-            name=f"integrator {word}",
-            settings=(("integrator", word),),
-            thorough=word in {"implicit", "discrete"},
-        )
+        Variant.of("integrator", word, thorough=word in {"implicit", "discrete"})
         for word in ("RK4", "implicit", "implicitfast", "discrete")
     ),
-    Variant(
-        name="cone pyramidal",
-        settings=(("cone", "pyramidal"),),
-        imposes="a friction cone that is a pyramid",
-    ),
+    Variant.of("cone", "pyramidal", imposes="a friction cone that is a pyramid"),
     *(
-        Variant(
-            name=f"impratio {number:g}",
-            settings=(("impratio", number),),
+        Variant.of(
+            "impratio",
+            number,
             imposes="friction that yields, so that the rim creeps",
             thorough=number > 1.0,
         )
@@ -277,8 +269,8 @@ VARIANTS = (
         for seconds in (SHIPPED_SOLREF, 0.002)
     ),
     Variant(name="1 solver iteration", settings=(("iterations", 1),)),
-    Variant(name="solver CG", settings=(("solver", "CG"),), thorough=True),
-    Variant(name="solver PGS", settings=(("solver", "PGS"),), thorough=True),
+    Variant.of("solver", "CG", thorough=True),
+    Variant.of("solver", "PGS", thorough=True),
     Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
 )
 

@@ -231,9 +231,9 @@ VARIANTS = (
         for count in (2, 5, 10)
     ),
     *(
-        Variant(
-            name=f"contactERP {share:g}",
-            settings=(("contactERP", share),),
+        Variant.of(
+            "contactERP",
+            share,
             imposes="penetration that is taken away slowly",
             thorough=share > SHIPPED_ERP,
         )

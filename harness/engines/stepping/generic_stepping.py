@@ -77,37 +77,27 @@ class _WorldReader:
         return pose.quaternion.tolist(), twist.angular_velocity.tolist()
 
     def take(self, stage: Stage) -> bool:
-        """Step and read, up to the first state that is none."""
-        self._world.set_timestep(stage.timestep)
+        """Keep the state before each step and the contact that it solved, while it is a state."""
+        world = self._world
+        world.set_timestep(stage.timestep)
         for time in stage.times.tolist():
             self._times.append(time)
-            row = self._step()
-            if row is None:
+            try:
+                pose, twist = world.pose(), world.twist()
+            except InvalidValueError:
                 return False
-            self._rows.append(row)
-        return True
-
-    def _step(self) -> Floats | None:
-        """Return the state before a step and the contact that it solved; None if it is no state."""
-        world = self._world
-        try:
-            pose, twist = world.pose(), world.twist()
-        except InvalidValueError:
-            return None
-        with np.errstate(over="ignore", invalid="ignore"):  # numbers that break are an outcome
-            world.step()
-        contact = world.contact()
-        return np.concatenate(
-            (
-                pose.position,
-                pose.quaternion,
-                twist.velocity,
-                twist.angular_velocity,
-                contact.point,
-                contact.force,
-                (contact.penetration, contact.count),
+            with np.errstate(over="ignore", invalid="ignore"):  # numbers that break are an outcome
+                world.step()
+            contact = world.contact()
+            self._rows.append(
+                np.concatenate(
+                    (
+                        *(pose.position, pose.quaternion, twist.velocity, twist.angular_velocity),
+                        *(contact.point, contact.force, (contact.penetration, contact.count)),
+                    )
+                )
             )
-        )
+        return True
 
     def chunk(self) -> Chunk:
         """Return the time of each step, and the rows of those that were sound."""
