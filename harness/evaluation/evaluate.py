@@ -213,7 +213,6 @@ def run_cases(
     on_done: Callable[[Evaluation], None] | None = None,
     *,
     store: CacheFolder | None = None,
-    on_kept: Callable[[int, int], None] | None = None,
 ) -> tuple[Evaluation, ...]:
     """Evaluate cases, each once, and return them in the order given.
 
@@ -227,8 +226,6 @@ def run_cases(
     store : CacheFolder, optional
         Where evaluations are kept. What is there is not run again, and has the same bits as if it
         were; times are those that were measured when it ran.
-    on_kept : callable, optional
-        Is told, before anything runs, how many cases are in the store and how many there are.
 
     Raises
     ------
@@ -237,10 +234,6 @@ def run_cases(
     """
     for case in cases:
         check_case(case)
-    listener: ProgressListener[Case, Evaluation] = ProgressListener(
-        kept=on_kept or (lambda *_: None),
-        done=(lambda _, evaluation: on_done(evaluation)) if on_done else (lambda *_: None),
-    )
     return tuple(
         run_tasks(
             cases,
@@ -248,7 +241,7 @@ def run_cases(
             SerialExecutor() if executor is None else executor,
             lost=failed_evaluation,
             cache=None if store is None else evaluation_cache(store),
-            listener=listener,
+            listener=ProgressListener(done=lambda _, e: on_done(e)) if on_done else None,
         )
     )
 
