@@ -172,10 +172,8 @@ class Worker:
             self.stop()
             reason = f"killed: it ran longer than the {limits.seconds:g} s allowed"
             return LostTaskError(Loss.HUNG, reason)
-        if (
-            not math.isinf(limits.memory)
-            and memory_used(self._process.pid, limits.memory) > limits.memory
-        ):
+        used = 0 if math.isinf(limits.memory) else memory_used(self._process.pid, limits.memory)
+        if used > limits.memory:
             self.stop()
             reason = f"killed: it used more than the {limits.memory / 2**30:.3g} GiB allowed"
             return LostTaskError(Loss.OUT_OF_MEMORY, reason)

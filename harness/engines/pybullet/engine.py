@@ -37,7 +37,7 @@ _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
 _STATE = 13  # numbers of a state: position, quaternion, velocity, angular velocity
 
 
-class Steps:
+class PybulletSteps:
     """Steps a world; holds the states before the steps that it reads, and the contacts solved.
 
     Parameters
@@ -175,7 +175,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
     def chunks(self, world: PybulletWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
-        return step_by_stages(Steps(world, schedule.sampling), schedule, size)
+        return step_by_stages(PybulletSteps(world, schedule.sampling), schedule, size)
 
     def counted_step(self, world: PybulletWorld) -> int:
         """Step, and return the sweeps of the solver over all islands."""

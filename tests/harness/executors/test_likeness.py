@@ -30,9 +30,9 @@ HERE = dask_cluster.environment_description()
 @pytest.fixture
 def anew() -> Iterator[None]:
     """Ask again what this process computes with, before a test and after."""
-    dask_cluster._likeness.cache_clear()  # noqa: SLF001
+    dask_cluster.environment_description.cache_clear()
     yield
-    dask_cluster._likeness.cache_clear()  # noqa: SLF001
+    dask_cluster.environment_description.cache_clear()
 
 
 class Client:
@@ -89,7 +89,7 @@ def test_an_engine_of_somebody_else_that_both_have_must_be_the_same(
     for content in ("A = 1\n", "A = 2\n"):
         source.write_text(content, encoding="utf-8")
         fingerprint.cache_clear()
-        dask_cluster._likeness.cache_clear()  # noqa: SLF001
+        dask_cluster.environment_description.cache_clear()
         said.append(dask_cluster.environment_description())
     (found,) = [words for words in environment_differences(*said) if "theirs" in words]
     assert found.startswith("engine theirs unknown ")
