@@ -13,6 +13,7 @@ from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
+from harness.metrics.motion import Motion
 from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
 from harness.studies.comparison.selection import RUN, ended, finest
 from harness.studies.comparison.suite import Unsupported
@@ -107,7 +108,7 @@ class FidelityQuantity:
     value : callable
         Signed, or None where the run has none.
     allowed : callable
-        Of what size it may be.
+        Of what size it may be, given the exact motion.
     rolls : bool
         Whether it supposes that the can may roll: it is then not decidable where the exact motion
         asks the plane to pull.
@@ -117,7 +118,7 @@ class FidelityQuantity:
 
     key: str
     value: Callable[[Evaluation], float | None]
-    allowed: Callable[[Evaluation], float]
+    allowed: Callable[[Evaluation, Motion], float]
     rolls: bool = True
     bounces: bool = False
 
@@ -182,7 +183,7 @@ def _undecidable(quantity: FidelityQuantity, e: Evaluation) -> str:
 
 
 def _allowed(quantity: FidelityQuantity, e: Evaluation) -> float | None:
-    return quantity.allowed(e) if e.truth is not None else None
+    return None if e.truth is None else quantity.allowed(e, e.truth)
 
 
 def _largest(values: Iterable[float | None]) -> float | None:
@@ -204,26 +205,20 @@ def _asked(e: Evaluation) -> float:
     return min((b.peak_friction_ratio for b in e.true_bounces), default=math.nan)
 
 
-def _clearance(e: Evaluation) -> float:
+def _clearance(e: Evaluation, truth: Motion) -> float:
     """Return how high the far rim is above the plane at its lowest, m."""
-    if e.truth is None:
-        return math.nan
-    return 2.0 * e.simulation.case.scene.can.radius * math.sin(float(e.truth.angles.phi.min()))
+    return 2.0 * e.simulation.case.scene.can.radius * math.sin(float(truth.angles.phi.min()))
 
 
-def _speed(e: Evaluation) -> float:
+def _speed(truth: Motion) -> float:
     """Return the speed of the centre at its largest, m/s."""
-    if e.truth is None:
-        return math.nan
-    squares = (e.truth.trajectory.velocity**2).sum(axis=1)
+    squares = (truth.trajectory.velocity**2).sum(axis=1)
     return math.sqrt(float(squares.max()))
 
 
-def _spendable(e: Evaluation) -> float:
+def _spendable(e: Evaluation, truth: Motion) -> float:
     """Return the energy at release over that of the can lying flat, in m g R."""
-    if e.truth is None:
-        return math.nan
-    scene, trajectory = e.simulation.case.scene, e.truth.trajectory
+    scene, trajectory = e.simulation.case.scene, truth.trajectory
     can, point = scene.can, scene.effects.point_mass
     scale = can.mass * scene.gravity * can.radius
     flat = can.mass * scene.gravity * can.half_height
@@ -238,23 +233,23 @@ _ENERGY = "energy_drift"
 
 JUDGED = (
     # a tenth of a degree: what a protractor on the table would not show
-    FidelityQuantity(key=_TURN, value=_turn, allowed=lambda _: AGREES_TURN, bounces=True),
+    FidelityQuantity(key=_TURN, value=_turn, allowed=lambda *_: AGREES_TURN, bounces=True),
     FidelityQuantity(
         key="contact_locus_m",
         value=QUANTITIES["contact_locus_hausdorff_m"].of_run,
-        allowed=lambda e: _SEEN * e.simulation.case.scene.can.radius,
+        allowed=lambda e, _: _SEEN * e.simulation.case.scene.can.radius,
     ),
     FidelityQuantity(
         key="friction_ratio_error",
         value=_friction,
-        allowed=lambda e: _SEEN * _asked(e),
+        allowed=lambda e, _: _SEEN * _asked(e),
         bounces=True,
     ),
     # against the fastest that the centre goes: creeping at a hundredth of it looks like rolling
     FidelityQuantity(
         key=_SLIP,
         value=QUANTITIES["max_slip_m_s"].of_run,
-        allowed=lambda e: _SEEN * _speed(e),
+        allowed=lambda _, truth: _SEEN * _speed(truth),
     ),
     # deeper, and the far rim touches the plane where the exact can clears it: another motion
     FidelityQuantity(
@@ -265,13 +260,13 @@ JUDGED = (
     FidelityQuantity(
         key="lift_off_fraction",
         value=QUANTITIES["lift_off_fraction"].of_run,
-        allowed=lambda _: _SEEN,
+        allowed=lambda *_: _SEEN,
     ),
     # of what the can has to spend: phi follows it in proportion
     FidelityQuantity(
         key=_ENERGY,
         value=QUANTITIES["energy_drift"].of_run,
-        allowed=lambda e: _SEEN * _spendable(e),
+        allowed=lambda e, truth: _SEEN * _spendable(e, truth),
         rolls=False,
     ),
 )

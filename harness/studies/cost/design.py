@@ -2,13 +2,20 @@
 
 *Scored*: every variant of every engine over its ladder, on the scene: error and time. *Tuning*: the
 same on another scene, errors and the time of that one run, from which each engine's settings are
-chosen. *Gaps*: at the finest timestep of the engine as it ships, each gap closed alone and each
-left open, to say what a plateau is made of. *Hardness*: matched at fixed and adaptive steps, on the
+chosen. *Gaps*: at the finest timestep of the engine as it ships, each gap left open alone, to say
+what a plateau is made of. *Hardness*: matched at fixed and adaptive steps, on the
 same can with its spin turned down. Nothing here runs.
+
+Hardness is the small parameter of the paper, epsilon = B_{-2}^2 (a_p + 1), read off the exact
+motion: its bounce comes as near to flat as phi_min = sqrt(epsilon a_p/((a_p + 1) I)), with I/2 the
+largest phi (eq01:phi_inner; the paper's 1.43e-10 has the factor a_p + 1, see
+`reference.asymptotic.matched`). Psi' and theta' at release are multiplied by one factor, and
+epsilon goes with its square.
 """
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
@@ -17,10 +24,9 @@ from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.to_reference_problem import carried
 from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, variants
-from harness.studies.cost.hardness import epsilon, hardened
 from harness.studies.cost.points import LONGEST, Family, adaptive_family, family, timesteps
 from harness.studies.shared.ablation import AblationPath, ablation_path
-from models.scene import Scene
+from models.scene import Horizon, Scene
 
 DECADES = {"quick": (-6, -8, -10), "full": (-4, -5, -6, -7, -8, -9, -10)}
 """Powers of ten of epsilon, from mild to the paper's."""
@@ -32,6 +38,12 @@ _HARD_STEPS = {"quick": (2.0, 0.6, 0.2), "full": (2.0, 0.6, 0.2, 0.06, 0.02)}
 
 _HARD_SHARES = {"quick": (4.0, 2.0, 1.0), "full": (16.0, 8.0, 4.0, 2.0, 1.0)}
 """As `harness.studies.cost.points.SHARES`."""
+
+_ROUNDS = 6
+"""Of regula falsi in logarithms, each a digit or more: epsilon is nearly a power of the factor."""
+
+_NEAR = 0.02
+"""Of epsilon, by which a scene may miss the one asked for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -197,15 +209,58 @@ def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hard
         yield Hardness(scene=made, epsilon=found, families=tuple(families))
 
 
-def gap_cases(way: AblationPath) -> dict[tuple[str, str], Case]:
-    """Return the cases that say what a plateau is made of, by ("alone" or "left open", gap).
+def epsilon(scene: Scene) -> float | None:
+    """Return the paper's small parameter of a scene, or None if its can does not bounce."""
+    bounces = truth(scene).bounces
+    if not bounces:
+        return None
+    can = scene.can
+    a_p = can.a + can.h**2
+    largest = max(scene.release.phi, bounces[0].phi_min)
+    return (a_p + 1.0) / a_p * 2.0 * largest * bounces[0].phi_min ** 2
 
-    All at the timestep of the path; ("", "") is the engine as it ships at that timestep.
+
+def hardened(scene: Scene, wanted: float) -> Scene | None:
+    """Return the scene with its spin changed so that epsilon is as wanted, for one bounce.
+
+    Returns
+    -------
+    Scene or None
+        None if no such spin is found: a can that stands upright does not bounce gently.
     """
-    timestep = {gap.name for gap in way.gaps if TIMESTEP in gap.settings}
-    others = [name for name in way.names if name not in timestep]
-    found = {("", ""): way.case(frozenset(timestep))}
-    for name in others:
-        found["alone", name] = way.case(frozenset(timestep | {name}))
-        found["left open", name] = way.case(frozenset(way.names) - {name})
-    return found
+    own = epsilon(scene)
+    if own is None or own == 0.0:
+        return None
+    factor = math.sqrt(wanted / own)
+    for _ in range(_ROUNDS):
+        made = _spun(scene, factor, wanted)
+        found = epsilon(made)
+        if found is None or not 0.0 < found < math.inf:
+            return None
+        if abs(found / wanted - 1.0) < _NEAR:
+            return made
+        factor *= math.sqrt(wanted / found)
+    return None
+
+
+def _spun(scene: Scene, factor: float, wanted: float) -> Scene:
+    release = scene.release
+    return replace(
+        scene,
+        name=f"{scene.name}-epsilon-1e{round(math.log10(wanted))}",
+        cite=f"{scene.name} with psi' and theta' multiplied by {factor:.6g}",
+        release=replace(
+            release, psi_dot=release.psi_dot * factor, theta_dot=release.theta_dot * factor
+        ),
+        horizon=Horizon(bounces=1),
+    )
+
+
+def gap_cases(way: AblationPath) -> dict[str, Case]:
+    """Return by gap the case that says what it leaves of a plateau: all others closed.
+
+    All at the timestep of the path, which is no gap of its own here.
+    """
+    timed = {gap.name for gap in way.gaps if TIMESTEP in gap.settings}
+    closed = frozenset(way.names)
+    return {name: way.case(closed - {name}) for name in way.names if name not in timed}

@@ -13,7 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
+import numpy as np
+from scipy.stats import linregress
+from scipy.stats import t as student
+
 from harness.core.case import Case
+from harness.core.report_model import Figure, Panel, Series, Table
 from harness.engines.registry import export_settings
 from harness.evaluation.evaluation import Record
 from harness.studies.cost.design import CostPlan, Hardness, target_of
@@ -281,3 +286,68 @@ def all_pasted(cost: Cost) -> str:
                 text = " ".join(export_settings(price.winners[0].point.case).split())
                 blocks.append(f"{engine}, {target:g} degrees: {text}")
     return "\n\n".join(blocks)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exponent:
+    """Cost ~ epsilon^exponent; half-width of the 95 % interval, infinite for two points."""
+
+    exponent: float
+    confidence: float
+    points: int
+
+
+def exponent(epsilons: Sequence[float], costs: Sequence[float]) -> Exponent | None:
+    """Return the exponent of cost against epsilon, by least squares in logarithms; None of one."""
+    pairs = [(e, c) for e, c in zip(epsilons, costs, strict=True) if c > 0.0 and math.isfinite(c)]
+    if len(pairs) < 2:  # noqa: PLR2004 - a slope needs two points
+        return None
+    fit = linregress(*np.log(np.array(pairs)).T)
+    freedom = len(pairs) - 2
+    width = float(student.ppf(0.975, freedom) * fit.stderr) if freedom else math.inf
+    return Exponent(exponent=float(fit.slope), confidence=width, points=len(pairs))
+
+
+COSTS = (1e-3, 1e3)
+"""Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""
+
+
+def hardness_figure(degree: Table, growth: Table) -> Figure:
+    """Return the cost of a degree against epsilon, from its table and that of its exponents."""
+    series = tuple(
+        Series(
+            label=f"{name}, {steps}",
+            kind=str(name),
+            x=own["epsilon"].to_numpy(dtype=np.float64),
+            y=own["cost_s_s"].to_numpy(dtype=np.float64),
+            mark="both",
+            dashed=steps != "fixed step",
+            hover=tuple("at most" if bound else "one degree" for bound in own["at_most"]),
+        )
+        for (name, steps), own in degree.frame.groupby(["engine", "steps"], sort=False)
+    )
+    told = "; ".join(
+        f"{row.engine}, {row.steps}: {row.exponent:+.2f}" for row in growth.frame.itertuples()
+    )
+    return Figure(
+        name=f"{degree.scene}-hardness",
+        title="What one degree costs as the bounce gets harder",
+        seen=(
+            "From right to left the bounce gets harder, down to the paper's. Exponents of the cost "
+            f"against epsilon: {told or 'none'}."
+        ),
+        panels=(
+            Panel(
+                title="Cost of one degree",
+                x_label="epsilon",
+                y_label="processor seconds per simulated second",
+                series=series,
+                log_x=True,
+                log_y=True,
+                x_range=(1e-11, 1e-3),
+                y_range=COSTS,
+            ),
+        ),
+        columns=1,
+        scene=degree.scene,
+    )

@@ -20,7 +20,6 @@ from harness.evaluation.evaluation import Record
 from harness.evaluation.timing import FEWEST, aloft, untimed
 from harness.metrics.convergence import pareto_front
 from harness.studies.cost.design import CostPlan, priced
-from harness.studies.cost.hardness import hardness_figure
 from harness.studies.cost.points import (
     HARD_MEASURING,
     MEASURING,
@@ -30,6 +29,7 @@ from harness.studies.cost.points import (
 )
 from harness.studies.cost.prices import (
     CHOICES,
+    COSTS,
     FIXED,
     FOLLOWING,
     NOISE,
@@ -38,6 +38,7 @@ from harness.studies.cost.prices import (
     Ladder,
     all_pasted,
     cost,
+    hardness_figure,
 )
 from harness.studies.cost.tables import (
     growth,
@@ -262,9 +263,6 @@ AXES = {
 }
 """Ends of the axis of each error of `RECORDED`, the same for all scenes."""
 
-COST_LOW, COST_HIGH = 1e-3, 1e3
-"""Processor seconds per simulated second: ends of the axis of costs, the same for all scenes."""
-
 _SHOWN = (
     "phi_rms_rad",
     "bounce_time_s",
@@ -327,7 +325,7 @@ def _panel(cost: Cost, key: str) -> Panel:
         series=tuple(series),
         log_x=True,
         log_y=True,
-        x_range=(COST_LOW, COST_HIGH),
+        x_range=COSTS,
         y_range=(low, high),
     )
 
@@ -386,6 +384,5 @@ def cost_report(cost: Cost) -> tuple[Artefact, ...]:
         orders(cost, falling),
     ]
     if degree.frame["cost_s_s"].notna().any():
-        figure = hardness_figure(name, degree.frame, exponents.frame, (COST_LOW, COST_HIGH))
-        artefacts += [figure, degree, exponents]
+        artefacts += [hardness_figure(degree, exponents), degree, exponents]
     return (*artefacts, points(cost))

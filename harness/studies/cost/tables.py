@@ -23,7 +23,6 @@ from harness.metrics.convergence import (
 )
 from harness.metrics.quantities import finite
 from harness.studies.cost.design import gap_cases
-from harness.studies.cost.hardness import exponent
 from harness.studies.cost.points import Family, Point, hard_command
 from harness.studies.cost.prices import (
     CHOICES,
@@ -32,6 +31,7 @@ from harness.studies.cost.prices import (
     Cost,
     Offer,
     cost_of,
+    exponent,
     offers,
     tied,
 )
@@ -296,8 +296,8 @@ def _from_gaps(path: AblationPath, cost: Cost, quantity: str, level: float) -> s
     """Return which gap makes the plateau of an engine as it ships."""
     sizes = {
         gap: abs(run["errors"][quantity])
-        for (kind, gap), case in gap_cases(path).items()
-        if kind == "left open" and (run := cost.runs[case])["outcome"] == Outcome.FINISHED.name
+        for gap, case in gap_cases(path).items()
+        if (run := cost.runs[case])["outcome"] == Outcome.FINISHED.name
         if run["errors"].get(quantity) is not None
     }
     if not sizes:

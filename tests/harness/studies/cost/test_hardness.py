@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from harness.studies.cost.hardness import epsilon, exponent, hardened
+from harness.studies.cost.design import epsilon, hardened
+from harness.studies.cost.prices import exponent
 from models import load
 
 
