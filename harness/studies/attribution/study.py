@@ -4,7 +4,7 @@ Who accounts for how much is read along an ablation path, and told in numbers, w
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,17 +31,7 @@ from harness.metrics.quantities import (
     recorded_turn_error,
     turn_error,
 )
-from harness.studies.shared.ablation import (
-    AblationPath,
-    Account,
-    Closed,
-    account,
-    amount,
-    in_order_sentence,
-    interaction_sentence,
-    total,
-    unit_of,
-)
+from harness.studies.shared.ablation import AblationPath, Account, account, total
 from harness.studies.shared.run_columns import (
     CASE,
     COMMAND,
@@ -98,8 +88,8 @@ class Attribution:
             found = self.accounts[quantity.key]
             if found.whole is not None:
                 return (
-                    f"{in_order_sentence(self.path, quantity, found)}{self._doubt()}.",
-                    f"{interaction_sentence(quantity, found)}.",
+                    f"{found.in_order_sentence()}{self._doubt()}.",
+                    f"{found.interaction_sentence()}.",
                 )
         ends = sorted({e.simulation.outcome.name.lower() for e in self.evaluations.values()})
         nothing = (
@@ -113,12 +103,11 @@ class Attribution:
         if not self.uncounted:
             return ""
         found = self.accounts[ATTRIBUTED[0].key]
-        known = [(abs(value), name, value) for name, value in found.known(found.in_order)]
+        known = found.by_gap(found.in_order)
         words = f" (the turn cannot be counted in {self.uncounted} of {len(self.evaluations)} runs"
         if known and found.whole is None:
-            _, name, value = max(known)
-            most = amount(ATTRIBUTED[0], value)
-            words += f"; where it can, most is taken away by {name}, {most}"
+            name = max(known, key=lambda name: (abs(known[name]), name))
+            words += f"; where it can, most is taken away by {name}, {found.words(known[name])}"
         return words + ")"
 
     def artefacts(self) -> tuple[Artefact, ...]:
@@ -134,22 +123,21 @@ class Attribution:
             self._waterfall(),
             self._table("gaps", "What each gap accounts for", _GAPS, self.gap_rows()),
             self._table(
-                "interactions", "The whole and its parts", _INTERACTIONS, self.interaction_rows()
+                "interactions", "The whole and its parts", _INTERACTIONS, self.accounts.values()
             ),
             self._table("runs", "Every run of the attribution", _RUNS, self._run_rows()),
         )
 
     def _table(
-        self, name: str, title: str, columns: tuple[Column, ...], rows: list[dict[str, Any]]
+        self, name: str, title: str, columns: tuple[Column, ...], records: Iterable[object]
     ) -> Table:
         path = self.path
-        head = {"scene": path.scene.name, "engine": path.engine}
         hidden = ("scene", "engine", *(f"takes_away_{q.key}" for q in ATTRIBUTED[1:]))
         return table_of(
             f"{path.scene.name}-{path.engine}-{name}",
             f"{title}: {path.engine}",
             without(columns, *hidden),
-            [head | row for row in rows],
+            records,
             scene=path.scene.name,
         )
 
@@ -157,6 +145,8 @@ class Attribution:
         """Return what each gap accounts for, a row a quantity and gap."""
         return [
             {
+                "scene": self.path.scene.name,
+                "engine": self.path.engine,
                 "place": place + 1,
                 "gap": gap.name,
                 "settings": ", ".join(gap.settings),
@@ -172,23 +162,6 @@ class Attribution:
             }
             for key, found in self.accounts.items()
             for place, gap in enumerate(self.path.gaps)
-        ]
-
-    def interaction_rows(self) -> list[dict[str, Any]]:
-        """Return the whole, the sums and the interaction, a row a quantity."""
-        return [
-            {
-                "quantity": key,
-                "as_shipped": found.shipped,
-                "remains": found.remains,
-                "whole": found.whole,
-                "sum_in_order": total(found.in_order),
-                "sum_alone": total(found.alone),
-                "interaction": found.interaction,
-                "sum_left_open": total(found.left_open),
-                "interaction_left_open": found.interaction_left_open,
-            }
-            for key, found in self.accounts.items()
         ]
 
     def _run_rows(self) -> list[dict[str, Any]]:
@@ -230,7 +203,7 @@ class Attribution:
                 "to matched. A mark off the end of its bar is interaction: alone, that gap takes "
                 f"away another amount{missing}."
             ),
-            panels=tuple(_waterfall(path, q, self.accounts[q.key]) for q in known[:_PANELS]),
+            panels=tuple(_panel(self.accounts[q.key]) for q in known[:_PANELS]),
             scene=path.scene.name,
         )
 
@@ -254,16 +227,24 @@ _GAPS = (
 )
 
 _INTERACTIONS = (
-    SCENE,
-    ENGINE,
-    _QUANTITY,
+    Column("scene", SCENE.meaning, "path.scene.name"),
+    Column("engine", ENGINE.meaning, "path.engine"),
+    Column("quantity", _QUANTITY.meaning, "quantity.key"),
     Column("as_shipped", "Discrepancy with all gaps open."),
     Column("remains", "Discrepancy with all gaps closed: profile matched."),
     Column("whole", "As shipped less what remains."),
-    Column("sum_in_order", "Sum of what the gaps take away one after the other: the whole."),
+    Column(
+        "sum_in_order",
+        "Sum of what the gaps take away one after the other: the whole.",
+        lambda found: total(found.in_order),
+    ),
     Column("sum_alone", "Sum of what each gap takes away alone."),
     Column("interaction", "Sum alone less the whole: what the gaps do only together."),
-    Column("sum_left_open", "Sum of what each gap adds when only it is open."),
+    Column(
+        "sum_left_open",
+        "Sum of what each gap adds when only it is open.",
+        lambda found: total(found.left_open),
+    ),
     Column("interaction_left_open", "The same less the whole."),
 )
 
@@ -310,13 +291,14 @@ class AttributionStudy:
         """Return who accounts for what."""
         runs = done.of(EVALUATION)
 
-        def level(quantity: Quantity) -> Callable[[Closed], Number]:
-            return lambda closed: quantity.of_run(runs[self.path.case(closed)])
+        def discrepancy(quantity: Quantity) -> Account:
+            read = quantity.of_run
+            return account(self.path, quantity, lambda closed: read(runs[self.path.case(closed)]))
 
         return Attribution(
             path=self.path,
             evaluations={case: runs[case] for case in self.path.cases()},
-            accounts={q.key: account(self.path.names, level(q)) for q in ATTRIBUTED},
+            accounts={quantity.key: discrepancy(quantity) for quantity in ATTRIBUTED},
         )
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
@@ -328,30 +310,25 @@ class AttributionStudy:
         found = self.findings(done)
         wholes = ("as_shipped", "remains", "whole", "interaction")
         parts = ("gap", "in_order", "alone", "left_open")
-        gaps = found.gap_rows()
+        quantities: dict[str, dict[str, Any]] = {
+            key: {name: getattr(own, name) for name in wholes} | {"gaps": []}
+            for key, own in found.accounts.items()
+        }
+        for row in found.gap_rows():
+            quantities[row["quantity"]]["gaps"].append({name: row[name] for name in parts})
         return {
             "scene": self.path.scene.name,
             "engine": self.path.engine,
             "timestep_s": self.path.matched_timestep,
             "order": list(self.path.names),
-            "quantities": {
-                row["quantity"]: {key: row[key] for key in wholes}
-                | {
-                    "gaps": [
-                        {key: gap[key] for key in parts}
-                        for gap in gaps
-                        if gap["quantity"] == row["quantity"]
-                    ]
-                }
-                for row in found.interaction_rows()
-            },
+            "quantities": quantities,
             "sentences": list(found.sentences),
         }
 
 
-def _waterfall(path: AblationPath, quantity: Quantity, found: Account) -> Panel:
+def _panel(found: Account) -> Panel:
     """Return the waterfall of one quantity."""
-    word, scale = unit_of(quantity)
+    (word, scale), names = found.unit, found.path.names
 
     def numbers(values: Sequence[Number]) -> Floats:
         return np.array([math.nan if value is None else value * scale for value in values])
@@ -359,21 +336,21 @@ def _waterfall(path: AblationPath, quantity: Quantity, found: Account) -> Panel:
     def takes_away(values: Sequence[Number], words: str) -> tuple[str, ...]:
         return tuple(
             f"{name}{words}: "
-            + ("not known" if value is None else f"takes away {amount(quantity, value)}")
-            for name, value in zip(found.names, values, strict=True)
+            + ("not known" if value is None else f"takes away {found.words(value)}")
+            for name, value in zip(names, values, strict=True)
         )
 
-    levels, count = numbers(found.levels), len(found.names)
+    levels, count = numbers(found.levels), len(names)
     places = np.arange(1.0, count + 1.0)
     return Panel(
-        title=quantity.label.capitalize(),
+        title=found.quantity.label.capitalize(),
         x_label="gaps, closed from left to right",
         y_label=f"off by [{word}]" if word else "off by",
-        x_names=("as shipped", *found.names, "matched"),
+        x_names=("as shipped", *names, "matched"),
         series=(
             Series(
                 label="discrepancy",
-                kind=path.engine,
+                kind=found.path.engine,
                 x=np.array((0.0, count + 1.0)),
                 y=levels[[0, -1]],
                 base=np.zeros(2),
@@ -381,7 +358,7 @@ def _waterfall(path: AblationPath, quantity: Quantity, found: Account) -> Panel:
             ),
             Series(
                 label="taken away by a gap, in this order",
-                kind=path.engine,
+                kind=found.path.engine,
                 x=places,
                 y=levels[1:],
                 base=levels[:-1],

@@ -15,6 +15,7 @@ Who accounts for what: with the discrepancy D(S) in which the set S of gaps is c
 A level that is not known leaves what rests on it unknown, and nothing else.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -173,31 +174,34 @@ def all_gaps(chosen: Engine) -> tuple[ModelDifference, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Account:
-    """One quantity, all gaps. None is not known.
+    """What each gap of a path takes away of one discrepancy. None is not known.
 
     Parameters
     ----------
-    names : tuple of str, length n
-        Gaps in the order of closing.
+    path : AblationPath
+        With n gaps.
+    quantity : Quantity
+        The discrepancy.
     levels : tuple, length n + 1
         Discrepancy as shipped and after each gap.
     in_order, alone, left_open : tuple, length n
         What each gap takes away: after those before it, by itself, and as the last one.
     """
 
-    names: tuple[str, ...]
+    path: AblationPath
+    quantity: Quantity
     levels: tuple[Number, ...]
     in_order: tuple[Number, ...]
     alone: tuple[Number, ...]
     left_open: tuple[Number, ...]
 
-    def known(self, parts: Sequence[Number]) -> list[tuple[str, float]]:
-        """Return the gaps of which a part is known, by name, with that part."""
-        pairs = zip(self.names, parts, strict=True)
-        return [(name, part) for name, part in pairs if part is not None]
+    def by_gap(self, parts: Sequence[Number]) -> dict[str, float]:
+        """Return what is known of one part of each gap, by the name of the gap."""
+        pairs = zip(self.path.names, parts, strict=True)
+        return {name: part for name, part in pairs if part is not None}
 
     @property
-    def shipped(self) -> Number:
+    def as_shipped(self) -> Number:
         """Discrepancy with all gaps open."""
         return self.levels[0]
 
@@ -209,33 +213,96 @@ class Account:
     @property
     def whole(self) -> Number:
         """What closing all gaps takes away."""
-        return less(self.shipped, self.remains)
+        return less(self.as_shipped, self.remains)
+
+    @property
+    def sum_alone(self) -> Number:
+        """What the gaps alone take away, all together."""
+        return total(self.alone)
 
     @property
     def interaction(self) -> Number:
         """What the gaps alone take away, all together, beyond the whole."""
-        return less(total(self.alone), self.whole)
+        return less(self.sum_alone, self.whole)
 
     @property
     def interaction_left_open(self) -> Number:
         """The same, seen from the matched end."""
         return less(total(self.left_open), self.whole)
 
+    @property
+    def unit(self) -> tuple[str, float]:
+        """The unit in words and figures, and the factor from the unit of the column to it."""
+        unit = self.quantity.unit
+        return {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}.get(unit, (unit, 1.0))
 
-def account(names: Sequence[str], level: Callable[[Closed], Number]) -> Account:
-    """Return who accounts for what.
+    def words(self, value: Number, *, unit: bool = True) -> str:
+        """Return a discrepancy in words; what is not known is said to be so."""
+        if value is None:
+            return "an unknown part"
+        word, scale = self.unit
+        number = f"{value * scale:+.3g}"
+        return f"{number} {word}".rstrip() if unit else number
 
-    Parameters
-    ----------
-    names : sequence of str, length n
-        Gaps in the order of closing.
-    level : callable
-        Discrepancy with a set of gaps closed.
-    """
-    whole = frozenset(names)
+    def in_order_sentence(self) -> str:
+        """Return what each gap takes away, largest first."""
+        path, known = self.path, self.by_gap(self.in_order)
+        least = _NOTHING * max(abs(value) for value in self.levels if value is not None)
+        told = "; ".join(
+            f"{name} nothing"
+            if abs(known.get(name, math.inf)) <= least
+            else f"{name} {self.words(known.get(name), unit=False)}"
+            for name in sorted(path.names, key=lambda name: -abs(known.get(name, 0.0)))
+        )
+        return (
+            f"As it ships, {path.engine} is off by {self.words(self.as_shipped)} in the "
+            f"{self.quantity.label} of {path.scene.name}, and matched, at a timestep of "
+            f"{path.matched_timestep:.2g} s, by {self.words(self.remains)}; closing the gaps "
+            f"in the order {', '.join(path.names)} takes away, largest first: {told}"
+        )
+
+    def interaction_sentence(self) -> str:
+        """Return how far the gaps alone are from the whole, and which gap is behind it most."""
+        early, late = self.by_gap(self.alone), self.by_gap(self.in_order)
+        if self.whole is None or self.sum_alone is None or self.interaction is None:
+            unknown = ", ".join(name for name in self.path.names if name not in early)
+            return (
+                f"Together they take away {self.words(self.whole)}; how they interact is not known,"
+                f" because the discrepancy with one gap closed alone is not, for {unknown}"
+            )
+        opening = (
+            "Closed one by one from the engine as it ships, they add up to "
+            f"{self.words(self.sum_alone)}"
+        )
+        if abs(self.interaction) <= _HARDLY * abs(self.whole):
+            return f"{opening}, the whole to within {_HARDLY:.0%}, so that they hardly interact"
+        told = (
+            f"{opening}, where the whole is {self.words(self.whole)}: an interaction of "
+            f"{self.words(self.interaction)}"
+        )
+        if not late:
+            return told
+        name = max(late, key=lambda name: (abs(late[name] - early[name]), name))
+        return (
+            f"{told}, most of it in {name}, which takes away {self.words(early[name])} alone "
+            f"and {self.words(late[name])} after those before it"
+        )
+
+
+_NOTHING = 1e-6
+"""Share of the largest discrepancy on the path below which a gap takes away nothing."""
+
+_HARDLY = 0.01
+"""Share of the whole below which an interaction is not worth a word."""
+
+
+def account(path: AblationPath, quantity: Quantity, level: Callable[[Closed], Number]) -> Account:
+    """Return who accounts for what of a discrepancy, given it with any set of gaps closed."""
+    names, whole = path.names, frozenset(path.names)
     levels = tuple(level(frozenset(names[:count])) for count in range(len(names) + 1))
     return Account(
-        names=tuple(names),
+        path=path,
+        quantity=quantity,
         levels=levels,
         in_order=tuple(map(less, levels[:-1], levels[1:])),
         alone=tuple(less(levels[0], level(frozenset((name,)))) for name in names),
@@ -247,74 +314,3 @@ def total(parts: Sequence[Number]) -> Number:
     """Return the sum, if every part is known."""
     known = [part for part in parts if part is not None]
     return sum(known) if len(known) == len(parts) else None
-
-
-_NOTHING = 1e-6
-"""Share of the largest discrepancy on the path below which a gap takes away nothing."""
-
-_HARDLY = 0.01
-"""Share of the whole below which an interaction is not worth a word."""
-
-
-def in_order_sentence(path: AblationPath, quantity: Quantity, found: Account) -> str:
-    """Return what each gap takes away, largest first."""
-    parts = sorted(
-        zip(found.names, found.in_order, strict=True),
-        key=lambda part: -abs(part[1]) if part[1] is not None else 0.0,
-    )
-    least = _NOTHING * max(abs(value) for value in found.levels if value is not None)
-    told = "; ".join(
-        f"{name} nothing"
-        if value is not None and abs(value) <= least
-        else f"{name} {amount(quantity, value, unit=False)}"
-        for name, value in parts
-    )
-    return (
-        f"As it ships, {path.engine} is off by {amount(quantity, found.shipped)} in the "
-        f"{quantity.label} of {path.scene.name}, and matched, at a timestep of "
-        f"{path.matched_timestep:.2g} s, by {amount(quantity, found.remains)}; closing the gaps "
-        f"in the order {', '.join(found.names)} takes away, largest first: {told}"
-    )
-
-
-def interaction_sentence(quantity: Quantity, found: Account) -> str:
-    """Return how far the gaps alone are from the whole, and which gap is behind it most."""
-    whole, alone, interaction = found.whole, total(found.alone), found.interaction
-    early = dict(found.known(found.alone))
-    if whole is None or alone is None or interaction is None:
-        unknown = ", ".join(name for name in found.names if name not in early)
-        return (
-            f"Together they take away {amount(quantity, whole)}; how they interact is not known, "
-            f"because the discrepancy with one gap closed alone is not, for {unknown}"
-        )
-    opening = (
-        f"Closed one by one from the engine as it ships, they add up to {amount(quantity, alone)}"
-    )
-    if abs(interaction) <= _HARDLY * abs(whole):
-        return f"{opening}, the whole to within {_HARDLY:.0%}, so that they hardly interact"
-    told = (
-        f"{opening}, where the whole is {amount(quantity, whole)}: an interaction of "
-        f"{amount(quantity, interaction)}"
-    )
-    late = dict(found.known(found.in_order))
-    if not late:
-        return told
-    name = max(late, key=lambda name: (abs(late[name] - early[name]), name))
-    return (
-        f"{told}, most of it in {name}, which takes away {amount(quantity, early[name])} alone "
-        f"and {amount(quantity, late[name])} after those before it"
-    )
-
-
-def amount(quantity: Quantity, value: Number, *, unit: bool = True) -> str:
-    """Return a discrepancy in words; what is not known is said to be so."""
-    if value is None:
-        return "an unknown part"
-    word, scale = unit_of(quantity)
-    number = f"{value * scale:+.3g}"
-    return f"{number} {word}".rstrip() if unit else number
-
-
-def unit_of(quantity: Quantity) -> tuple[str, float]:
-    """Return the unit in words and figures, and the factor from the unit of the column to it."""
-    return {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}.get(quantity.unit, (quantity.unit, 1.0))

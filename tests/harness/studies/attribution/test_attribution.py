@@ -93,9 +93,9 @@ def test_the_waterfall_goes_down_from_shipped_to_matched(found: Attribution) -> 
     turn = figure.panels[0]
     ends, falls, alone = turn.series
     account = found.accounts["turn_error_deg"]
-    assert ends.y.tolist() == [account.shipped, account.remains]
+    assert ends.y.tolist() == [account.as_shipped, account.remains]
     assert falls.base is not None
-    assert falls.base[0] == account.shipped
+    assert falls.base[0] == account.as_shipped
     assert falls.y[-1] == account.remains
     assert falls.base[1:].tolist() == falls.y[:-1].tolist()
     # levels of some degrees, subtracted twice
@@ -105,7 +105,7 @@ def test_the_waterfall_goes_down_from_shipped_to_matched(found: Attribution) -> 
 
 def test_who_is_to_blame(found: Attribution) -> None:
     turn = found.accounts["turn_error_deg"]
-    parts = {name: abs(part or 0.0) for name, part in zip(turn.names, turn.in_order, strict=True)}
+    parts = {name: abs(part) for name, part in turn.by_gap(turn.in_order).items()}
     blamed = {"mujoco": "compliance", "pybullet": "inertia"}[found.path.engine]
     assert max(parts, key=lambda name: parts[name]) == blamed
     assert parts["solver"] < 0.01  # deg: a single contact is solved nearly at once

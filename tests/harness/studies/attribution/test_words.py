@@ -27,9 +27,7 @@ def toy(scene: Scene, unknown: set[str]) -> tuple[str, str]:
         return None if ("+".join(sorted(closed)) or "none") in unknown else 10.0 - len(closed)
 
     accounts: dict[str, Account] = {
-        q.key: account(
-            way.names, turn if q is ATTRIBUTED[0] else lambda closed: -float(len(closed))
-        )
+        q.key: account(way, q, turn if q is ATTRIBUTED[0] else lambda closed: -float(len(closed)))
         for q in ATTRIBUTED
     }
     return Attribution(path=way, evaluations={}, accounts=accounts).sentences
