@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
+import pandas as pd
 import typer
 from rich.markup import escape
 
@@ -26,20 +27,23 @@ from harness.cli.run_options import (
 from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
-from harness.core.report_model import Table
+from harness.core.report_model import Table, rows_of
 from harness.execution.dask_cluster import check_cluster_address, dask_executor
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.signals import Interrupted
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
-from harness.sweep import Folder, Partition, SweepPlan, opened, plan_sweep, read_axis, run_sweep
-from harness.sweep.overview import Overview, overview, sweep_report
+from harness.sweep.axes import read_axis
+from harness.sweep.folder import Folder, opened
+from harness.sweep.overview import EXTENTS, Overview, overview, sweep_report
+from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.run import run_sweep
 from models.catalogue import load
 
 REPORT = "report"
 
-_IMPORTS = ("harness.sweep",)
+_IMPORTS = ("harness.sweep.partition",)
 """What a process needs before it can begin a scene, and what no scene's time is."""
 
 
@@ -142,9 +146,9 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
             # of what is left alone: what was there before took no time
             task = bar.add_task(chosen.scene.name, total=left)
 
-            def show(part: Partition) -> None:
+            def show(part: pd.DataFrame) -> None:
                 nonlocal done
-                done += len(part.rows)
+                done += len(part)
                 bar.update(task, completed=done)
 
             window = jobs + 1 if isinstance(executor, ThreadPoolExecutor) else None
@@ -185,7 +189,6 @@ def _answer(found: Overview, folder: Folder) -> dict[str, Any]:
         "parts": str(folder.parts),
         "outcomes": dict(found.outcomes),
         "quantities": {
-            name: {"scenes": e.count, "least": e.low, "mean": e.mean, "largest": e.high}
-            for name, e in found.extents.items()
+            row.pop("quantity"): row for row in rows_of(EXTENTS, found.extents.values())
         },
     }

@@ -10,8 +10,8 @@ Each cause is a gap of the engine's defaults. The experiment that confirms it is
 the gap is closed; its command stands in the row.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
@@ -58,51 +58,41 @@ def causes(verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
     found = {
         table.name: records(table) for table in tables if table.name.endswith(("-gaps", "-runs"))
     }
-    deviating = [
-        told
-        for told in verdicts
-        if told["profile"] == "default"
-        and told["quantity"] in _ATTRIBUTED
-        and status_of(told["verdict"]) is Status.DEVIATES
-    ]
-    rows = [row for told in deviating if _gaps(told) in found for row in _of(told, found)]
-    rows += _unknown([told for told in deviating if _gaps(told) not in found])
+    rows: list[Row] = []
+    unknown: dict[str, Row] = {}
+    for told in verdicts:
+        deviates = status_of(told["verdict"]) is Status.DEVIATES and told["profile"] == "default"
+        if not deviates or told["quantity"] not in _ATTRIBUTED:
+            continue
+        scene, engine = told["scene"], told["engine"]
+        study = f"{scene}-{engine}"
+        if f"{study}-gaps" in found:
+            rows += _of(told, found[f"{study}-gaps"], found.get(f"{study}-runs", []))
+        else:  # once for a scene and engine: how the causes are found out
+            command = f"rockingcan attribute {scene} --engine {engine}"
+            unknown[study] = {
+                "scene": scene,
+                "engine": engine,
+                "cause": f"not measured in this run: {command}",
+                "command": command,
+            }
+    rows += unknown.values()
     return table_of("causes", "Why engines deviate as they ship", _CAUSES, rows)
 
 
-def _gaps(told: Row) -> str:
-    """Return the name of the attribution's table for an engine on a scene."""
-    return f"{told['scene']}-{told['engine']}-gaps"
-
-
-def _unknown(deviating: Sequence[Row]) -> Iterator[dict[str, object]]:
-    """Yield, once for a scene and engine, how the causes are found out."""
-    for scene, engine in dict.fromkeys((told["scene"], told["engine"]) for told in deviating):
-        command = f"rockingcan attribute {scene} --engine {engine}"
-        yield {
-            "scene": scene,
-            "engine": engine,
-            "cause": f"not measured in this run: {command}",
-            "command": command,
-        }
-
-
-def _of(told: Row, found: Mapping[str, list[Row]]) -> Iterator[dict[str, object]]:
+def _of(told: Row, gaps: Sequence[Row], runs: Sequence[Row]) -> Iterator[Row]:
     """Yield the causes of one deviation, largest first."""
-    scene, engine, gaps = told["scene"], told["engine"], found[_gaps(told)]
-    deviation = {
-        "scene": scene,
-        "engine": engine,
-        "quantity": told["quantity"],
-        "deviation": told["value"],
-    }
-    quantity = _ATTRIBUTED[str(told["quantity"])]
+    deviation = {key: told[key] for key in ("scene", "engine", "quantity")}
+    deviation["deviation"] = told["value"]
+    quantity = _ATTRIBUTED[told["quantity"]]
     known = [gap for gap in gaps if gap["quantity"] == quantity and gap["in_order"] is not None]
-    known.sort(key=lambda gap: -abs(float(str(gap["in_order"]))))
+    known.sort(key=lambda gap: -abs(gap["in_order"]))
     if not known:
         yield deviation | {"cause": "not decidable: a run on the way has no such number"}
+    # the run in which a gap is closed after those before it
+    experiments = {run["gap"]: run for run in runs if run["step"] == "in order"}
     for rank, gap in enumerate(known[:_MOST], start=1):
-        experiment = _experiment(found.get(f"{scene}-{engine}-runs", []), gap["gap"])
+        experiment = experiments.get(gap["gap"], {})
         yield deviation | {
             "rank": rank,
             "cause": gap["gap"],
@@ -114,59 +104,42 @@ def _of(told: Row, found: Mapping[str, list[Row]]) -> Iterator[dict[str, object]
         }
 
 
-def _experiment(runs: Sequence[Row], gap: object) -> Row:
-    """Return the run in which a gap is closed after those before it."""
-    return next((run for run in runs if (run["step"], run["gap"]) == ("in order", gap)), {})
-
-
 _HEADLINE = "paper-release"
 """The scene that the project is about; the first one where it was left out."""
 
 _TARGET = 0.1  # deg
-_CHOICES = {
-    "default": "settings as shipped",
-    "matched": "tuned elsewhere, fixed step",
-    "adaptive": "tuned elsewhere, steps follow the motion",
+_PROFILES = {
+    "default": ("as it ships", "settings as shipped"),
+    "matched": ("matched", "tuned elsewhere, fixed step"),
+    "adaptive": ("matched, own steps", "tuned elsewhere, steps follow the motion"),
 }
-"""What the price list calls the settings of each profile."""
-
-_WAYS = {
-    "default": "as it ships",
-    "matched": "matched",
-    "adaptive": "matched, own steps",
-}
-
-
-class _Spoken(NamedTuple):
-    """A quantity of the scorecard: its column, and the factor from the unit of the verdicts."""
-
-    column: str
-    meaning: str
-    scale: float = 1.0
-
+"""A profile in words, and what the price list calls its settings; in the order of the rows."""
 
 _QUANTITIES = {
-    "turn_error_deg": _Spoken(
-        "turn_error_deg", "Angle of turn of the worst bounce, engine minus truth."
+    "turn_error_deg": (
+        *("turn_error_deg", 1.0, "Angle of turn of the worst bounce, engine minus truth."),
     ),
-    "contact_locus_m": _Spoken(
-        "locus_error_mm", "Largest distance between the two contact loci as curves.", 1e3
+    "contact_locus_m": (
+        *("locus_error_mm", 1e3, "Largest distance between the two contact loci as curves."),
     ),
-    "friction_ratio_error": _Spoken(
-        "friction_ratio_error", "Peak of |F|/N in the worst bounce, engine minus truth."
+    "friction_ratio_error": (
+        *("friction_ratio_error", 1.0, "Peak of |F|/N in the worst bounce, engine minus truth."),
     ),
-    "slip_m_s": _Spoken(
-        "slip_mm_s", "Largest horizontal speed of the can's material at the contact point.", 1e3
+    "slip_m_s": (
+        "slip_mm_s",
+        1e3,
+        "Largest horizontal speed of the can's material at the contact point.",
     ),
-    "penetration_m": _Spoken("penetration_um", "Depth of the deepest contact.", 1e6),
-    "lift_off_fraction": _Spoken(
-        "lift_off_percent", "Share of the time without contact force.", 1e2
-    ),
-    "energy_drift": _Spoken(
-        "energy_drift", "Largest departure of the energy from its first value, over m g R."
+    "penetration_m": ("penetration_um", 1e6, "Depth of the deepest contact."),
+    "lift_off_fraction": ("lift_off_percent", 1e2, "Share of the time without contact force."),
+    "energy_drift": (
+        "energy_drift",
+        1.0,
+        "Largest departure of the energy from its first value, over m g R.",
     ),
 }
-"""By the name of a quantity in the table of verdicts, in the order of the scorecard."""
+"""By the name of a quantity in the table of verdicts, in the order of the scorecard: its column,
+the factor from the unit of the verdicts, and what it means."""
 
 
 def _judged(name: str, meaning: str) -> tuple[Column, ...]:
@@ -192,7 +165,7 @@ _OF_SCENE = (
         "default: as it ships; matched: what the scene declares; adaptive: own steps.",
         shown=False,
     ),
-    *(column for q in _QUANTITIES.values() for column in _judged(q.column, q.meaning)),
+    *(c for name, _, meaning in _QUANTITIES.values() for c in _judged(name, meaning)),
 )
 
 _SCORECARD = (
@@ -214,12 +187,12 @@ def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
     verdicts = [row for table in tables if table.name == FIDELITY for row in records(table)]
     if not verdicts:
         return ()
-    scenes = list(dict.fromkeys(str(row["scene"]) for row in verdicts))
+    scenes = list(dict.fromkeys(row["scene"] for row in verdicts))
     headline = _HEADLINE if _HEADLINE in scenes else scenes[0]
     hard = [row for table in tables if table.name == "verdicts" for row in records(table)]
     prices = [r for t in tables if t.name == f"{headline}-prices" for r in records(t)]
     rows = [
-        row | _stability(row, hard) | _price(row, prices, headline)
+        {**row, **_stability(row, hard), **_price(row, prices, headline)}
         for row in _rows(headline, verdicts)
     ]
     return (
@@ -246,54 +219,40 @@ def _not_measured(command: str) -> Verdict:
 def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
     """Return a row for each engine and profile, with the numbers of a scene."""
     found: dict[tuple[str, str], dict[str, Any]] = {}
-    for told in verdicts:
-        if told["scene"] != scene:
-            continue
-        engine, profile = str(told["engine"]), str(told["profile"])
-        row = found.setdefault(
-            (engine, profile),
-            {
-                "engine": engine,
-                "profile": profile,
-                "settings": _settings(profile, told["timestep_s"]),
-                "timestep_s": told["timestep_s"],
-            },
-        )
-        name, _, scale = _QUANTITIES[str(told["quantity"])]
-        value = told["value"]
+    for told in (told for told in verdicts if told["scene"] == scene):
+        row = {key: told[key] for key in ("engine", "profile", "timestep_s")}
+        row = found.setdefault((told["engine"], told["profile"]), row)
+        name, scale, _ = _QUANTITIES[told["quantity"]]
         row |= {
-            name: None if value is None else scale * float(str(value)),
+            name: None if told["value"] is None else scale * told["value"],
             f"{name}_verdict": told["verdict"],
             f"{name}_case": told["case"],
         }
-    places = list(_WAYS)
+    for row in found.values():
+        row["settings"] = _settings(row["profile"], row["timestep_s"])
+    places = {profile: place for place, profile in enumerate(_PROFILES)}
     return sorted(
-        found.values(),
-        key=lambda row: (
-            row["engine"],
-            places.index(row["profile"]) if row["profile"] in places else len(places),
-        ),
+        found.values(), key=lambda row: (row["engine"], places.get(row["profile"], len(places)))
     )
 
 
 def _settings(profile: str, timestep: object) -> str:
     """Return a profile in words, with its timestep."""
-    words = _WAYS.get(profile, profile)
+    words, _ = _PROFILES.get(profile, (profile, ""))
     if timestep is None:
         return words
     most = "up to " if profile == "adaptive" else ""
     return f"{words}, {most}{readable(timestep)} s"
 
 
-def _stability(row: Row, hard: Sequence[Row]) -> dict[str, Any]:
-    """Return how an engine's profile fares on the hard cases."""
+def _stability(row: Row, hard: Sequence[Row]) -> Row:
+    """Return how an engine's profile fares on the hard cases, at the smallest timestep tried."""
     own: dict[str, Row] = {}
     for told in hard:
-        scene = str(told["scene"])
-        if told["engine"] != row["engine"] or told["profile"] != row["profile"] or "." in scene:
-            continue  # a dot: a release perturbed from a hard case
-        if scene not in own or _step(told) < _step(own[scene]):
-            own[scene] = told
+        same = (told["engine"], told["profile"]) == (row["engine"], row["profile"])
+        if same and "." not in told["scene"]:  # a dot: a release perturbed from a hard case
+            finest = own.setdefault(told["scene"], told)
+            own[told["scene"]] = min(finest, told, key=lambda one: one["timestep_s"])
     if not own:
         return {"stability_percent_verdict": _not_measured("stability")}
     sound = {verdict.value for verdict in SOUND}
@@ -309,17 +268,14 @@ def _stability(row: Row, hard: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def _step(row: Row) -> float:
-    return float(str(row["timestep_s"]))
-
-
-def _price(row: Row, prices: Sequence[Row], scene: str) -> dict[str, Any]:
+def _price(row: Row, prices: Sequence[Row], scene: str) -> Row:
     """Return what a tenth of a degree costs in an engine's profile."""
     if not prices:
         return {"price_s_s_verdict": _not_measured(f"cost {scene}")}
+    _, choice = _PROFILES.get(row["profile"], ("", None))
     for told in prices:
-        same = told["engine"] == row["engine"] and told["target_deg"] == _TARGET
-        if same and told["choice"] == _CHOICES.get(str(row["profile"])):
+        wanted = (row["engine"], _TARGET, choice)
+        if (told["engine"], told["target_deg"], told["choice"]) == wanted:
             reached = status_of(told["verdict"]) is Status.REACHED
             return {
                 "price_s_s": told["cost_s_s"] if reached else None,

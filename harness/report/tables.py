@@ -148,7 +148,7 @@ def _one_type(column: "pd.Series[Any]") -> "pd.Series[Any] | Sequence[object]":
     return [None if value is None else str(value) for value in values]
 
 
-Row = Mapping[str, object]
+Row = Mapping[str, Any]
 
 
 def records(table: Table) -> list[Row]:

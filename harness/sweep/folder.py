@@ -17,13 +17,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pyarrow as pa
 
 from harness.core.errors import HarnessError, OutputError
 from harness.execution.atomic_write import DRAFT_SUFFIX, write_atomically
 from harness.execution.cache_entry import checksum
 from harness.execution.signals import delay_signals
-from harness.sweep.partition import Partition, decode_partition, encode_partition
+from harness.sweep.partition import decode_partition, encode_partition
 from harness.sweep.plan import SweepPlan, digest_of
 
 PLAN = "sweep.json"
@@ -112,7 +113,7 @@ class Folder:
                 gone.append(index)
         return gone
 
-    def write(self, part: Partition) -> None:
+    def write(self, part: pd.DataFrame) -> None:
         """Write a partition, whole or not at all; a signal waits until it is done.
 
         Raises
@@ -122,7 +123,8 @@ class Folder:
         """
         with delay_signals():
             content = encode_partition(part, self._digest)
-            path = self.parts / (f"part-{part.index:06d}-{self._digest}-{_check(content)}{SUFFIX}")
+            index = part.index[0] // self.plan.rows_per_partition
+            path = self.parts / f"part-{index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
             try:
                 write_atomically(path, content)
             except OSError as error:
@@ -131,7 +133,7 @@ class Folder:
                     "the same command goes on from it"
                 ) from error
 
-    def read(self) -> Iterator[Partition]:
+    def read(self) -> Iterator[pd.DataFrame]:
         """Yield the partitions, one at a time, in order.
 
         Raises
@@ -149,7 +151,7 @@ class Folder:
                     "again to mend it"
                 )
             try:
-                yield decode_partition(content, index, self.plan)
+                yield decode_partition(content)
             except pa.ArrowException as error:  # whole, but of another Arrow
                 raise OutputError(f"cannot read '{paths[0]}' ({error}); remove it") from error
 

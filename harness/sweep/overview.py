@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 
 from harness.core.report_model import (
     Artefact,
@@ -23,7 +24,7 @@ from harness.core.report_model import (
     table_of,
 )
 from harness.core.trajectory import Floats
-from harness.sweep.partition import Partition
+from harness.sweep.partition import OUTCOME
 from harness.sweep.plan import SweepPlan
 from harness.sweep.values import QUANTITIES
 
@@ -90,13 +91,15 @@ class Overview:
     figure: Figure
 
 
-def overview(plan: SweepPlan, parts: Iterable[Partition], against: str | None = None) -> Overview:
+def overview(
+    plan: SweepPlan, parts: Iterable[pd.DataFrame], against: str | None = None
+) -> Overview:
     """Return the overview of a sweep, in memory that does not grow with it.
 
     Parameters
     ----------
     plan : SweepPlan
-    parts : iterable of Partition
+    parts : iterable of DataFrame
         All of them, in order.
     against : str, optional
         A quantity to be the horizontal axis of curves, in place of a parameter.
@@ -106,10 +109,10 @@ def overview(plan: SweepPlan, parts: Iterable[Partition], against: str | None = 
     outcomes: Counter[str] = Counter()
     extents = {name: Extent(name=name) for name in plan.quantities}
     for part in parts:
-        counts = np.bincount(part.code, minlength=len(part.sentences)).tolist()
-        outcomes.update(dict(zip(part.sentences, counts, strict=True)))
+        counts = part[OUTCOME].value_counts()
+        outcomes.update({str(sentence): int(counts[sentence]) for sentence in sorted(counts.index)})
         for name, extent in extents.items():
-            extent.add(part.quantities[name])
+            extent.add(part[name].to_numpy())
         drawing.add(part)
     return Overview(
         plan=plan,
@@ -119,16 +122,12 @@ def overview(plan: SweepPlan, parts: Iterable[Partition], against: str | None = 
     )
 
 
-_QUANTITIES = (
-    Column("quantity", "With its unit last.", lambda e: e.name),
-    Column(
-        "scenes",
-        "How many have it; why the others have not, their outcome says.",
-        lambda e: e.count,
-    ),
-    Column("least", "In the quantity's unit.", lambda e: e.low),
+EXTENTS = (
+    Column("quantity", "With its unit last.", "name"),
+    Column("scenes", "How many have it; why the others have not, their outcome says.", "count"),
+    Column("least", "In the quantity's unit.", "low"),
     Column("mean", "In the quantity's unit, over the scenes that have it."),
-    Column("largest", "In the quantity's unit.", lambda e: e.high),
+    Column("largest", "In the quantity's unit.", "high"),
 )
 
 _OUTCOMES = (
@@ -142,7 +141,7 @@ def sweep_report(found: Overview) -> tuple[Artefact, ...]:
     return (
         Prose(name="summary", title="The sweep", text=_summary(found)),
         found.figure,
-        table_of("quantities", "What the scenes have", _QUANTITIES, found.extents.values()),
+        table_of("quantities", "What the scenes have", EXTENTS, found.extents.values()),
         table_of("outcomes", "How the scenes ended", _OUTCOMES, found.outcomes.items()),
     )
 
@@ -175,17 +174,17 @@ class Map:
         self._nearest = np.full(size, np.inf)
         self._found = {name: np.full(size, np.nan) for name in plan.quantities}
 
-    def add(self, part: Partition) -> None:
+    def add(self, part: pd.DataFrame) -> None:
         """Take scenes into account: of a grid those in the middle of all further axes."""
-        there = np.ones(len(part.rows), dtype=bool)
+        there = np.ones(len(part), dtype=bool)
         if self._plan.sample == "grid":
-            places = self._plan.places(part.rows)
+            places = self._plan.places(range(part.index[0], part.index[-1] + 1))
             for axis, place in zip(self._plan.axes[_IN_A_MAP:], places[_IN_A_MAP:], strict=True):
                 there &= place == (axis.count or 1) // 2
         count_there = int(there.sum())
         cell, away = np.zeros(count_there, dtype=np.int64), np.zeros(count_there)
         for axis, count in zip(self._axes, self._counts, strict=True):
-            share = axis.share(part.parameters[axis.column][there])
+            share = axis.share(part[axis.column].to_numpy()[there])
             fine = share * (count - 1) if axis.count is not None else share * count - 0.5
             index = np.clip(np.rint(fine), 0, count - 1).astype(np.int64)
             away += (fine - index) ** 2
@@ -195,7 +194,7 @@ class Map:
         better = first[away[first] < self._nearest[cell[first]]]
         self._nearest[cell[better]] = away[better]
         for name, found in self._found.items():
-            found[cell[better]] = part.quantities[name][there][better]
+            found[cell[better]] = part[name].to_numpy()[there][better]
 
     def image(self, name: str) -> Floats:
         """Return a quantity, shape (up, across)."""
@@ -245,13 +244,12 @@ class Curves:
         self._x: list[Floats] = []
         self._y: dict[str, list[Floats]] = {name: [] for name in plan.quantities}
 
-    def add(self, part: Partition) -> None:
+    def add(self, part: pd.DataFrame) -> None:
         """Take consecutive scenes into account: every so-manieth, so that memory does not grow."""
-        there = np.arange(part.rows.start, part.rows.stop) % self._stride == 0
-        parameter = part.parameters[self._plan.axes[0].column]
-        self._x.append((part.quantities[self._against] if self._against else parameter)[there])
+        some = part[part.index % self._stride == 0]
+        self._x.append(some[self._against or self._plan.axes[0].column].to_numpy())
         for name, parts in self._y.items():
-            parts.append(part.quantities[name][there])
+            parts.append(some[name].to_numpy())
 
     def curve(self, name: str) -> tuple[Floats, Floats]:
         """Return a quantity along the horizontal axis, without what has no place there."""

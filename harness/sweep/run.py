@@ -5,12 +5,13 @@ What makes a partition does not write it: the executor may be on another machine
 a limit of time, a task does as many rows as fit well into it, and leaves the others to the next.
 """
 
+import math
 from collections import defaultdict, deque
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 
-import numpy as np
+import pandas as pd
 
 from harness.evaluation.evaluate import failed_evaluation
 from harness.execution.limits import NO_LIMITS, Limits
@@ -18,9 +19,8 @@ from harness.execution.signals import delay_signals
 from harness.execution.tasks import run_queue
 from harness.execution.worker import Loss, LostTaskError
 from harness.sweep.folder import Folder
-from harness.sweep.partition import Partition, compute_for, concatenate, to_partition
+from harness.sweep.partition import OUTCOME, compute_for, to_partition
 from harness.sweep.plan import SweepPlan
-from harness.sweep.values import SweepValues
 
 _TRIES = 2
 """Of rows whose process was stopped from outside: by chance once, for their sake twice."""
@@ -36,7 +36,6 @@ _SHARE = 0.5
 class _Piece:
     """Rows of a partition that a task is given; it may leave some of them to the next."""
 
-    index: int
     rows: range
     tries: int = _TRIES
 
@@ -44,7 +43,7 @@ class _Piece:
 def run_sweep(
     folder: Folder,
     executor: Executor,
-    on_done: Callable[[Partition], None] | None = None,
+    on_done: Callable[[pd.DataFrame], None] | None = None,
     *,
     window: int | None = None,
 ) -> None:
@@ -70,27 +69,26 @@ def run_sweep(
     plan = folder.plan
     limits: Limits = getattr(executor, "limits", NO_LIMITS)
     most = getattr(executor, "window", _WINDOW) if window is None else window
-    pieces = deque(_Piece(index=index, rows=plan.span(index)) for index in folder.missing())
-    parts: defaultdict[int, list[Partition]] = defaultdict(list)
+    pieces = deque(_Piece(rows=plan.span(index)) for index in folder.missing())
+    parts: defaultdict[int, list[pd.DataFrame]] = defaultdict(list)
 
-    def submit(piece: _Piece) -> Future[Partition]:
-        seconds = _SHARE * limits.seconds
-        return executor.submit(compute_for, plan, piece.index, piece.rows, seconds)
+    def submit(piece: _Piece) -> Future[pd.DataFrame]:
+        return executor.submit(compute_for, plan, piece.rows, _SHARE * limits.seconds)
 
-    def take(piece: _Piece, future: Future[Partition]) -> None:
-        made = parts[piece.index]
+    def take(piece: _Piece, future: Future[pd.DataFrame]) -> None:
+        index = piece.rows.start // plan.rows_per_partition
+        made = parts[index]
         try:
             made.append(future.result())
-            rest = range(made[-1].rows.stop, piece.rows.stop)
-            again = [replace(piece, rows=rest, tries=_TRIES)] if rest else []
+            rest = piece.rows[len(made[-1]) :]
+            again = [_Piece(rows=rest)] if rest else []
         except LostTaskError as error:
             again = _tried_again(plan, piece, error)
             if not again:
                 made.append(_without(plan, piece, error))
         pieces.extendleft(again)  # what is begun before others
-        if sum(len(part.rows) for part in made) == len(plan.span(piece.index)):
-            del parts[piece.index]
-            whole = concatenate(piece.index, sorted(made, key=lambda part: part.rows.start))
+        if sum(map(len, made)) == len(plan.span(index)):
+            whole = pd.concat(parts.pop(index)).sort_index()
             with delay_signals():
                 folder.write(whole)
                 if on_done is not None:
@@ -104,14 +102,13 @@ def _tried_again(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_
     # with the exact bounce it is hardly a row's doing
     if (error.loss is Loss.STOPPED or plan.exact) and piece.tries > 1:
         return [replace(piece, tries=piece.tries - 1)]
-    rows = [range(row, row + 1) for row in piece.rows]
-    return [_Piece(index=piece.index, rows=row) for row in rows] if len(rows) > 1 else []
+    if len(piece.rows) == 1:
+        return []
+    return [_Piece(rows=range(row, row + 1)) for row in piece.rows]
 
 
-def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> Partition:
+def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> pd.DataFrame:
     """Return a row that has no numbers, since its process died."""
-    said = failed_evaluation(plan.case(plan.scene), error).simulation
-    numbers = {name: np.full(1, np.nan) for name in plan.quantities}
-    return to_partition(
-        plan, piece.index, piece.rows, SweepValues(numbers=numbers, outcomes=[said.ending])
-    )
+    said = failed_evaluation(plan.case(plan.scene), error).simulation.ending
+    row = {**dict.fromkeys(plan.quantities, math.nan), OUTCOME: said}
+    return to_partition(plan, piece.rows, pd.DataFrame([row]))

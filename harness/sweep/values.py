@@ -7,10 +7,10 @@ arrays come out. By whole motions each scene is run in an engine, or solved by t
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from harness.core.bounce import Bounce
@@ -82,22 +82,6 @@ DEFAULT = (
 """What is asked if nothing is said."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SweepValues:
-    """Quantities and outcomes of n scenes.
-
-    Parameters
-    ----------
-    numbers : mapping of str to ndarray, shape (n,)
-        By the names of quantities; NaN where a scene has none.
-    outcomes : sequence of str
-        How each scene ended.
-    """
-
-    numbers: Mapping[str, Floats]
-    outcomes: Sequence[str]
-
-
 BEYOND = f"{Outcome.NO_SOLUTION.value} (Its numbers are beyond what a double holds.)"
 NO_CAN = f"no such scene: `c` must be {AXIAL_INERTIA_ALLOWED}"
 
@@ -113,8 +97,8 @@ _OF_BATCH = {
 
 def solved_exactly(
     scene: Scene, values: Mapping[str, Floats], quantities: Sequence[str]
-) -> SweepValues:
-    """Return the exact quantities of scenes and how each ended.
+) -> pd.DataFrame:
+    """Return the exact quantities of scenes, and in the column `outcome` how each ended.
 
     Parameters
     ----------
@@ -142,29 +126,19 @@ def solved_exactly(
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if well.any():
         _solve(_releases(scene, values, well), well, numbers, outcomes)
-    return SweepValues(numbers=numbers, outcomes=outcomes.tolist())
+    return pd.DataFrame({**numbers, "outcome": outcomes})
 
 
 def _releases(scene: Scene, values: Mapping[str, Floats], well: NDArray[np.bool_]) -> Releases:
     """Return the releases that are some; what does not vary stays one number."""
     some = {name: column[well] for name, column in values.items()}
-    release, can = scene.release, dimensions(scene.can, some)
-    n = int(well.sum())
-
-    def rate(key: str) -> Floats:
-        return np.broadcast_to(some.get(f"release.{key}", np.float64(getattr(release, key))), n)
-
-    return Releases(
-        a=np.asarray(can["a"]),
-        c=np.asarray(can["c"]),
-        h=np.asarray(can["h"]),
-        radius=np.asarray(can["radius"]),
-        gravity=np.asarray(some.get("gravity", scene.gravity)),
-        phi=rate("phi"),
-        phi_dot=rate("phi_dot"),
-        psi_dot=rate("psi_dot"),
-        theta_dot=rate("theta_dot"),
-    )
+    can, n = dimensions(scene.can, some), int(well.sum())
+    groups = {name: np.asarray(can[name]) for name in ("a", "c", "h", "radius")}
+    rates = {
+        key: np.broadcast_to(some.get(f"release.{key}", np.float64(getattr(scene.release, key))), n)
+        for key in ("phi", "phi_dot", "psi_dot", "theta_dot")
+    }
+    return Releases(gravity=np.asarray(some.get("gravity", scene.gravity)), **groups, **rates)
 
 
 def _solve(
@@ -201,8 +175,8 @@ def held_against(name: str) -> str:
 
 def run_each(
     cases: Sequence[Case | str], quantities: Sequence[str], exact: Mapping[str, Floats]
-) -> SweepValues:
-    """Run cases; return their quantities and how each ended.
+) -> pd.DataFrame:
+    """Run cases; return their quantities, and in the column `outcome` how each ended.
 
     Parameters
     ----------
@@ -226,7 +200,7 @@ def run_each(
             found[name] = found[of] - exact[of]
     if "epsilon" in exact:
         found["epsilon"] = exact["epsilon"]
-    return SweepValues(numbers={name: found[name] for name in quantities}, outcomes=outcomes)
+    return pd.DataFrame({**{name: found[name] for name in quantities}, "outcome": outcomes})
 
 
 def _simulations(cases: Sequence[Case]) -> Iterator[Simulation]:

@@ -1,19 +1,14 @@
 """The dictionary in `reports/README.md` has every column of every table that is made."""
 
-from pathlib import Path
-
 import pytest
 
-import harness
 from harness.core.errors import ReportError
-from harness.report.columns import declared, section, with_section
-
-README = Path(harness.__file__).parents[1] / "reports" / "README.md"
+from tests.columns_table import README, declared, section, with_section
 
 
 def test_the_readme_is_as_the_code_declares() -> None:
     text = README.read_text(encoding="utf-8")
-    again = "write it again with: python -m harness.report.columns reports/README.md"
+    again = "write it again with: python -m tests.columns_table"
     assert with_section(text) == text, again
     assert section() in text
 

@@ -10,7 +10,6 @@ from harness.execution.isolated_pool import SerialExecutor
 from harness.sweep import plan
 from harness.sweep.axes import read_axis
 from harness.sweep.folder import opened
-from harness.sweep.partition import Partition
 from harness.sweep.plan import SweepPlan, plan_sweep
 from harness.sweep.run import run_sweep
 from models import load
@@ -58,6 +57,6 @@ def contents(out: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted((out / "parts").iterdir())}
 
 
-def rows_of(parts: Iterable[Partition]) -> int:
+def rows_of(parts: Iterable[pd.DataFrame]) -> int:
     """Return how many rows parts have."""
-    return sum(len(part.rows) for part in parts)
+    return sum(map(len, parts))

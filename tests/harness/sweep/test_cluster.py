@@ -12,7 +12,6 @@ import pytest
 from harness.execution.dask_cluster import dask_executor
 from harness.execution.limits import default_limits
 from harness.sweep.folder import opened
-from harness.sweep.partition import Partition
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
@@ -43,7 +42,7 @@ def test_a_worker_is_killed_and_the_sweep_is_the_same(planned: Planned, tmp_path
     ) as machines:
         processes = [nanny.pid for nanny in machines.workers.values()]
 
-        def kill_one(part: Partition) -> None:
+        def kill_one(part: object) -> None:
             del part
             if not killed:  # at the first partition the others are on their way
                 killed.append(processes[0])

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from harness.core.errors import OutputError
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.sweep.folder import PlanMismatchError, opened
-from harness.sweep.partition import Partition
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import carried_out, contents, table
@@ -34,8 +34,8 @@ def test_a_second_start_does_what_is_missing_and_nothing_else(
     carried_out(tmp_path / "whole", chosen)
     made: list[int] = []
 
-    def stop(part: Partition) -> None:
-        made.append(part.index)
+    def stop(part: pd.DataFrame) -> None:
+        made.append(part.index[0] // 50)
         if len(made) == 2:
             raise Stopped
 
@@ -45,13 +45,11 @@ def test_a_second_start_does_what_is_missing_and_nothing_else(
     assert len(contents(out)) == 2
     with opened(out, chosen) as folder:
         assert folder.missing() == [2, 3, 4]
-        run_sweep(folder, SerialExecutor(), lambda part: made.append(part.index))
+        run_sweep(folder, SerialExecutor(), lambda part: made.append(part.index[0] // 50))
     assert made == [0, 1, 2, 3, 4]
     assert contents(out) == contents(tmp_path / "whole")
     with opened(out, chosen) as folder:
-        run_sweep(
-            folder, SerialExecutor(), lambda part: pytest.fail(f"{part.index} was made again")
-        )
+        run_sweep(folder, SerialExecutor(), lambda part: pytest.fail(f"{part} was made again"))
 
 
 def file_of(out: Path, index: int) -> Path:
@@ -103,7 +101,7 @@ def test_no_bit_of_a_partition_can_change_unseen(chosen: SweepPlan, tmp_path: Pa
                 assert folder.missing() == [0]
         victim.write_bytes(whole)
         assert folder.missing() == []
-        assert sum(len(part.rows) for part in folder.read()) == 225
+        assert sum(map(len, folder.read())) == 225
 
 
 def test_a_partition_that_is_there_twice_counts_once(chosen: SweepPlan, tmp_path: Path) -> None:
@@ -160,7 +158,10 @@ def test_reading_leaves_no_thread_that_could_outlive_the_program(
 import sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parents[3])!r})
-from harness.sweep import opened, plan, plan_sweep, read_axis
+from harness.sweep import plan
+from harness.sweep.axes import read_axis
+from harness.sweep.folder import opened
+from harness.sweep.plan import plan_sweep
 from models import load
 plan.EXACT_ROWS = 50
 axes = [read_axis(f"release.{{name}}:15") for name in ("psi_dot=1:3", "theta_dot=-2:0")]
@@ -175,7 +176,7 @@ def threads():
 before = threads()
 with opened(Path({str(tmp_path / "out")!r}), chosen) as folder:
     assert folder.missing() == []
-    assert sum(len(part.rows) for part in folder.read()) == 225
+    assert sum(map(len, folder.read())) == 225
 print(threads() - before)
 """
     done = subprocess.run(  # noqa: S603 - our own program

@@ -5,18 +5,21 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits
 from harness.sweep import partition
 from harness.sweep.folder import opened
-from harness.sweep.partition import Partition, compute, compute_for
+from harness.sweep.partition import compute, compute_for
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
 from tests.harness.sweep.conftest import table
 
 Planned = Callable[..., SweepPlan]
+
+IMPORTS = ("harness.sweep.partition",)
 
 ENGINE = """
 import time
@@ -78,7 +81,9 @@ def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
     limits = Limits(seconds=5.0)  # of 5.4 that the partition takes
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local_executor(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
+        local_executor(
+            2, spawned=True, limits=limits, imports=("harness.sweep.partition",)
+        ) as executor,
     ):
         run_sweep(folder, executor)
     frame = table(tmp_path / "out")
@@ -97,7 +102,9 @@ def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
     limits = Limits(seconds=4.0)
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local_executor(2, spawned=True, limits=limits, imports=("harness.sweep",)) as executor,
+        local_executor(
+            2, spawned=True, limits=limits, imports=("harness.sweep.partition",)
+        ) as executor,
     ):
         run_sweep(folder, executor)
     frame = table(tmp_path / "out")
@@ -115,25 +122,24 @@ def test_a_task_takes_on_what_it_has_time_for(
     clock = 0.0
     blocks: list[range] = []
 
-    def computed(_plan: SweepPlan, _index: int, rows: range) -> Partition:
+    def computed(_plan: SweepPlan, rows: range) -> pd.DataFrame:
         nonlocal clock
         clock += 2.0 * len(rows)
         blocks.append(rows)
-        return Partition(index=0, rows=rows, parameters={}, quantities={}, code=(), sentences=())  # type: ignore[arg-type]
+        return pd.DataFrame(index=rows)
 
     monkeypatch.setattr(partition, "compute", computed)
-    monkeypatch.setattr(partition, "concatenate", lambda _, parts: parts)
     monkeypatch.setattr(time, "monotonic", lambda: clock)
-    compute_for(chosen, 0, range(10, 100), 50.0)
+    compute_for(chosen, range(10, 100), 50.0)
     assert [len(block) for block in blocks] == [1, 24]
     blocks.clear()
-    compute_for(chosen, 0, range(10, 100), 1.0)  # at least one, whatever it takes
+    compute_for(chosen, range(10, 100), 1.0)  # at least one, whatever it takes
     assert [len(block) for block in blocks] == [1]
     blocks.clear()
-    compute_for(chosen, 0, range(10, 100), 1e9)
+    compute_for(chosen, range(10, 100), 1e9)
     assert [len(block) for block in blocks] == [1, 89]
     blocks.clear()
-    compute_for(chosen, 0, range(10, 100), math.inf)
+    compute_for(chosen, range(10, 100), math.inf)
     assert [len(block) for block in blocks] == [90]
 
 
@@ -145,8 +151,7 @@ def test_rows_in_blocks_are_to_the_bit_those_of_the_whole(planned: Planned) -> N
         timestep=2e-3,
         quantities=["angle_of_turn_deg", "angle_of_turn_error_deg", "energy_drift", "steps"],
     )
-    whole, blocks = compute(chosen, 0), compute_for(chosen, 0, range(12), 1e3)
-    for name, column in whole.quantities.items():
-        assert column.tobytes() == blocks.quantities[name].tobytes()
-    assert whole.sentences == blocks.sentences
-    assert whole.code.tolist() == blocks.code.tolist()
+    whole, blocks = compute(chosen, range(12)), compute_for(chosen, range(12), 1e3)
+    for name in chosen.quantities:
+        assert whole[name].to_numpy().tobytes() == blocks[name].to_numpy().tobytes()
+    pd.testing.assert_frame_equal(whole, blocks, check_exact=True)

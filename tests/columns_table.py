@@ -1,16 +1,14 @@
 """The dictionary of all columns, for `reports/README.md`.
 
-Written by `python -m harness.report.columns reports/README.md`.
+Written by `python -m tests.columns_table`.
 
 Studies declare their columns as tuples of `Column`, or as dictionaries from name to meaning, where
 they make their tables; this gathers the declarations, so that no list has to be kept beside them.
 """
 
 import importlib
-import os
 import pkgutil
 import re
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -20,6 +18,8 @@ import harness
 from harness.core.errors import ReportError
 from harness.core.report_model import Column, Table
 from harness.report.tables import plain_text
+
+README = Path(__file__).parents[1] / "reports" / "README.md"
 
 BEGIN, END = "<!-- columns: begin -->\n", "<!-- columns: end -->\n"
 
@@ -81,8 +81,6 @@ def _modules() -> Iterator[ModuleType]:
     """Yield the modules that may make tables, without what needs an extra package."""
     for package in (importlib.import_module(name) for name in _PACKAGES):
         for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-            if found.name == __name__:
-                continue
             try:
                 yield importlib.import_module(found.name)
             except ImportError as error:
@@ -108,8 +106,4 @@ def _is_dictionary(value: object) -> TypeGuard[Mapping[str, str]]:
 
 
 if __name__ == "__main__":
-    readme = Path(sys.argv[1])
-    whole = with_section(readme.read_text(encoding="utf-8"))
-    draft = readme.with_name(f".{readme.name}.{os.getpid()}")
-    draft.write_text(whole, encoding="utf-8")
-    draft.replace(readme)
+    README.write_text(with_section(README.read_text(encoding="utf-8")), encoding="utf-8")
