@@ -27,10 +27,11 @@ from typer.exceptions import TyperException
 from harness.cli.cache import app as store
 from harness.cli.catalogue import check, engines, export, scenes
 from harness.cli.motions import reference, run
-from harness.cli.paper import audit, gallery, report
+from harness.cli.paper import audit, gallery
+from harness.cli.reports import diff, report
 from harness.cli.studies import attribute, cost, effects, errors, stability
 from harness.cli.sweep import sweep
-from harness.cli.validate import diff, validate
+from harness.cli.validate import validate
 from harness.core.errors import HarnessError, MissingCheckoutError, OutputError, ParityError
 from harness.execution.cache import CacheWarning
 from harness.execution.isolated_pool import end_background_worker
@@ -102,8 +103,8 @@ app = typer.Typer(
 )
 for command in (
     *(scenes, engines, check, export, reference, run),
-    *(validate, diff, attribute, errors, cost, effects, stability, sweep),
-    *(report, audit, gallery),
+    *(validate, attribute, errors, cost, effects, stability, sweep),
+    *(report, diff, audit, gallery),
 ):
     app.command()(command)
 for command in (benchmark, faults):

@@ -1,9 +1,5 @@
-"""What concerns the paper: the audit of its claims, and its figures drawn again.
+"""What concerns the paper: the audit of its claims, and its figures drawn again."""
 
-One page from the reports of several studies, without running anything again.
-"""
-
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,10 +13,8 @@ from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdo
 from harness.paper.gallery.figures import ABOUT, FIGURES
 from harness.paper.gallery.figures import gallery as draw
 from harness.report.atomic_folder import check_writable
-from harness.report.layout import Section
-from harness.report.stored import read_report
 from harness.report.tables import csv_text
-from harness.report.write import write_chapters, write_report
+from harness.report.write import write_report
 
 if TYPE_CHECKING:
     from harness.core.report_model import Figure, Prose
@@ -98,33 +92,3 @@ def _make(out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
-
-
-def report(
-    folders: Annotated[
-        list[Path],
-        typer.Argument(metavar="FOLDER...", help="Reports to join, such as reports/latest."),
-    ],
-    out: Annotated[Path, typer.Option(help="Folder of the page; replaced as a whole.")] = Path(
-        "reports/all"
-    ),
-) -> None:
-    """Join the reports of several studies into one page, its scorecard filled from all of them.
-
-    For example: rockingcan report reports/latest reports/stability reports/cost/paper-release
-    """
-    check_writable(out)
-    chapters = joined_sections(folders)
-    page = write_chapters(chapters, out, title="rockingcan", provenance=provenance())
-    terminal.stdout_console().print(f"{len(chapters)} studies in one report: {page}")
-
-
-def joined_sections(folders: Sequence[Path]) -> list[Section]:
-    """Return the chapters of reports that were written earlier.
-
-    Raises
-    ------
-    ReportError
-        If a folder holds no report.
-    """
-    return [chapter for folder in folders for chapter in read_report(folder)]

@@ -20,7 +20,7 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from harness.core.errors import OutputError
+from harness.core.errors import writing
 from harness.core.report_model import Table as Data
 from harness.core.simulation import ParityRow
 from harness.core.verdict import Verdict
@@ -116,10 +116,8 @@ def write_bytes(content: bytes, out: Path) -> None:
     OutputError
         If the file cannot be written.
     """
-    try:
+    with writing(f"'{out}'"):
         write_atomically(out.absolute(), content)
-    except OSError as error:
-        raise OutputError(f"cannot write '{out}': {error.strerror or error}") from error
 
 
 def write_text(text: str, out: Path) -> None:

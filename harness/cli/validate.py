@@ -1,7 +1,6 @@
 """The main job: run the suite, hold it against accepted results, write the report.
 
-What the full suite asks beyond the comparison: who is to blame, and which error it is. Two reports
-held against each other: two versions of an engine, two machines, two settings.
+What the full suite asks beyond the comparison: who is to blame, and which error it is.
 """
 
 from collections.abc import Sequence
@@ -10,13 +9,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
 
 from harness import api
 from harness.cli import terminal
-from harness.cli.paper import joined_sections
+from harness.cli.reports import joined_sections, show_changes
 from harness.cli.run_options import (
-    Json,
     RunOptions,
     engine_settings,
     settings_to_dict,
@@ -25,22 +22,20 @@ from harness.cli.run_options import (
 from harness.cli.study_command import run_with_progress, shown
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
-from harness.core.report_model import Artefact, Prose, Table, rows_of
+from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
-from harness.core.verdict import Status
 from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import (
     FILE,
     BaselineError,
     check_place,
     gate_keys,
-    read_baseline,
     read_scores,
     required_cases,
     write_baseline,
 )
 from harness.gate.comparison import differences
-from harness.gate.report import GATE, SIDES, changed, gate_report, regressions, sentences
+from harness.gate.report import GATE, gate_report, regressions
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import count, measured
 from harness.report.atomic_folder import check_writable
@@ -63,12 +58,6 @@ _SPLIT = ("gentle-rock",)
 
 _WHOLE = "full"
 """The suite that goes on to ask who is to blame."""
-
-_ROWS = 40
-"""Of the table of changes in the terminal; the report has all."""
-
-_QUIET = (Status.SAME, Status.NOT_JUDGED, Status.UNDECIDABLE)
-"""Verdicts that the terminal leaves out."""
 
 
 @with_run_options
@@ -152,7 +141,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         [comparison, *others], out, title=comparison.title, provenance=comparison.provenance
     )
     shown({"scorecard": (), "summary": ()})(done, artefacts)
-    _show_changes(changes)
+    show_changes(changes)
     console = terminal.stdout_console()
     if place is not None:
         console.print(f"\nAccepted: {_accept(study, scores, running, place)}")
@@ -258,57 +247,3 @@ def _causes(names: Sequence[str], running: RunOptions) -> list[Section]:
         )
         for group in groups
     ]
-
-
-def _show_changes(artefacts: Sequence[Artefact]) -> None:
-    """Print what a comparison found: what has changed, then the sentences."""
-    console = terminal.stdout_console()
-    for artefact in artefacts:
-        if isinstance(artefact, Table):
-            moved = artefact.frame[[v.status not in _QUIET for v in artefact.frame["verdict"]]]
-            if len(moved):
-                top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
-                console.print(
-                    terminal.table_artefact(top, [name for name in top.shown if name != "case"])
-                )
-            if len(moved) > _ROWS:
-                console.print(f"... and {len(moved) - _ROWS} more")
-    for artefact in artefacts:
-        if isinstance(artefact, Prose):
-            console.print(escape(artefact.text))
-
-
-def diff(
-    a: Annotated[
-        Path, typer.Argument(metavar="A", help="Folder of a report, or of accepted results.")
-    ],
-    b: Annotated[Path, typer.Argument(metavar="B", help="The same, to hold against it.")],
-    baseline: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Accepted results whose measured spread tells what may differ: reports have none.",
-        ),
-    ] = None,
-    gate: Annotated[  # noqa: FBT002 - a switch of the command line
-        bool, typer.Option("--gate", help="Leave with code 1 if anything is better in A.")
-    ] = False,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
-) -> None:
-    """Say what differs between two reports of validate, case by case, quantity by quantity.
-
-    For example: rockingcan diff reports/before reports/after --baseline reports/baseline
-    """
-    first, second = read_scores(a), read_scores(b)
-    spreads = None if baseline is None else read_baseline(baseline)
-    if not set(first.scores) & set(second.scores):
-        raise BaselineError(f"'{a}' and '{b}' have no case in common: there is nothing to compare")
-    found = differences(first, second, spreads=spreads)
-    if json:
-        told = sentences(found, first, second, SIDES, spreads)
-        rows = rows_of(SIDES.columns(), changed(found))
-        typer.echo(terminal.to_json({"differences": rows, "sentences": told}))
-    else:
-        _show_changes(gate_report(found, first, second, SIDES, spreads))
-    if gate and regressions(found):
-        raise typer.Exit(1)

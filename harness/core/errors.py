@@ -3,7 +3,8 @@
 A numerical failure of an engine is not here: it is an `Outcome` of a simulation.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 
 class HarnessError(Exception):
@@ -144,3 +145,27 @@ class StoreError(HarnessError, ValueError):
 
 class ClusterError(HarnessError, OSError):
     """A cluster cannot be reached, or is not fit to run cases."""
+
+
+@contextmanager
+def writing(what: str, hint: str = "") -> Iterator[None]:
+    """Say that something cannot be written, and how to help it; what is said already passes.
+
+    Parameters
+    ----------
+    what : str
+        After "cannot write": the thing or the place.
+    hint : str
+        After the reason.
+
+    Raises
+    ------
+    OutputError
+        Of an `OSError` within.
+    """
+    try:
+        yield
+    except HarnessError:
+        raise
+    except OSError as error:
+        raise OutputError(f"cannot write {what}: {error.strerror or error}{hint}") from error

@@ -18,7 +18,7 @@ import pyarrow.parquet as pq
 from pydantic import TypeAdapter
 
 from harness.core.case import Case
-from harness.core.errors import HarnessError, OutputError
+from harness.core.errors import HarnessError, OutputError, writing
 from harness.core.simulation import Outcome
 from harness.execution.atomic_write import write_atomically
 from harness.gate.scores import (
@@ -64,14 +64,10 @@ def write_baseline(scores: Scores, folder: Path) -> Path:
         If it cannot be written.
     """
     path = folder / FILE
-    try:
+    hint = "; name a folder that you may write to with --baseline"
+    with writing(f"accepted results to '{path}'", hint):
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(path, _text(scores).encode())
-    except OSError as error:
-        raise OutputError(
-            f"cannot write accepted results to '{path}': {error.strerror or error}; "
-            "name a folder that you may write to with --baseline"
-        ) from error
     return path
 
 

@@ -10,10 +10,10 @@ import os
 import shutil
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from harness.core.errors import OutputError
+from harness.core.errors import OutputError, writing
 
 MANIFEST = "manifest.json"
 FORMAT = "rockingcan-report"
@@ -33,14 +33,12 @@ def check_writable(out: Path) -> None:
         If nothing can be written there, or something is there that is not a report of rockingcan.
     """
     out = out.absolute()
-    _refuse_foreign(out)
-    place = next(folder for folder in out.parents if folder.exists())
-    probe = place / _hidden(out, "probe")
-    try:
+    with _writing(out):
+        _refuse_foreign(out)
+        place = next(folder for folder in out.parents if folder.exists())
+        probe = place / _hidden(out, "probe")
         probe.mkdir()
         probe.rmdir()
-    except OSError as error:
-        raise _unwritable(out, error) from error
 
 
 @contextmanager
@@ -58,20 +56,16 @@ def replace_folder(out: Path) -> Iterator[Path]:
         As for `check_writable`.
     """
     out = out.absolute()
-    _refuse_foreign(out)
-    out = out.resolve()  # the folder behind a link is replaced, not the link
-    draft = out.parent / _hidden(out, "draft")
-    try:
+    with _writing(out):
+        _refuse_foreign(out)
+        out = out.resolve()  # the folder behind a link is replaced, not the link
+        draft = out.parent / _hidden(out, "draft")
         try:
             draft.mkdir(parents=True)
             yield draft
             _take_place(draft, out)
-        except OSError as error:
-            if isinstance(error, OutputError):
-                raise
-            raise _unwritable(out, error) from error
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
 
 
 def _take_place(draft: Path, out: Path) -> None:
@@ -92,22 +86,17 @@ def _take_place(draft: Path, out: Path) -> None:
 
 def _refuse_foreign(out: Path) -> None:
     """Refuse to replace what is not ours: a file, or a folder with other things in it."""
-    try:
-        if not out.exists():
-            if out.is_symlink():
-                raise OutputError(f"cannot write a report to '{out}': the link leads nowhere")
-            return
-        if not out.is_dir():
-            raise OutputError(f"cannot write a report to '{out}': it is a file, not a folder")
-        if any(out.iterdir()) and not _is_report(out):
-            raise OutputError(
-                f"will not replace '{out}': the folder is not empty and holds no report of "
-                "rockingcan; choose another folder with --out, or empty it"
-            )
-    except OSError as error:
-        if isinstance(error, OutputError):
-            raise
-        raise _unwritable(out, error) from error
+    if not out.exists():
+        if out.is_symlink():
+            raise OutputError(f"cannot write a report to '{out}': the link leads nowhere")
+        return
+    if not out.is_dir():
+        raise OutputError(f"cannot write a report to '{out}': it is a file, not a folder")
+    if any(out.iterdir()) and not _is_report(out):
+        raise OutputError(
+            f"will not replace '{out}': the folder is not empty and holds no report of "
+            "rockingcan; choose another folder with --out, or empty it"
+        )
 
 
 def _is_report(folder: Path) -> bool:
@@ -122,9 +111,5 @@ def _hidden(out: Path, purpose: str) -> str:
     return f".{out.name}.{purpose}-{os.getpid()}-{uuid.uuid4().hex[:8]}"
 
 
-def _unwritable(out: Path, error: OSError) -> OutputError:
-    reason = error.strerror or str(error)
-    return OutputError(
-        f"cannot write a report to '{out}': {reason}; "
-        "choose a folder that you may write to with --out"
-    )
+def _writing(out: Path) -> AbstractContextManager[None]:
+    return writing(f"a report to '{out}'", "; choose a folder that you may write to with --out")

@@ -5,22 +5,12 @@ scripts, and a printer, sees the pictures. Every text is escaped by the template
 own content policy forbids it to load anything.
 
 A replay as the page plays it: arrays as coarse as a screen, as many as there are frames.
-
-A picture for paper as an address that holds all of it, without what only makes it longer.
-
-Percent signs take the place of base64, which makes a text a third longer. Of the picture itself
-nothing is lost: line ends, names that nothing refers to, and what is said several times of how
-things look are not seen.
 """
 
-import base64
 import json
-import re
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -30,8 +20,9 @@ from harness.core.provenance import Provenance
 from harness.core.report_model import Replay
 from harness.core.trajectory import Floats
 from harness.report.layout import Report, Section
+from harness.report.matplotlib_renderer import address
 from harness.report.number_format import slug, slugs
-from harness.report.plotly_renderer import description, packed, plotly_packed
+from harness.report.plotly_renderer import description, packed, packed_array, plotly_packed
 from harness.report.style import PAPER_DARK, PAPER_LIGHT, LineStyle, entries
 from harness.report.tables import grid
 
@@ -51,11 +42,11 @@ def frames(replay: Replay) -> dict[str, Any]:
         "radius": replay.radius,
         "height": replay.height / replay.radius,
         "tilt": replay.tilt,
-        "time": _packed(replay.time, "f8"),
+        "time": packed_array(replay.time, "f8"),
         "bodies": [
             {
                 "kind": body.kind,
-                "phi": _packed(body.phi, "f4"),
+                "phi": packed_array(body.phi, "f4"),
                 "psi": _stepped(body.psi),
                 "theta": _stepped(body.theta),
                 "x": _stepped((body.contact[:, 0] - middle[0]) / replay.radius),
@@ -79,76 +70,10 @@ _STEPS = 65535
 def _stepped(values: Floats) -> dict[str, Any]:
     """Return numbers in two bytes each, of a range that has no gap; else in four."""
     if not np.isfinite(values).all():
-        return _packed(values, "f4")
+        return packed_array(values, "f4")
     low, width = float(values.min()), float(np.ptp(values))
     step = width / _STEPS if width > 0.0 else 1.0
-    return {**_packed(np.rint((values - low) / step), "u2"), "low": low, "step": step}
-
-
-def _packed(values: Floats, kind: str) -> dict[str, Any]:
-    data = base64.b64encode(np.asarray(values).astype(f"<{kind}").tobytes()).decode("ascii")
-    return {"dtype": kind, "bdata": data}
-
-
-_HEADER = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
-_TAG = re.compile("<[^<>]*>")
-_BETWEEN = re.compile(r">\s*\n\s*<")
-_PATH = re.compile(r'(?<= d=")[^"]*')
-_LETTER = re.compile(r"\s*([A-Za-z])\s*")
-_STYLE = re.compile(r'(?<= style=")[^"]*')
-_STYLE_SIGN = re.compile(r"([:;])\s+")
-_NAME = re.compile(r' id="([^"]*)"')
-_TICK = re.compile(r'<path id="([\w-]+)" d="M[-\d. ]+L[-\d. ]+" style="stroke:[^"]*"/>')
-"""A line of two points, which has nothing to fill, with a colour and a width of its own."""
-
-_LINK = re.compile(r'((?:href="|url\()#)([\w-]+)')
-_WHOLE_STYLE = re.compile(r' style="([^"<>&]*)"')
-_USE = re.compile(r'(<use xlink:href="#([\w-]+)"[^>]*?) style="[^"]*"')
-
-_PLAIN = " !$()*+,-./:;=?@[]_|~"
-"""Signs that need no escape, neither in an address nor in an attribute of HTML."""
-
-
-def address(svg: str) -> str:
-    """Return an SVG picture as the address of an image."""
-    return f"data:image/svg+xml,{quote(_short(svg), safe=_PLAIN)}"
-
-
-def _short(svg: str) -> str:
-    """Return the same picture in fewer letters."""
-    text = _BETWEEN.sub("><", _HEADER.sub("", svg).strip())
-    text = _in_tags(_PATH, lambda found: _LETTER.sub(r"\1", found[0]).strip(), text)
-    text = _in_tags(_STYLE, lambda found: _STYLE_SIGN.sub(r"\1", found[0]), text)
-    named = {name for _, name in _LINK.findall(text)}
-    text = _in_tags(_NAME, lambda found: found[0] if found[1] in named else "", text)
-    ticks = set(_TICK.findall(text))
-    text = _in_tags(_USE, lambda found: found[1] if found[2] in ticks else found[0], text)
-    return _classed(_renamed(text, sorted(named)))
-
-
-def _in_tags(pattern: re.Pattern[str], change: Callable[[re.Match[str]], str], text: str) -> str:
-    """Return a text with its tags changed: the words of a figure may look like attributes."""
-    return _TAG.sub(lambda tag: pattern.sub(change, tag[0]), text)
-
-
-def _renamed(text: str, names: Sequence[str]) -> str:
-    """Return a picture with names of a few letters."""
-    brief = {name: f"n{number}" for number, name in enumerate(names)}
-    text = _in_tags(_NAME, lambda found: f' id="{brief[found[1]]}"', text)
-    return _in_tags(_LINK, lambda found: f"{found[1]}{brief[found[2]]}", text)
-
-
-def _classed(text: str) -> str:
-    """Return a picture that says only once what several of its elements look like."""
-    styles = Counter(_WHOLE_STYLE.findall("".join(_TAG.findall(text))))
-    classes = {style: f"c{n}" for n, style in enumerate(s for s, k in styles.items() if k > 1)}
-    rules = "".join(f".{name}{{{style}}}" for style, name in classes.items())
-    text = _in_tags(
-        _WHOLE_STYLE,
-        lambda found: f' class="{classes[found[1]]}"' if found[1] in classes else found[0],
-        text,
-    )
-    return text.replace("</style>", f"{rules}</style>", 1)
+    return {**packed_array(np.rint((values - low) / step), "u2"), "low": low, "step": step}
 
 
 _TEMPLATES = Path(__file__).parent / "templates"

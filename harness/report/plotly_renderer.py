@@ -215,7 +215,12 @@ def _packed(values: Floats) -> dict[str, str]:
     largest = float(np.abs(finite).max()) if finite.size else 0.0
     single = largest <= _SINGLE_REACH * width and 1e-30 < width < 1e30  # noqa: PLR2004 # its exponents
     kind = "f4" if single else "f8"
-    data = base64.b64encode(values.astype(f"<{kind}").tobytes()).decode("ascii")
+    return packed_array(values, kind)
+
+
+def packed_array(values: Floats, kind: str) -> dict[str, str]:
+    """Return an array of a type such as "f4" as plotly.js and our own scripts read it."""
+    data = base64.b64encode(np.asarray(values).astype(f"<{kind}").tobytes()).decode("ascii")
     return {"dtype": kind, "bdata": data}
 
 

@@ -12,10 +12,9 @@ import csv
 import io
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -23,6 +22,9 @@ from harness.core.plain_json import is_missing
 from harness.core.report_model import Table
 from harness.core.verdict import Status, Verdict
 from harness.report.number_format import heading, is_number, readable, slug
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>|~#$])")
@@ -33,7 +35,7 @@ def csv_text(table: Table) -> str:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\r\n")
     writer.writerow([_harmless(str(name)) for name in table.frame.columns])
-    writer.writerows([_csv_cell(value) for value in row] for row in rows(table.frame))
+    writer.writerows([_csv_cell(value) for value in row.values()] for row in records(table))
     return text.getvalue()
 
 
@@ -60,10 +62,9 @@ def markdown(table: Table) -> str:
         _line(plain_text(title) for title in titles),
         _line("---:" if right else "---" for right in numeric),
     ]
-    names = [str(name) for name in table.frame.columns]
-    for row in rows(table.frame):
-        told = dict(zip(names, row, strict=True))
-        lines.append(_line(plain_text(_judged(told, name, table)) for name in columns))
+    lines += [
+        _line(plain_text(_judged(row, name, table)) for name in columns) for row in records(table)
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -101,11 +102,6 @@ def is_numeric(table: Table, column: str) -> bool:
     return bool(present) and all(is_number(value) for value in present)
 
 
-def rows(frame: pd.DataFrame) -> list[tuple[object, ...]]:
-    """Return the rows as Python's own values; each column keeps its own type."""
-    return list(zip(*(frame[name].tolist() for name in frame.columns), strict=True))
-
-
 def plain_text(text: str) -> str:
     """Return a text so that Markdown shows it as it is, on one line."""
     return _MARKDOWN.sub(r"\\\1", " ".join(text.split())).replace("&", "&amp;")
@@ -139,13 +135,12 @@ def _one_type(column: "pd.Series[Any]") -> "pd.Series[Any] | Sequence[object]":
     if column.dtype != np.dtype(object):
         return column
     values = [None if is_missing(value) else value for value in column.tolist()]
-    if len({type(value) for value in values if value is not None}) <= 1 and all(
-        value is None or isinstance(value, (bool, int, float, str)) for value in values
-    ):
+    there = [value for value in values if value is not None]
+    plain = all(isinstance(value, (bool, int, float, str)) for value in there)
+    if plain and len({type(value) for value in there}) <= 1:
         return values
-    if all(value is None or is_number(value) for value in values):
-        return [None if value is None else float(str(value)) for value in values]
-    return [None if value is None else str(value) for value in values]
+    kind = float if all(is_number(value) for value in there) else str
+    return [None if value is None else kind(value) for value in values]
 
 
 Row = Mapping[str, Any]
@@ -153,10 +148,10 @@ Row = Mapping[str, Any]
 
 def records(table: Table) -> list[Row]:
     """Return each row by column name; what is missing is None."""
-    names = [str(name) for name in table.frame.columns]
+    columns = {str(name): table.frame[name].tolist() for name in table.frame.columns}
     return [
-        {name: None if is_missing(value) else value for name, value in zip(names, row, strict=True)}
-        for row in rows(table.frame)
+        {n: None if is_missing(v) else v for n, v in zip(columns, row, strict=True)}
+        for row in zip(*columns.values(), strict=True)
     ]
 
 

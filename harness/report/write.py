@@ -1,28 +1,39 @@
-"""Write a report: the page, its figures and tables as files, a summary and a manifest.
+"""Write a report: the page, its figures and tables as files, a summary, verdicts and a manifest.
 
-The headline in Markdown, for pasting into a pull request.
+The summary is the headline in Markdown, for pasting into a pull request.
 """
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
+from harness.core.verdict import Status, Verdict
 from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
-from harness.report.junit import junit
-from harness.report.layout import Report, Section, arrange, ordered, unique_names
+from harness.report.layout import FIDELITY, Report, Section, arrange, ordered, unique_names
 from harness.report.matplotlib_renderer import render
+from harness.report.number_format import readable
 from harness.report.page import page
 from harness.report.scorecard import derived
 from harness.report.simplify_curves import PAPER, SCREEN, simplify
 from harness.report.stored import ARTEFACTS, to_json
 from harness.report.style import palette
-from harness.report.tables import csv_text, dictionary, markdown, parquet_bytes, plain_text
+from harness.report.tables import (
+    Row,
+    csv_text,
+    dictionary,
+    markdown,
+    parquet_bytes,
+    plain_text,
+    records,
+)
 
 
 def summary(report: Report) -> str:
@@ -47,6 +58,94 @@ def _made_by(report: Report) -> str:
             f"commit {told.commit.digest[:12]}{' + changes' if told.commit.changed else ''}"
         )
     return plain_text(", ".join([*words, told.processor, told.written]))
+
+
+_ALIEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML 1.0 has no way to write, not even as a reference."""
+
+_GATE = "gate"
+"""Name of the table of results against accepted ones."""
+
+
+def junit(report: Report) -> str:
+    """Return the verdicts as JUnit's XML, which build servers show beside their tests.
+
+    A test case is a quantity of one engine in one scene. What agrees passes, what deviates or
+    failed is a failure, what is unsupported or cannot be decided is skipped, with the words of the
+    verdict. Where results were held against accepted ones, each comparison is a test case of a
+    suite of its own. An empty list where no engine was compared.
+    """
+    every = (row for table in report.tables.values() for row in _rows(table))
+    verdicts = [row for row in every if row["verdict"].status is not Status.NOT_JUDGED]
+    suites = Element("testsuites", name=report.title)
+    for name in dict.fromkeys(row["suite"] for row in verdicts):
+        own = [row for row in verdicts if row["suite"] == name]
+        suite = SubElement(suites, "testsuite", {"name": name, **_counts(own)})
+        for row in own:
+            _add_case(suite, row)
+    suites.attrib.update(_counts(verdicts))
+    indent(suites)
+    text = tostring(suites, encoding="unicode")
+    text = f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
+    return _ALIEN.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
+def _rows(table: Table) -> Iterable[dict[str, Any]]:
+    """Yield the verdicts of a table: each row with the keys `suite` and `verdict`."""
+    if table.name == FIDELITY:
+        yield from ({**row, "suite": row["engine"]} for row in records(table))
+    elif table.name == _GATE:
+        yield from map(_held, records(table))
+
+
+def _held(row: Row) -> dict[str, Any]:
+    """Return a comparison with an accepted result as fidelity has them."""
+    step = "" if row["timestep_s"] is None else f", {row['timestep_s']:g} s"
+    verdict, note = row["verdict"], f": {row['note']}" if row["note"] else ""
+    return {
+        **row,
+        "suite": f"{row['engine']}, against accepted results",
+        "profile": f"{row['profile']}{step}",
+        "verdict": Verdict(verdict.status, f"{verdict.text}{note}"),
+        "value": row["found"],
+        "allowed": _allowed(row["accepted"], row["tolerance"]),
+        "command": f"case {row['case']}",
+    }
+
+
+def _allowed(accepted: object, tolerance: object) -> float | None:
+    """Return how large a magnitude may be for its tolerance, if there is such a number."""
+    if not (isinstance(accepted, float) and isinstance(tolerance, float)):
+        return None
+    return accepted + tolerance
+
+
+def _add_case(suite: Element, row: dict[str, Any]) -> None:
+    """Add a test case, with the numbers behind a failure and how to get them again."""
+    names = {
+        "classname": f"{row['engine']}.{row['scene']}",
+        "name": f"{row['quantity']}, {row['profile']}",
+    }
+    case, verdict = SubElement(suite, "testcase", names), row["verdict"]
+    if verdict.status.failed:
+        value = "no number" if row["value"] is None else readable(row["value"])
+        allowed = "" if row["allowed"] is None else f", allowed {readable(row['allowed'])}"
+        told = {"message": verdict.text, "type": verdict.status.value}
+        failure = SubElement(case, "failure", told)
+        failure.text = f"{row['quantity']}: {value}{allowed}\n{row['command']}"
+    elif not verdict.status.passed:
+        SubElement(case, "skipped", message=verdict.text)
+
+
+def _counts(verdicts: list[dict[str, Any]]) -> dict[str, str]:
+    statuses = [row["verdict"].status for row in verdicts]
+    failures = sum(status.failed for status in statuses)
+    passed = sum(status.passed for status in statuses)
+    return {
+        "tests": str(len(statuses)),
+        "failures": str(failures),
+        "skipped": str(len(statuses) - failures - passed),
+    }
 
 
 VERSION = 1  # of the manifest's keys; a later one adds keys and removes none

@@ -20,7 +20,7 @@ from typing import Any
 import pandas as pd
 import pyarrow as pa
 
-from harness.core.errors import HarnessError, OutputError
+from harness.core.errors import HarnessError, OutputError, writing
 from harness.execution.atomic_write import DRAFT_SUFFIX, write_atomically
 from harness.execution.cache_entry import checksum
 from harness.execution.signals import delay_signals
@@ -125,13 +125,9 @@ class Folder:
             content = encode_partition(part, self._digest)
             index = part.index[0] // self.plan.rows_per_partition
             path = self.parts / f"part-{index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
-            try:
+            hint = "; what is done stays, and the same command goes on from it"
+            with writing(f"'{path}'", hint):
                 write_atomically(path, content)
-            except OSError as error:
-                raise OutputError(
-                    f"cannot write '{path}': {error.strerror or error}; what is done stays, and "
-                    "the same command goes on from it"
-                ) from error
 
     def read(self) -> Iterator[pd.DataFrame]:
         """Yield the partitions, one at a time, in order.
@@ -158,7 +154,7 @@ class Folder:
     def _set_aside(self, path: Path) -> None:
         """Move a damaged partition out of the table."""
         aside = self.out / DAMAGED
-        with _writing(self.out):
+        with writing(f"to '{self.out}'"):
             aside.mkdir(exist_ok=True)
             self.damaged.append(path.rename(aside / path.name))
 
@@ -175,14 +171,14 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
         If the folder cannot be written, holds something else, or a sweep is at work there.
     """
     folder = Folder(out, plan)
-    with _writing(out):
+    with writing(f"to '{out}'"):
         if out.exists() and not out.is_dir():
             raise OutputError(f"cannot write a sweep to '{out}': it is a file, not a folder")
         check_same(out, plan)  # before anything is written into a folder of others
         folder.parts.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("w")
     with lock:
-        with _writing(out):
+        with writing(f"to '{out}'"):
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -194,17 +190,6 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
                 told = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.told()}
                 write_atomically(out / PLAN, (json.dumps(told, indent=1) + "\n").encode())
         yield folder
-
-
-@contextmanager
-def _writing(out: Path) -> Iterator[None]:
-    """Say of a folder that it cannot be written to; what is said already passes as it is."""
-    try:
-        yield
-    except OSError as error:
-        if isinstance(error, HarnessError):
-            raise
-        raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
 
 
 def _check(content: bytes) -> str:

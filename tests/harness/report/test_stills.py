@@ -6,8 +6,7 @@ from urllib.parse import unquote
 from xml.etree.ElementTree import Element, fromstring
 
 from harness.core.report_model import Artefact, Figure
-from harness.report.matplotlib_renderer import render
-from harness.report.page import address
+from harness.report.matplotlib_renderer import address, render
 from harness.report.style import palette
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -1,0 +1,115 @@
+"""What is made of reports that are written: one page of several, or what differs between two.
+
+Two reports are of two versions of an engine, two machines or two settings; nothing runs again.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from harness.cli import terminal
+from harness.cli.run_options import Json
+from harness.core.provenance import provenance
+from harness.core.report_model import Artefact, Prose, Table, rows_of
+from harness.core.verdict import Status
+from harness.gate.baseline import BaselineError, read_baseline, read_scores
+from harness.gate.comparison import differences
+from harness.gate.report import SIDES, changed, gate_report, regressions, sentences
+from harness.report.atomic_folder import check_writable
+from harness.report.layout import Section
+from harness.report.stored import read_report
+from harness.report.write import write_chapters
+
+_ROWS = 40
+"""Of the table of changes in the terminal; the report has all."""
+
+_QUIET = (Status.SAME, Status.NOT_JUDGED, Status.UNDECIDABLE)
+"""Verdicts that the terminal leaves out."""
+
+
+def report(
+    folders: Annotated[
+        list[Path],
+        typer.Argument(metavar="FOLDER...", help="Reports to join, such as reports/latest."),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder of the page; replaced as a whole.")] = Path(
+        "reports/all"
+    ),
+) -> None:
+    """Join the reports of several studies into one page, its scorecard filled from all of them.
+
+    For example: rockingcan report reports/latest reports/stability reports/cost/paper-release
+    """
+    check_writable(out)
+    chapters = joined_sections(folders)
+    page = write_chapters(chapters, out, title="rockingcan", provenance=provenance())
+    terminal.stdout_console().print(f"{len(chapters)} studies in one report: {page}")
+
+
+def joined_sections(folders: Sequence[Path]) -> list[Section]:
+    """Return the chapters of reports that were written earlier.
+
+    Raises
+    ------
+    ReportError
+        If a folder holds no report.
+    """
+    return [chapter for folder in folders for chapter in read_report(folder)]
+
+
+def show_changes(artefacts: Sequence[Artefact]) -> None:
+    """Print what a comparison found: what has changed, then the sentences."""
+    console = terminal.stdout_console()
+    for artefact in artefacts:
+        if isinstance(artefact, Table):
+            moved = artefact.frame[[v.status not in _QUIET for v in artefact.frame["verdict"]]]
+            if len(moved):
+                top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
+                console.print(
+                    terminal.table_artefact(top, [name for name in top.shown if name != "case"])
+                )
+            if len(moved) > _ROWS:
+                console.print(f"... and {len(moved) - _ROWS} more")
+    for artefact in artefacts:
+        if isinstance(artefact, Prose):
+            console.print(escape(artefact.text))
+
+
+def diff(
+    a: Annotated[
+        Path, typer.Argument(metavar="A", help="Folder of a report, or of accepted results.")
+    ],
+    b: Annotated[Path, typer.Argument(metavar="B", help="The same, to hold against it.")],
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Accepted results whose measured spread tells what may differ: reports have none.",
+        ),
+    ] = None,
+    gate: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--gate", help="Leave with code 1 if anything is better in A.")
+    ] = False,
+    json: Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Say what differs between two reports of validate, case by case, quantity by quantity.
+
+    For example: rockingcan diff reports/before reports/after --baseline reports/baseline
+    """
+    first, second = read_scores(a), read_scores(b)
+    spreads = None if baseline is None else read_baseline(baseline)
+    if not set(first.scores) & set(second.scores):
+        raise BaselineError(f"'{a}' and '{b}' have no case in common: there is nothing to compare")
+    found = differences(first, second, spreads=spreads)
+    if json:
+        told = sentences(found, first, second, SIDES, spreads)
+        rows = rows_of(SIDES.columns(), changed(found))
+        typer.echo(terminal.to_json({"differences": rows, "sentences": told}))
+    else:
+        show_changes(gate_report(found, first, second, SIDES, spreads))
+    if gate and regressions(found):
+        raise typer.Exit(1)
