@@ -43,6 +43,10 @@ from reference.solution import Bounce
 
 # Of one evaluation of the equations, each of which rounds.
 OPERATIONS = 64
+# An ulp that moves a motion by less than this share of what would be too much moves it as much the
+# other way: before it decides an ending the time of the passage grows like the logarithm of what is
+# left of the energy, which another ulp doubles or takes.
+LINEAR = 0.1
 
 
 class Bouncing(Protocol):
@@ -142,7 +146,9 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
     ulp = 0.0
     if apart[worst] > PROMISED:
         near = _Neighbours(integrated, EPS)
-        ulp = near.moved(worst, USEFUL)
+        ulp = near.moved(worst, USEFUL, ways=1)
+        if ulp > LINEAR * USEFUL:
+            ulp = near.moved(worst, USEFUL)
         evaluations += near.evaluations
     agreement = Agreement(
         quantity=worst,
@@ -152,7 +158,7 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
         evaluations=evaluations,
     )
     if not agreement.resolved:
-        motion = _up_to(problem, _parting(integrated, near.solved), locus=locus)
+        motion = _up_to(problem, _parting(integrated, list(near.solved.values())), locus=locus)
     elif agreement.holds and isinstance(path, ExactPath):
         motion = closed if problem == short else _closed(problem, path)
         return Confirmed(motion=motion, closed=True, agreement=agreement)
@@ -268,21 +274,21 @@ class _Neighbours:
 
     Attributes
     ----------
-    solved : list of list of Motion
-        Those of the first numbers.
+    solved : dict from (int, int) to Motion
+        By the number that is moved and the way in which it is.
     """
 
     def __init__(self, own: Motion, share: float) -> None:
-        self.solved: list[list[Motion]] = []
+        self.solved: dict[tuple[int, int], Motion] = {}
         self._own = own
-        self._rest = neighbours(own.problem, share)
+        self._problems = list(neighbours(own.problem, share))
 
     @property
     def evaluations(self) -> int:
         """That their integration took."""
-        return sum(other.run.evaluations for beside in self.solved for other in beside)
+        return sum(motion.run.evaluations for motion in self.solved.values())
 
-    def moved(self, name: str, enough: float, known: float = 0.0) -> float:
+    def moved(self, name: str, enough: float, known: float = 0.0, ways: int = 2) -> float:
         """Return by how much a quantity differs in the neighbours, added up until it is enough.
 
         Parameters
@@ -292,31 +298,32 @@ class _Neighbours:
             Below it a sum is complete.
         known : float
             What the sum begins with.
+        ways : int
+            In how many ways each number is moved: to larger ones, or to smaller ones as well.
         """
         total, number = known, 0
-        while total < enough and (beside := self._beside(number)):
-            apart = (_apart(other, self._own) for other in beside)
+        while total < enough and number < len(self._problems):
+            count = len(self._problems[number][:ways])
+            apart = (_apart(self._solve(number, way), self._own) for way in range(count))
             total += max(off.get(name, off.get(ENDING, 0.0)) for off in apart)
             number += 1
         return total
 
-    def _beside(self, number: int) -> list[Motion]:
-        """Neighbours by one of the numbers; none beyond the last."""
-        if number == len(self.solved):
+    def _solve(self, number: int, way: int) -> Motion:
+        if (number, way) not in self.solved:
             locus = self._own.run.track.extrema.x is not None
-            beside = next(self._rest, ())
-            self.solved.append([_integrated(problem, locus=locus) for problem in beside])
-        return self.solved[number]
+            self.solved[number, way] = _integrated(self._problems[number][way], locus=locus)
+        return self.solved[number, way]
 
 
-def _parting(own: Motion, near: Sequence[Sequence[Motion]]) -> float:
+def _parting(own: Motion, near: Sequence[Motion]) -> float:
     """Return the time up to which the neighbours of a motion are the same to three digits.
 
     Its end, where none parts from it by itself, and only all of them together do.
     """
     times, states = own.run.path.nodes()
     apart = np.zeros_like(times)
-    for other in (other for beside in near for other in beside):
+    for other in near:
         known = times <= other.run.track.t_end
         moved = other.run.path.at(times[known])
         mine = select_states(states, np.flatnonzero(known))
