@@ -1,4 +1,4 @@
-"""What is run to tell the three errors apart.
+"""What is run to tell the three errors apart, and what the runs say.
 
 For each way to shrink the timestep: a ladder of timesteps with the solver converged, whose limit is
 the engine's own answer; and at one rung of it the solver as it is set, and at lesser efforts. At
@@ -9,6 +9,7 @@ its softness with it as it shrinks; held, it keeps it, and converges neatly to a
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.core.case import Case, Value
@@ -17,6 +18,9 @@ from harness.engines.base import Engine, SolverEffort, features_of
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of
+from harness.evaluation.evaluation import Evaluation
+from harness.metrics.quantities import QUANTITIES, Number, Quantity
+from harness.studies.errors.split import ErrorStatus, Split, Spread
 from harness.studies.shared.perturbation import MEMBERS, SIZES, perturbed
 from models.scene import Scene
 
@@ -30,6 +34,9 @@ PROBE = 2
 
 _TURN_A_STEP = 0.1
 """rad of precession in the coarsest step at its fastest: coarser, no ladder has begun to fall."""
+
+_OF_THE_BOUNCE = ("turn_deg", "bounce_time_s", "phi_min_rad", "peak_friction_ratio")
+_OF_THE_END = ("psi_end_deg", "phi_end_deg")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +74,12 @@ class ErrorsPlan:
     def probe(self) -> float:
         """The timestep at which solver and ensemble are looked at, s."""
         return self.timesteps[PROBE]
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The numbers of a run that have a limit: of its first bounce, or of its end."""
+        keys = _OF_THE_BOUNCE if self.scene.horizon.seconds is None else _OF_THE_END
+        return tuple(QUANTITIES[key] for key in keys)
 
     def on_ladder(self, way: Way, timestep: float) -> Case:
         """Return the case of a rung, with the solver converged."""
@@ -179,3 +192,84 @@ def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
 def _spelled(value: Value) -> str:
     """Return a value in words."""
     return ", ".join(f"{part:g}" for part in value) if isinstance(value, tuple) else str(value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ThreeErrors:
+    """A plan with its evaluations and what they say.
+
+    Parameters
+    ----------
+    plan : ErrorsPlan
+    evaluations : mapping of Case to Evaluation
+    spreads : mapping of (str, float) to Spread
+        By quantity and relative size of the perturbations.
+    splits : mapping of (str, str) to Split
+        By way and quantity.
+    """
+
+    plan: ErrorsPlan
+    evaluations: Mapping[Case, Evaluation]
+    spreads: Mapping[tuple[str, float], Spread]
+    splits: Mapping[tuple[str, str], Split]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """A sentence or two a way, and one on what is not decidable."""
+        plan = self.plan
+        for quantity in plan.quantities:
+            splits = {way.name: self.splits[way.name, quantity.key] for way in plan.ways}
+            if all(split.total is not None for split in splits.values()):
+                told = [_way(plan, name, quantity, split) for name, split in splits.items()]
+                return (*(one for pair in told for one in pair), self._undecidable(quantity))
+        nothing = (
+            f"{plan.engine} completes no motion of {plan.scene.name} at {plan.probe:.2g} s that "
+            "could be compared, so that its errors cannot be told apart."
+        )
+        return (nothing,)
+
+    def _undecidable(self, quantity: Quantity) -> str:
+        """Return how far releases spread that no one can tell apart."""
+        small, large = (self.spreads[quantity.key, size] for size in (SIZES[0], SIZES[-1]))
+        return (
+            f"Releases that differ by {SIZES[-1]:.0e} spread the {quantity.label} by "
+            f"{_amount(quantity, large.of_truth, sign=False)} in the exact motion and by "
+            f"{_amount(quantity, large.of_engine, sign=False)} in the engine (by "
+            f"{_amount(quantity, small.of_truth, sign=False)} and "
+            f"{_amount(quantity, small.of_engine, sign=False)} for {SIZES[0]:.0e}): a discrepancy "
+            "smaller than that is not decidable."
+        )
+
+
+_VERDICTS = {
+    ErrorStatus.MODEL_ERROR: "However small the timestep, this is another can: {}.",
+    ErrorStatus.NO_MODEL_ERROR: "For a timestep of zero no model error is seen; {}.",
+    ErrorStatus.UNDECIDABLE: "That is less than releases spread that differ by 1e-6; {}.",
+    ErrorStatus.UNKNOWN: "Its limit is not known.",
+}
+
+
+def _way(plan: ErrorsPlan, name: str, quantity: Quantity, found: Split) -> tuple[str, str]:
+    """Return the three errors on one way, and what they come to."""
+    known, approach = "", "no order is seen on the way to its limit"
+    if found.limit is not None:
+        known = f" (known to {_amount(quantity, found.limit.uncertainty, sign=False)})"
+        if found.limit.order is not None:
+            approach = f"it approaches its limit with order {found.limit.order:.2f}"
+            if found.limit.spread is not None:
+                approach += f", give or take {found.limit.spread:.2f}"
+    opening = (
+        f"{plan.engine}, {name}, at a timestep of {plan.probe:.2g} s: the {quantity.label} of "
+        f"{plan.scene.name} is off by {_amount(quantity, found.total)}, of which "
+        f"model form {_amount(quantity, found.model_form)}{known}, "
+        f"discretisation {_amount(quantity, found.discretisation)}, "
+        f"solver {_amount(quantity, found.solver)}."
+    )
+    return opening, _VERDICTS[found.verdict].format(approach)
+
+
+def _amount(quantity: Quantity, value: Number, *, sign: bool = True) -> str:
+    if value is None:
+        return "an unknown amount"
+    number = f"{value:+.2g}" if sign else f"{value:.2g}"
+    return f"{number} {quantity.unit}".rstrip()

@@ -26,8 +26,8 @@ from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import Number, Quantity, less
 from harness.studies.errors.extrapolation import limit
-from harness.studies.errors.plan import ErrorsPlan, Way
-from harness.studies.errors.split import Split, ThreeErrors, quantities, spread
+from harness.studies.errors.plan import ErrorsPlan, ThreeErrors, Way
+from harness.studies.errors.split import Split, spread
 from harness.studies.shared.perturbation import MEMBERS, SIZES
 from harness.studies.shared.run_columns import (
     CASE,
@@ -63,7 +63,7 @@ class ErrorsStudy:
     def findings(self, done: Results) -> ThreeErrors:
         """Return the three errors of every quantity on every way."""
         plan, runs = self.plan, done.of(EVALUATION)
-        known = quantities(plan)
+        known = plan.quantities
 
         def values(case: Case, quantity: Quantity) -> tuple[Number, Number]:
             return quantity.of_run(runs[case]), quantity.of_truth(runs[case])
@@ -246,7 +246,7 @@ def _ladder_rows(found: ThreeErrors) -> list[dict[str, Any]]:
     return [
         _run(found, plan.on_ladder(way, step), way, quantity)
         for way in plan.ways
-        for quantity in quantities(plan)
+        for quantity in plan.quantities
         for step in plan.timesteps
     ]
 
@@ -258,7 +258,7 @@ def _effort_rows(found: ThreeErrors) -> list[dict[str, Any]]:
         _run(found, plan.tried(way, effort), way, quantity)
         | {"effort": "as set" if effort is None else effort.name}
         for way in plan.ways
-        for quantity in quantities(plan)
+        for quantity in plan.quantities
         for effort in (None, *plan.efforts)
     ]
 
@@ -298,7 +298,7 @@ def _figure(
                 log_y=True,
                 x_names=names,
             )
-            for quantity in quantities(plan)
+            for quantity in plan.quantities
         ),
         scene=plan.scene.name,
     )

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from harness.core.report_model import Figure, Prose, Table
-from harness.studies.errors.plan import plan_errors
-from harness.studies.errors.split import ErrorStatus, ThreeErrors
+from harness.studies.errors.plan import ThreeErrors, plan_errors
+from harness.studies.errors.split import ErrorStatus
 from harness.studies.errors.study import ErrorsStudy, errors_report
 from harness.studies.study import run_study
 from models import Horizon, Scene, load
