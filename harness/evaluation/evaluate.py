@@ -28,7 +28,7 @@ from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, run_tasks
-from harness.execution.worker import Loss, LostTaskError
+from harness.execution.worker import LostTaskError
 from harness.metrics.bounces import bounces
 from harness.metrics.energy import energy_drift
 from harness.metrics.error import errors, rotation_between
@@ -246,14 +246,7 @@ def run_cases(
     )
 
 
-_OUTCOMES = {
-    Loss.CRASHED: Outcome.CRASHED,
-    Loss.HUNG: Outcome.HUNG,
-    Loss.OUT_OF_MEMORY: Outcome.OUT_OF_MEMORY,
-    Loss.STOPPED: Outcome.STOPPED,
-}
-
-
 def failed_evaluation(case: Case, error: LostTaskError) -> Evaluation:
     """Return what came of a case whose process died or was stopped."""
-    return Evaluation(simulation=failed_simulation(case, error.reason, _OUTCOMES[error.loss]))
+    outcome = Outcome[error.loss.name]
+    return Evaluation(simulation=failed_simulation(case, error.reason, outcome))

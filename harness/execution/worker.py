@@ -24,7 +24,7 @@ from harness.execution.worker_main import READY
 
 
 class Loss(Enum):
-    """Why a task has no result."""
+    """Why a task has no result; the outcome of a case that was lost has the same name."""
 
     CRASHED = "its process died"
     HUNG = "it took longer than it may"
