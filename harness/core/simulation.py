@@ -29,7 +29,7 @@ class Outcome(Enum):
     STOPPED = "stopped: the process of the case was ended from outside; see the note"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class ParityRow:
     """One property of the compiled model against what the scene declares."""
 

@@ -76,16 +76,7 @@ def parity(
         verdict = "imposed" if quantity in imposed else "mismatch"
         if abs(found - declared) <= tolerance:
             verdict = "equal"
-        rows.append(
-            ParityRow(
-                quantity=quantity,
-                unit=unit,
-                declared=declared,
-                found=found,
-                how=how,
-                verdict=verdict,
-            )
-        )
+        rows.append(ParityRow(quantity, unit, declared, found, how, verdict))
     return tuple(rows)
 
 
