@@ -150,7 +150,7 @@ _OF_ROWS: _Kinds = {
 
 
 def _fault_of_kinds(owner: object, kinds: _Kinds, of: str = "") -> str:
-    """Return which field is not of its kind: it could not be told, nor kept."""
+    """Return which field is not of its kind and so could be neither reported nor stored."""
     for name, (fits, kind) in kinds.items():
         value: object = getattr(owner, name)
         if not fits(value):

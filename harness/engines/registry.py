@@ -77,7 +77,7 @@ def _probe_plugin(value: str) -> str:
 
 @lru_cache(maxsize=_MOST_CASES)
 def timestep_from_worker(value: str, case: Case) -> float | None:
-    """Return the timestep of a case, from an engine that is asked in a process beside this one.
+    """Return the timestep of a case, from an engine that is asked in a background process.
 
     There its settings are resolved, too. The process is one for all cases, and ends with this one.
 

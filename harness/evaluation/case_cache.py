@@ -1,4 +1,4 @@
-"""Where results of cases are kept: what names one, and whether it can still be found.
+"""The cache of results of cases: its keys, and whether an entry is still current.
 
 The key of a result is a digest of all that decides it: scene, engine and its version, settings, and
 the sources of the program.
@@ -14,7 +14,7 @@ from harness.execution.tasks import ResultCache
 
 
 def case_key(case: Case, *modules: str) -> str:
-    """Return what names a result of a case: the case, its engine's version, and the program.
+    """Return the cache key of a case: digest of case, version of its engine, and program.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def case_metadata(case: Case, *modules: str) -> Metadata:
 
 
 def is_current(told: Metadata) -> bool:
-    """Whether a result that is kept can still be found: program and engine are what they were."""
+    """Whether a stored result is current: program and engine are what they were."""
     if told.engine and told.engine not in names():
         return False
     same = not told.engine or engine_version(told.engine) == told.engine_version
@@ -66,5 +66,5 @@ def _module_of(name: str) -> str:
 
 
 def evaluation_cache(store: CacheFolder) -> ResultCache[Case, Evaluation]:
-    """Return where evaluations are kept."""
+    """Return the cache of evaluations."""
     return ResultCache(store=store, kind="evaluations", key=case_key, metadata=case_metadata)

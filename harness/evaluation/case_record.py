@@ -49,7 +49,7 @@ _STEPS = 3
 
 
 def iterations(simulation: Simulation) -> float | None:
-    """Return the mean iterations of the solver in a step, or None if the engine cannot tell."""
+    """Return the mean iterations of the solver in a step; None if the engine counts none."""
     case, trajectory = simulation.case, simulation.trajectory
     features = features_of(engine(case.engine))
     count, opens = features.counted_step, features.open

@@ -100,7 +100,7 @@ def evaluate_case(case: Case) -> Evaluation:
 
 
 def evaluate_without_truth(case: Case) -> Evaluation:
-    """Run a case and measure what can be said of it without holding it against the truth.
+    """Run a case and measure what needs no comparison with the truth.
 
     Raises
     ------

@@ -36,7 +36,7 @@ _FIRST = 5
 
 _KEY = "[0-9a-f]{32}"
 _SUFFIX = r"(-[0-9a-f]{12})?\.(result|json|parquet)"
-"""Of results, and of what releases before this one kept: those two files are removed by pruning."""
+"""Of results, and of the two files of earlier releases, which pruning removes."""
 
 _RESULT = re.compile(rf"(?P<key>{_KEY})\.result")
 _OLD = re.compile(rf"(?P<key>{_KEY})(-[0-9a-f]{{12}})?\.(json|parquet)")
@@ -79,7 +79,7 @@ class CacheFolder:
         return not self.fresh and self.path(kind, key).exists()
 
     def get(self, kind: str, key: str) -> Any:  # noqa: ANN401 - whatever was kept
-        """Return what is kept, or None if nothing is.
+        """Return a result, or None if there is none.
 
         An entry that is not what was written is set aside, with a `CacheWarning`.
         """
@@ -94,7 +94,7 @@ class CacheFolder:
             return None
 
     def read(self, kind: str, key: str) -> CacheEntry:
-        """Return an entry; its `value` is what is kept.
+        """Return an entry; its `value` is the result.
 
         Raises
         ------

@@ -39,7 +39,7 @@ _CODEC = "zstd"
 
 
 class Encoder:
-    """Turns values into JSON's own types; arrays and dataclasses that recur are kept once."""
+    """Turns values into JSON's own types; arrays and dataclasses that recur are written once."""
 
     def __init__(self) -> None:
         self.arrays: list[NDArray[Any]] = []

@@ -6,7 +6,7 @@ while it sends a result stalls the others. So here each worker has a pipe, and a
 
 One task in a process of its own, from wherever this is called: a worker of a cluster, say.
 
-Processes that are beside this one for as long as it runs, and end with it.
+Background processes, which run as long as this process and end with it.
 
 Running on this machine: here, one by one, or in processes within limits.
 """
@@ -206,7 +206,7 @@ def background_worker(limits: Limits, imports: tuple[str, ...] = ()) -> Isolated
 
 @atexit.register
 def end_background_worker() -> None:
-    """End what is beside this process; to be called by a program that does not end as usual."""
+    """End the background processes; for a program that does not end as usual."""
     for executor in tuple(_there):
         executor.stop()
 
@@ -219,7 +219,7 @@ def run_isolated(
     *args: P.args,
     **kwargs: P.kwargs,
 ) -> T:
-    """Return what a function returns that runs in a process beside this one, within limits.
+    """Return what a function returns that runs in a background process, within limits.
 
     The process is kept for the next call, and ended with this one; threads that call at once have
     one each. What it imports at its start, no call's time counts.

@@ -1,4 +1,4 @@
-"""Do what is not yet done: tasks on any executor, results kept as they come, the rest skipped.
+"""Run tasks on any executor: results are stored as they come, and those stored before are read.
 
 What is kept is read while others run. Few tasks more are handed out than run at once, so that
 little is in flight when the program ends, however it ends.
@@ -24,7 +24,7 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResultCache(Generic[T, R]):
-    """Where the results of one kind of task are kept.
+    """The part of a store that holds the results of one kind of task.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class ResultCache(Generic[T, R]):
     metadata: Callable[[T], Metadata]
 
     def has(self, task: T) -> bool:
-        """Whether the result of a task is kept."""
+        """Whether the result of a task is stored."""
         return self.store.has(self.kind, self.key(task))
 
     def get(self, task: T) -> R | None:
@@ -70,7 +70,7 @@ def _machine() -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProgressListener(Generic[T, R]):
-    """Who is told how tasks go.
+    """Callbacks for the progress of tasks.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def run_tasks(
     cache: ResultCache[T, R] | None = None,
     listener: ProgressListener[T, R] | None = None,
 ) -> list[R]:
-    """Return the results of tasks in their order: what is kept as it is, the rest done and kept.
+    """Return the results of tasks in their order: read if stored, else computed and stored.
 
     Of tasks without a result those that crashed are kept: they would again. One that was stopped,
     for its limits or from outside, may well be done the next time, and so it is tried again.
@@ -189,7 +189,7 @@ class _Run(Generic[T, R]):
     safe: int = 0
 
     def find(self) -> None:
-        """Tell what is kept from what is left."""
+        """Separate the tasks whose results are stored from those left to do."""
         for index, task in enumerate(self.tasks):
             known = self.cache is not None and self.cache.has(task)
             (self.kept if known else self.left).append(index)
@@ -214,7 +214,7 @@ class _Run(Generic[T, R]):
             return future
 
     def read(self) -> bool:
-        """Take the next result that is kept; one that cannot be read is done again."""
+        """Take the next stored result; a task whose result cannot be read is done again."""
         if not self.kept or self.cache is None:
             return False
         with delay_signals():

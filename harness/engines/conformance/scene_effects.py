@@ -268,7 +268,7 @@ def flight(fixture: Fixture) -> ClauseResult:
 
 
 NEWTON = 0.6
-"""Misfit over the change of the force from sample to sample: 0 where the force of a step is told,
+"""Misfit over the change of the force from sample to sample: 0 where a force is that of its step,
 1/2 where that of its first instant is, with a tenth for the curvature; 1 is the next instant."""
 
 SAME = 0.1

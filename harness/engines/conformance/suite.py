@@ -169,7 +169,7 @@ Look = Callable[[Fixture], ClauseResult]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clause:
-    """A promise of an adapter in a sentence, and what looks whether it is kept.
+    """A promise of an adapter in a sentence, and the function that checks it.
 
     `needs_run` is false where there is something to look at though no run hands over a trajectory.
     """

@@ -55,7 +55,7 @@ STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 def control(world: MujocoWorld, times: Floats) -> dict[str, Any]:
-    """Return what `mujoco.rollout` is told of the steps from these times (n,) on."""
+    """Return the arguments of `mujoco.rollout` for the steps from these times (n,) on."""
     forces = world.forces(times)
     if forces is None:
         return {"nstep": len(times)}

@@ -44,7 +44,7 @@ _FAST = 1e4  # rad/s and m/s: beyond what a scene of a metre reaches short of 1 
 _HOW = "one step of free flight"
 
 _IN_A_PERIOD = 16
-"""Steps in a period of the shaking: enough to tell it from another frequency or phase."""
+"""Steps in a period of the shaking: enough to distinguish it from another frequency or phase."""
 
 
 def parity(

@@ -59,7 +59,7 @@ LADDER = tuple(FAST * share for share in (0.003, 0.01, 0.03, 0.1, 0.3, 1.0))
 """m/s and rad/s: a strong damping takes the greatest away in one step, a clamp does not."""
 
 TURNS = (0.1, 0.3, 0.5, 0.7, 0.8, 1.0, 1.5, 2.0, 3.0)
-"""rad in one step; past pi a turn cannot be told from its complement."""
+"""rad in one step; past pi a turn is indistinguishable from its complement."""
 
 _EXACT = 1e-9
 """Relative error up to which a turn counts as exact: round-off is 1e-15, a law of second order at

@@ -16,7 +16,7 @@ from harness.engines.stepping.settling import settle
 from models import IDEAL, Pose, Release, Twist, release_state
 
 ALOFT = 10.0
-"""m: out of reach of any contact."""
+"""m: height at which no engine finds a contact."""
 
 Reading: TypeAlias = tuple[str, str, float, float, str]
 """Quantity, unit, what was measured in the engine, what the ideal can has, and what was done."""

@@ -42,7 +42,7 @@ from reference.equations.reaction_force import contact_force_in_world
 T = TypeVar("T")
 
 MOST = 16
-"""Motions that are kept, each of some megabytes at most."""
+"""Most motions held in memory, each of some megabytes at most."""
 
 
 class SolutionCache(Generic[T]):

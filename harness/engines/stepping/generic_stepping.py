@@ -69,7 +69,7 @@ class _WorldReader:
         self._rows: list[Floats] = []
 
     def state(self) -> tuple[Sequence[float], Sequence[float]]:
-        """Return the state of the world; of what is no state, the next step will tell."""
+        """Return the state of the world; NaN if it holds no numbers, as the next step finds."""
         try:
             pose, twist = self._world.pose(), self._world.twist()
         except InvalidValueError:

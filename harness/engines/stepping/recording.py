@@ -103,7 +103,7 @@ class Recorder:
         self._chunk: Chunk | None = None
 
     def add(self, chunk: Chunk) -> Trajectory | None:
-        """Record a chunk that follows the one before; return the part of it that was kept."""
+        """Record a chunk that follows the one before; return the samples recorded of it."""
         count = len(chunk.quaternions)
         if count == 0:
             return None
@@ -130,7 +130,7 @@ class Recorder:
         return np.concatenate((np.ones(1, dtype=np.bool_), keep)) if first else keep
 
     def trajectory(self, until: float) -> Trajectory | None:
-        """Return what was kept up to a time in s, and the last step whether or not it was."""
+        """Return the samples recorded up to a time in s, and the last step in any case."""
         parts = self._parts
         if self._chunk is None or self._last is None:
             return None

@@ -23,7 +23,7 @@ X, Y, UP = np.eye(3)
 UPRIGHT = np.array((1.0, 0.0, 0.0, 0.0))
 
 LIFT = 1e-3
-"""Share of the radius at which a can hovers: within every engine's reach, and out of contact."""
+"""Share of the radius at which a can hovers: measured by every engine, and a contact in none."""
 
 
 def moving(velocity: Floats = ZERO, spin: Floats = ZERO) -> Twist:
