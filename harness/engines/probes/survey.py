@@ -10,7 +10,7 @@ from typing import Protocol, TypeAlias
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Contact, Setting, World, features_of
+from harness.engines.base import Contact, Engine, World, features_of
 from harness.engines.registry import engine
 from harness.engines.stepping.settling import settle
 from models import IDEAL, Pose, Release, Twist, release_state
@@ -22,14 +22,8 @@ Reading: TypeAlias = tuple[str, str, float, float, str]
 """Quantity, unit, what was measured in the engine, what the ideal can has, and what was done."""
 
 
-class Opener(Protocol):
+class Opener(Engine, Protocol):
     """An engine that compiles a case into a world that can be placed, stepped and read."""
-
-    settings: tuple[Setting, ...]
-
-    @property
-    def version(self) -> str:
-        """The version of the engine's package."""
 
     def timestep(self, case: Case) -> float:
         """Return the timestep of a case, s."""
