@@ -181,7 +181,7 @@ def single_thread_executor(limits: Limits | None = None) -> Iterator[Executor]:
     limits : Limits, optional
         Of one run of a case; of the repeats together it is as much for each.
     """
-    kept = {name: os.environ.get(name) for name in _THREADS}
+    before = {name: os.environ[name] for name in _THREADS if name in os.environ}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
         # two jobs would be two processes; a spawned one reads the environment when it starts
@@ -191,11 +191,9 @@ def single_thread_executor(limits: Limits | None = None) -> Iterator[Executor]:
             executor.submit(os.getpid).result()
             yield AloneExecutor(executor)
     finally:
-        for name, value in kept.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        for name in _THREADS:
+            os.environ.pop(name, None)
+        os.environ.update(before)
 
 
 _ALOFT_STEPS = 4000
