@@ -107,21 +107,14 @@ def limit(
     before = triples[-2] if len(triples) > 1 else None
     if finest is None or (before is None and len(triples) > 1):
         end = known[-_TRIPLE:]
-        width = max(end) - min(end) if len(end) > 1 else math.inf
-        return ExtrapolatedLimit(
-            value=known[-1],
-            uncertainty=width + floor,
-            order=order,
-            spread=spread,
-            rungs=len(known),
-        )
-    moved = finest.limit - (known[-1] if before is None else before.limit)
+        value = known[-1]
+        uncertainty = (max(end) - min(end) if len(end) > 1 else math.inf) + floor
+    else:
+        value = finest.limit
+        moved = value - (known[-1] if before is None else before.limit)
+        uncertainty = abs(moved) + finest.amplification * floor
     return ExtrapolatedLimit(
-        value=finest.limit,
-        uncertainty=abs(moved) + finest.amplification * floor,
-        order=order,
-        spread=spread,
-        rungs=len(known),
+        value=value, uncertainty=uncertainty, order=order, spread=spread, rungs=len(known)
     )
 
 
