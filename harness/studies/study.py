@@ -31,20 +31,20 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Work(Generic[Task, Result]):
-    """A kind of job: what is done with a task, and where its result is kept.
+    """A kind of job: the function that does a task, and the cache of its result.
 
     Parameters
     ----------
     name : str
-        What progress calls it, such as "timing alone".
+        Name that the progress bar shows, such as "timing alone".
     call : callable
         A function of a module, so that it can be sent to a process.
     lost : callable
         Returns the result of a task that took its process with it, or was stopped.
     label : callable
-        Returns what progress calls a task.
+        Returns the name of a task that the progress bar shows.
     cache : callable, optional
-        Returns where the results are kept in a folder; they are not kept if left out.
+        Returns the cache of the results in a folder; results are not cached if left out.
     check : callable
         Raises if a task is wrong use; called before anything of its round runs.
     alone : bool

@@ -32,7 +32,7 @@ def scorecard_verdict(e: Evaluation) -> Verdict:
 
 
 _WHOLE = 10.0
-"""Factors from here on are told without decimals."""
+"""Factors from here on are written without decimals."""
 
 
 def _weighed(factor: float) -> Verdict:

@@ -161,7 +161,7 @@ def _supposed(own: Sequence[Evaluation]) -> str:
 
 
 def _summary(evaluations: Sequence[Evaluation]) -> Prose:
-    """Return what was found, a sentence an engine and profile."""
+    """Return a summary: a sentence for each engine and profile."""
     by_engine = by_case(evaluations, "engine")
     runs = by_case(evaluations, "engine", "profile")
     sentences = [
@@ -266,7 +266,7 @@ def replay(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Replay, ...]:
 
 
 def _two_each(drawn: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return of each engine the run as shipped, and beside it the best that there is."""
+    """Return of each engine the run as shipped and the best other run."""
     chosen: list[Evaluation | None] = []
     for runs in by_case(drawn, "engine").values():
         own = {e.simulation.case.profile: e for e in runs}

@@ -146,7 +146,7 @@ def expected(case: Case) -> float:
 
 
 def hard_command(case: Case) -> str:
-    """Return what runs a case of a scene that the study wrote beside its report."""
+    """Return the command of a case whose scene file the study wrote next to its report."""
     name = case.scene.name
     return case.command().replace(name, f"scenes/{name}.toml", 1)
 
@@ -179,7 +179,7 @@ HARD_MEASURING: Work[Case, Record] = replace(
     MEASURING,
     manifest=lambda case, record: _manifest(case, record | {"command": hard_command(case)}),
 )
-"""The same of a scene that the study makes: its command names a scene file beside the report."""
+"""The same of a scene that the study makes: its command names a scene file next to the report."""
 
 TIMING_BY_LENGTH: Work[Case, Record] = replace(TIMING, effort=expected)
 """Time a case alone, the longest first."""

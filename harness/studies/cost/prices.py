@@ -204,7 +204,7 @@ _KINDS = {FIXED: ("default", "matched"), FOLLOWING: ("adaptive",)}
 """Profiles among whose settings a choice is tuned."""
 
 _TIE = 1.25
-"""Costs of single runs beside others that count as equal; the first declared is then taken."""
+"""Ratio of the costs of single runs up to which they are equal: the first declared is taken."""
 
 
 def cost(

@@ -129,7 +129,7 @@ class CostStudy:
 
 
 def summary(cost: Cost) -> str:
-    """Return what was found, a sentence an engine and a target."""
+    """Return a summary: a sentence for each engine and kind of step."""
     plan = cost.plan
     parts = [
         (
@@ -270,7 +270,7 @@ _SHOWN = (
     "peak_friction_ratio",
     "energy_drift",
 )
-"""Errors with a panel of their own beside the target's."""
+"""Errors that have a panel of their own, in addition to the target's."""
 
 
 def work_precision(cost: Cost) -> Figure:

@@ -1,1 +1,1 @@
-"""The errors study: model form, discretisation and solver of an engine, told apart."""
+"""The errors study: model form, discretisation and solver of an engine, separated."""

@@ -1,4 +1,4 @@
-"""What is run to tell the three errors apart, and what the runs say.
+"""What is run to separate the three errors, and what the runs say.
 
 For each way to shrink the timestep: a ladder of timesteps with the solver converged, whose limit is
 the engine's own answer; and at one rung of it the solver as it is set, and at lesser efforts. At
@@ -229,7 +229,7 @@ class ThreeErrors:
         return (nothing,)
 
     def _undecidable(self, quantity: Quantity) -> str:
-        """Return how far releases spread that no one can tell apart."""
+        """Return how far releases spread whose difference cannot be measured."""
         small, large = (self.spreads[quantity.key, size] for size in (SIZES[0], SIZES[-1]))
         return (
             f"Releases that differ by {SIZES[-1]:.0e} spread the {quantity.label} by "

@@ -1,4 +1,4 @@
-"""The study of three errors: model form, discretisation and solver, told apart and never mixed.
+"""The study of three errors: model form, discretisation and solver, separated and never mixed.
 
 In figures: against the timestep, against effort, and what cannot be decided.
 """
@@ -44,7 +44,7 @@ from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorsStudy:
-    """Run ladders, efforts and an ensemble, and tell the three errors apart.
+    """Run ladders, efforts and an ensemble, and separate the three errors.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Slightly perturbed releases: what no measurement of the release could tell apart.
+"""Slightly perturbed releases, closer to each other than a measurement of a release resolves.
 
 The perturbations of phi, psi' and theta' are relative and quasi-random: Roberts's sequence, whose
 points k (1/g, 1/g^2, 1/g^3) mod 1, with g^4 = g + 1, fill the cube evenly for any number of them.

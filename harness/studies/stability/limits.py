@@ -168,7 +168,7 @@ def next_round(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case
 
 
 def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[TimestepLimit, ...]:
-    """Return the largest usable timesteps, from what the searches found."""
+    """Return the largest usable timesteps, given the results of the searches."""
     return tuple(
         TimestepLimit(
             scene=scene.name,
@@ -243,7 +243,7 @@ def limit_sentence(limits: Sequence[TimestepLimit]) -> str:
 
 
 _WIDE = 18
-"""Cases beside each other in a panel whose names can still be read."""
+"""Most cases in a panel whose names can still be read."""
 
 
 def case_panels(

@@ -19,7 +19,7 @@ from harness.studies.stability.survey import EXAMINING, Part, ReferenceCheck
 from harness.studies.study import Job, Results, Work, case_record, record_cache
 
 classified_cache = record_cache("verdicts", classify.__module__)
-"""Returns where the verdicts on runs are kept."""
+"""Returns the cache of the verdicts on runs."""
 
 
 def _classified(case: Case) -> ClassifiedRun:
@@ -39,7 +39,7 @@ CLASSIFYING: Work[Case, ClassifiedRun] = Work(
     check=check_case,
     manifest=lambda _, run: case_record(run.simulation) | {"verdict": run.verdict.value},
 )
-"""Run a case and say how it went, without its motion, so that thousands can be kept."""
+"""Run a case and classify it, without its motion, so that thousands of results fit into a cache."""
 
 _SHARE = 100
 """Random scenes in a task: one takes some 50 ms."""

@@ -48,7 +48,7 @@ _SAMPLES = 33
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReferenceCheck:
-    """What was found of one scene.
+    """Result of the check of the reference on one scene.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ Part = tuple[Scene, ...]
 
 
 def reference_check_cache(store: CacheFolder) -> ResultCache[Part, list[ReferenceCheck]]:
-    """Return where it is kept how the reference fares on scenes."""
+    """Return the cache of the checks of the reference."""
     module = examine.__module__
 
     def case(part: Part) -> Case:  # of the reference, which carries no effects
