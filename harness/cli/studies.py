@@ -14,13 +14,17 @@ from rich.markup import escape
 
 from harness import api
 from harness.cli import terminal
-from harness.cli.run_options import RunOptions, parse_settings, with_run_options
-from harness.cli.study_command import (
+from harness.cli.run_options import (
     EngineName,
-    EngineNames,
     Json,
-    ReportFolder,
+    RunOptions,
     SceneName,
+    parse_settings,
+    with_run_options,
+)
+from harness.cli.study_command import (
+    EngineNames,
+    ReportFolder,
     run_command,
     shown,
     tables_answer,

@@ -15,18 +15,14 @@ from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.evaluation.timing import single_thread_executor
 from harness.report.atomic_folder import check_writable
+from harness.report.tables import records
 from harness.report.write import write_report
 from harness.studies.study import Results, Study, StudyProgress, run_study
 
-SceneName = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A scene of the catalogue, or a scene file.")
-]
-EngineName = Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")]
 EngineNames = Annotated[
     list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
 ]
 ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 Shown = Mapping[str, Sequence[str]]
 """Artefacts that the terminal shows, by the end of their names; of tables the columns, () all."""
@@ -130,8 +126,4 @@ def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
 
 def tables_answer(artefacts: Sequence[Artefact]) -> dict[str, Any]:
     """Return the tables of a report as `--json` prints them: rows by the name of the table."""
-    return {
-        a.name: a.frame.astype(object).where(a.frame.notna(), None).to_dict("records")
-        for a in artefacts
-        if isinstance(a, Table)
-    }
+    return {a.name: records(a) for a in artefacts if isinstance(a, Table)}

@@ -25,6 +25,7 @@ from harness.core.report_model import Table as Data
 from harness.core.simulation import ParityRow
 from harness.core.verdict import Verdict
 from harness.execution.atomic_write import write_atomically
+from harness.report.tables import records
 
 _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
 
@@ -80,8 +81,7 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
 
 def table_artefact(artefact: Data, columns: Sequence[str]) -> Table:
     """Return some columns of an artefact's table for the terminal."""
-    frame = artefact.frame.astype(object).where(artefact.frame.notna(), None)
-    rows = frame[list(columns)].itertuples(index=False)
+    rows = [[row[name] for name in columns] for row in records(artefact)]
     return table(artefact.title, columns, rows)
 
 
