@@ -31,6 +31,10 @@ def test_a_sound_case_always_has_what_it_needs(
     assert default_limits(workers).memory == pytest.approx(share * _GIB, rel=1e-12)
 
 
+def test_a_task_has_half_an_hour() -> None:
+    assert default_limits(1).seconds == default_limits(100).seconds == 1800.0
+
+
 def told(root: Path, group: str, files: dict[str, str]) -> Path:
     """Tell of control groups as Linux does, below a folder; return it."""
     for name, content in ({"proc/self/cgroup": group} | files).items():

@@ -68,3 +68,17 @@ def test_a_journal_of_ours_makes_a_store(store: CacheFolder, journal: str | None
         return
     with pytest.raises(StoreError, match="no store at"):
         prune_cache(store, lambda _: True)
+
+
+@pytest.mark.parametrize(("before", "ours"), [(4, True), (5, False)])
+def test_of_a_journal_the_first_five_lines_are_looked_at(
+    store: CacheFolder, before: int, *, ours: bool
+) -> None:
+    put(store).unlink()
+    lines = ["cut short by a full disk\n"] * before + ['{"event": "kept"}\n']
+    (store.folder / JOURNAL).write_text("".join(lines), encoding="utf-8")
+    if ours:
+        assert prune_cache(store, lambda _: True)[0] == 0
+        return
+    with pytest.raises(StoreError, match="no store at"):
+        prune_cache(store, lambda _: True)
