@@ -11,7 +11,14 @@ from models.contact_effects import (
     RoundedRim,
     Slip,
 )
-from models.effects import IDEAL, KINDS, NO_SLIP_FRICTION, Effects
+from models.effects import (
+    IDEAL,
+    KINDS,
+    MODELLING_CHOICES,
+    NO_SLIP_FRICTION,
+    Effects,
+    modelling_choices,
+)
 from models.errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
 from models.kinematics import (
     RESOLVED_STEP,
@@ -25,7 +32,6 @@ from models.kinematics import (
     to_body,
 )
 from models.mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
-from models.modelling_choices import MODELLING_CHOICES, modelling_choices
 from models.rim import (
     contact_offset,
     contact_point,

@@ -7,6 +7,7 @@ acceleration of its frame, so that angles and contact locus keep their meaning.
 
 import math
 from dataclasses import dataclass, fields
+from typing import ClassVar
 
 from models.errors import InvalidValueError
 from models.quantity import finite, not_negative, positive
@@ -29,6 +30,11 @@ class Damping:
     InvalidValueError
         If a rate is negative or not finite, or if both are zero.
     """
+
+    modelling_choice: ClassVar[str] = (
+        "Drag is against the motion relative to the plane, also where the plane is shaken: the "
+        "air is supposed to move with it; its linear part acts at the centre of mass."
+    )
 
     linear: float = 0.0
     angular: float = 0.0
@@ -58,6 +64,10 @@ class Tilt:
     InvalidValueError
         If an angle is out of its range.
     """
+
+    modelling_choice: ClassVar[str] = (
+        "A tilted plane is a tilted gravity in the frame of the plane."
+    )
 
     angle: float
     direction: float = 0.0
@@ -96,6 +106,11 @@ class Shake:
         If a number is out of its range, or if both amplitudes are zero.
     """
 
+    modelling_choice: ClassVar[str] = (
+        "A shaken plane is a gravity that changes with time in the frame of the plane: the "
+        "release and every velocity are relative to it."
+    )
+
     frequency: float
     horizontal: float = 0.0
     vertical: float = 0.0
@@ -133,6 +148,10 @@ class PointMass:
     InvalidValueError
         If a number is out of its range.
     """
+
+    modelling_choice: ClassVar[str] = (
+        "A point mass is added to the mass and the moments of the can, which stay as declared."
+    )
 
     mass: float
     x: float = 0.0

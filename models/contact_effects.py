@@ -5,6 +5,7 @@ can, v_c the velocity of the can's material at the contact relative to the plane
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from models.errors import InvalidValueError
 from models.quantity import finite, not_negative, positive
@@ -27,6 +28,11 @@ class Slip:
     InvalidValueError
         If `mu` is negative or not finite.
     """
+
+    modelling_choice: ClassVar[str] = (
+        "Friction has one coefficient, static equal to kinetic, and a cone of its own: what "
+        "drilling and rolling resistance take is not taken from it."
+    )
 
     mu: float
 
@@ -52,6 +58,11 @@ class Compliance:
         If a constant is out of its range.
     """
 
+    modelling_choice: ClassVar[str] = (
+        "A compliant contact is a linear spring and damper that never pulls, whatever the "
+        "depth and its rate."
+    )
+
     stiffness: float
     damping: float = 0.0
 
@@ -75,6 +86,11 @@ class Restitution:
     InvalidValueError
         If the coefficient lies outside [0, 1].
     """
+
+    modelling_choice: ClassVar[str] = (
+        "An impact gives back the same share of the normal velocity however fast it is "
+        "(Newton's law)."
+    )
 
     coefficient: float
 
@@ -119,6 +135,11 @@ class Drilling(_Resistance):
     The arm is the radius of the patch times its coefficient of friction.
     """
 
+    modelling_choice: ClassVar[str] = (
+        "Drilling friction has a limit of its own, its arm times the normal force, beside the "
+        "cone of friction, and holds with as large a moment as it slows with."
+    )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollingResistance(_Resistance):
@@ -127,6 +148,11 @@ class RollingResistance(_Resistance):
     Modelling choices: its limit is apart from the cone of friction and from that of drilling, and
     it holds with as large a moment as it slows with.
     """
+
+    modelling_choice: ClassVar[str] = (
+        "Rolling resistance has a limit of its own, its arm times the normal force, beside the "
+        "cone of friction, and holds with as large a moment as it slows with."
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,6 +169,11 @@ class RoundedRim:
     InvalidValueError
         If the radius is not positive and finite; against the can it is checked by the scene.
     """
+
+    modelling_choice: ClassVar[str] = (
+        "A rounded rim is a rigid arc inside the declared radius and height; mass and moments "
+        "stay as declared."
+    )
 
     radius: float
 

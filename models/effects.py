@@ -1,9 +1,9 @@
 """What a scene adds to the ideal can: each effect is present, or is None, its ideal limit.
 
 The ideal can is rigid, rolls without slipping, loses nothing, and stands on a level plane at rest.
-An effect is a small frozen class that holds the constants of its law, in SI units: those of the
-contact are in `models.contact_effects`, those of the can and its surroundings in
-`models.body_effects`.
+An effect is a small frozen class that holds the constants of its law, in SI units, and says what
+the law supposes: those of the contact are in `models.contact_effects`, those of the can and its
+surroundings in `models.body_effects`.
 """
 
 from dataclasses import dataclass, fields
@@ -117,6 +117,16 @@ KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
     }
 )
 """The effects there are, by their keys in a scene file."""
+
+MODELLING_CHOICES = MappingProxyType({name: kind.modelling_choice for name, kind in KINDS.items()})
+"""What each effect supposes beyond its name, a sentence each: another model might choose otherwise.
+Pages of reports and answers of the command line quote it."""
+
+
+def modelling_choices(effects: Effects) -> tuple[str, ...]:
+    """Return a sentence for each effect that is declared, in the order of the fields."""
+    return tuple(MODELLING_CHOICES[name] for name in effects.declared())
+
 
 IDEAL = Effects()
 """No effect at all: rigid, no slip, no loss, level, at rest."""

@@ -36,7 +36,7 @@ from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion, motion_frame
 from harness.metrics.quantities import QUANTITIES
 from models.catalogue import load
-from models.modelling_choices import modelling_choices
+from models.effects import modelling_choices
 
 Answer = dict[str, Any]
 

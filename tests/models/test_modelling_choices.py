@@ -3,7 +3,7 @@
 import pytest
 
 from models import KINDS, MODELLING_CHOICES, Effects
-from models.modelling_choices import modelling_choices
+from models.effects import modelling_choices
 
 
 def test_every_effect_has_its_sentence() -> None:

@@ -39,7 +39,7 @@ from harness.studies.comparison.suite import (
 from harness.studies.comparison.tables import bounces, orders, parity, results, scorecard
 from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
 from models.catalogue import load
-from models.modelling_choices import modelling_choices
+from models.effects import modelling_choices
 from models.rim import contact_point
 from models.scene import Scene
 

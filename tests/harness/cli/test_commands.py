@@ -16,8 +16,8 @@ import pytest
 from harness.core.case import Case
 from harness.engines.registry import names as engine_names
 from models import load, names, read_scene
+from models.effects import modelling_choices
 from models.mjcf import mjcf
-from models.modelling_choices import modelling_choices
 from models.urdf import urdf
 
 Command = Callable[..., Any]

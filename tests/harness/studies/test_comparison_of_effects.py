@@ -15,7 +15,7 @@ from harness.studies.comparison import study
 from harness.studies.comparison.study import comparison_report
 from harness.studies.comparison.suite import Unsupported, split_unsupported, suite_cases
 from models import Horizon, RoundedRim, Scene, load
-from models.modelling_choices import modelling_choices
+from models.effects import modelling_choices
 
 ENGINES = ("mujoco", "pybullet")
 Found = Mapping[str, Artefact]
