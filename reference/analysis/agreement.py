@@ -18,15 +18,18 @@ class Agreement:
     Attributes
     ----------
     quantity : str
-        That parts most, over what round-off allows.
+        That parts most; of those that part by more than round-off allows, over what it allows.
     discrepancy : float
         By how much, relative, an angle below 1 rad in rad; infinite where one method finds bounces
         and the other another ending.
     allowed : float
         By how much it may, for round-off; of what allows the discrepancy, no more is added up.
+    refused : bool
+        Whether the closed motion is lost in round-off, and the integration stands alone.
     ulp : float
         By how much one ulp of each number of the problem moves it, added up to `USEFUL`, infinite
         if that decides how the motion ends; looked at where fewer digits agree than are promised.
+        Of a motion that stands alone, of the quantity that it moves most.
     evaluations : int
         That the comparison took.
     """
@@ -34,6 +37,7 @@ class Agreement:
     quantity: str
     discrepancy: float
     allowed: float
+    refused: bool = False
     ulp: float = 0.0
     evaluations: int
 
@@ -57,6 +61,11 @@ class Agreement:
         """What is to be said of it: nothing where all promised digits agree."""
         if not self.resolved or (self.holds and self.discrepancy <= PROMISED):
             return ""
+        if self.refused:
+            return (
+                "The closed motion is lost in round-off. This is the integration's, of which one "
+                f"ulp of each number moves a quantity by {self.ulp:.1e}."
+            )
         if self.holds:
             return (
                 f"The closed motion and the integration part by {self.discrepancy:.1e} in the "

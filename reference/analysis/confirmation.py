@@ -130,41 +130,61 @@ def solve_twice(problem: Problem, *, locus: bool) -> Confirmed:
         integrated = whole if problem == short else _integrated(short, locus=locus)
         apart = {ENDING: np.inf}
         if path is Outcome.UNRESOLVED:
-            # the history has lost its digits, but the integrals of a period may have kept theirs
+            # the history has lost its digits; the integrals of a period may have kept theirs
             apart = _from_integrals(integrated)
     else:
         closed = _closed(short, path)
         integrated = _integrated(short, locus=locus)
         apart = _apart(closed, integrated)
-    evaluations = integrated.run.evaluations
-    share = OPERATIONS * evaluations * EPS
-    rounded = float(lost_of_force(integrated.run.track.extrema, short).max(initial=share))
-    near = _Neighbours(integrated, share)
-    allowed = {name: near.moved(name, off, share + rounded) for name, off in apart.items()}
-    evaluations += near.evaluations
-    worst = max(apart, key=lambda name: _over(apart[name], allowed[name]))
-    ulp = 0.0
-    if apart[worst] > PROMISED:
-        near = _Neighbours(integrated, EPS)
-        ulp = near.moved(worst, USEFUL, ways=1)
-        if ulp > LINEAR * USEFUL:
-            ulp = near.moved(worst, USEFUL)
-        evaluations += near.evaluations
-    agreement = Agreement(
-        quantity=worst,
-        discrepancy=apart[worst],
-        allowed=allowed[worst],
-        ulp=ulp,
-        evaluations=evaluations,
-    )
+    agreement, near = _compared(short, integrated, apart)
     if not agreement.resolved:
-        motion = _up_to(problem, _parting(integrated, list(near.solved.values())), locus=locus)
+        motion = _up_to(problem, _parting(integrated, near), locus=locus)
     elif agreement.holds and isinstance(path, ExactPath):
         motion = closed if problem == short else _closed(problem, path)
         return Confirmed(motion=motion, closed=True, agreement=agreement)
     else:
         motion = integrated if problem == short else _integrated(problem, locus=locus)
     return Confirmed(motion=motion, closed=False, agreement=agreement)
+
+
+def _compared(
+    short: Problem, integrated: Motion, apart: dict[str, float]
+) -> tuple[Agreement, list[Motion]]:
+    """Return how the closed motion agrees with the integration, and the neighbours of the latter.
+
+    Parameters
+    ----------
+    short : Problem
+    integrated : Motion
+        By integration.
+    apart : dict of str to float
+        By how much the closed motion differs from it, empty where that is lost in round-off.
+    """
+    evaluations = integrated.run.evaluations
+    share = OPERATIONS * evaluations * EPS
+    rounded = float(lost_of_force(integrated.run.track.extrema, short).max(initial=share))
+    far = _Neighbours(integrated, share)
+    allowed = {name: far.moved(off, share + rounded, name) for name, off in apart.items()}
+    parted = [name for name, off in apart.items() if off > allowed[name]]
+    if parted:
+        worst = max(parted, key=lambda name: _over(apart[name], allowed[name]))
+    else:
+        worst = max(apart, key=lambda name: apart[name], default=ENDING)
+    near, ulp = _Neighbours(integrated, EPS), 0.0
+    if apart.get(worst, np.inf) > PROMISED:
+        quantity = worst if apart else None
+        ulp = near.moved(USEFUL, name=quantity, ways=1)
+        if ulp > LINEAR * USEFUL:
+            ulp = near.moved(USEFUL, name=quantity)
+    agreement = Agreement(
+        quantity=worst,
+        discrepancy=apart.get(worst, np.inf),
+        allowed=allowed.get(worst, 0.0),
+        refused=not apart,
+        ulp=ulp,
+        evaluations=evaluations + far.evaluations + near.evaluations,
+    )
+    return agreement, list(near.solved.values())
 
 
 def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
@@ -209,17 +229,16 @@ def _measured(problem: Problem, run: Run) -> Motion:
 
 
 def _ends_as(ending: Outcome, motion: Motion) -> bool:
-    """Whether a motion is one without a bounce, ends as foretold or has not ended yet.
-
-    A release that falls may bounce once before it goes over the top.
-    """
-    most = 1 if ending is Outcome.OVERTURNED and motion.problem.phi_dot < 0 else 0
-    foretold = ending is not Outcome.UNRESOLVED and len(motion.bounces) <= most
+    """Whether a motion is one without a bounce, ends as foretold or has not ended yet."""
+    foretold = ending is not Outcome.UNRESOLVED and not motion.bounces
     return foretold and motion.run.track.outcome in {ending, Outcome.FINISHED}
 
 
 def _from_integrals(integrated: Motion) -> dict[str, float]:
-    """Return by how much a motion differs from the integrals of its period, relative."""
+    """Return by how much a motion differs from the integrals of its period, relative.
+
+    Nothing where these are lost as well.
+    """
     p, bounces = integrated.problem, integrated.bounces
     cycle = exact_bounces(
         a=p.parameters.a,
@@ -230,6 +249,8 @@ def _from_integrals(integrated: Motion) -> dict[str, float]:
         psi_dot=p.psi_dot,
         theta_dot=p.theta_dot,
     )
+    if cycle.outcome(0) is Outcome.UNRESOLVED:
+        return {}
     if not cycle.bounced[0] or not bounces:
         same = cycle.outcome(0) is integrated.run.track.outcome
         return {ENDING: 0.0 if same else np.inf}
@@ -288,16 +309,19 @@ class _Neighbours:
         """That their integration took."""
         return sum(motion.run.evaluations for motion in self.solved.values())
 
-    def moved(self, name: str, enough: float, known: float = 0.0, ways: int = 2) -> float:
+    def moved(
+        self, enough: float, known: float = 0.0, name: str | None = None, ways: int = 2
+    ) -> float:
         """Return by how much a quantity differs in the neighbours, added up until it is enough.
 
         Parameters
         ----------
-        name : str
         enough : float
             Below it a sum is complete.
         known : float
             What the sum begins with.
+        name : str or None
+            Of the quantity; of each neighbour that which differs most if left out.
         ways : int
             In how many ways each number is moved: to larger ones, or to smaller ones as well.
         """
@@ -305,7 +329,10 @@ class _Neighbours:
         while total < enough and number < len(self._problems):
             count = len(self._problems[number][:ways])
             apart = (_apart(self._solve(number, way), self._own) for way in range(count))
-            total += max(off.get(name, off.get(ENDING, 0.0)) for off in apart)
+            total += max(
+                max(off.values()) if name is None else off.get(name, off.get(ENDING, 0.0))
+                for off in apart
+            )
             number += 1
         return total
 

@@ -29,6 +29,7 @@ from reference.integrable.quadrature import (
 )
 from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
 from reference.problem.outcome import Outcome
+from reference.problem.problem import LEAST
 from reference.problem.states import Floats
 
 # Releases treated together, and numbers in flight in one array: what stays in a processor's cache.
@@ -96,12 +97,14 @@ def exact_bounces(
     Returns
     -------
     PeriodicMotions
-        Arrays of shape (n,), in the order of the raveled releases.
+        Arrays of shape (n,), in the order of the raveled releases. The number of terms and nodes is
+        that of the hardest release of a block, so that a release alone may differ by round-off.
 
     Raises
     ------
     ValueError
-        If a value is not finite, a can impossible, or a nutation outside (0, pi/2).
+        If a value is not finite, a can impossible, a nutation outside [1e-150, pi/2), or a rate too
+        large for its square.
     """
     cans = [np.asarray(value, dtype=float) for value in (a, c, h)]
     parts = [np.asarray(value, dtype=float) for value in (phi, phi_dot, psi_dot, theta_dot)]
@@ -138,8 +141,10 @@ def _refuse(cans: list[Floats], parts: list[Floats]) -> None:
         raise ValueError("cans and releases must be finite")
     if not all((value > 0).all() for value in cans) or (cans[1] > 2 * cans[0]).any():
         raise ValueError("`a`, `c`, `h` must be positive and `c` at most 2 `a`")
-    if not ((parts[0] > 0) & (parts[0] < np.pi / 2)).all():
-        raise ValueError("`phi` must lie inside (0, pi/2)")
+    if not ((parts[0] >= LEAST) & (parts[0] < np.pi / 2)).all():
+        raise ValueError(f"`phi` must lie inside [{LEAST:g}, pi/2)")
+    if not all((np.abs(rate) < 1 / LEAST).all() for rate in parts[1:]):
+        raise ValueError(f"rates must be below {1 / LEAST:g}")
 
 
 def released_potential(

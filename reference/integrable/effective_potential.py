@@ -280,8 +280,9 @@ def energy_near_reference(
     """Return g, its round-off, b and the spin a little below the reference, each of shape (m, n).
 
     By Taylor's theorem, g = g_r - g'_r d + d^2 times the integral of (1 - u) g''(r - u d) over u.
-    The force g'_r is one number for all places: its round-off shifts a barrier by a rounding of phi
-    and does not change the time that a passage over the barrier takes.
+    The force g'_r is one number for all places: its round-off shifts a barrier by a rounding of
+    phi, and changes the energy left there as that rounding would. The round-off returned is that of
+    the other terms, which differs from place to place.
 
     Parameters
     ----------

@@ -13,6 +13,7 @@ states are known at every time, after any number of bounces, without integrating
 Periodic functions by their harmonics: integrals term by term, exact to round-off.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -326,8 +327,11 @@ def _phase_at_release(
         _, rise, gap = clock.nutation(fraction[None])
         return np.asarray((goal - gap[0]) if upper else (rise[0] - goal))
 
-    share = bracketed_roots(apart, np.zeros(1), np.ones(1))
-    return float(np.copysign(share[0], problem.phi_dot))
+    share = float(bracketed_roots(apart, np.zeros(1), np.ones(1))[0])
+    # it moves: a maximum that it rises to, or a minimum that it falls to, is still ahead
+    if problem.phi_dot > 0:
+        return min(share, math.nextafter(1.0, 0.0))
+    return -max(share, math.ulp(0.0))
 
 
 def until_horizon(problem: Problem, path: ExactPath) -> Run:

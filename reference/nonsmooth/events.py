@@ -10,7 +10,7 @@ from enum import Enum, auto
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from reference.equations.contact_laws import Contact, Equations
 from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
@@ -24,6 +24,8 @@ LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 FLAT = -184.0
 # The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
 FLAT_AND_PUSHED = -60.0
+# Of the fall of a parabola below three places: where these are less far from zero it is followed.
+NEAR_ZERO = 4.0
 # Share of a piece after which what begins with it has a direction.
 BEGUN = 1e-9
 # Of the bracket under N: nearer to zero the normal force is no longer a number.
@@ -122,6 +124,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
             values, places = values[1:], places[1:]
         down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
         roots = [_root(one, float(places[i]), float(places[i + 1])) for i in down]
+        roots += [_root(one, *bracket) for bracket in _dips(one, places, values)]
         # what begins was possible at its beginning, which has no direction to be looked at
         if what in LIMITS and places.size and values[0] <= 0 and values.min() < 0:
             roots.insert(0, _root(one, min(BEGUN, float(places[0])), float(places[0])))
@@ -161,6 +164,29 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
     elif equations.drilling:
         margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
     return margins
+
+
+def _dips(
+    margin: Callable[[float], float], places: Floats, values: Floats
+) -> list[tuple[float, float]]:
+    """Bracket where a margin comes down through zero between two places at which it is positive.
+
+    Looked for where the parabola through three places comes near zero between them.
+    """
+    before, here, after = values[:-2], values[1:-1], values[2:]
+    bend, slope = before - 2 * here + after, (after - before) / 2
+    least = np.minimum(np.minimum(before, here), after)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inside = (bend > 0) & (np.abs(slope) <= bend)
+        drop = least - (here - slope**2 / (2 * bend))
+        near = (least > 0) & inside & (least <= NEAR_ZERO * drop)
+    brackets = []
+    for i in np.flatnonzero(near):
+        left, right = float(places[i]), float(places[i + 2])
+        bottom = minimize_scalar(margin, bounds=(left, right), method="bounded")
+        if bottom.fun < 0:
+            brackets.append((left, float(bottom.x)))
+    return brackets
 
 
 def _root(margin: Callable[[float], float], left: float, right: float) -> float:

@@ -17,6 +17,9 @@ from reference.problem.validation import (
     require_vector,
 )
 
+LEAST = 1e-150
+"""Of phi, and over the rates: the squares of smaller ones underflow, those of greater overflow."""
+
 
 class ProblemError(ValueError):
     """A release or a horizon that makes no sense."""
@@ -30,7 +33,7 @@ class Problem:
     ----------
     parameters : Parameters
     phi : float
-        Nutation at release, inside (0, pi/2).
+        Nutation at release, inside [1e-150, pi/2).
     psi, theta : float
         Precession and rotation at release.
     phi_dot, psi_dot, theta_dot : float
@@ -48,8 +51,9 @@ class Problem:
     Raises
     ------
     ProblemError
-        If a value is not finite or of the wrong type, phi lies outside (0, pi/2), the horizon is
-        not exactly one positive number, or an effect does not fit the can: a rim rounded by more
+        If a value is not finite or of the wrong type, phi lies outside [1e-150, pi/2), a rate is
+        too large for its square, the horizon is not exactly one positive number, or an effect does
+        not fit the can: a rim rounded by more
         than the can has, or a point mass outside it.
     """
 
@@ -73,8 +77,11 @@ class Problem:
         require(ProblemError, "effects", self.effects, "Effects", when=fits)
         numbers = ("phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot")
         require_numbers(ProblemError, {name: getattr(self, name) for name in numbers}, FINITE)
-        inside = 0 < self.phi < math.pi / 2
-        require(ProblemError, "phi", self.phi, "inside (0, pi/2)", when=inside)
+        inside = LEAST <= self.phi < math.pi / 2
+        require(ProblemError, "phi", self.phi, f"inside [{LEAST:g}, pi/2)", when=inside)
+        for name in ("phi_dot", "psi_dot", "theta_dot"):
+            rate = getattr(self, name)
+            require(ProblemError, name, rate, f"below {1 / LEAST:g}", when=abs(rate) < 1 / LEAST)
         require_vector(ProblemError, "slip", self.slip, 2)
         fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
         require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)

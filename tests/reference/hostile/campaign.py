@@ -16,16 +16,18 @@ from reference.analysis.agreement import USEFUL
 from reference.analysis.conditioning import EPS, neighbours
 from tests.reference.hostile.made import CLOSEST, FAMILIES, Made, made
 from tests.reference.hostile.truth import (
+    MEASURES,
     Truth,
     conditioning,
     moved_by_an_ulp,
     numbers_of,
+    relative,
     truth_of,
     ulps_decide_the_ending,
     ulps_of_the_gap,
 )
 
-# Relative, of the period and phi_min: what is promised of hard releases.
+# Relative, of the period, phi_min and the two angles: what is promised of hard releases.
 AGREED = 1e-9
 # A bounce takes a hundred evaluations of some tens of rounded operations each, of which a share
 # adds up: a thousand, on numbers each known to half an ulp.
@@ -37,7 +39,6 @@ DECIDING = 8
 LONGEST = 5.0
 # Releases solved in one batch, and kept in one file.
 PIECE = 50
-MEASURES = ("period", "phi_min")
 RELEASED = ("phi", "phi_dot", "psi_dot", "theta_dot")
 # Relative amplitude below which a motion is called steady (`reference.track`), with a margin for
 # the rounding of the amplitude itself.
@@ -103,7 +104,7 @@ class Tally:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """Outcome, period and phi_min of one release by one method.
+    """Outcome and measures of one release by one method.
 
     `stated` is the relative error that the method itself says its answer may have.
     """
@@ -111,6 +112,8 @@ class Answer:
     outcome: Outcome
     period: float = 0.0
     phi_min: float = 0.0
+    turn: float = 0.0
+    rotation: float = 0.0
     stated: float = 0.0
 
     def parts(self, other: "Answer") -> float:
@@ -119,8 +122,9 @@ class Answer:
             return np.inf
         if self.outcome is not Outcome.FINISHED:
             return 0.0
-        pairs = ((getattr(self, name), getattr(other, name)) for name in MEASURES)
-        return float(max(abs(one / two - 1) for one, two in pairs))
+        return max(
+            float(relative(name, getattr(self, name), getattr(other, name))) for name in MEASURES
+        )
 
 
 def piece(numbers: range, seed: int) -> Tally:
@@ -239,8 +243,8 @@ def _errors(answer: Answer, truth: Truth) -> dict[str, float]:
         steady = small and answer.outcome is Outcome.STEADY
         return {"ending": 0.0 if steady else np.inf}
     return {
-        "period": abs(answer.period / float(truth.period) - 1),
-        "phi_min": abs(answer.phi_min / float(truth.phi_min) - 1),
+        name: float(relative(name, getattr(answer, name), getattr(truth, name)))
+        for name in MEASURES
     }
 
 
@@ -275,6 +279,8 @@ def _of_batch(cycles: PeriodicMotions, number: int) -> Answer:
         outcome=outcome,
         period=float(cycles.period[number]),
         phi_min=float(cycles.phi_min[number]),
+        turn=float(cycles.angle_of_turn[number]),
+        rotation=float(cycles.rotation_turn[number]),
     )
 
 
@@ -286,5 +292,7 @@ def _of_solution(solution: Solution) -> Answer:
         outcome=solution.outcome,
         period=float(maxima[-1] - maxima[-2]),
         phi_min=solution.bounces[-1].phi_min,
+        turn=solution.bounces[-1].angle_of_turn,
+        rotation=solution.bounces[-1].rotation_turn,
         stated=seen.discrepancy if seen is not None and seen.holds and seen.sentence else 0.0,
     )

@@ -22,8 +22,11 @@ SCAN = 160
 # A part spans a decade of the distance from a neighbouring root: 24 nodes leave 1e-13.
 RULE = tuple(part.tolist() for part in np.polynomial.legendre.leggauss(24))
 EPS = mp.mpf(2) ** -53
+# Down to this share of the release a turning point is looked for.
+DEEPEST = mp.mpf(10) ** -30
 INPUTS = ("phi", "phi_dot", "psi_dot", "theta_dot")
 CAN = ("a", "c", "h")
+MEASURES = ("period", "phi_min", "turn", "rotation")
 # An ulp: the quadrature of the period leaves 1e-13, and smaller changes would be lost in it.
 STEP = 2 * EPS
 
@@ -36,6 +39,8 @@ class Truth:
     ----------
     period, phi_min, phi_max : mpf or None
         None where a turning point is missing.
+    turn, rotation : mpf or None
+        By which psi and theta change in a period.
     gap : mpf
         Of the minima of |g| between and beside the turning points, in the energy: the least.
     gap_at : mpf or None
@@ -45,6 +50,8 @@ class Truth:
     period: mp.mpf | None
     phi_min: mp.mpf | None
     phi_max: mp.mpf | None
+    turn: mp.mpf | None
+    rotation: mp.mpf | None
     gap: mp.mpf
     gap_at: mp.mpf | None
 
@@ -122,10 +129,14 @@ class Potential:
         log = self.residue * mp.log(phi)
         return b1, s1, b2 + log * b1, s2 + log * s1
 
+    def momenta(self, phi: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+        """Return b = sin^2 phi psi' and the spin psi' + theta' at `phi`."""
+        b1, s1, b2, s2 = self.solutions(phi)
+        return self.K * b1 + self.B * b2, self.K * s1 + self.B * s2
+
     def g(self, phi: mp.mpf) -> mp.mpf:
         """Energy of nutation at `phi`."""
-        b1, s1, b2, s2 = self.solutions(phi)
-        b, s = self.K * b1 + self.B * b2, self.K * s1 + self.B * s2
+        b, s = self.momenta(phi)
         S, C = mp.sin(phi), mp.cos(phi)
         q, w = b / S, s - b / (1 + C)
         kinetic = (self.a * q**2 + self.c * w**2 + (w - self.h * q) ** 2) / 2
@@ -133,8 +144,7 @@ class Potential:
 
     def slopes(self, phi: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
         """Return the derivatives of g with respect to b and to the spin at `phi`."""
-        b1, s1, b2, s2 = self.solutions(phi)
-        b, s = self.K * b1 + self.B * b2, self.K * s1 + self.B * s2
+        b, s = self.momenta(phi)
         S, C = mp.sin(phi), mp.cos(phi)
         q, w = b / S, s - b / (1 + C)
         v = w - self.h * q
@@ -156,12 +166,20 @@ def truth_of(numbers: dict[str, mp.mpf]) -> Truth:
         if high is None:
             high = _first_root(well, r, mp.pi / 2, gaps, resting=resting)
         if low is None:
-            low = _first_root(well, r, mp.mpf(10) ** -9 * r, gaps, resting=resting)
-        period = None
+            low = _first_root(well, r, DEEPEST * r, gaps, resting=resting)
+        period = turn = rotation = None
         if low is not None and high is not None:
-            period = _period(well, low, high, gaps)
+            period, turn, rotation = _cycle(well, low, high, gaps)
         gap, gap_at = min(((abs(well.g(x)), x) for x in gaps), default=(mp.inf, None))
-        return Truth(period=period, phi_min=low, phi_max=high, gap=gap, gap_at=gap_at)
+        return Truth(
+            period=period,
+            phi_min=low,
+            phi_max=high,
+            turn=turn,
+            rotation=rotation,
+            gap=gap,
+            gap_at=gap_at,
+        )
 
 
 def _first_root(
@@ -205,13 +223,25 @@ def _root(f: object, left: mp.mpf, right: mp.mpf) -> mp.mpf:
     return mp.findroot(f, (left, right), solver="anderson", tol=mp.mpf(10) ** -90, verify=False)
 
 
-def _period(well: Potential, low: mp.mpf, high: mp.mpf, gaps: list[mp.mpf]) -> mp.mpf:
-    """Twice the time between the turning points, phi = low + (high - low) sin^2(x/2)."""
+def _cycle(
+    well: Potential, low: mp.mpf, high: mp.mpf, gaps: list[mp.mpf]
+) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
+    """Return twice the time, the turn and the rotation between the turning points.
+
+    The variable is x in phi = low + (high - low) sin^2(x/2).
+    """
     swing = high - low
     # of the root g vanishes to as many digits as it is known to: near it its slope takes over
     edge = mp.mpf(10) ** -12
 
-    def rate(x: mp.mpf) -> mp.mpf:
+    def rates(x: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
+        time = slowness(x)
+        phi = low + swing * mp.sin(x / 2) ** 2
+        b, s = well.momenta(phi)
+        psi_dot = b / mp.sin(phi) ** 2
+        return time, psi_dot * time, (s - psi_dot) * time
+
+    def slowness(x: mp.mpf) -> mp.mpf:
         up = mp.sin(x / 2) ** 2
         down = 1 - up
         if up < edge**2 or down < edge**2:
@@ -229,15 +259,24 @@ def _period(well: Potential, low: mp.mpf, high: mp.mpf, gaps: list[mp.mpf]) -> m
         nodes = [0, *shares, mp.mpf(1) / 2, *[1 - share for share in shares[::-1]], 1]
         parts += [left + (right - left) * node for node in nodes[:-1]]
     parts.append(mp.pi)
-    whole = mp.mpf(0)
+    whole = [mp.mpf(0)] * 3
     for left, right in pairwise(parts):
         half, middle = (right - left) / 2, (right + left) / 2
-        whole += half * mp.fdot((rate(middle + half * x), w) for x, w in zip(*RULE, strict=True))
-    return 2 * mp.sqrt(well.inertia / 2) * whole
+        for x, weight in zip(*RULE, strict=True):
+            for place, value in enumerate(rates(middle + half * x)):
+                whole[place] += half * weight * value
+    period, turn, rotation = (2 * mp.sqrt(well.inertia / 2) * integral for integral in whole)
+    return period, turn, rotation
+
+
+def relative(measure: str, one: mp.mpf, known: mp.mpf) -> mp.mpf:
+    """Return by how much a measure differs: an angle over 1 rad, or over itself if it is larger."""
+    scale = max(mp.mpf(1), abs(known)) if measure in {"turn", "rotation"} else abs(known)
+    return abs(one - known) / scale
 
 
 def conditioning(made: Made, truth: Truth) -> dict[str, float]:
-    """Return the relative change of period and phi_min for half an ulp of each number given.
+    """Return the relative change of each measure for half an ulp of each number given.
 
     `gap` is the change of the least gap over the gap: beyond 1 round-off decides what follows.
     """
@@ -246,7 +285,7 @@ def conditioning(made: Made, truth: Truth) -> dict[str, float]:
 
 
 def _conditioning(numbers: dict[str, mp.mpf], truth: Truth) -> dict[str, float]:
-    changed = dict.fromkeys(("period", "phi_min", "gap"), mp.mpf(0))
+    changed = dict.fromkeys((*MEASURES, "gap"), mp.mpf(0))
     for name, value in numbers.items():
         if value == 0:
             continue
@@ -255,7 +294,7 @@ def _conditioning(numbers: dict[str, mp.mpf], truth: Truth) -> dict[str, float]:
             one, two = getattr(truth, key), getattr(other, key)
             if one is None or two is None or mp.inf in (one, two):
                 continue
-            changed[key] += abs(two / one - 1) / STEP * EPS
+            changed[key] += relative(key, two, one) / STEP * EPS
     return {key: float(value) for key, value in changed.items()}
 
 
