@@ -122,8 +122,9 @@ def _beyond_cone(
 
 def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     findings = []
-    if solution.agreement is not None and not solution.agreement.holds:
-        findings.append(Finding(sentence=solution.agreement.sentence))
+    seen = solution.agreement
+    if seen is not None and not seen.holds and seen.sentence:
+        findings.append(Finding(sentence=seen.sentence))
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
         findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))

@@ -268,3 +268,97 @@ def test_a_scene_in_the_upper_of_two_wells() -> None:
     assert found.outcome is Outcome.FINISHED
     assert found.bounces[0].phi_min == pytest.approx(1.46386689, rel=1e-8)
     assert found.t_end == pytest.approx(46.3075, rel=1e-5)
+
+
+def test_the_quantity_that_parts_most_is_the_one_that_is_said() -> None:
+    """Beside a separatrix the greatest phi keeps its digits and the period loses them."""
+    can = Parameters(a=0.09194410442678277, c=0.11438182816854518, h=0.019708409731461443)
+    release = {
+        "phi": 0.589290095572981,
+        "psi_dot": -2.7761771987787656,
+        "theta_dot": 3.0551656418844946,
+    }
+    found = solve(Problem(parameters=can, **release, bounces=2))
+    assert found.agreement is not None
+    assert found.agreement.quantity == "period"
+    # sixty digits: the period of the closed motion is off by 1.2e-7
+    assert 1.2e-7 < found.agreement.discrepancy < 1e-5
+    assert found.agreement.sentence == found.caveat != ""
+
+
+@pytest.mark.parametrize("ulps", [-6, -9])
+def test_a_period_of_which_an_ulp_decides_the_third_digit_is_withheld(ulps: int) -> None:
+    speed = 0.13864725449021076
+    problem = Problem(
+        parameters=TWO_WELLS.parameters,
+        phi=0.9,
+        phi_dot=-(speed + ulps * float(np.spacing(speed))),
+        psi_dot=0.05,
+        theta_dot=0.02,
+        bounces=2,
+    )
+    assert solve(problem).outcome is Outcome.UNRESOLVED
+
+
+@pytest.mark.parametrize("psi_dot", [0.18679177426536972, 0.18679177426536975])
+def test_a_least_phi_without_a_digit_is_withheld(psi_dot: float) -> None:
+    """The two releases are an ulp apart, and the integrations' least phi are 6e-17 and 7e-18."""
+    problem = Problem(
+        parameters=PAPER_CAN, phi=0.3, psi_dot=psi_dot, theta_dot=1 - psi_dot, bounces=1
+    )
+    found = solve(problem)
+    assert found.outcome is Outcome.UNRESOLVED
+    assert found.agreement is not None
+    assert found.agreement.refused
+
+
+def test_an_integration_that_stands_alone_is_given_where_no_ulp_moves_it() -> None:
+    can = Parameters(a=0.13936270343261548, c=5.9474448882487e-05, h=345.561202276522)
+    release = {
+        "phi": 8.700221697792875e-14,
+        "psi_dot": 4.9458106462187133e-08,
+        "theta_dot": -0.30345608464060064,
+    }
+    found = solve(Problem(parameters=can, **release, bounces=1))
+    # sixty digits of `tests.reference.hostile.truth`
+    assert np.diff(found.maxima)[0] == pytest.approx(2.8838076063853777e-4, rel=1e-12)
+    assert found.agreement is not None
+    assert found.agreement.refused
+    assert "lost in round-off" in found.agreement.sentence
+
+
+def test_a_falling_release_that_the_closed_motion_sends_over_the_top_is_found(
+    forced: Forced,
+) -> None:
+    forced(ended(Outcome.OVERTURNED))
+    found = solve(
+        Problem(
+            parameters=PAPER_CAN, phi=0.4, phi_dot=-0.1, psi_dot=0.12, theta_dot=-0.06, bounces=1
+        )
+    )
+    assert found.agreement is not None
+    assert not found.agreement.holds
+    assert len(found.bounces) == 1
+
+
+@pytest.mark.parametrize("phi_dot", [1e-16, 3e-17, 1e-300])
+@pytest.mark.parametrize("model", ["auto", "exact"])
+def test_a_release_that_rises_by_less_than_an_ulp_bounces(phi_dot: float, model: str) -> None:
+    rising = Problem(
+        parameters=PAPER_CAN, phi=0.4, psi_dot=0.12, theta_dot=-0.06, phi_dot=phi_dot, bounces=1
+    )
+    found, rest = solve(rising, model=model), solve(replace(rising, phi_dot=0.0))
+    assert len(found.bounces) == 1
+    assert found.t_end == pytest.approx(rest.t_end, rel=1e-14)
+    assert found.agreement is None or found.agreement.holds
+
+
+def test_a_release_that_falls_by_less_than_an_ulp_to_its_minimum_opens_a_bounce() -> None:
+    found = solve(
+        Problem(
+            parameters=PAPER_CAN, phi=0.02, psi_dot=8.0, theta_dot=-8.05, phi_dot=-1e-170, bounces=1
+        )
+    )
+    assert found.agreement is not None
+    assert found.agreement.holds
+    assert found.maxima[0] == 0.0

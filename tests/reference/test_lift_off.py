@@ -78,3 +78,18 @@ def test_whatever_effect_is_declared_the_can_lifts_where_the_normal_force_is_zer
     # |F| is some tenths of the weight: over LIGHT at most
     assert 1 < seen.friction_ratio < 1 / LIGHT
     assert not any("to pull, with" in finding.sentence for finding in seen.findings)
+
+
+def test_a_normal_force_that_grazes_zero_between_two_looks_lifts() -> None:
+    """N falls to -7e-9 for less than the fortieth part of a step."""
+    problem = Problem(
+        parameters=Parameters(a=0.4, c=0.5, h=1.473),
+        phi=0.25,
+        psi_dot=4.029855267305931,
+        theta_dot=-0.95 * 4.029855267305931,
+        duration=2.0,
+        effects=Effects(mu=50.0),
+    )
+    lifted = solve(problem)
+    assert lifted.outcome is Outcome.LIFTED
+    assert lifted.t_end == pytest.approx(0.87438, abs=1e-5)
