@@ -1,8 +1,11 @@
 """An adapter that breaks the contract is told which clause it broke."""
 
+import math
+
 import pytest
 
 from harness.engines.conformance import CLAUSES, ClauseResult, ClauseStatus, conform
+from harness.engines.conformance.suite import within
 from tests.harness.conformance.toys import (
     BackwardsInTime,
     Cheerful,
@@ -65,8 +68,39 @@ BROKEN = {
 }
 
 
-def test_a_sound_toy_keeps_every_clause() -> None:
-    assert told(conform(Sound()), ClauseStatus.FAILED) == {}
+@pytest.fixture(scope="module")
+def sound() -> tuple[ClauseResult, ...]:
+    """Return the results of an adapter that breaks nothing."""
+    return conform(Sound())
+
+
+def test_a_sound_toy_keeps_every_clause(sound: tuple[ClauseResult, ...]) -> None:
+    assert told(sound, ClauseStatus.FAILED) == {}
+
+
+ALLOWED = {
+    "initial state": 16.0 * 2.0**-52,  # relative: a few roundings
+    "acceleration at release": 0.01,  # g
+    "acceleration": 0.6,  # of the error, at half the timestep
+    "friction": 1e-3,  # beyond the declared
+    "motion with effects": 0.1,  # of what an effect does
+    "newton": 0.6,  # of the change of the force from sample to sample
+    "same instant": 0.1,  # of the way of the contact point from sample to sample
+}
+"""As the docstrings have it, and not imported: whoever changes one is told."""
+
+
+def test_each_clause_allows_what_its_docstring_says(sound: tuple[ClauseResult, ...]) -> None:
+    allowed = {result.name: result.allowed for result in sound}
+    assert {name: allowed[name] for name in ALLOWED} == ALLOWED
+
+
+@pytest.mark.parametrize(
+    ("number", "passes"), [(0.5, True), (0.6, True), (0.6001, False), (math.nan, False)]
+)
+def test_a_number_is_at_most_what_is_allowed(number: float, *, passes: bool) -> None:
+    found = within(number, 0.6, "1", "what was measured").result
+    assert found is (ClauseStatus.PASSED if passes else ClauseStatus.FAILED)
 
 
 @pytest.mark.parametrize("toy", BROKEN, ids=lambda toy: toy.__name__)
