@@ -43,8 +43,8 @@ class Encoder:
 
     def __init__(self) -> None:
         self.arrays: list[NDArray[Any]] = []
-        self._known: dict[int, int] = {}
-        self._alive: list[object] = []  # so that no other object takes over an identity
+        # by identity the number, and the object, so that no other object takes over the identity
+        self._known: dict[int, tuple[int, object]] = {}
 
     def encode(self, value: object) -> Any:  # noqa: ANN401, PLR0911 - a line for each type
         """Return a value in JSON's own types.
@@ -70,10 +70,9 @@ class Encoder:
         if isinstance(value, list):
             return [self.encode(inner) for inner in value]
         if id(value) in self._known:
-            return {_SAME: self._known[id(value)]}
+            return {_SAME: self._known[id(value)][0]}
         told = self._once(value)
-        self._known[id(value)] = len(self._alive)
-        self._alive.append(value)
+        self._known[id(value)] = len(self._known), value
         return told
 
     def _once(self, value: object) -> dict[str, Any]:

@@ -10,7 +10,6 @@ engine.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import product
 from typing import TypeAlias
 
@@ -32,7 +31,7 @@ from harness.engines.stepping.settling import (
 from models import NO_SLIP_FRICTION, Pose, Scene, Twist, contact_offset, to_body
 from models.gravity import gravity_vector, shaking
 from models.kinematics import to_world
-from models.mass import Body, body
+from models.mass import body
 from models.rim import arc_of
 
 Compared: TypeAlias = tuple[str, str, float, float, float, str]
@@ -96,16 +95,15 @@ def contact_turns_freely(scene: Scene) -> bool:
     return scene.effects.drilling is None and scene.effects.rolling_resistance is None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Stand:
     """A can balanced on its rim where a world's collider touches."""
 
-    world: World
-    scene: Scene
-    whole: Body
-    timestep: float
-    touching: Pose
-    offset: Floats
+    def __init__(self, world: World, scene: Scene, timestep: float) -> None:
+        can, arc = scene.can, arc_of(scene.effects)
+        self.world, self.scene, self.timestep = world, scene, timestep
+        self.whole = body(scene)
+        self.touching = touching_pose(world, can, can.balancing_angle, arc)
+        self.offset = contact_offset(can, can.balancing_angle, 0.0, arc=arc)
 
     def press(self, depth: float, twist: Twist) -> Contact:
         """Return the contact that a step solves at a depth, m, from a motion."""
@@ -151,18 +149,11 @@ class _Stand:
 
 def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[Compared]:
     """Probe each law of the contact that the scene declares."""
-    effects, can = scene.effects, scene.can
+    effects = scene.effects
     laws = {"compliance", "restitution", "drilling", "rolling_resistance"}
     if not laws.intersection(effects.declared()):
         return
-    stand = _Stand(
-        world=world,
-        scene=scene,
-        whole=body(scene),
-        timestep=timestep,
-        touching=touching_pose(world, can, can.balancing_angle, arc_of(effects)),
-        offset=contact_offset(can, can.balancing_angle, 0.0, arc=arc_of(effects)),
-    )
+    stand = _Stand(world, scene, timestep)
     if effects.compliance is not None:
         yield from _spring(stand, effects.compliance.stiffness, effects.compliance.damping)
     if effects.restitution is not None:
