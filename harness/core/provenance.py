@@ -1,6 +1,6 @@
 """Where a result comes from: versions, platform, processor, commit and time.
 
-Nothing here fails: what cannot be found out is said to be unknown, since a report without a commit
+Nothing here fails: what cannot be determined is "unknown" or None, since a report without a commit
 is still a report.
 """
 

@@ -1,4 +1,4 @@
-"""A file is there whole or not at all: written as a draft, flushed to the disk, renamed."""
+"""Atomic writing of a file: written as a draft, flushed to the disk, renamed."""
 
 import os
 import uuid

@@ -2,7 +2,7 @@
 
 What a worker started is weighed with it and ended with it. A worker leads a process group of its
 own, which its children are in unless they leave it; those that left are known by their parents.
-What left the group and whose parent has ended is not known here: it outlives the worker.
+A process that left the group and whose parent has ended is not found: it outlives the worker.
 """
 
 import math

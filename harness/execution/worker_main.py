@@ -1,4 +1,4 @@
-"""What runs in a worker: take a task, do it, send what came of it; end when the owner does.
+"""The program of a worker process: take a task, do it, send the result; end with the owner.
 
 Started as a program of its own, not as a fork: engines hold threads and global state.
 """

@@ -25,7 +25,7 @@ _RELEASE = Release(phi=1.0)
 """Of the model file; every run places the can anew."""
 
 _NEXT_TO_NOTHING = 1e-30
-"""Damping that no number feels and that has MuJoCo do the work of it."""
+"""Damping too small to change a number, with which MuJoCo computes damping all the same."""
 
 _FAR = 1.0
 """m: beyond this MuJoCo does not look for the distance of two geoms."""

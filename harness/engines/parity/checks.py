@@ -81,7 +81,7 @@ def parity(
 
 
 class WeighedWorld(World, Protocol):
-    """A world whose engine honours a point mass: it tells the whole tensor, and where it lies."""
+    """A world whose engine honours a point mass: it has the whole tensor and the centre of mass."""
 
     @property
     def centre_of_mass(self) -> Floats:

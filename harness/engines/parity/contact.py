@@ -1,11 +1,11 @@
 """Parity at the contact: what declared friction, spring, impact or resistance does, step by step.
 
-The can is balanced on its rim, the contact below its centre. Friction is told by a can that slides.
-A spring and a damper are read from the force on a can at rest, and on one that sinks. A can that
-drills or rolls on the spot feels a moment about the contact point; what its angular momentum loses
-in a step, less what gravity does, is that moment, and over the normal force an arm. A can that
-falls on its rim leaves it at the speed that the impact gives back. The probes know a `World` and no
-engine.
+The can is balanced on its rim, the contact below its centre. Friction is measured on a can that
+slides. A spring and a damper are read from the force on a can at rest, and on one that sinks. A can
+that drills or rolls on the spot feels a moment about the contact point; what its angular momentum
+loses in a step, less what gravity does, is that moment, and over the normal force an arm. A can
+that falls on its rim leaves it at the speed that the impact gives back. The probes know a `World`
+and no engine.
 """
 
 import math

@@ -178,7 +178,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         return step_by_stages(PybulletSteps(world, schedule.sampling), schedule, size)
 
     def counted_step(self, world: PybulletWorld) -> int:
-        """Step, and return the sweeps of the solver over all islands."""
+        """Step, and return the sweeps of the solver, summed over all islands."""
         here = {"physicsClientId": world.client}
         pybullet.setPhysicsEngineParameter(reportSolverAnalytics=1, **here)
         islands: tuple[dict[str, Any], ...] = pybullet.stepSimulation(**here) or ()

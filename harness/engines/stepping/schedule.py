@@ -90,7 +90,7 @@ class Schedule(ABC):
     largest : float
         Timestep, s.
     sampling : SamplingInterval or None
-        Says to an engine that pays for each reading which steps to read; None is every step.
+        Which steps to read, for an engine that pays for each reading; None is every step.
     """
 
     largest: float
