@@ -1,8 +1,10 @@
-"""What there is to choose from: scenes, engines and their settings; and what an engine is worth.
+"""What there is: scenes, engines with their settings and what they are worth, results in the store.
 
-Whether an engine's adapter keeps its contract, and what the engine adds of its own accord.
+Of an engine, whether its adapter keeps its contract and what it adds of its own accord; of the
+store, what is in it, whether it is sound, and how to remove what no run will read again.
 """
 
+import warnings
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,14 +12,23 @@ from typing import Annotated, Any
 import typer
 
 from harness.cli import terminal
-from harness.cli.run_options import Json, SceneName
+from harness.cli.run_options import STORE, Json, SceneName, store_folder
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.core.report_model import Column, rows_of, table_of
 from harness.core.scene_limits import check_scene_limits
 from harness.engines.base import Setting
 from harness.engines.conformance import ClauseStatus, conform
 from harness.engines.probes import measure
 from harness.engines.registry import engine, names
+from harness.evaluation.case_cache import is_current
+from harness.execution.cache import (
+    CacheFolder,
+    CacheWarning,
+    EntryState,
+    inspect_cache,
+    prune_cache,
+)
 from models.catalogue import load
 from models.catalogue import names as scene_names
 from models.mjcf import mjcf
@@ -221,3 +232,73 @@ def _spell(value: object) -> str:
     if isinstance(value, tuple):
         return ",".join(f"{number:g}" for number in value)
     return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+store = typer.Typer(
+    no_args_is_help=True, help="What is kept of runs: list it, verify it, prune it."
+)
+
+Folder = Annotated[Path | None, typer.Option("--store", help=f"The folder; {STORE} if left out.")]
+_STORED = (
+    Column("kind", "What is stored."),
+    Column("key", "Names it.", shown=False),
+    Column("state", "Whether it is whole.", "state.value"),
+    Column("case", "What it is of.", "metadata.label"),
+    Column("bytes", "Its size.", "size"),
+    Column("kept", "Since when.", "metadata.kept"),
+    Column("command", "Runs it again.", "metadata.command", shown=False),
+)
+
+
+@store.command("list")
+def list_(folder: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - a switch
+    """List what is kept."""
+    kept = _opened(folder)
+    entries = list(inspect_cache(kept, thoroughly=False))
+    if json:
+        told = {"store": str(kept.folder), "entries": rows_of(_STORED, entries)}
+        typer.echo(terminal.to_json(told))
+        return
+    listed = table_of("store", f"The store '{kept.folder}'", _STORED, entries)
+    terminal.stdout_console().print(terminal.table_artefact(listed, listed.shown))
+    size = sum(entry.size for entry in entries)
+    typer.echo(f"{len(entries)} entries, {size / 1e6:.1f} MB")
+
+
+@store.command()
+def verify(folder: Folder = None) -> None:
+    """Read everything that is kept and check it; set aside what is broken. Leaves with 1 then."""
+    kept = _opened(folder)
+    count, broken = 0, []
+    for found in inspect_cache(kept, thoroughly=True):
+        count += 1
+        if found.state is EntryState.BROKEN:
+            broken.append(found)
+            typer.echo(f"broken: {found.kind} {found.key}: {found.reason}")
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", CacheWarning)  # said already
+                kept.reject(found.kind, found.key, found.reason)
+    typer.echo(f"{count - len(broken)} of {count} entries are whole")
+    if broken:
+        typer.echo("What is broken is set aside; it is run again when it is next asked for.")
+        raise typer.Exit(1)
+
+
+@store.command("prune")
+def prune_(
+    folder: Folder = None,
+    everything: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool, typer.Option("--all", help="Remove everything, not what is out of date alone.")
+    ] = False,
+) -> None:
+    """Remove what no run will read again: of other versions of the program, broken, left over."""
+    kept = _opened(folder)
+    removed, freed = prune_cache(kept, (lambda _: False) if everything else is_current)
+    typer.echo(f"removed {removed} entries from '{kept.folder}', {freed / 1e6:.1f} MB")
+
+
+def _opened(chosen: Path | None) -> CacheFolder:
+    """Return the store, which must be one: to find nothing in another folder would tell nothing."""
+    opened = CacheFolder(folder=store_folder(chosen))
+    opened.check()
+    return opened

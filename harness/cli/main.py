@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING
 import typer
 from typer.exceptions import TyperException
 
-from harness.cli.cache import app as store
-from harness.cli.catalogue import check, engines, export, scenes
+from harness.cli.catalogue import check, engines, export, scenes, store
 from harness.cli.motions import reference, run
 from harness.cli.paper import audit, gallery
 from harness.cli.reports import diff, report
