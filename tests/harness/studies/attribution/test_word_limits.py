@@ -7,13 +7,7 @@ import pytest
 
 from harness.metrics.quantities import Quantity
 from harness.studies.attribution.study import ATTRIBUTED
-from harness.studies.shared.ablation import (
-    AblationPath,
-    ablation_path,
-    account,
-    in_order_sentence,
-    interaction_sentence,
-)
+from harness.studies.shared.ablation import AblationPath, ablation_path, account
 from models import Scene
 
 TURN: Quantity = ATTRIBUTED[0]
@@ -30,11 +24,12 @@ def test_a_millionth_of_the_largest_discrepancy_is_nothing(
 ) -> None:
     first, *others = path.names
     found = account(
-        path.names,
+        path,
+        TURN,
         lambda closed: -5.0 + 5.0 * share * (first in closed) + len(closed & set(others)),
     )
     # the largest is as shipped, -5
-    said = in_order_sentence(path, TURN, found)
+    said = found.in_order_sentence()
     assert (f"{first} nothing" in said) is nothing
 
 
@@ -50,9 +45,9 @@ def test_gaps_hardly_interact_within_a_hundredth_of_the_whole(
         together = sign * share * count / (1.0 - sign * share)
         return 10.0 - len(closed) - together * (len(closed) == count)
 
-    found = account(path.names, level)
+    found = account(path, TURN, level)
     assert found.whole is not None
     assert found.interaction is not None
     assert abs(found.interaction / found.whole) == pytest.approx(share)
-    said = interaction_sentence(TURN, found)
+    said = found.interaction_sentence()
     assert ("the whole to within 1%, so that they hardly interact" in said) is hardly

@@ -13,9 +13,9 @@ import pytest
 from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.engines.base import Variant
-from harness.studies.cost import hardness, points, tables
+from harness.studies.cost import design, points, tables
 from harness.studies.cost.points import Family, Point, expected, timesteps
-from harness.studies.cost.prices import FIXED, TARGETS, Offer, cost, offers, price
+from harness.studies.cost.prices import FIXED, TARGETS, Offer, cost, exponent, offers, price
 from models import Scene, load
 
 GENTLE = load("gentle-rock")
@@ -159,8 +159,8 @@ def test_a_scene_misses_the_epsilon_asked_for_by_a_fiftieth_at_most(
         tried.append(scene)
         return off * 1e-7
 
-    monkeypatch.setattr(hardness, "epsilon", same)
-    found = hardness.hardened(GENTLE, 1e-7)
+    monkeypatch.setattr(design, "epsilon", same)
+    found = design.hardened(GENTLE, 1e-7)
     assert (found is not None) is near
     # the scene itself, and six rounds where none comes near enough
     assert len(tried) == (2 if near else 7)
@@ -171,7 +171,7 @@ def test_an_exponent_has_an_interval_of_95_percent() -> None:
     # which the table of Student's t has 12.706
     off = 0.1
     costs = [math.exp(-x + off * sign) for x, sign in zip((0, 1, 2), (1.0, -2.0, 1.0), strict=True)]
-    found = hardness.exponent([math.exp(x) for x in (0, 1, 2)], costs)
+    found = exponent([math.exp(x) for x in (0, 1, 2)], costs)
     assert found is not None
     assert found.exponent == pytest.approx(-1.0)
     assert found.confidence == pytest.approx(12.706 * off * math.sqrt(6.0 / 2.0), rel=1e-4)
