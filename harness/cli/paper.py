@@ -43,7 +43,7 @@ def audit(
     """Check every equation and number of the paper; write audit.md and audit.csv."""
     try:
         # here and not above: sympy and mpmath are an extra, and every other command does without
-        from harness.paper.audit.run import audit as run  # noqa: PLC0415
+        from harness.paper.audit.checks import audit as run  # noqa: PLC0415
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
     _make(out)

@@ -1,20 +1,19 @@
 """Which check decides which claim, the kinds of evidence, and the verdict each comes to.
 
 Every kind holds the claim as data in `printed`, so that the same check can be run on another
-claim: `mutations` gives evidence about wrong ones, which it must refuse, and `as_corrected`
-evidence about the right one, which it must accept. How a form
-is mutated, `symbols.mutated` says.
+claim: the tests run each on wrong claims, which it must refuse, and on the right one.
 """
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import mpmath as mp
 
-from harness.paper.audit.claims import WRONG, ClaimStatus, Ruling
-from harness.paper.audit.symbols import ZERO, Expr, disagreement, mutated, vanishes
+from harness.paper.audit.claims import CLAIMS, WRONG, AuditRow, Claim, ClaimStatus, Ruling
+from harness.paper.audit.symbols import ZERO, Expr, disagreement, vanishes
 
 
 class Evidence(Protocol):
@@ -22,14 +21,6 @@ class Evidence(Protocol):
 
     def ruling(self) -> Ruling:
         """Return what the evidence comes to."""
-        ...
-
-    def mutations(self) -> "Iterator[Evidence]":
-        """Return the same evidence about wrong claims, each of which it has to refuse."""
-        ...
-
-    def as_corrected(self) -> "Evidence":
-        """Return the same evidence about the right claim: itself, where the printed one is."""
         ...
 
 
@@ -108,8 +99,8 @@ class IdentityEvidence:
         form itself if left out.
     corrected : Expr or None
         The printed form put right.
-    others : sequence of Expr
-        Wrong claims; if left out those of `symbols.mutated`.
+    correct : str
+        What to say of the right form.
     """
 
     printed: Expr
@@ -118,7 +109,6 @@ class IdentityEvidence:
     compared: Callable[[Expr], Expr] | None = None
     corrected: Expr | None = None
     correct: str = ""
-    others: Sequence[Expr] = ()
 
     def ruling(self) -> Ruling:
         """Decide at random points and, where those agree, symbolically."""
@@ -137,15 +127,6 @@ class IdentityEvidence:
                 status = ClaimStatus.FALSE
                 how += f"; with the correct form {digits(left, 2)}, and sympy: 0"
         return Ruling(status=status, correct=self.correct, how=how)
-
-    def mutations(self) -> Iterator[Self]:
-        """Return evidence about wrong claims."""
-        for other in self.others or mutated(self.printed):
-            yield replace(self, printed=other)
-
-    def as_corrected(self) -> Self:
-        """Return evidence about the right claim."""
-        return self if self.corrected is None else replace(self, printed=self.corrected)
 
     def _compare(self, claim: Expr) -> tuple[bool, mp.mpf]:
         form = claim if self.compared is None else self.compared(claim)
@@ -174,7 +155,7 @@ class Rate:
         Two small values between which the power is observed.
     source : str
         What the printed form is compared with.
-    corrected, correct, others
+    corrected, correct
         As of `IdentityEvidence`.
     corrected_to : float or None
         The power that should be stated, where that is another.
@@ -188,7 +169,6 @@ class Rate:
     corrected: Any = None
     corrected_to: float | None = None
     correct: str = ""
-    others: Sequence[Any] = ()
 
     def ruling(self) -> Ruling:
         """Decide by the observed power."""
@@ -196,26 +176,17 @@ class Rate:
         how = f"against {self.source}: observed rate {digits(rate, 3)}, stated {self.stated:g}"
         if rate > self.stated - RATE_SLACK:
             return Ruling(status=ClaimStatus.TO_ORDER, how=how)
-        status, right = ClaimStatus.INCONSISTENT, self.as_corrected()
+        status = ClaimStatus.INCONSISTENT
+        right = replace(
+            self,
+            printed=self.printed if self.corrected is None else self.corrected,
+            stated=self.stated if self.corrected_to is None else self.corrected_to,
+        )
         mended = right._observed()  # noqa: SLF001 - of the same class
         if mended > right.stated - RATE_SLACK:
             status = ClaimStatus.FALSE
             how += f"; with the correct form {digits(mended, 3)}"
         return Ruling(status=status, correct=self.correct, how=how)
-
-    def mutations(self) -> Iterator[Self]:
-        """Return evidence about wrong claims: other forms, and the next power."""
-        for other in self.others or mutated(self.printed):
-            yield replace(self, printed=other)
-        yield replace(self, stated=self.stated + 1)
-
-    def as_corrected(self) -> Self:
-        """Return evidence about the right claim."""
-        return replace(
-            self,
-            printed=self.printed if self.corrected is None else self.corrected,
-            stated=self.stated if self.corrected_to is None else self.corrected_to,
-        )
 
     def _observed(self) -> mp.mpf:
         with mp.workdps(60):  # cancellation of neighbouring terms, then eighteen digits to spare
@@ -269,31 +240,9 @@ class Number:
         low, high = (
             mp.mpmathify(self.value if end is None else end) for end in (self.low, self.high)
         )
-        half = self._unit() / 2
-        return bool(low - half <= mp.mpf(self.printed) <= high + half)
-
-    def mutations(self) -> Iterator[Self]:
-        """Return evidence about numbers two units in the last place away."""
-        for step in (-2, 2):
-            yield replace(self, printed=self._written(mp.mpf(self.printed) + step * self._unit()))
-
-    def as_corrected(self) -> Self:
-        """Return evidence about the value, rounded to as many places."""
-        return replace(self, printed=self._written(mp.mpmathify(self.value)))
-
-    def _places(self) -> tuple[int, int]:
-        """Return the decimals of the mantissa and the exponent."""
         mantissa, _, exponent = self.printed.lower().partition("e")
-        return len(mantissa.partition(".")[2]), int(exponent or 0)
-
-    def _unit(self) -> mp.mpf:
-        places, exponent = self._places()
-        return mp.mpf(10) ** (exponent - places)
-
-    def _written(self, value: mp.mpf) -> str:
-        places, exponent = self._places()
-        text = f"{float(value / mp.mpf(10) ** exponent):.{places}f}"
-        return f"{text}e{exponent}" if exponent else text
+        half = mp.mpf(10) ** (int(exponent or 0) - len(mantissa.partition(".")[2])) / 2
+        return bool(low - half <= mp.mpf(self.printed) <= high + half)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -306,47 +255,32 @@ class Fact:
         What the statement says: a number, a word, a set, an expression.
     holds : callable
         Whether the computation finds a statement with other words in its place true.
-    others : sequence
-        What it could have said instead and would have been false.
     how : str
         What was computed.
     corrected, correct
         As of `IdentityEvidence`.
-    wrong : ClaimStatus
-        Which verdict it is that `corrected` holds in place of `printed`.
     """
 
     printed: Any
     holds: Callable[[Any], bool]
-    others: Sequence[Any]
     how: str
     corrected: Any = None
     correct: str = ""
-    wrong: ClaimStatus = ClaimStatus.FALSE
 
     def ruling(self) -> Ruling:
         """Decide by the computation."""
         if self.holds(self.printed):
             return Ruling(status=ClaimStatus.HOLDS, how=self.how)
         right = self.corrected is not None and self.holds(self.corrected)
-        status = self.wrong if right else ClaimStatus.INCONSISTENT
+        status = ClaimStatus.FALSE if right else ClaimStatus.INCONSISTENT
         return Ruling(status=status, correct=self.correct, how=self.how)
 
-    def mutations(self) -> Iterator[Self]:
-        """Return evidence about wrong statements."""
-        for other in self.others:
-            yield replace(self, printed=other)
 
-    def as_corrected(self) -> Self:
-        """Return evidence about the right statement."""
-        return self if self.corrected is None else replace(self, printed=self.corrected)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Both:
-    """Several pieces of evidence about one claim: the gravest decides, all are told."""
+    """Several pieces of evidence about one claim: the gravest decides, all are shown."""
 
-    parts: Sequence[Evidence]
+    def __init__(self, *parts: Evidence) -> None:
+        self.parts = parts
 
     def ruling(self) -> Ruling:
         """Decide by the gravest of the parts."""
@@ -361,15 +295,6 @@ class Both:
             how="; ".join(ruling.how for ruling in rulings),
         )
 
-    def mutations(self) -> Iterator[Evidence]:
-        """Return the wrong claims of the parts: one part that refuses is enough."""
-        for part in self.parts:
-            yield from part.mutations()
-
-    def as_corrected(self) -> "Both":
-        """Return evidence about the right claim."""
-        return Both(parts=tuple(part.as_corrected() for part in self.parts))
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutOfReach:
@@ -381,10 +306,30 @@ class OutOfReach:
         """Say that it cannot be checked."""
         return Ruling(status=ClaimStatus.NOT_CHECKABLE, how=self.reason)
 
-    def mutations(self) -> Iterator[Self]:
-        """Return nothing: what is not checked refuses nothing."""
-        return iter(())
 
-    def as_corrected(self) -> Self:
-        """Return itself."""
-        return self
+def audit(
+    claims: Sequence[Claim] = CLAIMS, on_start: Callable[[Claim], None] | None = None
+) -> Iterator[AuditRow]:
+    """Check claims one by one.
+
+    Parameters
+    ----------
+    claims : sequence of Claim
+    on_start : callable, optional
+        Called with each claim before it is checked, to show progress.
+
+    Yields
+    ------
+    AuditRow
+    """
+    for claim in claims:
+        if on_start is not None:
+            on_start(claim)
+        start = time.perf_counter()
+        ruling = check_of(claim.label)().ruling()
+        yield AuditRow(
+            claim=claim,
+            ruling=ruling,
+            check=name_of(claim.label),
+            seconds=time.perf_counter() - start,
+        )

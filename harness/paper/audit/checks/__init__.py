@@ -1,4 +1,4 @@
-"""The checks, a file for each part of the paper; reading them registers them."""
+"""The checks, a file for each part of the paper; the import registers them for `audit`."""
 
 from harness.paper.audit.checks import (  # noqa: F401 - each registers its checks
     equations_of_motion,
@@ -19,3 +19,6 @@ from harness.paper.audit.checks import (  # noqa: F401 - each registers its chec
     steady_motions,
     steady_paths,
 )
+from harness.paper.audit.evidence import audit
+
+__all__ = ["audit"]

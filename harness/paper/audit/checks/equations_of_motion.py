@@ -96,12 +96,6 @@ def scalings() -> Fact:
     return Fact(
         printed=(R, m * R**2, R / g),
         holds=scaled,
-        others=(
-            (2 * R, m * R**2, R / g),
-            (R, m * R, R / g),
-            (R, 2 * m * R**2, R / g),
-            (R, m * R**2, g / R),
-        ),
         how="sympy: m, R and g cancel from eq01:raw_eom, which becomes that of R = m = g = 1",
     )
 
@@ -154,7 +148,6 @@ def rates(rate: Expr, acceleration: Expr) -> IdentityEvidence:
         printed=rate,
         compared=balance,
         derived=sp.zeros(3, 1),
-        others=(-rate, 2 * rate, rate / 2),
         source=f"{BALANCE}, with eq01:Psi, eq01:Theta and eq01:Phi inserted",
     )
 
@@ -198,22 +191,19 @@ def pendulum_solution() -> Both:
     square = constant - 2 * sp.cos(s)
     shifted = SLOPE.subs(phi, s + sp.atan(1 / h))
     return Both(
-        parts=(
-            IdentityEvidence(
-                printed=1 / square,  # (du/dtau)^2 as printed, s the argument
-                corrected=square,
-                compared=lambda speed: speed.diff(s) / 2,
-                derived=sp.sin(s),
-                others=(constant + 2 * sp.cos(s), constant - sp.cos(s), square**2),
-                source="u'' = sin u",
-            ),
-            IdentityEvidence(
-                printed=(h**2 + 1) / (a_p + 1),  # the square of tau/t
-                corrected=sp.sqrt(h**2 + 1) / (a_p + 1),
-                derived=sp.simplify(sp.expand_trig(shifted) / sp.sin(s)),
-                source="phi'' about the balancing angle",
-            ),
-        )
+        IdentityEvidence(
+            printed=1 / square,  # (du/dtau)^2 as printed, s the argument
+            corrected=square,
+            compared=lambda speed: speed.diff(s) / 2,
+            derived=sp.sin(s),
+            source="u'' = sin u",
+        ),
+        IdentityEvidence(
+            printed=(h**2 + 1) / (a_p + 1),  # the square of tau/t
+            corrected=sp.sqrt(h**2 + 1) / (a_p + 1),
+            derived=sp.simplify(sp.expand_trig(shifted) / sp.sin(s)),
+            source="phi'' about the balancing angle",
+        ),
     )
 
 
@@ -227,6 +217,5 @@ def conservation_of_energy() -> IdentityEvidence:
         printed=energy,
         compared=lambda form: rate(form).subs(papers_accelerations()),
         derived=sp.Integer(0),
-        others=(energy - moving, energy - turning, energy - S, energy + Theta),
         source="its rate along the equations of motion",
     )

@@ -21,7 +21,7 @@ from harness.paper.audit.evidence import (
     check_each,
 )
 from harness.paper.audit.newton_euler import contact_force, turn_z
-from harness.paper.audit.symbols import A, Expr, H, R, a, a_p, h, m, mutated, psi
+from harness.paper.audit.symbols import A, Expr, H, R, a, a_p, h, m, psi
 from reference import PAPER_CAN, Parameters, Problem, solve
 from reference.equations.reaction_force import friction_ratio as ratio_of
 from reference.problem.states import initial_states
@@ -49,14 +49,12 @@ def required_friction() -> Both:
     bend = a_p * b**2 / ((a_p + 1) * y**3)
     forward = -h * bend + h * y * (b / y**2) ** 2
     return Both(
-        parts=(
-            IdentityEvidence(
-                printed=h / a_p, derived=sp.simplify(forward / bend), source="eq01:Phi and L"
-            ),
-            IdentityEvidence(
-                printed=m * R * H / (A + m * H**2), derived=h / a_p, source="eq01:scalings"
-            ),
-        )
+        IdentityEvidence(
+            printed=h / a_p, derived=sp.simplify(forward / bend), source="eq01:Phi and L"
+        ),
+        IdentityEvidence(
+            printed=m * R * H / (A + m * H**2), derived=h / a_p, source="eq01:scalings"
+        ),
     )
 
 
@@ -155,7 +153,6 @@ def bound_approached(*zetas: float) -> Rate:
     return Rate(
         printed=h / (a + h**2),
         remainder=remainder,
-        others=(*mutated(h / (a + h**2)), h / (a + h**2 + 1)),
         stated=1 / 2,
         at=STEEP,
         source="the exact peaks, which approach it, for zeta = " + ", ".join(map(str, zetas)),
@@ -179,7 +176,6 @@ def friction_of_the_outer_region() -> Fact:
     largest = {"outer": outer, "inner": inner}
     return Fact(
         printed=("outer", "inner"),
-        others=(("inner", "outer"),),
         holds=lambda order: largest[order[0]] < largest[order[1]],
         how=f"exact: {outer:.4f} for phi > phi_0/10 and {inner:.4f} below: falling freely near "
         "phi = 0 asks for h/a_p too",
@@ -197,7 +193,6 @@ def friction_of_a_fast_release() -> Fact:
     pushes = {"none": 0.0, "small": -0.3, "large": -0.7}
     return Fact(
         printed="large",
-        others=("none", "small"),
         holds=lambda size: not outer_less(pushes[size]),
         how="exact: with phi' = -0.7 sqrt(g/R) at pi/100, shortly before the can would lift off, "
         "the release itself asks for more than h/a_p; from rest, and at -0.3, for less",
@@ -234,7 +229,6 @@ def friction_of_small_inertias() -> Fact:
     return Fact(
         printed=said[0],
         corrected=said[2],
-        others=said[:2],
         holds=true.__getitem__,
         how=f"sympy: as a_p -> 0, h/a_p -> {thick} with a = h^2 and {thin} with a = sqrt(h); "
         f"h <= sqrt(a_p); exact bounce of a uniform thin disk released at pi/1000: turn {turn:.1f} "

@@ -77,7 +77,6 @@ def euler_lagrange() -> IdentityEvidence:
         printed=moved - pushed,
         compared=change,
         derived=sp.Integer(0),
-        others=(moved + pushed, 2 * moved - pushed, moved - 2 * pushed),
         source="the rate of the energy along its solutions, times the inertia",
     )
 
@@ -118,10 +117,8 @@ def reduced_without_friction() -> Both:
     plain = (h * Phi**2 - 1) / (a + 1)
     at_zero = ((Phi**2 * (S + h * Co) - 1) * (Co - h * S) / (a + (Co - h * S) ** 2)).subs(phi, 0)
     return Both(
-        parts=(
-            IdentityEvidence(printed=plain, derived=at_zero, source="the equation at phi -> 0"),
-            strength_of_the_repulsion(),
-        )
+        IdentityEvidence(printed=plain, derived=at_zero, source="the equation at phi -> 0"),
+        strength_of_the_repulsion(),
     )
 
 
@@ -148,7 +145,6 @@ def expansion_without_friction() -> Fact:
     return Fact(
         printed="eps",
         corrected="phi",
-        others=("eps",),
         holds=lambda letter: sp.expand(expanded[letter] * phi**3).is_polynomial(phi),
         how="sympy: eps multiplies a function of sin phi and cos phi, once and exactly; the powers "
         "of phi in (B.7) come from expanding in phi",

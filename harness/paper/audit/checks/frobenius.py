@@ -74,7 +74,6 @@ def regular_series() -> Fact:
     return Fact(
         printed=0,
         holds=solvable,
-        others=(-2, -1, 1),
         how="sympy: for r = 0 every coefficient to phi^5 follows without a logarithm, and for "
         "r = -2 that of phi^0 does not",
     )
@@ -111,7 +110,6 @@ def singular_series() -> Fact:
     return Fact(
         printed=(-2, regular),
         holds=shaped,
-        others=((-2, sp.Integer(0)), (-1, regular), (-2, phi * regular), (-2, 2 * regular)),
         how=f"sympy: residual 0 to phi^3, C = {strength}",
     )
 
@@ -193,26 +191,22 @@ def _series(of: str, printed: Expr, stated: int, corrected: Expr | None = None) 
     """
     psi = of == "Psi"
     solution = series.precession() if psi else series.rotation_rate()
-    right = printed if corrected is None else corrected
     return Both(
-        parts=(
-            Rate(
-                printed=printed,
-                remainder=error_of_psi if psi else error_of_theta,
-                corrected=corrected,
-                others=(right + phi ** (stated - 1), 2 * right),
-                stated=stated,
-                at=SMALL,
-                source="the exact solution",
-            ),
-            IdentityEvidence(
-                printed=printed,
-                compared=lambda form: listed(form, stated),
-                corrected=corrected,
-                derived=listed(solution, stated),
-                source=f"every printed coefficient of {ODE}",
-            ),
-        )
+        Rate(
+            printed=printed,
+            remainder=error_of_psi if psi else error_of_theta,
+            corrected=corrected,
+            stated=stated,
+            at=SMALL,
+            source="the exact solution",
+        ),
+        IdentityEvidence(
+            printed=printed,
+            compared=lambda form: listed(form, stated),
+            corrected=corrected,
+            derived=listed(solution, stated),
+            source=f"every printed coefficient of {ODE}",
+        ),
     )
 
 
@@ -254,7 +248,7 @@ def leading_theta() -> Both:
 @check("eq01:series_sols")
 def leading_terms() -> Both:
     """Both of them."""
-    return Both(parts=(leading_theta(), leading_psi()))
+    return Both(leading_theta(), leading_psi())
 
 
 @check_each(
@@ -289,7 +283,6 @@ def logarithms() -> Fact:
     strength = sp.factor(sp.together(in_inertias(1 - k * h**2)))
     return Fact(
         printed=1,
-        others=(0, 2),
         holds=lambda power: power == highest,
         how=f"sympy: C = k (1 - k h^2)/2 q_0 with 1 - k h^2 = {strength} > 0",
     )
@@ -307,7 +300,6 @@ def reason_of_the_logarithms() -> Fact:
     return Fact(
         printed=({c: 2 + k, b: k * h}, {c: 2 + b**2}),
         corrected=({c: 2 + k, b: k * h},),
-        others=(({c: 2 + k, b: k * h}, {c: 2 + b**2}), ({c: 2 + b**2},)),
         holds=lambda equations: all(sp.expand(found.subs(case)) != 0 for case in equations),
         how=f"sympy: C = {found} q_0",
     )
@@ -324,7 +316,6 @@ def regular_singular_point() -> Fact:
 
     return Fact(
         printed=0,
-        others=(-1, -2),
         holds=bounded,
         how="sympy: their limits are 1 and 0, and both are quotients of analytic functions",
     )

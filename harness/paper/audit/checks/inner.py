@@ -33,7 +33,6 @@ def inner_scalings() -> Fact:
     return Fact(
         printed=(half, half),
         holds=lambda powers: found == dict(zip((n, s), powers, strict=True)),
-        others=((half, 1), (1, 1), (half, sp.Rational(1, 3))),
         how=f"sympy: phi'' ~ eps/phi^3 and slope of order 1 give {found}",
     )
 
@@ -77,20 +76,14 @@ def inner_solution() -> Both:
         printed=sp.sqrt(P**2 + lean**2 / P**2),
         compared=lambda form: sp.simplify(form.diff(T, 2) * form**3),
         derived=q,
-        others=(
-            sp.sqrt(2 * P**2 + lean**2 / P**2),
-            sp.sqrt(P**2 + lean**2 / P),
-            sp.sqrt(P**2 + (q * T - Q) ** 2 / P**2),
-        ),
         source="eq01:inner_problem",
     )
     remainder = Fact(
         printed=root * sp.log(eps),
-        others=(root, root * sp.log(eps) ** 2, eps),
         holds=largest_addition,
         how="sympy: over eps^(1/2) log eps what (5.8) adds tends to a_l2/(2 varphi^2)",
     )
-    return Both(parts=(shape, remainder))
+    return Both(shape, remainder)
 
 
 def largest_addition(order: Expr) -> bool:
@@ -141,25 +134,21 @@ def inner_precession() -> Both:
         return bool(abs(per[0] / per[1] - 1) < mp.mpf("0.2"))
 
     return Both(
-        parts=(
-            Rate(
-                printed=form,
-                remainder=remainder,
-                others=(2 / x**2 - root * slope / x, 1 / x**2 + root * slope / x, 1 / x**2),
-                stated=1,
-                at=(1e-12, 1e-18),
-                source="the exact rate, which leaves eps log eps",
-            ),
-            Fact(
-                printed=(0, 1),
-                holds=bounds,
-                corrected=(1, 1),
-                others=((0, 1), (0.5, 1), (1, 0), (1, 3)),
-                how=f"at varphi = 1 the remainder is {mp.nstr(sizes[0], 3)} for eps = 1e-12 and "
-                f"{mp.nstr(sizes[1], 3)} for 1e-18, as eps log eps; the printed bound would exceed "
-                "the terms kept",
-            ),
-        )
+        Rate(
+            printed=form,
+            remainder=remainder,
+            stated=1,
+            at=(1e-12, 1e-18),
+            source="the exact rate, which leaves eps log eps",
+        ),
+        Fact(
+            printed=(0, 1),
+            holds=bounds,
+            corrected=(1, 1),
+            how=f"at varphi = 1 the remainder is {mp.nstr(sizes[0], 3)} for eps = 1e-12 and "
+            f"{mp.nstr(sizes[1], 3)} for 1e-18, as eps log eps; the printed bound would exceed "
+            "the terms kept",
+        ),
     )
 
 
@@ -265,7 +254,6 @@ def limits_of_the_turn() -> Fact:
     return Fact(
         printed=(sp.pi, sp.oo),
         holds=lambda least_and_most: falls and ends == least_and_most,
-        others=((2 * sp.pi, sp.oo), (sp.pi, 2 * sp.pi), (sp.Integer(0), sp.oo)),
         how="sympy: it falls with a_p, from infinity to pi",
     )
 
@@ -276,7 +264,6 @@ def order_of_the_inner_correction() -> Fact:
     return Fact(
         printed=root,
         corrected=root * sp.log(eps),
-        others=(root, root * sp.log(eps) ** 2, eps),
         holds=largest_addition,
         how="sympy: (5.8) adds eps^(1/2) a_l2 log(eps^(1/2) varphi)/varphi^2, which over eps^(1/2) "
         "has no limit; (5.10) itself states O(eps^(1/2) log eps)",
@@ -300,7 +287,6 @@ def sides_of_the_bounce() -> Fact:
     return Fact(
         printed=("T < 0",),
         corrected=("T < 0", "T > 0"),
-        others=(("T < 0",), ("T > 0",)),
         holds=lambda sides: set(sides) == {s for s, e in errors.items() if e < float(NEAR)},
         how="angle from the bottom of the bounce against the exact release, "
         "up to 100 times its "

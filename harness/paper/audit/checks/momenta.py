@@ -33,15 +33,13 @@ def momentum_about_the_axis() -> Both:
     expanded = sp.series(exact, phi, 0, 4).removeO()
     tail = -c * Psi * phi**2 / 2
     return Both(
-        parts=(
-            IdentityEvidence(printed=exact, derived=c * body_rates()[1][2], source="c Omega_z"),
-            IdentityEvidence(
-                printed=c * (Theta + Phi) + tail,
-                corrected=c * (Theta + Psi) + tail,
-                derived=sp.expand(expanded),
-                source="its Taylor series to phi^3",
-            ),
-        )
+        IdentityEvidence(printed=exact, derived=c * body_rates()[1][2], source="c Omega_z"),
+        IdentityEvidence(
+            printed=c * (Theta + Phi) + tail,
+            corrected=c * (Theta + Psi) + tail,
+            derived=sp.expand(expanded),
+            source="its Taylor series to phi^3",
+        ),
     )
 
 
@@ -52,16 +50,14 @@ def momentum_about_the_vertical() -> Both:
     exact = a * Psi * S**2 + c * Co * (Psi * Co + Theta)
     square = -c / 2 * (Theta + 2 * Psi) + a * Psi
     return Both(
-        parts=(
-            IdentityEvidence(
-                printed=exact, derived=(rotation() * momentum)[2], source="I Omega along z"
-            ),
-            IdentityEvidence(
-                printed=c * (Theta + Psi) + square * phi**2,
-                derived=sp.expand(sp.series(exact, phi, 0, 4).removeO()),
-                source="its Taylor series to phi^3",
-            ),
-        )
+        IdentityEvidence(
+            printed=exact, derived=(rotation() * momentum)[2], source="I Omega along z"
+        ),
+        IdentityEvidence(
+            printed=c * (Theta + Psi) + square * phi**2,
+            derived=sp.expand(sp.series(exact, phi, 0, 4).removeO()),
+            source="its Taylor series to phi^3",
+        ),
     )
 
 
@@ -99,7 +95,7 @@ def lines_of_action() -> IdentityEvidence:
     """Moments about the centre of unit forces along x^I and z, along both axes."""
     arm = turn_z(-psi) * rotation() * ARM
     axis = turn_z(-psi) * rotation() * VERTICAL
-    along, across = sp.Matrix([1, 0, 0]), sp.Matrix([0, 1, 0])
+    along = sp.Matrix([1, 0, 0])
 
     def moments(forces: Expr) -> Expr:
         found = [arm.cross(forces[:, i]).dot(z) for i in range(2) for z in (axis, VERTICAL)]
@@ -109,7 +105,6 @@ def lines_of_action() -> IdentityEvidence:
         printed=sp.Matrix.hstack(along, VERTICAL),
         compared=moments,
         derived=sp.zeros(4, 1),
-        others=(sp.Matrix.hstack(across, VERTICAL), sp.Matrix.hstack(along, across)),
         source="moments about the centre",
     )
 
@@ -136,7 +131,6 @@ def friction_in_proportion() -> Fact:
         printed=Theta + Psi,
         holds=proportional,
         corrected=Psi * phi,
-        others=(Theta + Psi, Psi, Psi * phi**2),
         how="F_y^I/Phi over Theta + Psi, which should tend to a constant, goes from "
         f"{told[0]} at phi = 1e-6 to {told[1]} at 1e-8 (B_0 = 0.7, B_-2 = 1)",
     )
@@ -191,7 +185,6 @@ def regular_constant_as_momentum() -> Fact:
     return Fact(
         printed="H_z^B",
         corrected=AXIS_LESS_LOG,
-        others=("H_z^B", "H_z^G"),
         holds=_kept,
         how=f"exact release: {_told('H_z^B')}, in sqrt(g/R), while B_0 = {mp.nstr(zero, 4)} stays; "
         f"k c_p H_z^B/(2 c) is {mp.nstr(share, 3)} B_0 at release",
@@ -205,7 +198,6 @@ def singular_constant_as_difference() -> Fact:
     """Follow the difference over the fall: it stays as B_-2 does."""
     return Fact(
         printed="H_z^B - H_z^G",
-        others=("H_z^B", "H_z^G", "Theta + Psi"),
         holds=_kept,
         how=f"exact release: {_told('H_z^B - H_z^G')}",
     )
@@ -217,7 +209,6 @@ def sum_in_proportion() -> Fact:
     return Fact(
         printed="Theta + Psi",
         corrected=LESS_LOG,
-        others=("Theta + Psi", "H_z^G"),
         holds=_kept,
         how=f"exact release: {_told('Theta + Psi')}, in sqrt(g/R), while B_0 stays",
         correct=f"Theta + Psi = {LOGARITHM} + 2 B_0/(k c_p) + O(B_-2): the logarithm leads",
@@ -231,7 +222,6 @@ def effect_of_friction() -> Fact:
     return Fact(
         printed=("H_z^B", "H_z^G"),
         corrected=("H_z^B - H_z^G",),
-        others=(("H_z^B",), ("H_z^G",)),
         holds=lambda kept: all(changes[name] < SAME for name in kept),
         how=f"exact release: {_told('H_z^B', 'H_z^G')}, in sqrt(g/R)",
     )
@@ -246,7 +236,6 @@ def smallness_of_the_tangential_friction() -> Fact:
     largest = {name: float(np.abs(f).max()) for name, f in zip(names, forces, strict=True)}
     return Fact(
         printed="F_y^I",
-        others=("F_x^I", "N"),
         holds=lambda name: largest[name] < float(SAME) * largest["N"] / 10,
         how="exact release, at most, in m g: "
         + ", ".join(f"{name} {value:.2e}" for name, value in largest.items()),
@@ -267,7 +256,6 @@ def momentum_about_the_vertical_alone() -> IdentityEvidence:
             form.subs(dict(zip(letters, (vertical, axis), strict=True)))
         ),
         derived=a * Psi * S**2 + c * Co * (Psi * Co + Theta),
-        others=(letters[1], letters[0] - letters[1], letters[0] + letters[1]),
         source="(C.2)",
     )
 
@@ -294,7 +282,6 @@ def lines_that_meet() -> Fact:
     return Fact(
         printed=every,
         corrected=right,
-        others=(every, right - {("N", "z^B")}, right - {("F_x^I", "z^G")}),
         holds=lambda pairs: set(pairs) == met,
         how="sympy: N is parallel to z^G, at the distance R cos phi - H sin phi; the other three "
         "pairs meet",

@@ -133,12 +133,11 @@ def coefficient_of_reduced(name: str) -> Both:
         printed=printed,
         remainder=lambda form: remainder({name: form}),
         corrected=derived(name),
-        others=(2 * derived(name), -derived(name)),
         stated=1,
         at=SMALL,
         source=f"the exact rates, all other terms right (phi^{power} log^{logs})",
     )
-    return Both(parts=(identity, rate))
+    return Both(identity, rate)
 
 
 @check("eq01:Phi_reduced_intermediate")
@@ -151,23 +150,19 @@ def reduced_with_remainder() -> Both:
         gap, places = remainder({}), (mp.mpf("1e-7"), mp.mpf("1e-12"))
         ratios = [abs(gap(x) / (x * mp.log(x))) for x in places]
     return Both(
-        parts=(
-            Fact(
-                printed=listed,
-                holds=lambda said: said == there,
-                others=(listed - {(-3, 0)}, listed - {(0, 1)}, listed | {(-1, 2)}),
-                how="sympy: these terms up to phi^0 and no other",
-            ),
-            Fact(
-                printed=(1, 1),
-                holds=lambda order: order[0] < 1 or (order[0] == 1 and order[1] >= most),
-                corrected=(1, 2),
-                others=((1, 1), (1, 0), (2, 2)),
-                how=f"the remainder over phi log phi goes from {mp.nstr(ratios[0], 4)} at 1e-7 to "
-                f"{mp.nstr(ratios[1], 4)} at 1e-12; coefficient of phi log^2 phi: "
-                f"{terms[1, 2]}",
-            ),
-        )
+        Fact(
+            printed=listed,
+            holds=lambda said: said == there,
+            how="sympy: these terms up to phi^0 and no other",
+        ),
+        Fact(
+            printed=(1, 1),
+            holds=lambda order: order[0] < 1 or (order[0] == 1 and order[1] >= most),
+            corrected=(1, 2),
+            how=f"the remainder over phi log phi goes from {mp.nstr(ratios[0], 4)} at 1e-7 to "
+            f"{mp.nstr(ratios[1], 4)} at 1e-12; coefficient of phi log^2 phi: "
+            f"{terms[1, 2]}",
+        ),
     )
 
 
@@ -179,7 +174,6 @@ def quadratic_coefficients() -> Fact:
     return Fact(
         printed=printed,
         holds=lambda powers: met == powers,
-        others=(printed - {(1, 1)}, printed | {(1, 0)}, printed - {(2, 0)}),
         how=f"sympy: the powers of B_0 and B_-2 in the eight are {sorted(met)}",
     )
 
@@ -192,7 +186,6 @@ def reduced_equation() -> Rate:
         printed=PRINTED,
         remainder=remainder,
         corrected=right,
-        others=(PRINTED, *({**right, name: -right[name]} for name in POWERS)),
         stated=1,
         at=SMALL,
         source="the exact rates, with the coefficients of appendix D",
@@ -244,7 +237,6 @@ def series_that_suffice() -> Fact:
     return Fact(
         printed="those of (4.14)",
         corrected="up to phi^2",
-        others=("up to phi", "those of (4.14)"),
         holds=lambda kept: not lost_coefficients(kept),
         how=f"sympy: with the terms of (4.14) {', '.join(lost)} come out wrong, since "
         "-h Psi (Psi + Theta) multiplies what is dropped with phi^-2",
@@ -260,7 +252,6 @@ def errors_of_the_reduced_equation() -> Fact:
     errors = {"turn": abs(turns[0] / turns[1] - 1), "period": abs(periods[0] / periods[1] - 1)}
     return Fact(
         printed="turn",
-        others=("period",),
         # half of the last digit of 209 degrees
         holds=lambda quantity: errors[quantity] < 0.5 / 209,
         how=f"relative errors: turn {errors['turn']:.1e}, period {errors['period']:.1e}; the paper "
@@ -280,7 +271,6 @@ def no_balance() -> Fact:
     return Fact(
         printed=0,
         holds=lambda count: zeros == {count},
-        others=(1, 2),
         how=f"reduced phi'' from 0.01 to pi/2 is at most {force.max():.3f} and never 0; the "
         f"printed a_0 changes it by {slip:.1e}",
     )
@@ -303,7 +293,6 @@ def sharper_bounces() -> Fact:
     return Fact(
         printed=printed,
         holds=sharpens,
-        others=(printed[::-1], (printed[1], printed[0], printed[2])),
         how=f"phi_min and peak psi' for eps = 4e-6, 6.4e-7, 1e-8: {told}",
     )
 
@@ -323,6 +312,5 @@ def drift_of_the_period() -> Fact:
     return Fact(
         printed="drifts",
         holds=lambda word: word == seen,
-        others=("keeps",),
         how=f"exact period {exact:.6f}, that of the reduced equation {reduced:.6f} sqrt(R/g)",
     )

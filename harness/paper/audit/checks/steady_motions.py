@@ -56,20 +56,17 @@ def standing_on_the_rim() -> Both:
     signs = [[mp.sign(f(place)) for place in places] for f in falls]
     zeros = {sum(x != y for x, y in pairwise(row)) for row in signs}
     return Both(
-        parts=(
-            IdentityEvidence(
-                printed=sp.Matrix([0, 0, 0, sp.atan(1 / h)]),
-                compared=left,
-                derived=sp.zeros(6, 1),
-                source=EQUATIONS,
-            ),
-            Fact(
-                printed=1,
-                holds=lambda count: zeros == {count},
-                others=(0, 2),
-                how="at rest phi'' changes its sign once in (0, pi/2), for h = 0.2, 1.473 and 5",
-            ),
-        )
+        IdentityEvidence(
+            printed=sp.Matrix([0, 0, 0, sp.atan(1 / h)]),
+            compared=left,
+            derived=sp.zeros(6, 1),
+            source=EQUATIONS,
+        ),
+        Fact(
+            printed=1,
+            holds=lambda count: zeros == {count},
+            how="at rest phi'' changes its sign once in (0, pi/2), for h = 0.2, 1.473 and 5",
+        ),
     )
 
 
@@ -190,7 +187,6 @@ def stability_of_rolling() -> Fact:
         printed=PRINTED_CRITICAL,
         holds=separates,
         corrected=CRITICAL,
-        others=(2 * CRITICAL, CRITICAL / 2, PRINTED_CRITICAL),
         how="lambda^2 from the linearised equations is negative for Theta^2 1 % above sqrt(h^2+1)"
         "/(k c_p (c_p + h^2)) and positive 1 % below, for three cans; the printed Theta_crit "
         f"({_critical(PRINTED_CRITICAL)} for the paper's can) lies where rolling is saddle-like",
@@ -245,7 +241,6 @@ def saddle_of_panel_b() -> Fact:
     value = mp.mpmathify(square.subs(can))
     return Fact(
         printed="saddle",
-        others=("centre",),
         holds=lambda word: (word == "saddle") == (value > 0),
         how=f"lambda^2 = {mp.nstr(value, 4)} at theta' = 2 rad/s; of the reduced equation see "
         "text:no balance",
@@ -292,7 +287,6 @@ def range_of_rest() -> Fact:
         printed=((0, star),),
         holds=right,
         corrected=((0, star), (edge, end)),
-        others=(((0, star),), ((0, edge),), ((0, end),), ((star, end),)),
         how=f"phi'' = 0 asks for Psi^2 = {mp.nstr(square(mp.radians(60)), 5)} > 0 at phi = 60 "
         "degrees too",
         correct="for a > c it exists for phi < phi* and again for phi > arctan(a/(c h)), "
@@ -313,6 +307,5 @@ def steady_beyond_balance() -> Fact:
     return Fact(
         printed="exist",
         holds=lambda word: (word == "exist") == steady,
-        others=("do not exist",),
         how=f"phi = 60 degrees, Psi = 1 is steady with Theta = {mp.nstr(mp.mpmathify(found), 5)}",
     )

@@ -70,7 +70,6 @@ def centre_at_rest() -> IdentityEvidence:
         printed=SIDE,
         compared=lambda condition: velocity.subs(Theta, sp.solve(condition, Theta)[0]),
         derived=sp.zeros(3, 1),
-        others=(SIDE - 2 * Theta, SIDE + Theta, Psi * (Co + h * S) + Theta),
         source="rolling",
     )
 
@@ -110,7 +109,6 @@ def circles() -> Fact:
     return Fact(
         printed=(sp.Integer(0), Psi),
         corrected=(Psi,),
-        others=((sp.Integer(0), Psi), (sp.Integer(0),)),
         holds=lambda said: all(per_speed.subs(Psi, precession) != 0 for precession in said),
         how=f"sympy: the path of the centre turns at the rate {per_speed}, which is 0 in straight "
         "rolling",
@@ -131,15 +129,13 @@ def straight_rolling() -> Both:
         return sp.Matrix([at_balance(rates[phi_dd]).subs({Phi: 0, Psi: precession}), *still])
 
     return Both(
-        parts=(
-            IdentityEvidence(
-                printed=Theta**2, derived=sp.simplify(velocity.dot(velocity)), source="rolling"
-            ),
-            IdentityEvidence(
-                printed=sp.Integer(0),  # Psi
-                compared=left,
-                derived=sp.zeros(4, 1),
-                source=f"{EQUATIONS} and the turning of the velocity",
-            ),
-        )
+        IdentityEvidence(
+            printed=Theta**2, derived=sp.simplify(velocity.dot(velocity)), source="rolling"
+        ),
+        IdentityEvidence(
+            printed=sp.Integer(0),  # Psi
+            compared=left,
+            derived=sp.zeros(4, 1),
+            source=f"{EQUATIONS} and the turning of the velocity",
+        ),
     )

@@ -4,8 +4,7 @@ import pytest
 
 from harness.paper.audit import CLAIMS, AuditRow, ClaimStatus, audit_table, checks, counts, markdown
 from harness.paper.audit.claims import ERRORS, WRONG, Weight, symbols_apart
-from harness.paper.audit.evidence import check, check_of, labels_with_checks, name_of
-from harness.paper.audit.run import audit
+from harness.paper.audit.evidence import audit, check, check_of, labels_with_checks, name_of
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +23,7 @@ def test_every_claim_has_a_check_and_every_check_a_claim() -> None:
 
 
 def test_every_check_is_named_after_its_file() -> None:
-    files = {name for name in vars(checks) if not name.startswith("_")}
+    files = {name for name in vars(checks) if not name.startswith("_")} - {"audit"}
     named = [name_of(claim.label).split(".") for claim in CLAIMS]
     assert {file for file, _ in named} <= files
     assert all(function.isidentifier() for _, function in named)

@@ -15,7 +15,7 @@ def test_without_sympy_one_message_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     # as if the module that needs sympy had never been imported and could not be
-    monkeypatch.setitem(sys.modules, "harness.paper.audit.run", None)
+    monkeypatch.setitem(sys.modules, "harness.paper.audit.checks", None)
     with pytest.raises(MissingMathematicsError, match=r"pip install 'rockingcan\[paper\]'"):
         audit(tmp_path)
     assert not list(tmp_path.iterdir())

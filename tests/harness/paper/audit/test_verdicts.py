@@ -1,6 +1,7 @@
 """A verdict follows from its evidence, and from nothing else."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import mpmath as mp
 import pytest
@@ -17,7 +18,8 @@ from harness.paper.audit.evidence import (
     OutOfReach,
     Rate,
 )
-from harness.paper.audit.symbols import MOST, Co, S, disagreement, mutated, phi, tidy, vanishes
+from harness.paper.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
+from tests.harness.paper.audit.wrong_claims import MOST, mutated, right_claim, wrong_claims
 
 
 def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
@@ -30,7 +32,6 @@ def four(printed: int, *, corrected: int | None = None, correct: str = "") -> Fa
     return Fact(
         printed=printed,
         holds=lambda n: n == 4,
-        others=(3, 5),
         how="counted",
         corrected=corrected,
         correct=correct,
@@ -107,15 +108,14 @@ def test_a_form_that_its_remainder_refuses_is_false() -> None:
         printed=1,
         remainder=falling,
         corrected=2,
-        others=(1,),
         stated=2,
         at=(1e-5, 1e-8),
         source="a toy",
         correct="the square",
     )
     assert verdict(rate) is ClaimStatus.FALSE
-    assert verdict(rate.as_corrected()) is ClaimStatus.TO_ORDER
-    assert {verdict(other) for other in rate.as_corrected().mutations()} <= WRONG
+    assert verdict(right_claim(rate)) is ClaimStatus.TO_ORDER
+    assert verdict(replace(right_claim(rate), stated=3)) in WRONG
 
 
 def test_a_remainder_may_be_put_right_by_another_power() -> None:
@@ -123,7 +123,9 @@ def test_a_remainder_may_be_put_right_by_another_power() -> None:
         printed=1, remainder=falling, corrected_to=1, stated=2, at=(1e-5, 1e-8), source="a toy"
     )
     assert verdict(rate) is ClaimStatus.FALSE
-    assert rate.as_corrected().stated == 1
+    right = right_claim(rate)
+    assert isinstance(right, Rate)
+    assert right.stated == 1
 
 
 @pytest.mark.parametrize(
@@ -152,24 +154,26 @@ def test_rounded_inputs_widen_a_number() -> None:
 def test_the_gravest_part_decides() -> None:
     good, bad = four(4), four(5, correct="this")
     false = four(3, correct="that", corrected=4)
-    assert verdict(Both(parts=(good, good))) is ClaimStatus.HOLDS
-    assert verdict(Both(parts=(good, bad))) is ClaimStatus.INCONSISTENT
-    assert verdict(Both(parts=(good, false))) is ClaimStatus.FALSE
-    assert verdict(Both(parts=(bad, false))) is ClaimStatus.FALSE
-    assert Both(parts=(bad, false)).ruling().correct == "this; that"
-    assert verdict(Both(parts=(good, false)).as_corrected()) is ClaimStatus.HOLDS
+    assert verdict(Both(good, good)) is ClaimStatus.HOLDS
+    assert verdict(Both(good, bad)) is ClaimStatus.INCONSISTENT
+    assert verdict(Both(good, false)) is ClaimStatus.FALSE
+    assert verdict(Both(bad, false)) is ClaimStatus.FALSE
+    assert Both(bad, false).ruling().correct == "this; that"
+    assert verdict(right_claim(Both(good, false))) is ClaimStatus.HOLDS
 
 
 def test_a_statement_is_mutated_part_by_part() -> None:
-    mutations = list(Both(parts=(four(4), four(4))).mutations())
-    assert [verdict(x) for x in mutations] == [ClaimStatus.INCONSISTENT] * 4
+    parts = four(5, corrected=4), Both(four(3, corrected=4), four(4))
+    mutations = list(wrong_claims("toy", Both(*parts)))
+    assert [verdict(x) for x in mutations] == [ClaimStatus.FALSE] * 2
 
 
 @pytest.mark.parametrize("printed", ["209", "1.43e-10", "0.40", "4.3e-2"])
 def test_a_number_is_mutated_in_its_last_digit(printed: str) -> None:
     number = Number(printed=printed, value=mp.mpf(printed), source="a toy")
-    assert number.as_corrected().printed == printed
-    assert [verdict(x) for x in number.mutations()] == [ClaimStatus.INCONSISTENT] * 2
+    assert right_claim(number) == number
+    mutations = list(wrong_claims("toy", number))
+    assert [verdict(x) for x in mutations] == [ClaimStatus.INCONSISTENT] * 2
 
 
 def test_mutations_of_a_form_are_other_forms() -> None:
