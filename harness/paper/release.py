@@ -5,13 +5,18 @@ from functools import cache
 
 import numpy as np
 
-from reference import PAPER_CAN, Problem, Solution, solve
+from harness.core.trajectory import Floats
+from reference import PAPER_CAN, Problem, Solution, States, solve
 from reference.asymptotic.expansions import expansions
 
 SECOND = math.sqrt(0.037 / 9.81)
 """sqrt(R/g) in s: the paper prints releases in rad/s, and no g."""
 PHI = math.pi / 100
 PSI_DOT, THETA_DOT = 0.1001, -0.1
+INNER = 0.1
+"""The paper colours phi < phi_0/10 as the inner region."""
+STEEP = (1e-8, 1e-10)
+"""Values of eps between which a rate is observed."""
 
 
 def problem(
@@ -63,6 +68,19 @@ def solved(posed: Problem, model: str = "rolling", *, locus: bool = False) -> So
 def bounce() -> Solution:
     """Return one bounce of the paper's release, with the contact locus."""
     return solved(problem(bounces=1), locus=True)
+
+
+def contact_locus(states: States) -> tuple[Floats, Floats]:
+    """Return the place of the contact point on the plane.
+
+    Raises
+    ------
+    ValueError
+        If the states are of a solution without the contact locus.
+    """
+    if states.x is None or states.y is None:
+        raise ValueError("the contact locus was asked for and is missing")
+    return states.x, states.y
 
 
 def reduced_bounce() -> Solution:

@@ -25,59 +25,46 @@ class Evidence(Protocol):
 
 
 AnyCheck = TypeVar("AnyCheck", bound=Callable[..., Evidence])
-_CHECKS: dict[str, Callable[[], Evidence]] = {}
-_NAMES: dict[str, str] = {}
+CHECKS: dict[str, partial[Evidence]] = {}
+"""The check of each claim by its label, once `harness.paper.audit.checks` is imported."""
 
 
-def check(label: str, *arguments: object) -> Callable[[AnyCheck], AnyCheck]:
-    """Register a function as the check of a claim.
+def check(*labels: str) -> Callable[[AnyCheck], AnyCheck]:
+    """Register a function as the check of claims."""
+    return check_each(dict.fromkeys(labels, ()))
 
-    Parameters
-    ----------
-    label : str
-        Of the claim.
-    arguments : object
-        What the function is called with: claims that differ in these alone share it.
+
+def check_each(arguments: Mapping[str, tuple[Any, ...]]) -> Callable[[AnyCheck], AnyCheck]:
+    """Register a function as the check of claims, by label what it is called with.
 
     Raises
     ------
     ValueError
-        If the label has a check already.
+        If a label has a check already.
     """
-    return check_each({label: arguments})
-
-
-def check_each(arguments: Mapping[str, tuple[Any, ...]]) -> Callable[[AnyCheck], AnyCheck]:
-    """Register a function as the check of several claims, by label what it is called with."""
 
     def register(function: AnyCheck) -> AnyCheck:
         for label, values in arguments.items():
-            if label in _CHECKS:
+            if label in CHECKS:
                 raise ValueError(f"'{label}' has two checks")
-            _CHECKS[label] = partial(function, *values)
-            _NAMES[label] = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+            CHECKS[label] = partial(function, *values)
         return function
 
     return register
 
 
-def check_of(label: str) -> Callable[[], Evidence]:
-    """Return the check of a claim."""
-    return _CHECKS[label]
-
-
 def name_of(label: str) -> str:
     """Return module and function of a claim's check."""
-    return _NAMES[label]
-
-
-def labels_with_checks() -> frozenset[str]:
-    """Return the labels of the claims that have a check."""
-    return frozenset(_CHECKS)
+    function = CHECKS[label].func
+    return f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
 
 
 RATE_SLACK = 0.15
 """What a logarithm in a remainder takes off an observed rate at the parameters used here."""
+
+
+NEAR = mp.mpf("0.01")
+"""Relative error at which an approximation is left: the power of eps does not depend on it."""
 
 
 def digits(value: object, count: int = 4) -> str:
@@ -148,7 +135,7 @@ class Rate:
     printed : object
         The claim whose remainder it is: mostly an expression.
     remainder : callable
-        From a claim to a function that returns, at a small parameter, the size of what it neglects.
+        Returns the size of what a claim neglects at a small parameter.
     stated : float
         The power.
     at : pair of float
@@ -162,7 +149,7 @@ class Rate:
     """
 
     printed: Any
-    remainder: Callable[[Any], Callable[[mp.mpf], mp.mpf]]
+    remainder: Callable[[Any, mp.mpf], mp.mpf]
     stated: float
     at: tuple[float, float]
     source: str
@@ -190,9 +177,9 @@ class Rate:
 
     def _observed(self) -> mp.mpf:
         with mp.workdps(60):  # cancellation of neighbouring terms, then eighteen digits to spare
-            remainder = self.remainder(self.printed)
             big, small = (mp.mpf(repr(x)) for x in self.at)
-            return mp.log(abs(remainder(big)) / abs(remainder(small))) / mp.log(big / small)
+            left = [abs(self.remainder(self.printed, x)) for x in (big, small)]
+            return mp.log(left[0] / left[1]) / mp.log(big / small)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -326,7 +313,7 @@ def audit(
         if on_start is not None:
             on_start(claim)
         start = time.perf_counter()
-        ruling = check_of(claim.label)().ruling()
+        ruling = CHECKS[claim.label]().ruling()
         yield AuditRow(
             claim=claim,
             ruling=ruling,

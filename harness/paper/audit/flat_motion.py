@@ -16,6 +16,15 @@ with mp.workdps(80):
     gamma, beta = 2 + k, k * h
 
 
+CONSTANTS = mp.mpf("0.75"), mp.mpf(1)
+"""B_0 and B_-2 of the motion along which remainders are measured; exact as binary numbers."""
+RATES = mp.mpf(1), mp.mpf("0.3125")
+"""Psi and Theta at which constants are compared; exact as binary numbers."""
+TINY = (1e-5, 1e-8)
+"""Nutations between which the error of a constant is observed."""
+EXACT = "the exact constants by the Wronskian, at fixed Psi and Theta"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flat:
     """Values and slopes of the two solutions at one nutation."""

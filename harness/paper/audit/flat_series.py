@@ -9,9 +9,10 @@ from collections import defaultdict
 from collections.abc import Sequence
 from functools import cache
 
+import mpmath as mp
 import sympy as sp
 
-from harness.paper.audit import symbols
+from harness.paper.audit import paper_can, symbols
 from harness.paper.audit.symbols import B0, B2, Expr, log_phi, phi
 
 k, h, c_p = sp.symbols("k h c_p", positive=True)
@@ -22,6 +23,16 @@ COT, SIN, COS, COS_2 = (
     sp.series(function, phi, 0, 11).removeO()
     for function in (sp.cot(phi), sp.sin(phi), sp.cos(phi), sp.cos(2 * phi))
 )
+
+
+NUMBERS = {k: paper_can.k, h: paper_can.h, c_p: paper_can.c_p}
+
+
+@cache
+def valued(form: Expr, *letters: Expr) -> "sp.Lambda":
+    """Return a form in phi and its logarithm as a function of phi and letters, for the can."""
+    function = sp.lambdify((phi, log_phi, *letters, *NUMBERS), form, "mpmath")
+    return lambda x, *values: function(x, mp.log(x), *values, *NUMBERS.values())
 
 
 def slope(expression: Expr) -> Expr:

@@ -81,9 +81,21 @@ def body_rates() -> tuple[Expr, Expr]:
 
 
 @cache
+def angular_momentum() -> Expr:
+    """Angular momentum about the centre, in B."""
+    return sp.diag(a, a, c) * body_rates()[1]
+
+
+@cache
 def centre_velocity() -> Expr:
     """Velocity of the centre in G when the contact point is at rest."""
     return -rotation() * body_rates()[1].cross(ARM)
+
+
+@cache
+def contact_velocity() -> Expr:
+    """Velocity in G of the place of contact, which does not turn with theta."""
+    return centre_velocity() + rate(rotation() * ARM)
 
 
 @cache
@@ -96,7 +108,7 @@ def contact_force() -> Expr:
 def moment_balance() -> Expr:
     """Residual of the balance of angular momentum about the centre, per m g R, seen in B."""
     turned = rotation()
-    momentum = turned * (sp.diag(a, a, c) * body_rates()[1])
+    momentum = turned * angular_momentum()
     residual = rate(momentum) - (turned * ARM).cross(contact_force())
     return tidy(turned.T * residual)
 
@@ -118,3 +130,13 @@ def papers_accelerations() -> dict[Expr, Expr]:
         )
         / (a_p + 1),
     }
+
+
+EQUATIONS = "the equations of motion"
+REACH = sp.sqrt(1 + h**2)
+BALANCED = {sp.sin(phi): 1 / REACH, sp.cos(phi): h / REACH}
+
+
+def at_balance(expression: Expr) -> Expr:
+    """Insert phi = phi*, where tan phi* = 1/h."""
+    return sp.expand_trig(expression).subs(BALANCED)

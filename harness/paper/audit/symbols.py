@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 import mpmath as mp
 import sympy as sp
 
+from harness.paper.audit import paper_can
+
 Expr: TypeAlias = Any
 """A sympy expression or matrix: sympy's own types do not survive its arithmetic."""
 
@@ -21,6 +23,8 @@ phi, psi, theta = sp.symbols("phi psi theta", positive=True)
 Phi, Psi, Theta = sp.symbols("Phi Psi Theta", real=True)
 phi_dd, psi_dd, theta_dd = sp.symbols("phi_dd psi_dd theta_dd", real=True)
 S, Co = sp.sin(phi), sp.cos(phi)
+CAN = {a: paper_can.a, c: paper_can.c, h: paper_can.h}
+"""The letters of the paper's can."""
 log_phi = sp.Symbol("log_phi", real=True)
 B0, B2 = sp.symbols("B_0 B_2", real=True)
 eps, zeta, tau, T = sp.symbols("epsilon zeta tau T", positive=True)

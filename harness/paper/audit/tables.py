@@ -3,9 +3,7 @@
 from collections.abc import Sequence
 from itertools import groupby
 
-import pandas as pd
-
-from harness.core.report_model import Prose, Table
+from harness.core.report_model import Column, Prose, Table, table_of
 from harness.paper.audit.claims import (
     ERRORS,
     MEANINGS,
@@ -16,45 +14,39 @@ from harness.paper.audit.claims import (
     Weight,
 )
 
-COLUMNS = {
-    "label": "The paper's label; text:, caption: and app: name claims without one",
-    "section": "Section or appendix of the paper",
-    "place": "Number of the equation in print, or where the statement stands",
-    "says": "The claim in a few words",
-    "printed": "The claim as printed, in LaTeX",
-    "verdict": "How it stands",
-    "errors": "The errors for which it is wrong, several claims may share one",
-    "correct": "The right form or number, where it is another",
-    "how": "How it was checked, with what decided",
-    "check": "The function that computed the verdict, under harness/paper/audit/checks",
-}
+COLUMNS = (
+    Column(
+        name="label",
+        meaning="The paper's label; text:, caption: and app: name claims without one",
+        value="claim.label",
+    ),
+    Column(name="section", meaning="Section or appendix of the paper", value="claim.section"),
+    Column(
+        name="place",
+        meaning="Number of the equation in print, or where the statement stands",
+        value="claim.place",
+    ),
+    Column(name="says", meaning="The claim in a few words", value="claim.says"),
+    Column(name="printed", meaning="The claim as printed, in LaTeX", value="claim.printed"),
+    Column(name="verdict", meaning="How it stands", value="status.value"),
+    Column(
+        name="errors",
+        meaning="The errors for which it is wrong, several claims may share one",
+        value=lambda row: "; ".join(row.claim.errors),
+    ),
+    Column(name="correct", meaning="The right form or number, where it is another"),
+    Column(name="how", meaning="How it was checked, with what decided", value="ruling.how"),
+    Column(
+        name="check",
+        meaning="The function that computed the verdict, under harness/paper/audit/checks",
+    ),
+)
 PAPER = "Collins, Hall and Hogan, *The rocking can*, arXiv:2302.08335"
 
 
 def audit_table(rows: Sequence[AuditRow]) -> Table:
     """Return the audit as a table, a row each, in the order of the paper."""
-    cells = [
-        (
-            row.claim.label,
-            row.claim.section,
-            row.claim.place,
-            row.claim.says,
-            row.claim.printed,
-            row.status.value,
-            "; ".join(row.claim.errors),
-            row.correct,
-            row.ruling.how,
-            row.check,
-        )
-        for row in rows
-    ]
-    return Table(
-        name="audit",
-        title="Audit of the paper",
-        frame=pd.DataFrame(cells, columns=list(COLUMNS)),
-        columns=COLUMNS,
-        shown=tuple(COLUMNS),
-    )
+    return table_of("audit", "Audit of the paper", COLUMNS, rows)
 
 
 def counts(rows: Sequence[AuditRow]) -> dict[ClaimStatus, int]:

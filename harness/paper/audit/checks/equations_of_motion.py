@@ -7,6 +7,7 @@ import sympy as sp
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each
 from harness.paper.audit.newton_euler import (
     ARM,
+    angular_momentum,
     body_rates,
     centre_velocity,
     moment_balance,
@@ -152,13 +153,16 @@ def rates(rate: Expr, acceleration: Expr) -> IdentityEvidence:
     )
 
 
+ABOUT = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
+"""The inertia about the contact point."""
+
+
 @check("text:a_p and c_p")
 def moments_about_the_contact() -> IdentityEvidence:
     """Move the inertia to the contact point."""
-    about = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
     return IdentityEvidence(
         printed=sp.Matrix([a + h**2, c + 1]),
-        derived=sp.Matrix([about[0, 0], about[2, 2]]),
+        derived=sp.Matrix([ABOUT[0, 0], ABOUT[2, 2]]),
         source="the parallel-axis theorem",
     )
 
@@ -166,8 +170,7 @@ def moments_about_the_contact() -> IdentityEvidence:
 @check("text:k")
 def the_constant_k() -> IdentityEvidence:
     """Invert the inertia about the contact, where psi'' and theta'' meet."""
-    about = sp.diag(a, a, c) + (ARM.dot(ARM) * sp.eye(3) - ARM * ARM.T)
-    block = about[0, 0] * about[2, 2] - about[0, 2] ** 2
+    block = ABOUT[0, 0] * ABOUT[2, 2] - ABOUT[0, 2] ** 2
     return IdentityEvidence(
         printed=k, derived=c / block, source="c over the determinant of the inertia about P"
     )
@@ -210,8 +213,8 @@ def pendulum_solution() -> Both:
 @check("text:energy")
 def conservation_of_energy() -> IdentityEvidence:
     """Differentiate it along eq01:non_dimensionalised_eom."""
-    spin, velocity = body_rates()[1], centre_velocity()
-    turning, moving = spin.dot(sp.diag(a, a, c) * spin) / 2, tidy(velocity.dot(velocity) / 2)
+    velocity, turning = centre_velocity(), body_rates()[1].dot(angular_momentum()) / 2
+    moving = tidy(velocity.dot(velocity) / 2)
     energy = turning + moving + S + h * Co
     return IdentityEvidence(
         printed=energy,

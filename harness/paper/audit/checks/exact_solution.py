@@ -9,7 +9,7 @@ import sympy as sp
 from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit import flat_series as series
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Number, Rate, check
-from harness.paper.audit.flat_motion import exact_constants, rates
+from harness.paper.audit.flat_motion import CONSTANTS, EXACT, RATES, TINY, exact_constants, rates
 from harness.paper.audit.newton_euler import papers_accelerations
 from harness.paper.audit.symbols import (
     Co,
@@ -169,7 +169,7 @@ def inverse_square() -> Rate:
     """phi^2 Psi tends to a constant."""
     return Rate(
         printed=-2,
-        remainder=lambda power: lambda x: rates(x, mp.mpf("0.7"), mp.mpf(1))[0] / x**power - 1,
+        remainder=lambda power, x: rates(x, mp.mpf("0.7"), mp.mpf(1))[0] / x**power - 1,
         stated=1,
         at=(1e-6, 1e-9),
         source="the exact solution over the power",
@@ -195,9 +195,6 @@ def growth_of_the_sum() -> Fact:
     )
 
 
-EXACT = "the exact constants by the Wronskian, at fixed Psi and Theta"
-PSI, THETA = mp.mpf(1), mp.mpf("0.3125")  # exact as binary numbers
-TINY = (1e-5, 1e-8)
 SMALL = (1e-9, 1e-12)
 kc = series.k * series.c_p
 beta = series.h * series.k
@@ -213,31 +210,16 @@ PRINTED_ZERO = (
 PRINTED_TWO = (-kc / 2 * (Theta + Psi) + Psi) * phi**2
 
 
-def valued(form: Expr) -> "sp.Lambda":
-    """Return a form in phi, its logarithm, Psi and Theta as a function of phi and the rates."""
-    p = paper_can
-    function = sp.lambdify(
-        (phi, log_phi, Psi, Theta, series.k, series.h, series.c_p), form, "mpmath"
-    )
-    return lambda x, psi_, theta_: function(x, mp.log(x), psi_, theta_, p.k, p.h, p.c_p)
-
-
 @check("eq01:psi_diff_phi_small_phi")
 def slope_at_release() -> Rate:
     """Compare with the slope itself."""
-    p = paper_can
-
-    def remainder(form: Expr) -> "sp.Lambda":
-        value, both = valued(form), p.k * p.c_p
-
-        def left(x: mp.mpf) -> mp.mpf:
-            slope = both * THETA + ((both - 2) * mp.cos(x) - p.h * p.k * mp.sin(x)) * PSI
-            return value(x, PSI, THETA) - slope / mp.sin(x)
-
-        return left
-
+    exact = (kc * Theta + ((kc - 2) * Co - beta * S) * Psi) / S
     return Rate(
-        printed=PRINTED_SLOPE, remainder=remainder, stated=3, at=TINY, source="eq01:psi_diff_phi"
+        printed=PRINTED_SLOPE,
+        remainder=lambda form, x: series.valued(form - exact, Psi, Theta)(x, *RATES),
+        stated=3,
+        at=TINY,
+        source="eq01:psi_diff_phi",
     )
 
 
@@ -259,22 +241,21 @@ def _coefficients_of_zero(form: Expr) -> Expr:
     return series.in_inertias(sp.Matrix([*plain, whole.coeff(log_phi, 1).coeff(phi, 2)]))
 
 
+def _against_the_exact_constant(printed: Expr, which: int) -> Rate:
+    """Compare a form of B_0 or of B_-2 with the exact constant."""
+
+    def remainder(form: Expr, x: mp.mpf) -> mp.mpf:
+        exact = flat_motion.constants(x, *RATES)[which]
+        return series.valued(form, Psi, Theta)(x, *RATES) - exact
+
+    return Rate(printed=printed, remainder=remainder, stated=3, at=TINY, source=EXACT)
+
+
 @check("eq01:A_sol")
 def regular_constant() -> Both:
     """Compare with the exact constant, and every coefficient with letters."""
-
-    def remainder(form: Expr) -> "sp.Lambda":
-        value = valued(form)
-        return lambda x: value(x, PSI, THETA) - flat_motion.constants(x, PSI, THETA)[0]
-
     return Both(
-        Rate(
-            printed=PRINTED_ZERO,
-            remainder=remainder,
-            stated=3,
-            at=TINY,
-            source=EXACT,
-        ),
+        _against_the_exact_constant(PRINTED_ZERO, 0),
         IdentityEvidence(
             printed=PRINTED_ZERO,
             compared=_coefficients_of_zero,
@@ -284,15 +265,10 @@ def regular_constant() -> Both:
     )
 
 
-def _error_of_two(form: Expr) -> "sp.Lambda":
-    value = valued(form)
-    return lambda x: value(x, PSI, THETA) - flat_motion.constants(x, PSI, THETA)[1]
-
-
 @check("eq01:B_sol")
 def singular_constant() -> Rate:
     """Compare with the exact constant; there is no logarithm in the remainder."""
-    return Rate(printed=PRINTED_TWO, remainder=_error_of_two, stated=3, at=TINY, source=EXACT)
+    return _against_the_exact_constant(PRINTED_TWO, 1)
 
 
 @check("eq01:b_sol_later")
@@ -303,25 +279,23 @@ def singular_constant_again() -> Both:
         IdentityEvidence(
             printed=later, derived=sp.expand(PRINTED_TWO / phi**2), source="eq01:B_sol"
         ),
-        Rate(printed=later * phi**2, remainder=_error_of_two, stated=3, at=TINY, source=EXACT),
+        _against_the_exact_constant(later * phi**2, 1),
     )
 
 
 @check("text:conserved")
 def constants_stay() -> Both:
     """Follow both expansions along an exact motion: Psi grows as phi^-2 on it."""
-    values = mp.mpf("0.75"), mp.mpf(1)
 
-    def along(which: int, form: Expr) -> "sp.Lambda":
-        value = valued(form)
-        return lambda x: value(x, *flat_motion.rates(x, *values)) - values[which]
+    def along(which: int, form: Expr, x: mp.mpf) -> mp.mpf:
+        value = series.valued(form, Psi, Theta)
+        return value(x, *flat_motion.rates(x, *CONSTANTS)) - CONSTANTS[which]
 
     return Both(
         *(
             Rate(
                 printed=form,
                 remainder=partial(along, which),
-                # Psi + Theta, a logarithm, shows at the lowest order only, Psi at every one
                 stated=1,
                 at=SMALL,
                 source=f"{name} along an exact motion: what is cut off is phi^3 Psi",
@@ -344,7 +318,8 @@ def drift_of_the_truncated_constants() -> Fact:
     with mp.workdps(30):
         exact = exact_constants()
         for name, form in forms.items():
-            values = [valued(form)(x, *flat_motion.rates(x, *exact)) for x in places]
+            value = series.valued(form, Psi, Theta)
+            values = [value(x, *flat_motion.rates(x, *exact)) for x in places]
             swing[name] = float((max(values) - min(values)) / max(abs(x) for x in values))
     return Fact(
         printed=("B_0", "B_-2"),

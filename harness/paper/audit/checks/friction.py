@@ -8,8 +8,6 @@ import sympy as sp
 
 from harness.paper import release
 from harness.paper.audit import paper_can
-from harness.paper.audit.checks.locus import INNER
-from harness.paper.audit.checks.matching import STEEP
 from harness.paper.audit.claims import ClaimStatus
 from harness.paper.audit.evidence import (
     Both,
@@ -146,15 +144,15 @@ def bound_approached(*zetas: float) -> Rate:
     """Exact peaks for two values of eps, and for releases with several zeta."""
     can = {a: PAPER_CAN.a, h: PAPER_CAN.h}
 
-    def remainder(bound: Expr) -> "sp.Lambda":
+    def remainder(bound: Expr, small: mp.mpf) -> mp.mpf:
         value = float(bound.subs(can))
-        return lambda small: mp.mpf(max(abs(_peak(float(small), z) - value) for z in zetas))
+        return mp.mpf(max(abs(_peak(float(small), zeta) - value) for zeta in zetas))
 
     return Rate(
         printed=h / (a + h**2),
         remainder=remainder,
         stated=1 / 2,
-        at=STEEP,
+        at=release.STEEP,
         source="the exact peaks, which approach it, for zeta = " + ", ".join(map(str, zetas)),
     )
 
@@ -164,7 +162,7 @@ def _largest_ratios() -> tuple[float, float]:
     """Return the largest |F|/N of the release in the outer and in the inner region."""
     solution = release.bounce()
     states = solution.at(solution.grid())
-    outside = states.phi >= INNER * release.PHI
+    outside = states.phi >= release.INNER * release.PHI
     ratio = ratio_of(states, PAPER_CAN)
     return float(ratio[outside].max()), solution.bounces[0].peak_friction_ratio
 

@@ -5,7 +5,7 @@ from functools import cache
 import sympy as sp
 
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
-from harness.paper.audit.newton_euler import body_rates, rate
+from harness.paper.audit.newton_euler import angular_momentum, body_rates, rate
 from harness.paper.audit.symbols import (
     Co,
     Expr,
@@ -33,9 +33,8 @@ LAGRANGIAN = (
 @check("app:Lagrangian")
 def lagrangian() -> IdentityEvidence:
     """I Omega Omega/2 and the height of the centre, S + h C."""
-    omega = body_rates()[1]
     height = S + h * Co
-    turning = omega.dot(sp.diag(a, a, c) * omega) / 2
+    turning = body_rates()[1].dot(angular_momentum()) / 2
     return IdentityEvidence(
         printed=LAGRANGIAN,
         derived=turning + (height.diff(phi) * Phi) ** 2 / 2 - height,

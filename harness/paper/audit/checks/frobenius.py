@@ -3,26 +3,15 @@
 import mpmath as mp
 import sympy as sp
 
-from harness.paper.audit import flat_motion as exact
 from harness.paper.audit import flat_series as series
-from harness.paper.audit import paper_can
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check, check_each
+from harness.paper.audit.flat_motion import CONSTANTS, rates
 from harness.paper.audit.flat_series import c_p, coefficient, h, in_inertias, k
 from harness.paper.audit.symbols import B0, B2, Expr, log_phi, phi
 
 ODE = "the Frobenius series derived from the closed subsystem"
-NUMBERS = {k: paper_can.k, h: paper_can.h, c_p: paper_can.c_p}
 beta, gamma = k * h, 2 + k
 SMALL = (1e-8, 1e-11)
-ZERO_, TWO_ = mp.mpf("0.75"), mp.mpf(1)
-"""Constants of the motion at which remainders are measured; exact as binary numbers."""
-
-
-def numeric(form: Expr) -> "sp.Lambda":
-    """Return a form in phi and its logarithm as a function of a number."""
-    plain = form.subs({B0: sp.Rational(3, 4), B2: 1})
-    function = sp.lambdify((phi, log_phi, *NUMBERS), plain, "mpmath")
-    return lambda x: function(x, mp.log(x), *NUMBERS.values())
 
 
 def same(printed: Expr, derived: Expr, source: str = ODE) -> IdentityEvidence:
@@ -172,29 +161,21 @@ def listed(form: Expr, stated: int) -> Expr:
     )
 
 
-def error_of_psi(form: Expr) -> "sp.Lambda":
-    """Return the remainder of a form of Psi as a function of phi."""
-    value = numeric(form)
-    return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[0]
-
-
-def error_of_theta(form: Expr) -> "sp.Lambda":
-    """Return the remainder of a form of Theta as a function of phi."""
-    value = numeric(form)
-    return lambda x: value(x) - exact.rates(x, ZERO_, TWO_)[1]
-
-
 def _series(of: str, printed: Expr, stated: int, corrected: Expr | None = None) -> Both:
     """Compare every printed coefficient, and the remainder with the exact solution.
 
     A series up to O(phi^stated) has its terms below that, and those beside log phi with it.
     """
-    psi = of == "Psi"
-    solution = series.precession() if psi else series.rotation_rate()
+    which = ("Psi", "Theta").index(of)
+    solution = (series.precession, series.rotation_rate)[which]()
+
+    def remainder(form: Expr, x: mp.mpf) -> mp.mpf:
+        return series.valued(form, B0, B2)(x, *CONSTANTS) - rates(x, *CONSTANTS)[which]
+
     return Both(
         Rate(
             printed=printed,
-            remainder=error_of_psi if psi else error_of_theta,
+            remainder=remainder,
             corrected=corrected,
             stated=stated,
             at=SMALL,

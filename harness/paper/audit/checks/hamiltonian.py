@@ -11,15 +11,14 @@ from scipy.optimize import brentq
 
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
-from harness.paper.audit.checks.outer import POWERS, a_
 from harness.paper.audit.evidence import Fact, IdentityEvidence, check
 from harness.paper.audit.flat_motion import exact_constants
+from harness.paper.audit.reduced_form import FORCE, HAMILTONIAN, POWERS, a_
 from harness.paper.audit.symbols import A, Expr, H, Phi, R, a_p, eps, g, m, phi
 from reference import PAPER_CAN
 from reference.asymptotic.small_nutation import reduced_equation, reduced_of
 
 log = sp.log(phi)
-FORCE = eps * sum(a_[n] * log**j / phi**i for n, (i, j) in POWERS.items()) - 1
 PRINTED = (
     Phi**2 / 2
     + phi
@@ -32,18 +31,6 @@ PRINTED = (
         - a_["3"] / (2 * phi**2)
     )
 )
-MENDED = (
-    Phi**2 / 2
-    + phi
-    - eps
-    * (
-        log**2 * (a_["l1"] / 2 + a_["ll"] * phi)
-        + ((a_["l0"] - 2 * a_["ll"]) * phi + a_["1"] - a_["l2"] / phi) * log
-        + (a_["0"] + 2 * a_["ll"] - a_["l0"]) * phi
-        - (a_["2"] + a_["l2"]) / phi
-        - a_["3"] / (2 * phi**2)
-    )
-)
 
 
 @check("eq01:hamiltonian1")
@@ -51,7 +38,7 @@ def hamiltonian() -> IdentityEvidence:
     """Its slope in phi is minus the right side of eq01:Phi_reduced, that in Phi is Phi."""
     return IdentityEvidence(
         printed=PRINTED,
-        corrected=MENDED,
+        corrected=HAMILTONIAN,
         compared=lambda energy: sp.Matrix([-energy.diff(phi), energy.diff(Phi)]),
         derived=sp.Matrix([FORCE, Phi]),
         source="eq01:Phi_reduced",
@@ -63,7 +50,7 @@ def momentum_equation() -> IdentityEvidence:
     """With the H to which it refers."""
     return IdentityEvidence(
         printed=PRINTED,
-        corrected=MENDED,
+        corrected=HAMILTONIAN,
         compared=lambda energy: -energy.diff(phi),
         derived=FORCE,
         source="eq01:Phi_reduced",
@@ -88,7 +75,7 @@ def turning_points() -> Fact:
     values = reduced_of(release.bounce().problem)
     letters = {symbol: getattr(values, f"a_{name}") for name, symbol in a_.items()}
     counted = []
-    for form in (PRINTED, MENDED):
+    for form in (PRINTED, HAMILTONIAN):
         at_rest = form.subs({Phi: 0, eps: 1} | letters)
         energy = sp.lambdify(phi, at_rest, "numpy")(places)
         lowest = float(energy.min())

@@ -6,15 +6,13 @@ import sympy as sp
 
 from harness.paper import release
 from harness.paper.audit import paper_can
-from harness.paper.audit.checks.outer import POWERS, a_
 from harness.paper.audit.checks.reduced import derived
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check
-from harness.paper.audit.flat_motion import rates
+from harness.paper.audit.evidence import NEAR, Both, Fact, IdentityEvidence, Rate, check
+from harness.paper.audit.flat_motion import CONSTANTS, rates
 from harness.paper.audit.flat_series import in_inertias
+from harness.paper.audit.reduced_form import a_, bracket
 from harness.paper.audit.symbols import B2, A, Expr, H, I, R, T, a_p, eps, m
 
-NEAR = mp.mpf("0.01")
-"""Relative error at which an approximation is left: the power of eps does not depend on it."""
 q = sp.Symbol("a_p", positive=True)
 """The paper's a_p as a letter of its own: only that it is positive matters here."""
 x = sp.Symbol("varphi", positive=True)
@@ -22,6 +20,9 @@ root = sp.sqrt(eps)
 t = sp.Symbol("t", real=True)
 INNER = sp.sqrt(q / I + I * T**2)
 P, Q = sp.symbols("P Q", positive=True)
+log = sp.Symbol("log_full")
+FORCE = root * (eps * bracket(root * x, log) - 1)
+"""The right side of eq01:Phi_reduced times eps^(1/2), in inner variables."""
 
 
 @check("eq01:inner_scalings")
@@ -40,8 +41,6 @@ def inner_scalings() -> Fact:
 @check("eq01:inner_full")
 def inner_equation() -> IdentityEvidence:
     """Substitute."""
-    log = sp.Symbol("log_full")
-    force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
     printed = (
         a_["3"] / x**3
         + root * (a_["l2"] * log + a_["2"]) / x**2
@@ -49,18 +48,14 @@ def inner_equation() -> IdentityEvidence:
         + root**3 * (a_["ll"] * log**2 + a_["l0"] * log + a_["0"])
         - root
     )
-    return IdentityEvidence(
-        printed=printed, derived=sp.expand(root * force), source="eq01:Phi_reduced"
-    )
+    return IdentityEvidence(printed=printed, derived=sp.expand(FORCE), source="eq01:Phi_reduced")
 
 
 @check("eq01:inner_problem")
 def inner_problem() -> IdentityEvidence:
     """Leading order of eq01:Phi_reduced in inner variables, with a_3 from eq01:Phi itself."""
-    log = sp.Symbol("log_full")
-    force = eps * sum(a_[n] * log**j / (root * x) ** i for n, (i, j) in POWERS.items()) - 1
-    leading = sp.expand(root * force).subs(eps, 0)
-    strongest = in_inertias(derived("a_3") / B2**2)
+    leading = sp.expand(FORCE).subs(eps, 0)
+    strongest = in_inertias(derived("3") / B2**2)
     return IdentityEvidence(
         printed=a_p / x**3,
         derived=leading.subs(a_["3"], strongest),
@@ -110,19 +105,15 @@ def inner_precession() -> Both:
     slope = sp.Symbol("kh")
     form = 1 / x**2 - root * slope / x
 
-    def remainder(kept: Expr) -> "sp.Lambda":
+    def remainder(kept: Expr, small: mp.mpf) -> mp.mpf:
         value = sp.lambdify((eps, x, slope), kept, "mpmath")
-
-        def left(small: mp.mpf) -> mp.mpf:
-            scale = mp.sqrt(small)
-            psi, _ = rates(scale, mp.mpf(0), scale)
-            return scale * psi - value(small, mp.mpf(1), paper_can.k * paper_can.h)
-
-        return left
+        scale = mp.sqrt(small)
+        psi, _ = rates(scale, mp.mpf(0), scale)
+        return scale * psi - value(small, mp.mpf(1), paper_can.k * paper_can.h)
 
     with mp.workdps(60):
         pair = mp.mpf("1e-12"), mp.mpf("1e-18")
-        sizes = [abs(remainder(form)(small)) for small in pair]
+        sizes = [abs(remainder(form, small)) for small in pair]
 
     def bounds(order: tuple[float, int]) -> bool:
         # a larger order is a bound too, but an empty one: it would exceed the terms that are kept
@@ -176,12 +167,9 @@ def largest_rate() -> IdentityEvidence:
 def inner_rotation() -> Rate:
     """(Theta + Psi)/Psi along a motion."""
 
-    def remainder(factor: Expr) -> "sp.Lambda":
-        def left(y: mp.mpf) -> mp.mpf:
-            psi, theta = rates(y, mp.mpf("0.75"), mp.mpf(1))
-            return (theta - int(factor) * psi) / psi
-
-        return left
+    def remainder(factor: Expr, y: mp.mpf) -> mp.mpf:
+        psi, theta = rates(y, *CONSTANTS)
+        return (theta - int(factor) * psi) / psi
 
     return Rate(
         printed=sp.Integer(-1),

@@ -9,6 +9,7 @@ from harness.paper.audit.newton_euler import (
     body_rates,
     centre_velocity,
     contact_force,
+    contact_velocity,
     rate,
     rotation,
     turn_y,
@@ -206,7 +207,7 @@ def locus_velocity() -> IdentityEvidence:
     turning = body_rates()[1] - Theta * VERTICAL
     return IdentityEvidence(
         printed=centre_velocity() + rotation() * turning.cross(ARM),
-        derived=centre_velocity() + rate(rotation() * ARM),
+        derived=contact_velocity(),
         source="d/dt of the contact point",
     )
 
@@ -219,7 +220,7 @@ def turning_of_the_contact_point() -> IdentityEvidence:
         printed=can,
         corrected=frame,
         compared=lambda spin: centre_velocity() + rotation() * spin.cross(ARM),
-        derived=centre_velocity() + rate(rotation() * ARM),
+        derived=contact_velocity(),
         source="d/dt of the contact point",
     )
 
@@ -229,7 +230,7 @@ def locus_velocity_in_short() -> IdentityEvidence:
     """Differentiate the place of the contact point; it stays in the plane."""
     return IdentityEvidence(
         printed=sp.Matrix([-Theta * sin_psi, Theta * cos_psi, 0]),
-        derived=centre_velocity() + rate(rotation() * ARM),
+        derived=contact_velocity(),
         source="d/dt of the contact point",
     )
 

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit import flat_series as series
+from harness.paper.audit.checks.inner import ARC, ARC_PRINTED, q
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each
-from harness.paper.audit.newton_euler import ARM, centre_velocity, rate, rotation
-from harness.paper.audit.symbols import B2, I, Psi, T, Theta, a, c, c_p, eps, h, k, psi
+from harness.paper.audit.newton_euler import contact_velocity
+from harness.paper.audit.symbols import B2, CAN, I, Psi, T, Theta, c_p, eps, k, psi
 from reference import PAPER_CAN, solve
 from reference.asymptotic.matched import boundary_rotation
 from reference.integrable.cycle import exact_bounces
 
-q = sp.Symbol("a_p", positive=True)
 t = sp.Symbol("t", positive=True)
 TAIL = 0.05
 """An arctan has two hundredths of its turn beyond phi_0/10, which is 75 phi_min."""
@@ -28,7 +28,7 @@ CLOSE = 0.02
 
 def _of_the_can(form: sp.Expr) -> float:
     """Return a form in a, c and h as a number."""
-    return float(form.subs({a: paper_can.a, c: paper_can.c, h: paper_can.h}))
+    return float(form.subs(CAN))
 
 
 @check("eq01:boundary")
@@ -88,16 +88,11 @@ def sign_map() -> Fact:
 @check("text:locus in T")
 def inner_locus_velocity() -> IdentityEvidence:
     """Differentiate the place of the contact point and insert Theta = -Psi."""
-    moved = centre_velocity() + rate(rotation() * ARM)
     return IdentityEvidence(
         printed=-Psi * sp.Matrix([-sp.sin(psi), sp.cos(psi)]),
-        derived=moved[:2, :].subs(Theta, -Psi),
+        derived=contact_velocity()[:2, :].subs(Theta, -Psi),
         source="d/dt of the contact point with Theta = -Psi",
     )
-
-
-ARC = sp.sqrt((q + 1) / q) * sp.atan(I * T / sp.sqrt(q))
-ARC_PRINTED = sp.sqrt(q + 1) / q * sp.atan(I * T / sp.sqrt(q))
 
 
 def _place(angle: sp.Expr, sign: int) -> sp.Matrix:
@@ -164,10 +159,8 @@ def _headings(below: float) -> tuple[NDArray[np.float64], float]:
     """Return headings of the contact locus below a nutation, and the length of its way."""
     solution = release.bounce()
     states = solution.at(solution.grid())
-    if states.x is None or states.y is None:
-        raise ValueError("the contact locus was asked for and is missing")
     inside = states.phi < below
-    dx, dy = np.diff(states.x[inside]), np.diff(states.y[inside])
+    dx, dy = (np.diff(along[inside]) for along in release.contact_locus(states))
     return np.unwrap(np.arctan2(dy, dx)), float(np.hypot(dx, dy)[1:].sum())
 
 
@@ -185,7 +178,7 @@ def _radius() -> float:
 
 def _arc() -> float:
     """Turn of the contact locus below phi_0/10, in degrees."""
-    headings, _ = _headings(release.PHI / 10)
+    headings, _ = _headings(release.INNER * release.PHI)
     return float(np.degrees(abs(headings[-1] - headings[0])))
 
 
@@ -245,7 +238,7 @@ def outer_share_of_the_turn() -> Fact:
     """Share of the turn of the exact release on either side of phi_0/10."""
     solution = release.bounce()
     states = solution.at(solution.grid())
-    inside = states.phi < float(paper_can.PHI) / 10
+    inside = states.phi < release.INNER * release.PHI
     turn = float(np.ptp(states.psi[inside])) / abs(solution.bounces[0].angle_of_turn)
     shares = {"inner": turn, "outer": 1 - turn}
     return Fact(
@@ -255,8 +248,6 @@ def outer_share_of_the_turn() -> Fact:
     )
 
 
-INNER = 0.1
-"""The paper colours phi < phi_0/10 as the inner region."""
 AGREES = 0.02
 """Two curves closer than this share of the plot's height are one to the eye."""
 SMALLEST = 1e-8
@@ -311,7 +302,7 @@ def fall_from_the_balance() -> Fact:
     def petals(release_: tuple[float, float, float]) -> bool:
         low, aside, turn = fall(release_)
         # falls into the inner region, on a line to the eye, and comes back
-        return low < INNER and aside < 10 and abs(turn) > 180  # noqa: PLR2004 - degrees
+        return low < release.INNER and aside < 10 and abs(turn) > 180  # noqa: PLR2004 - degrees
 
     printed = (0.0, 1e-5, 2.0)
     low, aside, turn = fall(printed)

@@ -10,12 +10,13 @@ import numpy as np
 import sympy as sp
 
 from harness.paper import release
-from harness.paper.audit import flat_series as series
 from harness.paper.audit import paper_can
-from harness.paper.audit.checks.hamiltonian import MENDED
-from harness.paper.audit.checks.inner import INNER, NEAR, P, Q, q, root, t, x
-from harness.paper.audit.checks.outer import POWERS, RIGHT_FORMS, a_, time
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check, check_each
+from harness.paper.audit.checks.inner import INNER, P, Q, q, root, t, x
+from harness.paper.audit.checks.outer import RIGHT_FORMS, time
+from harness.paper.audit.checks.reduced import derived
+from harness.paper.audit.evidence import NEAR, Both, Fact, IdentityEvidence, Rate, check
+from harness.paper.audit.flat_series import NUMBERS
+from harness.paper.audit.reduced_form import HAMILTONIAN, POWERS, a_
 from harness.paper.audit.symbols import B0, B2, Expr, I, Phi, T, eps, phi
 from reference import PAPER_CAN, solve
 
@@ -24,17 +25,13 @@ from reference import PAPER_CAN, solve
 def inner_in_outer_variable() -> Rate:
     """At a fixed time before the bounce."""
 
-    def remainder(form: Expr) -> "sp.Lambda":
+    def remainder(form: Expr, small: mp.mpf) -> mp.mpf:
         value = sp.lambdify((eps, q, P, Q, I, t), form, "mpmath")
-
-        def left(small: mp.mpf) -> mp.mpf:
-            p, q_, a, width = mp.mpf(2), mp.mpf("0.5"), mp.mpf(3), mp.mpf("0.25")
-            before = mp.sqrt(width) - mp.mpf("0.25")
-            stretched = (before - mp.sqrt(width)) / mp.sqrt(small)
-            full = mp.sqrt(small) * mp.sqrt(p**2 + (mp.sqrt(a) * stretched - q_) ** 2 / p**2)
-            return full - value(small, a, p, q_, width, before)
-
-        return left
+        p, q_, a, width = mp.mpf(2), mp.mpf("0.5"), mp.mpf(3), mp.mpf("0.25")
+        before = mp.sqrt(width) - mp.mpf("0.25")
+        stretched = (before - mp.sqrt(width)) / mp.sqrt(small)
+        full = mp.sqrt(small) * mp.sqrt(p**2 + (mp.sqrt(a) * stretched - q_) ** 2 / p**2)
+        return full - value(small, a, p, q_, width, before)
 
     return Rate(
         printed=sp.sqrt(q) * (sp.sqrt(I) - t) / P + root * Q / P,
@@ -49,21 +46,17 @@ STRENGTH = mp.mpf("-0.4")
 """An a_l2 such as the paper's can has."""
 
 
-def _outer(form: Expr) -> "sp.Lambda":
+def _outer(form: Expr, small: mp.mpf) -> mp.mpf:
     """Return what a form leaves of the outer solution at T = -1, for a_3 and a_l2."""
     value = sp.lambdify((eps, q, I, t), form, "mpmath")
     logarithmic = sp.lambdify(time, RIGHT_FORMS["J_l2"], "mpmath")
-
-    def left(small: mp.mpf) -> mp.mpf:
-        width, a = mp.mpf("0.25"), mp.mpf(3)
-        u = 1 - mp.sqrt(small) / mp.sqrt(width)
-        j3 = u**2 / (8 - 8 * u**2) + 3 * u / 8 * mp.atanh(u)
-        full = width * (1 - u**2) / 2 + small * 8 * a / width**2 * j3
-        beside = logarithmic(u) + mp.log(width / 2) * u / 2 * mp.atanh(u)  # b_l2 J_l2 + b_2 J_2
-        full += small * 4 * STRENGTH / width * beside
-        return full - value(small, a, width, u * mp.sqrt(width))
-
-    return left
+    width, a = mp.mpf("0.25"), mp.mpf(3)
+    u = 1 - mp.sqrt(small) / mp.sqrt(width)
+    j3 = u**2 / (8 - 8 * u**2) + 3 * u / 8 * mp.atanh(u)
+    full = width * (1 - u**2) / 2 + small * 8 * a / width**2 * j3
+    beside = logarithmic(u) + mp.log(width / 2) * u / 2 * mp.atanh(u)  # b_l2 J_l2 + b_2 J_2
+    full += small * 4 * STRENGTH / width * beside
+    return full - value(small, a, width, u * mp.sqrt(width))
 
 
 def _in_inner(power: Expr) -> Expr:
@@ -175,7 +168,7 @@ def reach_of_the_outer_solution() -> tuple[mp.mpf, mp.mpf]:
     return power, places[0] / mp.mpf("1e-10") ** power
 
 
-@check_each({"text:outer region": (), "text:regular perturbation": ()})
+@check("text:outer region", "text:regular perturbation")
 def outer_region() -> Fact:
     """Find how the nutation at which the outer solution is left depends on eps."""
     power, factor = reach_of_the_outer_solution()
@@ -193,14 +186,9 @@ def outer_region() -> Fact:
 def inner_region() -> Rate:
     """Compare the inner solution with the fall phi'' = -1 that it passes into, at small phi."""
 
-    def remainder(form: Expr) -> Callable[[mp.mpf], mp.mpf]:
-        value = sp.lambdify((I, T), form, "mpmath")
-
-        def error(y: mp.mpf) -> mp.mpf:
-            before = mp.sqrt(paper_can.WIDTH) - mp.sqrt(paper_can.WIDTH - 2 * y)
-            return value(paper_can.WIDTH, before) / y - 1
-
-        return error
+    def remainder(form: Expr, y: mp.mpf) -> mp.mpf:
+        before = mp.sqrt(paper_can.WIDTH) - mp.sqrt(paper_can.WIDTH - 2 * y)
+        return sp.lambdify((I, T), form, "mpmath")(paper_can.WIDTH, before) / y - 1
 
     return Rate(
         printed=sp.sqrt(I) * T,  # of (5.13), once eps is small beside phi^2
@@ -214,12 +202,10 @@ def inner_region() -> Rate:
 @cache
 def _potential() -> Callable[[mp.mpf, mp.mpf], mp.mpf]:
     """Return the potential of the reduced equation of phi and eps, for zeta = 0.4."""
-    letters = {series.k: paper_can.k, series.h: paper_can.h, series.c_p: paper_can.c_p}
-    values = []
-    for power, logs in POWERS.values():
-        form = series.drive_terms()[-power, logs].subs({B0: sp.Rational(2, 5), B2: 1})
-        values.append(sp.lambdify(list(letters), form, "mpmath")(*letters.values()))
-    function = sp.lambdify((phi, eps, *(a_[n] for n in POWERS)), MENDED.subs(Phi, 0), "mpmath")
+    motion = {B0: sp.Rational(2, 5), B2: 1}
+    forms = [derived(name).subs(motion) for name in POWERS]
+    values = [sp.lambdify(list(NUMBERS), form, "mpmath")(*NUMBERS.values()) for form in forms]
+    function = sp.lambdify((phi, eps, *a_.values()), HAMILTONIAN.subs(Phi, 0), "mpmath")
     return lambda y, small: function(y, small, *values)
 
 
@@ -278,8 +264,6 @@ def order_of_the_composite() -> Fact:
 
 SEEN = 0.05
 """A twentieth of a panel is seen in print."""
-STEEP = (1e-8, 1e-10)
-"""Values of eps between which a rate is observed."""
 
 
 @cache
@@ -306,11 +290,11 @@ def matched_agreement() -> Rate:
     inner = sp.sqrt(eps * q / I + I * gap**2)
     return Rate(
         printed=inner - gap**2 / 2,
-        remainder=lambda form: lambda small: mp.mpf(_error(form, float(small))),
+        remainder=lambda form, small: mp.mpf(_error(form, float(small))),
         stated=1,
-        at=STEEP,
+        at=release.STEEP,
         source="the reduced equation with zeta = 0.4, the largest error of phi before the bounce "
-        f"({_error(inner - gap**2 / 2, STEEP[0]):.2e} at eps = 1e-8)",
+        f"({_error(inner - gap**2 / 2, release.STEEP[0]):.2e} at eps = 1e-8)",
     )
 
 

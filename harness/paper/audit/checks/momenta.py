@@ -8,12 +8,13 @@ import sympy as sp
 
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
-from harness.paper.audit.checks.exact_solution import EXACT, PSI, THETA, TINY, valued
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check
-from harness.paper.audit.flat_motion import exact_constants
+from harness.paper.audit.flat_motion import EXACT, RATES, TINY, exact_constants
+from harness.paper.audit.flat_series import valued
 from harness.paper.audit.newton_euler import (
     ARM,
     VERTICAL,
+    angular_momentum,
     body_rates,
     contact_force,
     papers_accelerations,
@@ -46,7 +47,7 @@ def momentum_about_the_axis() -> Both:
 @check("eq01:ang_mom_G")
 def momentum_about_the_vertical() -> Both:
     """Project the angular momentum, and expand."""
-    momentum = sp.diag(a, a, c) * body_rates()[1]
+    momentum = angular_momentum()
     exact = a * Psi * S**2 + c * Co * (Psi * Co + Theta)
     square = -c / 2 * (Theta + 2 * Psi) + a * Psi
     return Both(
@@ -66,14 +67,10 @@ def regular_constant_is_momentum() -> Rate:
     """At fixed Psi and Theta."""
     p = paper_can
 
-    def remainder(factor: Expr) -> "sp.Lambda":
+    def remainder(factor: Expr, x: mp.mpf) -> mp.mpf:
         share = sp.lambdify((a, c, h), factor, "mpmath")(p.a, p.c, p.h)
-
-        def left(x: mp.mpf) -> mp.mpf:
-            momentum = p.c * (THETA + PSI * mp.cos(x))
-            return flat_motion.constants(x, PSI, THETA)[0] - share * momentum
-
-        return left
+        momentum = p.c * (RATES[1] + RATES[0] * mp.cos(x))
+        return flat_motion.constants(x, *RATES)[0] - share * momentum
 
     return Rate(printed=k * (c + 1) / (2 * c), remainder=remainder, stated=1, at=TINY, source=EXACT)
 
@@ -117,7 +114,7 @@ def friction_in_proportion() -> Fact:
     def quotient(form: Expr, x: mp.mpf) -> mp.mpf:
         psi_, theta_ = flat_motion.rates(x, mp.mpf("0.7"), mp.mpf(1))
         force = p.a * psi_ * mp.sin(x) + p.c * p.h * (psi_ * mp.cos(x) + theta_)
-        return force / valued(form)(x, psi_, theta_)
+        return force / valued(form, Psi, Theta)(x, psi_, theta_)
 
     def proportional(form: Expr) -> bool:
         with mp.workdps(40):
@@ -245,7 +242,7 @@ def smallness_of_the_tangential_friction() -> Fact:
 @check("text:H_z^G as momentum")
 def momentum_about_the_vertical_alone() -> IdentityEvidence:
     """Project the angular momentum about the centre on each axis."""
-    momentum = sp.diag(a, a, c) * body_rates()[1]
+    momentum = angular_momentum()
     vertical = (rotation() * momentum)[2]
     axis = momentum[2]
     letters = sp.symbols("L_vertical L_axis")

@@ -28,6 +28,7 @@ from harness.paper.audit.paper_can import (
     WIDTH,
     reach,
 )
+from harness.paper.audit.reduced_form import POWERS
 from harness.paper.audit.symbols import B0, B2, Expr, H, R, eps, zeta
 
 
@@ -141,11 +142,10 @@ def initial_conditions() -> Fact:
 def scales_of_the_constants() -> Fact:
     """Ask whether eps comes out of every coefficient of the reduced equation to the first power."""
     zero, two = exact_constants()
-    names = ("a_3", "a_l2", "a_2", "a_l1", "a_1", "a_ll", "a_l0", "a_0")
 
     def extracted(powers: tuple[Expr, Expr]) -> bool:
         letters = {B2: eps ** powers[0], B0: zeta * eps ** powers[1]}
-        return all(sp.expand(derived(n).subs(letters) / eps).diff(eps) == 0 for n in names)
+        return all(sp.expand(derived(n).subs(letters) / eps).diff(eps) == 0 for n in POWERS)
 
     half = sp.Rational(1, 2)
     return Fact(

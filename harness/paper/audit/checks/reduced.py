@@ -10,24 +10,15 @@ import sympy as sp
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit import flat_series as series
-from harness.paper.audit.checks.frobenius import NUMBERS, TWO_, ZERO_, numeric
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check, check_each
-from harness.paper.audit.flat_series import A_P, COS, COS_2, SIN, c_p, h, in_inertias, k
+from harness.paper.audit.flat_motion import CONSTANTS
+from harness.paper.audit.flat_series import A_P, COS, COS_2, NUMBERS, SIN, c_p, h, in_inertias, k
+from harness.paper.audit.reduced_form import POWERS, bracket
 from harness.paper.audit.symbols import B0, B2, Expr, log_phi, phi
+from reference import Solution
 from reference.asymptotic.small_nutation import reduced_of
 
 SMALL = (1e-9, 1e-12)
-POWERS = {
-    "a_3": (-3, 0),
-    "a_l2": (-2, 1),
-    "a_2": (-2, 0),
-    "a_l1": (-1, 1),
-    "a_1": (-1, 0),
-    "a_ll": (0, 2),
-    "a_l0": (0, 1),
-    "a_0": (0, 0),
-}
-"""Power of phi and of log phi beside each coefficient."""
 
 
 def _f(numerator: int, denominator: int) -> Expr:
@@ -62,13 +53,13 @@ _A0 = (
     * h
 ) / (2880 * k * c_p)
 PRINTED = {
-    "a_3": B2**2 * A_P,
-    "a_2": -2
+    "3": B2**2 * A_P,
+    "2": -2
     * h
     * ((_f(-1, 3) + (-_f(3, 4) * h**2 + A_P * c_p) * k**2 + (-c_p / 2 + _f(1, 4)) * k) * B2 + B0)
     * B2
     / (k * c_p),
-    "a_1": 2
+    "1": 2
     / (k * c_p)
     * (
         (
@@ -79,10 +70,10 @@ PRINTED = {
         - B2 * h**2 * k**2 * _L
     )
     * B2,
-    "a_0": _A0,
-    "a_l2": h * B2**2 * _L / c_p,
-    "a_l1": -_L * B2**2 * (A_P * k - 1),
-    "a_l0": 2
+    "0": _A0,
+    "l2": h * B2**2 * _L / c_p,
+    "l1": -_L * B2**2 * (A_P * k - 1),
+    "l0": 2
     * h
     * _L
     * B2
@@ -91,31 +82,25 @@ PRINTED = {
         (_f(-5, 12) + (-_f(3, 4) * h**2 + A_P * c_p / 3) * k**2 + (-c_p / 2 + _f(1, 4)) * k) * B2
         + B0
     ),
-    "a_ll": -h * k * _L**2 * B2**2 / (2 * c_p),
+    "ll": -h * k * _L**2 * B2**2 / (2 * c_p),
 }
 
 
 @cache
 def derived(name: str) -> Expr:
     """Return a coefficient from the series of the rates."""
-    return series.drive_terms()[POWERS[name]]
+    power, logs = POWERS[name]
+    return series.drive_terms()[-power, logs]
 
 
-def reduced(coefficients: dict[str, Expr]) -> Expr:
-    """Return the sum of all terms, the coefficients that are not given as derived."""
-    return sum(
-        coefficients.get(name, derived(name)) * phi**power * log_phi**logs
-        for name, (power, logs) in POWERS.items()
-    )
+def remainder(coefficients: dict[str, Expr], x: mp.mpf) -> mp.mpf:
+    """Return the error of all terms, of which the coefficients not given are as derived."""
+    every = {name: coefficients.get(name, derived(name)) for name in POWERS}
+    value = series.valued(bracket(phi, log_phi, every), B0, B2)
+    return value(x, *CONSTANTS) - flat_motion.drive(x, *CONSTANTS)
 
 
-def remainder(coefficients: dict[str, Expr]) -> "sp.Lambda":
-    """Return the error of the sum as a function of phi."""
-    value = numeric(reduced(coefficients))
-    return lambda x: value(x) - flat_motion.drive(x, ZERO_, TWO_)
-
-
-@check_each({f"app:{name}": (name,) for name in POWERS})
+@check_each({f"app:a_{name}": (name,) for name in POWERS})
 def coefficient_of_reduced(name: str) -> Both:
     """Compare with the series of the rates, and what is left with the exact ones."""
     printed = PRINTED[name]
@@ -131,11 +116,11 @@ def coefficient_of_reduced(name: str) -> Both:
     # at a rate of one the terms left out are phi (log phi)^2, whose logarithms take off 2/log
     rate = Rate(
         printed=printed,
-        remainder=lambda form: remainder({name: form}),
+        remainder=lambda form, x: remainder({name: form}, x),
         corrected=derived(name),
         stated=1,
         at=SMALL,
-        source=f"the exact rates, all other terms right (phi^{power} log^{logs})",
+        source=f"the exact rates, all other terms right (phi^{-power} log^{logs})",
     )
     return Both(identity, rate)
 
@@ -143,12 +128,12 @@ def coefficient_of_reduced(name: str) -> Both:
 @check("eq01:Phi_reduced_intermediate")
 def reduced_with_remainder() -> Both:
     """Look for the terms that there are, and for the logarithms in the remainder."""
-    listed, terms = frozenset(POWERS.values()), series.drive_terms()
+    listed, terms = frozenset((-i, j) for i, j in POWERS.values()), series.drive_terms()
     there = frozenset(powers for powers in terms if powers[0] <= 0)
     most = max(logs for power, logs in terms if power == 1)
     with mp.workdps(60):
-        gap, places = remainder({}), (mp.mpf("1e-7"), mp.mpf("1e-12"))
-        ratios = [abs(gap(x) / (x * mp.log(x))) for x in places]
+        places = mp.mpf("1e-7"), mp.mpf("1e-12")
+        ratios = [abs(remainder({}, x) / (x * mp.log(x))) for x in places]
     return Both(
         Fact(
             printed=listed,
@@ -224,9 +209,9 @@ def lost_coefficients(kept: str) -> tuple[str, ...]:
 
     left = sp.expand(drive(*(_cut(form, *KEPT[kept]) for form in whole)) - drive(*whole))
     return tuple(
-        name
+        f"a_{name}"
         for name, (power, logs) in POWERS.items()
-        if left.coeff(phi, power).coeff(log_phi, logs) != 0
+        if left.coeff(phi, -power).coeff(log_phi, logs) != 0
     )
 
 
@@ -243,13 +228,17 @@ def series_that_suffice() -> Fact:
     )
 
 
+def _period(solution: Solution) -> float:
+    return float(solution.maxima[-1] - solution.maxima[0])
+
+
 @check("text:errors of no account")
 def errors_of_the_reduced_equation() -> Fact:
     """Compare what the reduced equation says of the bounce with the exact motion."""
     exact, reduced = release.bounce(), release.reduced_bounce()
-    periods = [float(solution.maxima[-1] - solution.maxima[0]) for solution in (reduced, exact)]
     turns = [abs(solution.bounces[0].angle_of_turn) for solution in (reduced, exact)]
-    errors = {"turn": abs(turns[0] / turns[1] - 1), "period": abs(periods[0] / periods[1] - 1)}
+    period, true_period = _period(reduced), _period(exact)
+    errors = {"turn": abs(turns[0] / turns[1] - 1), "period": abs(period / true_period - 1)}
     return Fact(
         printed="turn",
         # half of the last digit of 209 degrees
@@ -264,7 +253,7 @@ def no_balance() -> Fact:
     """Follow the reduced force to where the exact one changes its sign."""
     equation = reduced_of(release.bounce().problem)
     letters = {B0: equation.B_0, B2: equation.B_minus_two, **NUMBERS, A_P: paper_can.a_p}
-    slip = float(PRINTED["a_0"].subs(letters)) - equation.a_0
+    slip = float(PRINTED["0"].subs(letters)) - equation.a_0
     beyond = np.linspace(0.01, math.pi / 2, 2000)
     force = equation.force(beyond)
     zeros = {int(np.count_nonzero(np.diff(np.sign(force + x)))) for x in (0.0, slip)}
@@ -304,10 +293,7 @@ DRIFT = 1e-3
 @check("text:period")
 def drift_of_the_period() -> Fact:
     """Period of the solution of the reduced equation against the exact one."""
-    exact, reduced = (
-        float(solution.maxima[-1] - solution.maxima[0])
-        for solution in (release.bounce(), release.reduced_bounce())
-    )
+    exact, reduced = _period(release.bounce()), _period(release.reduced_bounce())
     seen = "drifts" if abs(reduced / exact - 1) > DRIFT else "keeps"
     return Fact(
         printed="drifts",

@@ -59,7 +59,7 @@ def two_equations(times: int) -> Fact:
     The names in (4.7) and (4.9) are those exponents. Differentiated as often as asked.
     """
     with mp.workdps(40):
-        x, constants = mp.mpf("0.005"), (mp.mpf("0.75"), mp.mpf(1))
+        x, constants = mp.mpf("0.005"), flat_motion.CONSTANTS
         at = flat_motion.flat(x)
         values = ((at.regular, at.singular), (at.regular_slope, at.singular_slope))[times]
         motion = mp.diff(lambda y: flat_motion.rates(y, *constants)[0], x, times)

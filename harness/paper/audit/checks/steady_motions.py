@@ -8,8 +8,9 @@ import sympy as sp
 
 from harness.paper.audit import paper_can
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Number, check
-from harness.paper.audit.newton_euler import papers_accelerations
+from harness.paper.audit.newton_euler import EQUATIONS, REACH, at_balance, papers_accelerations
 from harness.paper.audit.symbols import (
+    CAN,
     Co,
     Expr,
     Phi,
@@ -28,16 +29,8 @@ from harness.paper.audit.symbols import (
     theta_dd,
 )
 
-EQUATIONS = "the equations of motion"
-REACH = sp.sqrt(1 + h**2)
-BALANCED = {sp.sin(phi): 1 / REACH, sp.cos(phi): h / REACH}
 STIFFNESS = k * c_p * (c_p + h**2)
 """What Theta^2 is multiplied with in the eigenvalue; the paper prints c_p h k (h + c_p)."""
-
-
-def at_balance(expression: Expr) -> Expr:
-    """Insert phi = phi*, where tan phi* = 1/h."""
-    return sp.expand_trig(expression).subs(BALANCED)
 
 
 @check("eq01:static_eqm")
@@ -149,8 +142,7 @@ CRITICAL = REACH / STIFFNESS
 
 def _critical(square: Expr) -> str:
     """Return the critical rate of the paper's can."""
-    can = {a: paper_can.a, c: paper_can.c, h: paper_can.h}
-    return str(mp.nstr(mp.sqrt(mp.mpmathify(square.subs(can))), 5))
+    return str(mp.nstr(mp.sqrt(mp.mpmathify(square.subs(CAN))), 5))
 
 
 @check("text:critical rate")
@@ -169,11 +161,17 @@ def critical_rolling() -> IdentityEvidence:
     )
 
 
+@cache
+def _square_of_the_eigenvalue() -> Expr:
+    """Square of the eigenvalues of straight rolling that are not always 0."""
+    polynomial, x = _characteristic()
+    return sp.simplify(sp.solve(sp.cancel(polynomial / x**2), x)[0] ** 2)
+
+
 @check("text:centre-like")
 def stability_of_rolling() -> Fact:
     """Sign of lambda^2 a little above and below the rate that is called critical."""
-    polynomial, x = _characteristic()
-    square = sp.simplify(sp.solve(sp.cancel(polynomial / x**2), x)[0] ** 2)
+    square = _square_of_the_eigenvalue()
     cans = ({a: 0.727, c: 0.615, h: 1.473}, {a: 0.25, c: 0.5, h: 0.1}, {a: 3, c: 0.5, h: 3})
 
     def separates(critical: Expr) -> bool:
@@ -235,10 +233,8 @@ def rolling_on_its_side() -> IdentityEvidence:
 @check("text:saddle at the balance")
 def saddle_of_panel_b() -> Fact:
     """Sign of lambda^2 where the can of panel b) rolls straight."""
-    polynomial, x = _characteristic()
-    square = sp.simplify(sp.solve(sp.cancel(polynomial / x**2), x)[0] ** 2)
-    can = {a: paper_can.a, c: paper_can.c, h: paper_can.h, Theta: 2 * paper_can.SECOND}
-    value = mp.mpmathify(square.subs(can))
+    rate = {Theta: 2 * paper_can.SECOND}
+    value = mp.mpmathify(_square_of_the_eigenvalue().subs(CAN | rate))
     return Fact(
         printed="saddle",
         holds=lambda word: (word == "saddle") == (value > 0),
@@ -251,17 +247,22 @@ def _rest_square(sign: int) -> Expr:
     return (Co - h * S) / (a * S * Co + sign * c * h * S**2)
 
 
+@cache
+def _derived_rest_square() -> Expr:
+    """Psi^2 for which phi'' = 0 while the centre rests."""
+    square = sp.Symbol("square", positive=True)
+    drive = papers_accelerations()[phi_dd].subs(Theta, -Psi * (Co - h * S))
+    linear = sp.expand(drive).subs(Psi, sp.sqrt(square))
+    return -linear.subs(square, 0) / linear.diff(square)
+
+
 @check("text:S_rest")
 def rates_at_rest() -> IdentityEvidence:
     """Solve the equation of Phi with Theta = -Psi (cos phi - h sin phi)."""
-    square = sp.Symbol("square")
-    drive = papers_accelerations()[phi_dd].subs(Theta, -Psi * (Co - h * S))
-    linear = sp.expand(drive).subs(Psi, sp.sqrt(square))
-    slope = linear.diff(square)
     return IdentityEvidence(
         printed=_rest_square(1),
         corrected=_rest_square(-1),
-        derived=-linear.subs(square, 0) / slope,
+        derived=_derived_rest_square(),
         source=EQUATIONS,
     )
 
@@ -272,11 +273,7 @@ def range_of_rest() -> Fact:
     p = paper_can
     edge = mp.atan(p.a / (p.c * p.h))
     star, end = mp.atan(1 / p.h), mp.pi / 2
-    letters = sp.Symbol("square", positive=True)
-    drive = papers_accelerations()[phi_dd].subs(Theta, -Psi * (Co - h * S)).subs(Phi, 0)
-    condition = sp.expand(drive.subs({a: p.a, c: p.c, h: p.h})).subs(Psi, sp.sqrt(letters))
-    rest, slope = condition.subs(letters, 0), sp.expand(condition).coeff(letters)
-    square = sp.lambdify(phi, -rest / slope, "mpmath")  # Psi^2 from phi'' = 0
+    square = sp.lambdify(phi, _derived_rest_square().subs(CAN), "mpmath")
     places = [end * n / 400 for n in range(1, 400)]
     found = [bool(square(place) > 0) for place in places]
 
@@ -297,9 +294,8 @@ def range_of_rest() -> Fact:
 @check("text:steady beyond phi*")
 def steady_beyond_balance() -> Fact:
     """For any phi_0 and Psi the condition is linear in Theta."""
-    p = paper_can
     rates = papers_accelerations()
-    values = {a: p.a, c: p.c, h: p.h, phi: mp.radians(60), Psi: 1, Phi: 0}
+    values = CAN | {phi: mp.radians(60), Psi: 1, Phi: 0}
     found = sp.solve(rates[phi_dd].subs(values), Theta)[0]
     left = [abs(x.subs(values).subs(Theta, found)) for x in rates.values()]
     # solved in double precision

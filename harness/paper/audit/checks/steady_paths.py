@@ -2,9 +2,10 @@
 
 import sympy as sp
 
-from harness.paper.audit.checks.steady_motions import EQUATIONS, at_balance
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
 from harness.paper.audit.newton_euler import (
+    EQUATIONS,
+    at_balance,
     centre_velocity,
     contact_force,
     papers_accelerations,

@@ -6,7 +6,7 @@ import pytest
 
 from harness.paper.audit import CLAIMS, Claim, ClaimStatus, checks
 from harness.paper.audit.claims import STANDS, WRONG
-from harness.paper.audit.evidence import Evidence, OutOfReach, check_of
+from harness.paper.audit.evidence import CHECKS, Evidence, OutOfReach
 from tests.harness.paper.audit.wrong_claims import WRONG_CLAIMS, right_claim, wrong_claims
 
 assert checks  # reading them registers them
@@ -16,7 +16,7 @@ EVERY = pytest.mark.parametrize("claim", CLAIMS, ids=[claim.label for claim in C
 @cache
 def evidence_of(label: str) -> Evidence:
     """Return the evidence about the claim as it is printed."""
-    return check_of(label)()
+    return CHECKS[label]()
 
 
 def test_every_wrong_claim_is_of_a_claim_of_the_paper() -> None:

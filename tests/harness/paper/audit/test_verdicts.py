@@ -1,6 +1,5 @@
 """A verdict follows from its evidence, and from nothing else."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import mpmath as mp
@@ -22,9 +21,9 @@ from harness.paper.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
 from tests.harness.paper.audit.wrong_claims import MOST, mutated, right_claim, wrong_claims
 
 
-def falling(power: int) -> Callable[[mp.mpf], mp.mpf]:
+def falling(power: int, x: mp.mpf) -> mp.mpf:
     """Return a remainder that falls with a power."""
-    return lambda x: 3 * x**power * (1 + x)
+    return 3 * x**power * (1 + x)
 
 
 def four(printed: int, *, corrected: int | None = None, correct: str = "") -> Fact:
@@ -95,7 +94,7 @@ def test_a_remainder_is_judged_by_its_rate(power: int, expected: ClaimStatus) ->
 def test_a_logarithm_does_not_spoil_a_rate() -> None:
     rate = Rate(
         printed=1,
-        remainder=lambda n: lambda x: x**n * mp.log(x),
+        remainder=lambda n, x: x**n * mp.log(x),
         stated=1,
         at=(1e-9, 1e-12),
         source="a toy",
