@@ -10,8 +10,7 @@ from harness.cli.terminal import write_text
 from harness.core.errors import HarnessError, OutputError
 from harness.core.provenance import provenance
 from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
-from harness.paper.gallery.figures import ABOUT, FIGURES
-from harness.paper.gallery.figures import gallery as draw
+from harness.paper.gallery import ABOUT, FIGURES
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import csv_text
 from harness.report.write import write_report
@@ -77,7 +76,8 @@ def gallery(
     drawn: list[Figure | Prose] = [ABOUT]
     with terminal.progress_bar() as bar:
         task = bar.add_task("drawing", total=len(FIGURES))
-        for figure in draw():
+        for draw in FIGURES:
+            figure = draw()
             drawn.append(figure)
             bar.update(task, advance=1, description=figure.title)
     page = write_report(

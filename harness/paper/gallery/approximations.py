@@ -4,23 +4,15 @@ import math
 
 import numpy as np
 
-from harness.core.report_model import Figure, Panel, Series
-from harness.paper.gallery.curves import (
-    FOURTH_CURVE,
-    OURS,
-    SECOND_CURVE,
-    THIRD_CURVE,
-    TIME,
-    line,
-    sampled,
-)
+from harness.core.report_model import Figure, Series
+from harness.paper.gallery.curves import TIME, figure, line, panel, sampled
 from harness.paper.release import of_constants, problem, solved
 from reference import PAPER_CAN
 from reference.asymptotic.matched import matched_of
 from reference.asymptotic.small_nutation import reduced_of
 
 SCALE = math.sqrt(PAPER_CAN.pendulum_inertia)
-FAMILY = (("1e-8", 1e-8, OURS), ("6.4e-7", 6.4e-7, SECOND_CURVE), ("4e-6", 4e-6, THIRD_CURVE))
+FAMILY = (("1e-8", 1e-8, 1), ("6.4e-7", 6.4e-7, 2), ("4e-6", 4e-6, 3))
 
 
 def exact_and_reduced() -> Figure:
@@ -36,28 +28,25 @@ def exact_and_reduced() -> Figure:
         ("theta' [sqrt(g/R)]", s.theta_dot, r.theta_dot),
     )
     drift = 1 - (short.minima[1] - short.minima[0]) / (exact.minima[1] - exact.minima[0])
-    return Figure(
-        name="fig01-eq_comparison",
-        title="Exact equations and reduced equation",
-        seen=(
+    return figure(
+        "fig01-eq_comparison",
+        "Exact equations and reduced equation",
+        (
             f"The reduced equation's period is {drift:.2%} too short, as it drops the terms that "
             f"make the balancing angle; at the sixth bounce it is {late:.3f} sqrt(R/g) ahead. "
             f"Peak rates: {exact.bounces[0].peak_psi_dot:.0f} exact, "
             f"{short.bounces[0].peak_psi_dot:.0f} reduced."
         ),
-        panels=tuple(
-            Panel(
-                title=label.split(" ")[0],
-                x_label=TIME,
-                y_label=label,
-                series=(
-                    line("exact", t, full),
-                    line("reduced", u, less, SECOND_CURVE, dashed=True),
-                ),
+        *(
+            panel(
+                label.split(" ")[0],
+                TIME,
+                label,
+                line("exact", t, full),
+                line("reduced", u, less, 2, dashed=True),
             )
             for label, full, less in drawn
         ),
-        columns=2,
     )
 
 
@@ -69,7 +58,7 @@ def family() -> Figure:
         solution = solved(of_constants(epsilon, 1.0, duration=4.0), "reduced")
         t, s = sampled(solution)
         label = f"eps = {name}"
-        dashed = kind != OURS
+        dashed = kind != 1
         drawn = ((s.phi, s.phi_dot), (t, s.phi), (t, s.psi_dot), (t, np.degrees(s.psi)))
         for series, (x, y) in zip(made, drawn, strict=True):
             series.append(line(label, x, y, kind, dashed=dashed))
@@ -80,19 +69,18 @@ def family() -> Figure:
         ("Psi", TIME, "psi' [sqrt(g/R)]"),
         ("psi", TIME, "psi [deg]"),
     )
-    return Figure(
-        name="fig01-sing_perturb",
-        title="The reduced equation as eps falls",
-        seen=(
+    return figure(
+        "fig01-sing_perturb",
+        "The reduced equation as eps falls",
+        (
             "As eps falls the bounce grows sharper and psi becomes a staircase. A period adds "
             f"{steps[2]:.0f}, {steps[1]:.0f} and {steps[0]:.0f} degrees for eps = 4e-6, 6.4e-7 and "
             f"1e-8, tending to {180 * PAPER_CAN.turn_ratio:.1f}."
         ),
-        panels=tuple(
-            Panel(title=title, x_label=x, y_label=y, series=tuple(series), log_y=title == "Psi")
+        *(
+            panel(title, x, y, *series, log_y=title == "Psi")
             for (title, x, y), series in zip(words, made, strict=True)
         ),
-        columns=2,
     )
 
 
@@ -112,29 +100,28 @@ def inner_and_outer() -> Figure:
         outer = matched.outer(tau, corrected=False)
         outer[outer < matched.phi_min / 4] = np.nan  # it goes to zero, which has no logarithm
         curves = (
-            ("reduced equation", truth, OURS, False),
-            ("outer", outer, THIRD_CURVE, False),
-            ("inner", matched.inner(tau), FOURTH_CURVE, False),
-            ("matched", matched.composite(tau), SECOND_CURVE, True),
+            ("reduced equation", truth, 1, False),
+            ("outer", outer, 3, False),
+            ("inner", matched.inner(tau), 4, False),
+            ("matched", matched.composite(tau), 2, True),
         )
         panels.append(
-            Panel(
-                title=title,
-                x_label="t [sqrt((a_p + 1) R/g)]",
-                y_label="phi [rad]",
-                series=tuple(line(n, tau, y, kind, dashed=d) for n, y, kind, d in curves),
+            panel(
+                title,
+                "t [sqrt((a_p + 1) R/g)]",
+                "phi [rad]",
+                *(line(n, tau, y, kind, dashed=d) for n, y, kind, d in curves),
                 log_y=start > 0,
             )
         )
-    return Figure(
-        name="fig01-inner_outer_comp",
-        title="Inner, outer and matched solutions",
-        seen=(
+    return figure(
+        "fig01-inner_outer_comp",
+        "Inner, outer and matched solutions",
+        (
             f"The matched solution stays within {worst:.1e} rad of the reduced equation up to the "
             f"bounce at sqrt(I) = {end:.4f}. The outer solution goes to zero there; the inner and "
             f"the matched one stop at phi_min = {matched.phi_min:.2e} rad, "
             f"for eps = {reduced_of(posed).B_minus_two ** 2:.2e}."
         ),
-        panels=tuple(panels),
-        columns=2,
+        *panels,
     )

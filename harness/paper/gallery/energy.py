@@ -1,6 +1,6 @@
 """The Hamiltonian of the reduced equation; effective potential, steady motions and their folds."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,18 +8,9 @@ from scipy.optimize import brentq, minimize_scalar
 
 from harness.core.report_model import Figure, Heatmap, Panel, Series
 from harness.core.trajectory import Floats  # noqa: TC001 - as the other figures import it
-from harness.paper.gallery.curves import (
-    FIFTH_CURVE,
-    FOURTH_CURVE,
-    OURS,
-    SECOND_CURVE,
-    THIRD_CURVE,
-    line,
-    points,
-    where,
-)
-from harness.paper.release import PHI, PSI_DOT, SECOND, THETA_DOT, problem
-from reference import PAPER_CAN, Parameters
+from harness.paper.gallery.curves import figure, line, panel, points, where
+from harness.paper.release import problem
+from reference import Parameters, Problem
 from reference.asymptotic.small_nutation import Reduced, reduced_of
 from reference.equations.bifurcation import (
     SteadyMotions,
@@ -62,28 +53,25 @@ def surface() -> Figure:
         floor.append((across[middle], lifted[middle] if free[middle] else np.nan))
         drawn = np.where(free, lifted, np.nan)
         if np.isfinite(drawn).any():
-            series.append(line("slices at constant phi", across, drawn, SECOND_CURVE))
+            series.append(line("slices at constant phi", across, drawn, 2))
         hidden_below = np.fmax(hidden_below, lifted)
     seen = np.array(floor)
-    series.append(line("phi' = 0", seen[:, 0], seen[:, 1], FOURTH_CURVE, dashed=True))
+    series.append(line("phi' = 0", seen[:, 0], seen[:, 1], 4, dashed=True))
     lowest = _bottom(reduced)
-    return Figure(
-        name="fig01-hamiltonian_3D",
-        title="The Hamiltonian surface",
-        seen=(
+    return figure(
+        "fig01-hamiltonian_3D",
+        "The Hamiltonian surface",
+        (
             f"A valley falls with phi to H = {lowest[1]:.2e} at phi = {lowest[0]:.2e}. "
             "Behind it stands the wall that the repulsion raises at phi = 0, cut off here at "
             f"{TOP:g}."
         ),
-        panels=(
-            Panel(
-                title=f"phi from {nearest:g} in front to {farthest:g} behind, by its logarithm",
-                x_label=f"phi'/{widest:g}, and phi into the page",
-                y_label=f"H/{TOP:g}, and phi into the page",
-                series=tuple(series),
-            ),
+        panel(
+            f"phi from {nearest:g} in front to {farthest:g} behind, by its logarithm",
+            f"phi'/{widest:g}, and phi into the page",
+            f"H/{TOP:g}, and phi into the page",
+            *series,
         ),
-        columns=1,
     )
 
 
@@ -92,30 +80,22 @@ def contours() -> Figure:
     reduced = reduced_of(problem(bounces=1))
     low, value = _bottom(reduced)
     made = [_contour(reduced, level, low) for level in LEVELS if level > value]
-    centre = Series(
-        label="steady motion",
-        kind=SECOND_CURVE,
-        x=np.array([low]),
-        y=np.array([0.0]),
-        mark="points",
-    )
-    return Figure(
-        name="fig01-hamiltonian_contours",
-        title="Contours of the Hamiltonian",
-        seen=(
+    centre = points("steady motion", np.array([low]), np.array([0.0]), 2)
+    return figure(
+        "fig01-hamiltonian_contours",
+        "Contours of the Hamiltonian",
+        (
             f"Closed orbits about the steady motion at phi = {low:.2e}, H = {value:.2e}, run "
             f"through clockwise; {len(made)} of the paper's {len(LEVELS)} levels lie above it. "
             "With the eps that the paper prints, four times too large, the lowest would not exist."
         ),
-        panels=(
-            Panel(
-                title="H = 7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3",
-                x_label="phi [rad]",
-                y_label="phi' [sqrt(g/((a_p + 1) R))]",
-                series=(*made, centre),
-            ),
+        panel(
+            "H = 7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3",
+            "phi [rad]",
+            "phi' [sqrt(g/((a_p + 1) R))]",
+            *made,
+            centre,
         ),
-        columns=1,
     )
 
 
@@ -141,10 +121,11 @@ def _contour(reduced: Reduced, level: float, low: float) -> Series:
     square = 2 * (level - reduced.potential(phi))
     speed = np.sqrt(np.maximum(square, 0))
     return line(
-        "orbits", np.concatenate([phi, phi[::-1]]), np.concatenate([speed, -speed[::-1]]), OURS
+        "orbits", np.concatenate([phi, phi[::-1]]), np.concatenate([speed, -speed[::-1]]), 1
     )
 
 
+STABLE, UNSTABLE = "stable steady motion", "unstable steady motion"
 NUTATION_SAMPLES = 4000
 FLAT, UPRIGHT = 1e-2, np.pi / 2
 ROOM = 0.35
@@ -160,9 +141,7 @@ class Release:
     Parameters
     ----------
     name : str
-    parameters : Parameters
-    phi, psi_dot, theta_dot : float
-        Dimensionless.
+    posed : Problem
     whole, well : tuple of 2 floats
         Nutations between which the potential is drawn, and the well of the release by itself.
     B : tuple of 2 floats
@@ -172,10 +151,7 @@ class Release:
     """
 
     name: str
-    parameters: Parameters
-    phi: float
-    psi_dot: float
-    theta_dot: float
+    posed: Problem
     whole: tuple[float, float]
     well: tuple[float, float]
     B: tuple[float, float]
@@ -184,18 +160,30 @@ class Release:
     @property
     def own(self) -> SteadyMotions:
         """The first integrals and the energy of the release, shapes (1,)."""
-        return states_at(
-            self.parameters, *(np.array([x]) for x in (self.phi, self.psi_dot, self.theta_dot))
-        )
+        p = self.posed
+        return states_at(p.parameters, *(np.array([x]) for x in (p.phi, p.psi_dot, p.theta_dot)))
+
+    @property
+    def level(self) -> tuple[float, float]:
+        """The first integrals K and B_-2."""
+        return float(self.own.K[0]), float(self.own.B[0])
+
+    @property
+    def steady(self) -> SteadyMotions:
+        """The steady motions with the first integrals of the release."""
+        return steady_motions(self.posed.parameters, *self.level)
 
 
 RELEASES = (
     Release(
         name="two wells",
-        parameters=Parameters(a=0.2919, c=0.3791, h=0.5575),
-        phi=1.5026354274572624,
-        psi_dot=-0.39236159644870505,
-        theta_dot=-1.0199477967008015,
+        posed=Problem(
+            parameters=Parameters(a=0.2919, c=0.3791, h=0.5575),
+            phi=1.5026354274572624,
+            psi_dot=-0.39236159644870505,
+            theta_dot=-1.0199477967008015,
+            bounces=1,
+        ),
         whole=(0.5, UPRIGHT),
         well=(1.40, 1.54),
         B=(0.45, 0.5),
@@ -203,10 +191,7 @@ RELEASES = (
     ),
     Release(
         name="paper",
-        parameters=PAPER_CAN,
-        phi=PHI,
-        psi_dot=PSI_DOT * SECOND,
-        theta_dot=THETA_DOT * SECOND,
+        posed=problem(bounces=1),
         whole=(1e-3, 1.0),
         well=(3e-5, 5e-2),
         B=(-0.1, 0.1),
@@ -219,28 +204,22 @@ def wells() -> Figure:
     """Two cans, one with a second well: potential, its well, steady motions, folds."""
     rows = zip(*(_panels(release) for release in RELEASES), strict=True)
     upper, paper = RELEASES
-    known = steady_motions(upper.parameters, *_level(upper))
+    known, can = upper.steady, upper.posed.parameters
     barrier = float(known.energy[1] - upper.own.energy[0])
-    return Figure(
-        name="wells",
-        title="Effective potential, steady motions and their folds",
-        seen=(
-            f"Left, a can with a = {upper.parameters.a}, c = {upper.parameters.c} and h = "
-            f"{upper.parameters.h} has {known.phi.size} steady motions on the level of its "
-            f"release, centres at phi = {known.phi[0]:.3f} and {known.phi[2]:.3f} with a saddle at "
-            f"{known.phi[1]:.3f} between them, and released at {upper.phi:.3f} it stays in the "
-            f"upper well, under a barrier {barrier:.1e} m g R above its energy. Right, the paper's "
-            "can and release have one well, whose centre lies at phi = "
-            f"{steady_motions(paper.parameters, *_level(paper)).phi[0]:.2e}; a well begins or ends "
-            "at a fold, or where its steady motion passes phi = pi/2."
+    return figure(
+        "wells",
+        "Effective potential, steady motions and their folds",
+        (
+            f"Left, a can with a = {can.a}, c = {can.c} and h = {can.h} has {known.phi.size} "
+            "steady motions on the level of its release, centres at phi = "
+            f"{known.phi[0]:.3f} and {known.phi[2]:.3f} with a saddle at {known.phi[1]:.3f} "
+            f"between them, and released at {upper.posed.phi:.3f} it stays in the upper well, "
+            f"under a barrier {barrier:.1e} m g R above its energy. Right, the paper's can and "
+            f"release have one well, whose centre lies at phi = {paper.steady.phi[0]:.2e}; a well "
+            "begins or ends at a fold, or where its steady motion passes phi = pi/2."
         ),
-        panels=tuple(panel for row in rows for panel in row),
-        columns=2,
+        *(each for row in rows for each in row),
     )
-
-
-def _level(release: Release) -> tuple[float, float]:
-    return float(release.own.K[0]), float(release.own.B[0])
 
 
 def _panels(release: Release) -> tuple[Panel, ...]:
@@ -254,74 +233,62 @@ def _panels(release: Release) -> tuple[Panel, ...]:
 
 def _potential(release: Release, ends: tuple[float, float], what: str) -> Panel:
     """Draw the potential between two nutations, what is steady there, and the release's energy."""
-    can, own = release.parameters, release.own
-    K, B = _level(release)
+    own, steady = release.own, release.steady
     wide = ends == release.well and ends[1] > 1e2 * ends[0]
     space = np.geomspace if wide else np.linspace
     phi = space(*ends, NUTATION_SAMPLES)
-    V = effective_potential(can, phi, K, B)
-    steady = steady_motions(can, K, B)
+    V = effective_potential(release.posed.parameters, phi, *release.level)
     inside = (steady.phi > ends[0]) & (steady.phi < ends[1])
     reached = np.where(own.energy[0] >= V, own.energy[0], np.nan)
     # of the wells at that height only the one that the release is in
     barriers = steady.phi[~steady.stable]
-    own_side = np.searchsorted(barriers, phi) == np.searchsorted(barriers, release.phi)
+    own_side = np.searchsorted(barriers, phi) == np.searchsorted(barriers, release.posed.phi)
     shown = [own.energy[0], *steady.energy[inside]]
     room = (max(shown) - min(shown)) * ROOM
-    return Panel(
-        title=f"{release.name}: {what}",
-        x_label="phi [rad]",
-        y_label="V [m g R]",
-        series=(
-            line("effective potential", phi, V, OURS),
-            line("energy of the release", phi, np.where(own_side, reached, np.nan), THIRD_CURVE),
-            *_marked(steady, inside),
-            points("release", own.phi, own.energy, THIRD_CURVE),
-        ),
+    return panel(
+        f"{release.name}: {what}",
+        "phi [rad]",
+        "V [m g R]",
+        line("effective potential", phi, V),
+        line("energy of the release", phi, np.where(own_side, reached, np.nan), 3),
+        *_marked(steady, inside),
+        points("release", own.phi, own.energy, 3),
         log_x=wide,
         y_range=(min(shown) - room, max(shown) + room),
     )
 
 
 def _marked(steady: SteadyMotions, inside: NDArray[np.bool_]) -> tuple[Series, ...]:
-    made = []
-    for label, which, kind in (
-        ("stable steady motion", steady.stable & inside, SECOND_CURVE),
-        ("unstable steady motion", ~steady.stable & inside, FOURTH_CURVE),
-    ):
-        if which.any():
-            some = points(label, steady.phi[which], steady.energy[which], kind)
-            # drawn alike over the first integrals, where saddles are dashed
-            made.append(replace(some, dashed=label.startswith("unstable")))
-    return tuple(made)
+    kinds = (STABLE, 2, steady.stable & inside), (UNSTABLE, 4, ~steady.stable & inside)
+    return tuple(
+        # drawn alike over the first integrals, where saddles are dashed
+        points(label, steady.phi[which], steady.energy[which], kind, dashed=label == UNSTABLE)
+        for label, kind, which in kinds
+        if which.any()
+    )
 
 
 def _branches(release: Release) -> Panel:
     """Draw the steady motions over B_-2, the other first integral being that of the release."""
-    can = release.parameters
-    K, B = _level(release)
+    can, (K, B) = release.posed.parameters, release.level
     phi = np.linspace(FLAT, UPRIGHT, NUTATION_SAMPLES)
     series = []
     for sheet in branches(can, phi, K):
         inside = (release.B[0] < sheet.B) & (release.B[1] > sheet.B)
-        for label, which, kind, dashed in (
-            ("stable steady motion", sheet.stable, SECOND_CURVE, False),
-            ("unstable steady motion", sheet.squared_eigenvalue > 0, FOURTH_CURVE, True),
-        ):
+        unstable = sheet.squared_eigenvalue > 0
+        for label, kind, which in ((STABLE, 2, sheet.stable), (UNSTABLE, 4, unstable)):
             if (which & inside).any():
                 drawn = where(which & inside, sheet.B)
-                series.append(line(label, drawn, sheet.phi, kind, dashed=dashed))
+                series.append(line(label, drawn, sheet.phi, kind, dashed=label == UNSTABLE))
     turning = folds_at(can, K)
     inside = (release.B[0] < turning.B) & (release.B[1] > turning.B)
-    return Panel(
-        title=f"{release.name}: steady motions, K = {K:.3g}",
-        x_label="B_-2 [sqrt(g/R)]",
-        y_label="phi [rad]",
-        series=(
-            *series,
-            points("fold", turning.B[inside], turning.phi[inside], FIFTH_CURVE),
-            points("release", np.array([B]), release.own.phi, THIRD_CURVE),
-        ),
+    return panel(
+        f"{release.name}: steady motions, K = {K:.3g}",
+        "B_-2 [sqrt(g/R)]",
+        "phi [rad]",
+        *series,
+        points("fold", turning.B[inside], turning.phi[inside], 5),
+        points("release", np.array([B]), release.own.phi, 3),
         x_range=release.B,
     )
 
@@ -329,20 +296,18 @@ def _branches(release: Release) -> Panel:
 def _plane(release: Release) -> Panel:
     """Draw the folds in the plane of the first integrals, over how many wells there are."""
     phi = np.linspace(FLAT, UPRIGHT, NUTATION_SAMPLES)
-    K, B = _level(release)
+    K, B = release.level
     left, right, low, high = release.plane
-    return Panel(
-        title=f"{release.name}: wells and folds",
-        x_label="B_-2 [sqrt(g/R)]",
-        y_label="K [sqrt(g/R)]",
-        series=(
-            *(
-                line("fold", sign * sheet.B, sign * sheet.K, FIFTH_CURVE)
-                for sheet in folds(release.parameters, phi)
-                for sign in (1.0, -1.0)
-            ),
-            points("release", np.array([B]), np.array([K]), THIRD_CURVE),
+    return panel(
+        f"{release.name}: wells and folds",
+        "B_-2 [sqrt(g/R)]",
+        "K [sqrt(g/R)]",
+        *(
+            line("fold", sign * sheet.B, sign * sheet.K, 5)
+            for sheet in folds(release.posed.parameters, phi)
+            for sign in (1.0, -1.0)
         ),
+        points("release", np.array([B]), np.array([K]), 3),
         x_range=(left, right),
         y_range=(low, high),
         heat=_count(release),
@@ -357,7 +322,7 @@ def _count(release: Release) -> Heatmap:
     phi = np.union1d(phi, np.linspace(phi[0], UPRIGHT, NUTATIONS))[:, None, None]
     B, K = np.meshgrid((x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2)
     own, mixed, other, gravity = (
-        part[:, None, None] for part in force_form(release.parameters, phi[:, 0, 0])
+        part[:, None, None] for part in force_form(release.posed.parameters, phi[:, 0, 0])
     )
     up = (own * K**2 + mixed * K * B + other * B**2 + gravity) < 0
     wells = (up[1:] & ~up[:-1]).sum(axis=0)

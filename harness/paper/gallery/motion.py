@@ -4,20 +4,10 @@ import math
 
 import numpy as np
 
-from harness.core.report_model import Figure, Panel, Series
+from harness.core.report_model import Figure, Series
 from harness.core.trajectory import Floats
-from harness.paper.gallery.curves import (
-    FIFTH_CURVE,
-    FOURTH_CURVE,
-    OURS,
-    SECOND_CURVE,
-    THIRD_CURVE,
-    TIME,
-    line,
-    points,
-    sampled,
-)
-from harness.paper.release import problem, solved
+from harness.paper.gallery.curves import TIME, figure, line, panel, points, sampled
+from harness.paper.release import contact_locus, problem, solved
 from reference import PAPER_CAN, States
 from reference.asymptotic.expansions import paper_constants
 from reference.asymptotic.hypergeometric import hypergeometric_pair
@@ -38,24 +28,18 @@ def time_series() -> Figure:
         ("theta' [sqrt(g/R)]", s.theta_dot),
     )
     peak = solution.bounces[0].peak_psi_dot
-    return Figure(
-        name="fig01-non_dim_solution",
-        title="The angles and their rates over four bounces",
-        seen=(
+    return figure(
+        "fig01-non_dim_solution",
+        "The angles and their rates over four bounces",
+        (
             f"At each bounce psi steps by {turn[0]:.2f} degrees and theta steps back by as much, "
             f"while phi turns round at {solution.bounces[0].phi_min:.2e} rad. "
             f"The precession rate peaks at {peak:.0f} sqrt(g/R)."
         ),
-        panels=tuple(
-            Panel(
-                title=label.split(" ")[0],
-                x_label=TIME,
-                y_label=label,
-                series=(line("exact equations", t, y),),
-            )
+        *(
+            panel(label.split(" ")[0], TIME, label, line("exact equations", t, y))
             for label, y in drawn
         ),
-        columns=2,
     )
 
 
@@ -75,27 +59,22 @@ def hypergeometric() -> Figure:
     values = (basis @ constants_).real
     worst = np.abs(values / known - 1).max()
     slope = np.polyfit(np.log(places[:8]), np.log(values[:8]), 1)[0]
-    return Figure(
-        name="fig01-frob_comp",
-        title="The hypergeometric solution and the equations of motion",
-        seen=(
+    return figure(
+        "fig01-frob_comp",
+        "The hypergeometric solution and the equations of motion",
+        (
             f"With rho = (9 - 4 gamma - 4 i beta)/16, the right sign, the two agree to {worst:.0e} "
             f"over the whole fall. At small phi the slope is {slope:.3f}: Psi goes as 1/phi^2."
         ),
-        panels=(
-            Panel(
-                title="Psi against phi",
-                x_label="phi [rad]",
-                y_label="Psi [sqrt(g/R)]",
-                series=(
-                    line("equations of motion", phi, psi),
-                    points("hypergeometric solution", places, values, SECOND_CURVE),
-                ),
-                log_x=True,
-                log_y=True,
-            ),
+        panel(
+            "Psi against phi",
+            "phi [rad]",
+            "Psi [sqrt(g/R)]",
+            line("equations of motion", phi, psi),
+            points("hypergeometric solution", places, values, 2),
+            log_x=True,
+            log_y=True,
         ),
-        columns=1,
     )
 
 
@@ -121,27 +100,24 @@ def constants() -> Figure:
     drift = max(float(np.ptp(x) / np.abs(x).max()) for x in exact)
     names = ("B_0", "B_-2")
     wobble = [float(np.ptp(x) / np.abs(y).max()) for x, y in zip(short, exact, strict=True)]
-    return Figure(
-        name="fig01-conserved",
-        title="The conserved quantities",
-        seen=(
+    return figure(
+        "fig01-conserved",
+        "The conserved quantities",
+        (
             f"The exact constants stay constant to {drift:.0e}. By the paper's expansions, cut off "
             f"after phi^2, B_0 varies by {wobble[0]:.1%} and B_-2 by {wobble[1]:.1%}, most where "
             "phi is largest."
         ),
-        panels=tuple(
-            Panel(
-                title=name,
-                x_label=TIME,
-                y_label=f"{name} [sqrt(g/R)]",
-                series=(
-                    line("exact", t, full),
-                    line("eq01:A_sol and eq01:B_sol", t, cut, SECOND_CURVE),
-                ),
+        *(
+            panel(
+                name,
+                TIME,
+                f"{name} [sqrt(g/R)]",
+                line("exact", t, full),
+                line("eq01:A_sol and eq01:B_sol", t, cut, 2),
             )
             for name, full, cut in zip(names, exact, short, strict=True)
         ),
-        columns=2,
     )
 
 
@@ -180,44 +156,34 @@ def fall() -> Figure:
     titles = ("a) Tipped and let go", "b) The contact runs round the rim", "c) Risen again")
     turn = math.degrees(solution.bounces[0].angle_of_turn)
     states = solution.at(np.array(moments))
-    if states.x is None or states.y is None or s.x is None or s.y is None:
-        raise ValueError("the contact locus was asked for and is missing")
+    x, y = contact_locus(s)
+    places = np.stack(contact_locus(states), axis=1)
     panels = []
     for i, title in enumerate(titles):
         # a tilt of pi/100 cannot be seen from above: it is drawn ten times as large
         lower, upper, _ = body(10 * float(states.phi[i]), float(states.psi[i]))
-        at = np.array([states.x[i], states.y[i]])
-        run = t <= moments[i]
+        at, run = places[i], t <= moments[i]
         panels.append(
-            Panel(
-                title=title,
-                x_label="x [R]",
-                y_label="y [R]",
-                series=(
-                    line("lower rim", lower[:, 0] + at[0], lower[:, 1] + at[1], OURS),
-                    line(
-                        "upper rim",
-                        upper[:, 0] + at[0],
-                        upper[:, 1] + at[1],
-                        FOURTH_CURVE,
-                        dashed=True,
-                    ),
-                    line("contact locus", s.x[run], s.y[run], SECOND_CURVE),
-                    points("contact point", at[:1], at[1:], THIRD_CURVE),
-                ),
+            panel(
+                title,
+                "x [R]",
+                "y [R]",
+                line("lower rim", lower[:, 0] + at[0], lower[:, 1] + at[1]),
+                line("upper rim", upper[:, 0] + at[0], upper[:, 1] + at[1], 4, dashed=True),
+                line("contact locus", x[run], y[run], 2),
+                points("contact point", at[:1], at[1:], 3),
                 equal=True,
             )
         )
-    return Figure(
-        name="fig01-can_fall",
-        title="The angle of turn, from above",
-        seen=(
+    return figure(
+        "fig01-can_fall",
+        "The angle of turn, from above",
+        (
             f"Released on one point of its rim, the can rises again on a point {turn:.1f} degrees "
             f"further round, after {solution.t_end:.3f} sqrt(R/g). The tilt is drawn ten times as "
             f"large as it is; {names[1]} it is {float(states.phi[1]):.1e} rad."
         ),
-        panels=tuple(panels),
-        columns=3,
+        *panels,
     )
 
 
@@ -228,11 +194,11 @@ def _side(phi: float, label: str = "can") -> tuple[Series, ...]:
     centre = axis.mean(axis=0)
     ground = np.array([-2.2, 2.2])
     return (
-        line(label, np.array(x), np.array(z), OURS),
-        line("symmetry axis", axis[:, 0], axis[:, 2], SECOND_CURVE, dashed=True),
-        line("plane", ground, np.zeros(2), FIFTH_CURVE),
-        points("centre of mass", centre[:1], centre[2:], FOURTH_CURVE),
-        points("contact point", np.zeros(1), np.zeros(1), THIRD_CURVE),
+        line(label, np.array(x), np.array(z)),
+        line("symmetry axis", axis[:, 0], axis[:, 2], 2, dashed=True),
+        line("plane", ground, np.zeros(2), 5),
+        points("centre of mass", centre[:1], centre[2:], 4),
+        points("contact point", np.zeros(1), np.zeros(1), 3),
     )
 
 
@@ -247,18 +213,14 @@ def equilibria() -> Figure:
         (balance, "b) balanced and rolling"),
         (lean, "c) steady: phi = 20 deg"),
     )
-    return Figure(
-        name="fig01-eqm_comparison",
-        title="The equilibria, from the side",
-        seen=(
+    return figure(
+        "fig01-eqm_comparison",
+        "The equilibria, from the side",
+        (
             f"At phi* = {math.degrees(balance):.2f} degrees the centre stands above the contact; "
             f"there the can also rolls balanced with Theta = {rolling:.4f} Psi, where the paper's "
             f"form has {(PAPER_CAN.a - PAPER_CAN.c) * math.cos(balance) / PAPER_CAN.c:.4f} Psi. "
             f"At 20 degrees it rolls steadily with Psi = 1, Theta = {steady:.3f} sqrt(g/R)."
         ),
-        panels=tuple(
-            Panel(title=title, x_label="x [R]", y_label="z [R]", series=_side(phi), equal=True)
-            for phi, title in titles
-        ),
-        columns=3,
+        *(panel(title, "x [R]", "z [R]", *_side(phi), equal=True) for phi, title in titles),
     )

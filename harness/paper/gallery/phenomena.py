@@ -4,19 +4,9 @@ import math
 
 import numpy as np
 
-from harness.core.report_model import Figure, Panel
-from harness.paper.gallery.curves import (
-    FIFTH_CURVE,
-    FOURTH_CURVE,
-    OURS,
-    SECOND_CURVE,
-    TIME,
-    line,
-    points,
-    sampled,
-    where,
-)
-from harness.paper.release import PHI, SECOND, problem, solved
+from harness.core.report_model import Figure
+from harness.paper.gallery.curves import TIME, figure, line, panel, points, sampled, where
+from harness.paper.release import INNER, PHI, SECOND, contact_locus, problem, solved
 from reference import PAPER_CAN, Problem
 from reference.asymptotic.matched import boundary_rotation, friction_bound
 from reference.equations.reaction_force import friction_ratio
@@ -44,31 +34,25 @@ def sign_map() -> Figure:
     agrees = float(
         np.mean((x * boundary_rotation(can, 1.0) > y)[cycles.bounced] == left[cycles.bounced])
     )
-    return Figure(
-        name="fig01-left_or_right",
-        title="Which way the can turns",
-        seen=(
+    return figure(
+        "fig01-left_or_right",
+        "Which way the can turns",
+        (
             f"Of {int(cycles.bounced.sum())} releases at phi = pi/100, {agrees:.2%} turn the way "
             f"that the line theta' = {boundary_rotation(can, 1.0):.3f} psi' says. On it B_-2 "
             "vanishes to leading order."
         ),
-        panels=(
-            Panel(
-                title="Sign of the turn",
-                x_label="psi' at release [rad/s]",
-                y_label="theta' at release [rad/s]",
-                series=(
-                    points("psi grows", x[left], y[left], FIFTH_CURVE),
-                    points("psi falls", x[right], y[right], SECOND_CURVE),
-                    line("B_-2 = 0 to leading order", edge, border, FOURTH_CURVE),
-                ),
-            ),
+        panel(
+            "Sign of the turn",
+            "psi' at release [rad/s]",
+            "theta' at release [rad/s]",
+            points("psi grows", x[left], y[left], 5),
+            points("psi falls", x[right], y[right], 2),
+            line("B_-2 = 0 to leading order", edge, border, 4),
         ),
-        columns=1,
     )
 
 
-BOUNCE = SECOND_CURVE
 BALANCED = PAPER_CAN.balancing_angle
 LOCI: tuple[tuple[str, Problem], ...] = (
     ("a) small phi, small eps: arcs of circles", problem(bounces=5)),
@@ -88,34 +72,30 @@ def loci() -> Figure:
     for title, posed in LOCI:
         solution = solved(posed, locus=True)
         _, s = sampled(solution)
-        if s.x is None or s.y is None:
-            raise ValueError(f"no contact locus for {title}")
-        low = s.phi < posed.phi / 10
+        x, y = contact_locus(s)
+        low = s.phi < INNER * posed.phi
         panels.append(
-            Panel(
-                title=title,
-                x_label="x [R]",
-                y_label="y [R]",
-                series=(
-                    line("phi >= phi_0/10", where(~low, s.x), where(~low, s.y), OURS),
-                    line("phi < phi_0/10", where(low, s.x), where(low, s.y), BOUNCE),
-                ),
+            panel(
+                title,
+                "x [R]",
+                "y [R]",
+                line("phi >= phi_0/10", where(~low, x), where(~low, y)),
+                line("phi < phi_0/10", where(low, x), where(low, y), 2),
                 equal=True,
             )
         )
-        told.append(float(np.hypot(np.ptp(s.x), np.ptp(s.y))))
+        told.append(float(np.hypot(np.ptp(x), np.ptp(y))))
     turn = math.degrees(solved(LOCI[0][1], locus=True).bounces[0].angle_of_turn)
-    return Figure(
-        name="fig01-contact_pt_motion",
-        title="The contact locus in four regimes",
-        seen=(
+    return figure(
+        "fig01-contact_pt_motion",
+        "The contact locus in four regimes",
+        (
             f"In a) each bounce runs {turn:.0f} degrees along a circle of the can's own radius, "
             "anticlockwise as B_-2 > 0; in b) the can rolls far and straight near balance and "
             f"turns in each fall; the figure is {told[1]:.0f} R across. c) and d) roll round "
             "circles, with wobbles and with cusps where theta' changes its sign."
         ),
-        panels=tuple(panels),
-        columns=2,
+        *panels,
     )
 
 
@@ -125,28 +105,23 @@ def friction() -> Figure:
     solution = solved(posed)
     t, s = sampled(solution)
     ratio = friction_ratio(s, PAPER_CAN)
-    low = s.phi < posed.phi / 10
+    low = s.phi < INNER * posed.phi
     peak = solution.bounces[0].peak_friction_ratio
     bound = friction_bound(PAPER_CAN)
     ends = np.array([0.0, solution.t_end])
-    return Figure(
-        name="fig01-friction",
-        title="The friction that rolling asks for",
-        seen=(
+    return figure(
+        "fig01-friction",
+        "The friction that rolling asks for",
+        (
             f"The ratio peaks at {peak:.4f} in the bounce, where h/a_p = {bound:.4f} is its "
             f"leading value. Elsewhere it is at most {ratio[~low].max():.3f}."
         ),
-        panels=(
-            Panel(
-                title="|F|/N",
-                x_label=TIME,
-                y_label="|F|/N",
-                series=(
-                    line("phi >= phi_0/10", where(~low, t), where(~low, ratio), OURS),
-                    line("phi < phi_0/10", where(low, t), where(low, ratio), BOUNCE),
-                    line("h/a_p", ends, np.array([bound, bound]), FOURTH_CURVE, dashed=True),
-                ),
-            ),
+        panel(
+            "|F|/N",
+            TIME,
+            "|F|/N",
+            line("phi >= phi_0/10", where(~low, t), where(~low, ratio)),
+            line("phi < phi_0/10", where(low, t), where(low, ratio), 2),
+            line("h/a_p", ends, np.array([bound, bound]), 4, dashed=True),
         ),
-        columns=1,
     )

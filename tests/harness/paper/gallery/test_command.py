@@ -6,7 +6,7 @@ import pytest
 
 from harness.cli.paper import gallery
 from harness.core.errors import OutputError
-from harness.paper.gallery.figures import FIGURES
+from harness.paper.gallery import FIGURES
 
 
 def test_the_gallery_is_written(tmp_path: Path) -> None:

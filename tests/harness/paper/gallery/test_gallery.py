@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.core.report_model import Figure, Panel
-from harness.paper.gallery.figures import FIGURES, gallery
+from harness.paper.gallery import FIGURES
 from harness.report.matplotlib_renderer import render
 from harness.report.style import palette
 
@@ -27,7 +27,7 @@ PAPERS = {
 
 @pytest.fixture(scope="module")
 def drawn() -> dict[str, Figure]:
-    return {figure.name.removeprefix("fig01-"): figure for figure in gallery()}
+    return {figure.name.removeprefix("fig01-"): figure for figure in (draw() for draw in FIGURES)}
 
 
 def panel(figure: Figure, title: str) -> Panel:
