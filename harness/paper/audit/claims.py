@@ -25,7 +25,6 @@ class ClaimStatus(Enum):
     NOT_CHECKABLE = "not checkable"
 
 
-STANDS = frozenset({ClaimStatus.HOLDS, ClaimStatus.TO_ORDER})
 WRONG = frozenset({ClaimStatus.MISPRINT, ClaimStatus.INCONSISTENT, ClaimStatus.FALSE})
 
 MEANINGS = {
@@ -95,7 +94,7 @@ class Claim:
     says : str
         What is claimed, in a few words.
     printed : str
-        The claim word for word in LaTeX, as `folded` gives it.
+        The claim word for word in LaTeX, without comments and labels, white space as one blank.
     right : str
         `printed` put right, where a formula can be.
     remark : str
@@ -129,12 +128,6 @@ _CONTENT = TypeAdapter(_Content).validate_python(
     tomllib.loads(files("harness.paper.audit").joinpath("claims.toml").read_text(encoding="utf-8"))
 )
 ERRORS, CLAIMS = _CONTENT.errors, _CONTENT.claims
-
-
-def folded(tex: str) -> str:
-    """Return LaTeX without comments and labels, each stretch of white space as one blank."""
-    plain = re.sub(r"(?<!\\)%.*", "", tex)
-    return " ".join(re.sub(r"\\label\{[^}]*\}|\\nonumber", "", plain).split())
 
 
 # a reference is one symbol; braces, dollars and what sets indices, exponents and columns are none

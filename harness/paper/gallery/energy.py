@@ -202,7 +202,12 @@ RELEASES = (
 
 def wells() -> Figure:
     """Two cans, one with a second well: potential, its well, steady motions, folds."""
-    rows = zip(*(_panels(release) for release in RELEASES), strict=True)
+    rows = (
+        [_potential(release, release.whole, "effective potential") for release in RELEASES],
+        [_potential(release, release.well, "the well of the release") for release in RELEASES],
+        map(_branches, RELEASES),
+        map(_plane, RELEASES),
+    )
     upper, paper = RELEASES
     known, can = upper.steady, upper.posed.parameters
     barrier = float(known.energy[1] - upper.own.energy[0])
@@ -219,15 +224,6 @@ def wells() -> Figure:
             "begins or ends at a fold, or where its steady motion passes phi = pi/2."
         ),
         *(each for row in rows for each in row),
-    )
-
-
-def _panels(release: Release) -> tuple[Panel, ...]:
-    return (
-        _potential(release, release.whole, "effective potential"),
-        _potential(release, release.well, "the well of the release"),
-        _branches(release),
-        _plane(release),
     )
 
 

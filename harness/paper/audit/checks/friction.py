@@ -157,20 +157,14 @@ def bound_approached(*zetas: float) -> Rate:
     )
 
 
-@cache
-def _largest_ratios() -> tuple[float, float]:
-    """Return the largest |F|/N of the release in the outer and in the inner region."""
-    solution = release.bounce()
-    states = solution.at(solution.grid())
-    outside = states.phi >= release.INNER * release.PHI
-    ratio = ratio_of(states, PAPER_CAN)
-    return float(ratio[outside].max()), solution.bounces[0].peak_friction_ratio
-
-
 @check("text:outer friction")
 def friction_of_the_outer_region() -> Fact:
     """Largest ratios of the exact release on either side of phi_0/10."""
-    outer, inner = _largest_ratios()
+    solution = release.bounce()
+    states = solution.at(solution.grid())
+    outside = states.phi >= release.INNER * release.PHI
+    outer = float(ratio_of(states, PAPER_CAN)[outside].max())
+    inner = solution.bounces[0].peak_friction_ratio
     largest = {"outer": outer, "inner": inner}
     return Fact(
         printed=("outer", "inner"),

@@ -1,7 +1,6 @@
 """Appendix E: the reduced equation as a Hamiltonian system, and its phase portrait."""
 
 import math
-from functools import cache
 
 import mpmath as mp
 import numpy as np
@@ -227,9 +226,9 @@ def symmetry_of_the_contours() -> IdentityEvidence:
     )
 
 
-@cache
-def _rests() -> dict[str, mp.mpf]:
-    """Return where the reduced force and the exact one vanish, at the release's constants."""
+@check("text:centre of the portrait")
+def centre_of_the_portrait() -> Fact:
+    """Compare with the exact steady motion of the same constants."""
     reduced = reduced_of(release.bounce().problem)
     with mp.workdps(30):
         zero, two = exact_constants()
@@ -240,13 +239,7 @@ def _rests() -> dict[str, mp.mpf]:
 
         steady = mp.findroot(exact, (guess / 3, 3 * guess), solver="anderson")
     found = brentq(reduced.force, float(guess) / 3, 3 * float(guess))
-    return {"steady": steady, "reduced": found, "phi*": mp.atan(1 / paper_can.h)}
-
-
-@check("text:centre of the portrait")
-def centre_of_the_portrait() -> Fact:
-    """Compare with the exact steady motion of the same constants."""
-    rests = _rests()
+    rests = {"steady": steady, "reduced": found, "phi*": mp.atan(1 / paper_can.h)}
     return Fact(
         printed="steady",
         holds=lambda name: bool(abs(rests["reduced"] / rests[name] - 1) < mp.mpf("1e-3")),

@@ -6,7 +6,6 @@ from functools import cache
 import mpmath as mp
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
@@ -155,38 +154,23 @@ def outer_locus() -> IdentityEvidence:
 
 
 @cache
-def _headings(below: float) -> tuple[NDArray[np.float64], float]:
-    """Return headings of the contact locus below a nutation, and the length of its way."""
+def _bend(below: float) -> tuple[float, float]:
+    """Return the change of heading of the contact locus below a nutation, and its length."""
     solution = release.bounce()
     states = solution.at(solution.grid())
     inside = states.phi < below
     dx, dy = (np.diff(along[inside]) for along in release.contact_locus(states))
-    return np.unwrap(np.arctan2(dy, dx)), float(np.hypot(dx, dy)[1:].sum())
-
-
-def _turning() -> float:
-    """Sense in which the contact locus bends during the bounce: 1 anticlockwise, -1 clockwise."""
-    headings, _ = _headings(10 * release.bounce().bounces[0].phi_min)
-    return float(np.sign(headings[-1] - headings[0]))
-
-
-def _radius() -> float:
-    """Radius of the contact locus at the bottom of the bounce: length over change of heading."""
-    headings, length = _headings(3 * release.bounce().bounces[0].phi_min)
-    return float(length / abs(headings[-1] - headings[0]))
-
-
-def _arc() -> float:
-    """Turn of the contact locus below phi_0/10, in degrees."""
-    headings, _ = _headings(release.INNER * release.PHI)
-    return float(np.degrees(abs(headings[-1] - headings[0])))
+    headings = np.unwrap(np.arctan2(dy, dx))
+    return float(headings[-1] - headings[0]), float(np.hypot(dx, dy)[1:].sum())
 
 
 @check("text:circle")
 def circle_of_the_bounce() -> Fact:
     """Radius of the exact locus at the bottom of the bounce."""
-    radius, arc = _radius(), _arc()
-    turn = float(np.degrees(abs(release.bounce().bounces[0].angle_of_turn)))
+    bounce = release.bounce().bounces[0]
+    bend, length = _bend(3 * bounce.phi_min)
+    radius, arc = length / abs(bend), math.degrees(abs(_bend(release.INNER * release.PHI)[0]))
+    turn = math.degrees(abs(bounce.angle_of_turn))
     return Fact(
         printed=(1.0, 1.0),  # radius over R, arc over the turn
         holds=lambda said: abs(radius - said[0]) < CLOSE and abs(arc / turn - said[1]) < TAIL,
@@ -200,14 +184,15 @@ def sense_of_the_locus() -> Fact:
     """Velocity Theta (-sin psi, cos psi) with Theta = -Psi < 0 turns with psi; exact motion."""
     heading = sp.Matrix([sp.sin(psi), -sp.cos(psi)])
     bend = heading[0] * heading.diff(psi)[1] - heading[1] * heading.diff(psi)[0]
-    senses = {"clockwise" if x < 0 else "anticlockwise" for x in (sp.simplify(bend), _turning())}
+    turning, _ = _bend(10 * release.bounce().bounces[0].phi_min)
+    senses = {"clockwise" if x < 0 else "anticlockwise" for x in (sp.simplify(bend), turning)}
     return Fact(
         printed="clockwise",
         holds=lambda word: senses == {word},
         corrected="anticlockwise",
         how=f"sympy: heading turns by {sp.simplify(bend)} per unit of psi, which grows for "
         "B_-2 > 0; the exact locus turns "
-        f"{'anticlockwise' if _turning() > 0 else 'clockwise'}",
+        f"{'anticlockwise' if turning > 0 else 'clockwise'}",
     )
 
 

@@ -18,6 +18,12 @@ BEFORE, AFTER = 28, 12
 """Characters of context kept on either side of a number: enough to find it by searching."""
 
 
+def folded(tex: str) -> str:
+    """Return LaTeX without comments and labels, each stretch of white space as one blank."""
+    plain = re.sub(r"(?<!\\)%.*", "", tex)
+    return " ".join(re.sub(r"\\label\{[^}]*\}|\\nonumber", "", plain).split())
+
+
 def _body(tex: str) -> str:
     plain = re.sub(r"(?<!\\)%.*", "", tex)
     return plain[plain.index(r"\begin{document}") :]

@@ -8,8 +8,8 @@ import pytest
 
 from harness.paper.audit import CLAIMS
 from harness.paper.audit.checks.references import DEFINED_IN
-from harness.paper.audit.claims import ERRORS, Claim, folded
-from tests.harness.paper.audit.source import literals, numbered_rows, numbers_of_labels
+from harness.paper.audit.claims import ERRORS, Claim
+from tests.harness.paper.audit.source import folded, literals, numbered_rows, numbers_of_labels
 
 PAPER = Path(__file__).parents[5] / "shared" / "paper" / "rocking-can.tex"
 BESIDE = pytest.mark.skipif(not PAPER.exists(), reason="the paper's source is not at hand")
