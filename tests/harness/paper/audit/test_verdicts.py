@@ -18,7 +18,8 @@ from harness.paper.audit.evidence import (
     Rate,
 )
 from harness.paper.audit.symbols import Co, S, disagreement, phi, tidy, vanishes
-from tests.harness.paper.audit.wrong_claims import MOST, mutated, right_claim, wrong_claims
+from tests.harness.paper.audit.mutated_form import MOST, mutated
+from tests.harness.paper.audit.wrong_claims import right_claim, wrong_claims
 
 
 def falling(power: int, x: mp.mpf) -> mp.mpf:

@@ -27,7 +27,6 @@ from harness.paper.audit.evidence import (
 from harness.paper.audit.newton_euler import VERTICAL, centre_velocity
 from harness.paper.audit.reduced_form import POWERS
 from harness.paper.audit.symbols import (
-    ZERO,
     Co,
     Expr,
     I,
@@ -38,7 +37,6 @@ from harness.paper.audit.symbols import (
     T,
     Theta,
     a,
-    disagreement,
     eps,
     g,
     h,
@@ -47,57 +45,14 @@ from harness.paper.audit.symbols import (
     phi,
     tidy,
 )
-
-HALF = sp.Rational(1, 2)
-MOST = 6
-"""Mutations kept of a form, spread over it: each costs an evaluation to forty digits."""
-
-
-def mutated(form: Expr) -> list[Expr]:
-    """Return forms that differ from a form in one place, at most `MOST`.
-
-    A place is the sign or the coefficient of a term, a power, or an entry.
-
-    Parameters
-    ----------
-    form : Expr
-        An expression or a matrix of expressions, in which every entry is mutated in turn.
-    """
-    if isinstance(form, sp.MatrixBase):
-        found = [other for place in range(len(form)) for other in _with_entry(form, place)]
-    else:
-        found = list(_in_one_place(sp.sympify(form)))
-    step = max(1, -(-len(found) // MOST))
-    return [other for other in found[::step] if disagreement(other, form) >= ZERO]
-
-
-def _with_entry(form: Expr, place: int) -> Iterator[Expr]:
-    for entry in mutated(form[place]):
-        other = form.as_mutable()
-        other[place] = entry
-        yield other
-
-
-def _in_one_place(form: Expr) -> Iterator[Expr]:
-    if form.is_zero:
-        yield sp.Integer(1)
-        return
-    yield -form
-    yield 2 * form
-    for node in sp.preorder_traversal(form, keys=True):
-        if node.is_Add:
-            for term in node.args:
-                yield form.xreplace({node: node - 2 * term})
-                yield form.xreplace({node: node + term})
-        elif node.is_Pow and node.exp.is_Integer:
-            yield form.xreplace({node: node * node.base})
+from tests.harness.paper.audit.mutated_form import HALF, mutated, with_entry
 
 
 def _all_entries(_: Evidence) -> Iterator[Any]:
     """Yield the branches of eq01:hyper_geom with each entry changed, and rho with its sign."""
     yield sp.conjugate(RIGHT_RHO), BRANCHES
     for place in range(len(BRANCHES)):
-        for other in _with_entry(BRANCHES, place):
+        for other in with_entry(BRANCHES, place):
             yield RIGHT_RHO, other.as_immutable()
 
 
