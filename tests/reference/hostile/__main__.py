@@ -43,8 +43,8 @@ def page(tally: Tally, count: int, seed: int) -> str:
         "are known, its answer may be off by what it states. An ending that these refute is a "
         f"fault, unless it is decided by {DECIDING} ulps of everything: of the numbers given, the "
         "first integrals and the energy, each moved so that the gap of the energy closes, or of "
-        "one number by itself. So is a refusal, unless these decide the ending or one ulp the "
-        "third digit of the period."
+        "one number by itself. So is a refusal, unless these decide the ending or the third digit "
+        "of a measure: of the period, phi_min, the turn or the rotation."
     )
     command = f"python -m tests.reference.hostile --count {count} --seed {seed}"
     lines = [

@@ -19,7 +19,7 @@ from tests.reference.hostile.truth import (
     MEASURES,
     Truth,
     conditioning,
-    moved_by_an_ulp,
+    moved_by_ulps,
     numbers_of,
     relative,
     truth_of,
@@ -33,7 +33,8 @@ AGREED = 1e-9
 # adds up: a thousand, on numbers each known to half an ulp.
 ROUNDINGS = 1000.0
 # An ending is refuted, and a refusal without a reason, unless so many ulps of a number given change
-# the ending: the energy that decides it is a sum of some ten rounded terms.
+# the ending, or of a refusal the third digit: the energy that decides is a sum of some ten rounded
+# terms.
 DECIDING = 8
 # s of the processor, for one scene.
 LONGEST = 5.0
@@ -200,12 +201,14 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
     truth = truth_of(numbers_of(release))
     refused = " and ".join(name for name in ("batch", "single") if name not in given)
     if refused:
-        moved = moved_by_an_ulp(release, truth, USEFUL)
+        moved = moved_by_ulps(release, truth, 1, USEFUL, ("period",))
         if moved > USEFUL:
             reason = f"an ulp moves the period by {moved:.1e} or more"
         elif ulps_decide_the_ending(release, truth, DECIDING):
             closing = ulps_of_the_gap(release, truth)
             reason = f"{closing:.1f} ulps of everything change the ending"
+        elif (moved := moved_by_ulps(release, truth, DECIDING, USEFUL)) > USEFUL:
+            reason = f"{DECIDING} ulps of each number move a measure by {moved:.1e} or more"
         else:
             reason = "no ulp decides it"
             tally.faults.append(f"refused by {refused}, though no ulp decides it: {release}")

@@ -338,22 +338,26 @@ def ulps_decide_the_ending(made: Made, truth: Truth, ulps: int) -> bool:
     return False
 
 
-def moved_by_an_ulp(made: Made, truth: Truth, enough: float) -> float:
-    """Return by how much an ulp of each number moves the period, added up until it is enough.
+def moved_by_ulps(
+    made: Made, truth: Truth, ulps: int, enough: float, measures: tuple[str, ...] = MEASURES
+) -> float:
+    """Return by how much so many ulps of each number move a measure, added up until it is enough.
 
-    Infinite where an ulp decides whether there is a period.
+    Of the measures that which is moved most. Infinite where they decide whether there is a period.
     """
     numbers = numbers_of(made)
-    total = 0.0
+    total = dict.fromkeys(measures, 0.0)
     for name in ("psi_dot", "theta_dot", "phi", "a", "c", "h", "phi_dot"):
-        moved = []
-        for share in (2 * EPS, -2 * EPS) if numbers[name] else ():
+        moved = dict.fromkeys(measures, 0.0)
+        for share in (2 * ulps * EPS, -2 * ulps * EPS) if numbers[name] else ():
             other = truth_of({**numbers, name: numbers[name] * (1 + share)})
             if (other.period is None) != (truth.period is None):
                 return float("inf")
-            if truth.period is not None:
-                moved.append(float(abs(other.period / truth.period - 1)))
-        total += max(moved, default=0.0)
-        if total > enough:
+            for key in measures if truth.period is not None else ():
+                changed = float(relative(key, getattr(other, key), getattr(truth, key)))
+                moved[key] = max(moved[key], changed)
+        for key in measures:
+            total[key] += moved[key]
+        if max(total.values()) > enough:
             break
-    return total
+    return max(total.values())
