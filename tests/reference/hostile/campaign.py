@@ -194,6 +194,19 @@ def moved_by_roundings(problem: Problem, own: Answer, enough: float) -> float:
     return total
 
 
+def _reason(release: Made, truth: Truth) -> str:
+    """Return why a release may be refused; nothing if it may not."""
+    moved = moved_by_ulps(release, truth, 1, USEFUL, ("period",))
+    if moved > USEFUL:
+        return f"an ulp moves the period by {moved:.1e} or more"
+    if ulps_decide_the_ending(release, truth, DECIDING):
+        return f"{ulps_of_the_gap(release, truth):.1f} ulps of everything change the ending"
+    moved = moved_by_ulps(release, truth, DECIDING, USEFUL)
+    if moved > USEFUL:
+        return f"{DECIDING} ulps of each number move a measure by {moved:.1e} or more"
+    return ""
+
+
 def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> None:
     """Hold answers to sixty digits, and refusals to what an ulp does."""
     family = tally.families[release.family]
@@ -201,15 +214,8 @@ def _by_sixty_digits(tally: Tally, release: Made, given: dict[str, Answer]) -> N
     truth = truth_of(numbers_of(release))
     refused = " and ".join(name for name in ("batch", "single") if name not in given)
     if refused:
-        moved = moved_by_ulps(release, truth, 1, USEFUL, ("period",))
-        if moved > USEFUL:
-            reason = f"an ulp moves the period by {moved:.1e} or more"
-        elif ulps_decide_the_ending(release, truth, DECIDING):
-            closing = ulps_of_the_gap(release, truth)
-            reason = f"{closing:.1f} ulps of everything change the ending"
-        elif (moved := moved_by_ulps(release, truth, DECIDING, USEFUL)) > USEFUL:
-            reason = f"{DECIDING} ulps of each number move a measure by {moved:.1e} or more"
-        else:
+        reason = _reason(release, truth)
+        if not reason:
             reason = "no ulp decides it"
             tally.faults.append(f"refused by {refused}, though no ulp decides it: {release}")
         tally.refusals.append(
