@@ -135,7 +135,10 @@ def test_other_wrong_use_is_refused(told: Command, words: tuple[str, ...]) -> No
     ("words", "parts"),
     [
         (("--model", "bogus"), ("'model' cannot be 'bogus'", "auto, pendulum, frictionless")),
-        (("--method", "bogus"), ("'method' cannot be 'bogus'", "auto, half-period, picard-chebyshev")),
+        (
+            ("--method", "bogus"),
+            ("'method' cannot be 'bogus'", "auto, half-period, picard-chebyshev"),
+        ),
         (("--rtol", "2"), ("'rtol' cannot be 2.0", "greater than 0 and less than 1")),
         (("--model", "general", "--method", "RK45"), ("'method' cannot be 'RK45'", "auto")),
     ],
