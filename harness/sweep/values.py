@@ -25,6 +25,7 @@ from harness.engines.reference.to_reference_problem import (
     bounces_of,
     epsilon_of,
     refusal,
+    representable,
 )
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine
@@ -123,6 +124,12 @@ def solved_exactly(
             reason = refusal(scene_at(scene, first))
             outcomes[some] = f"{Outcome.NO_SOLUTION.value} ({reason})"
     well = outcomes == ""
+    if well.any():
+        # rates near the largest double overflow: that they are not representable is the answer
+        with np.errstate(all="ignore"):
+            inside = representable(_releases(scene, values, well))
+        outcomes[np.flatnonzero(well)[~inside]] = BEYOND
+        well = outcomes == ""
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if well.any():
         _solve(_releases(scene, values, well), well, numbers, outcomes)

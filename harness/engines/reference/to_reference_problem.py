@@ -19,6 +19,7 @@ from reference import Effects, Gravity, Mass, Parameters, Problem, carries, exac
 from reference import Outcome as Ending
 from reference.integrable.frobenius import CanConstants, frobenius_series, horner, terms_needed
 from reference.integrable.turning_points import OUTCOMES
+from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
     {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
@@ -158,13 +159,23 @@ class Batch:
         return np.asarray(self.code == OUTCOMES.index(Ending.FINISHED), dtype=np.bool_)
 
 
+def representable(releases: Releases) -> NDArray[np.bool_]:
+    """Return where a double holds the squares of nutation and rates, shape (n,)."""
+    r = releases
+    time = np.sqrt(np.asarray(r.radius) / r.gravity)
+    inside = np.asarray(r.phi) >= LEAST
+    for rate in (r.phi_dot, r.psi_dot, r.theta_dot):
+        inside = inside & (np.abs(rate) * time < 1 / LEAST)
+    return inside
+
+
 def bounces_of(releases: Releases) -> Batch:
     """Solve releases exactly.
 
     Raises
     ------
     ValueError
-        If a can or a release is none, or gravity is not positive.
+        If a can or a release is none or not representable, or gravity is not positive.
     """
     r = releases
     if not (np.asarray(r.gravity) > 0.0).all():

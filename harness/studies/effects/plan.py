@@ -8,7 +8,7 @@ magnitude, printed beside every verdict, and each can be replaced on the command
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any
@@ -76,7 +76,7 @@ def replaced_strengths(can: Can, words: tuple[tuple[str, float], ...]) -> dict[s
         name, _, constant = key.partition(".")
         if name not in KINDS:
             raise InvalidSettingError("--assume", key, f"effects are {', '.join(KINDS)}")
-        constants = found[name].__dataclass_fields__
+        constants = [field.name for field in fields(found[name])]
         if constant not in constants:
             allowed = ", ".join(f"{name}.{known}" for known in constants)
             raise InvalidSettingError("--assume", key, allowed)

@@ -1,7 +1,7 @@
 """The effects study: which effects a scene needs, what each costs, what an engine adds unasked."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -116,7 +116,7 @@ def effect_rows(found: EffectsResults) -> list[dict[str, Any]]:
 def _strength(plan: EffectsPlan, name: str) -> str:
     """Return the constants of an effect as `--assume` and a scene file know them."""
     law = plan.strengths[name]
-    constants = ((key, getattr(law, key)) for key in law.__dataclass_fields__)
+    constants = ((field.name, getattr(law, field.name)) for field in fields(law))
     return ", ".join(f"{key} = {value:g}" for key, value in constants if value != 0.0)
 
 

@@ -127,9 +127,16 @@ def test_the_artefacts_name_every_effect_and_every_column() -> None:
     assert set(tables) == {f"gentle-rock-{name}" for name in ("effects", "factors", "runs")}
     for table in tables.values():
         assert set(table.columns) == set(table.frame.columns)
-    assert list(tables["gentle-rock-effects"].frame["effect"]) == list(KINDS)
+    effects = tables["gentle-rock-effects"].frame.set_index("effect")
+    assert list(effects.index) == list(KINDS)
+    assert effects["strength"]["slip"] == "mu = 0.2"
     words = next(one.text for one in artefacts if isinstance(one, Prose))
     assert "slip is needed" in words
+
+
+def test_only_constants_of_an_effect_can_be_assumed() -> None:
+    with pytest.raises(InvalidSettingError, match=r"slip.modelling_choice.*allowed: slip\.mu$"):
+        plan_effects(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.modelling_choice", 1.0),))
 
 
 def test_an_engine_that_cannot_carry_the_scene_says_so_of_every_effect() -> None:
