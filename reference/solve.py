@@ -38,11 +38,6 @@ from reference.smooth.stepping import integrate
 from reference.smooth.time_reversal import integrate_by_symmetry
 from reference.solution import Solution
 
-CARRIED = frozenset(
-    {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
-)
-"""Effects that some model carries: all but those of an impact and of a soft contact."""
-
 OF_ROLLING = ("rolling", "exact", "reduced", "asymptotic")
 
 
@@ -113,7 +108,7 @@ def carries(model: str, problem: Problem) -> bool:
 OUTPUTS = frozenset({"contact_locus"})
 METHODS = ("half-period", "picard-chebyshev", *SCIPY_METHODS)
 RENAMED_METHODS = MappingProxyType({"regular": "half-period", "marching": "picard-chebyshev"})
-"""Names of methods until this release, which are still understood, with a warning."""
+"""Methods by their names of the previous release, which `solve` takes with a warning."""
 MODELS = (
     "auto",
     "pendulum",
@@ -127,6 +122,12 @@ MODELS = (
 )
 WITH_LOCUS = ("auto", "pendulum", "frictionless", "rolling", "coulomb", "general", "exact")
 WITHOUT_SLIP = ("pendulum", "rolling", "exact")
+
+
+def renamed_method(old: str) -> str:
+    """Return what is said of a method that is asked for by a key of `RENAMED_METHODS`."""
+    now = RENAMED_METHODS[old]
+    return f"method {old!r} is called {now!r} now; the old name goes with the next release"
 
 
 class SolverError(ValueError):
@@ -174,7 +175,9 @@ def solve(
     SolverError
         If a choice does not exist, or the model is too small for the effects of the problem.
     """
-    method = current_method(method)
+    if method in RENAMED_METHODS:
+        warnings.warn(renamed_method(method), DeprecationWarning, stacklevel=2)
+        method = RENAMED_METHODS[method]
     choice = smallest(problem)
     if model not in MODELS:
         raise SolverError(f"unknown `model` {model!r}; there are {', '.join(MODELS)}")
@@ -224,16 +227,6 @@ def solve(
         phases=phases,
         agreement=None if confirmed is None else confirmed.agreement,
     )
-
-
-def current_method(method: str) -> str:
-    """Return the name of a method today; a name that was given up warns."""
-    if method not in RENAMED_METHODS:
-        return method
-    now = RENAMED_METHODS[method]
-    message = f"method {method!r} is called {now!r} now; the old name goes with the next release"
-    warnings.warn(message, DeprecationWarning, stacklevel=3)
-    return now
 
 
 def _dispatch(

@@ -32,6 +32,7 @@ from harness.cli.studies import attribute, cost, effects, errors, stability
 from harness.cli.sweep import sweep
 from harness.cli.validate import validate
 from harness.core.errors import HarnessError, MissingCheckoutError, OutputError, ParityError
+from harness.core.public_paths import RenamedValueWarning
 from harness.execution.cache import CacheWarning
 from harness.execution.isolated_pool import end_background_worker
 from harness.execution.signals import Interrupted, exit_on_signal, handle_signals
@@ -185,7 +186,8 @@ def main(program: typer.Typer = app, name: str = "rockingcan") -> None:
 def code_of(arguments: list[str], program: typer.Typer = app, name: str = "rockingcan") -> int:
     """Run a command and return its exit code."""
     with warnings.catch_warnings():
-        warnings.simplefilter("always", CacheWarning)
+        for own in (CacheWarning, RenamedValueWarning):
+            warnings.simplefilter("always", own)
         warnings.showwarning = _shown(warnings.showwarning)
         return _code_of(arguments, program, name)
 
@@ -236,13 +238,15 @@ def _notes(error: BaseException) -> list[str]:
 
 
 def _shown(usual: Callable[..., None]) -> Callable[..., None]:
-    """Return what shows a warning: those of the store in one line, others as usual."""
+    """Return what shows a warning: our own in one line each, and once, others as usual."""
+    shown: set[str] = set()
 
     def show(message: object, category: type[Warning], *place: object) -> None:
-        if issubclass(category, CacheWarning):
-            sys.stderr.write(f"rockingcan: warning: {message}\n")
-        else:
+        if not issubclass(category, (CacheWarning, RenamedValueWarning)):
             usual(message, category, *place)
+        elif str(message) not in shown:
+            shown.add(str(message))
+            sys.stderr.write(f"rockingcan: warning: {message}\n")
 
     return show
 

@@ -1,4 +1,4 @@
-"""Public names of a package, each imported when it is first asked for, and paths that have moved.
+"""Public names of a package, imported when first asked for, and names of the previous release.
 
 The program must handle signals before anything heavy is imported, and `rockingcan --help` needs no
 engine: so a package with a public interface states its names and imports nothing itself.
@@ -36,6 +36,19 @@ MOVED = MappingProxyType(
 """Modules that an adapter could import, and what they have become."""
 
 
+class RenamedValueWarning(FutureWarning):
+    """A value of an option is given by its name of the previous release.
+
+    It concerns whoever typed the value, so that the command line prints it; a `DeprecationWarning`
+    concerns the author of an adapter, and Python shows it in tests only.
+    """
+
+
+def warn_renamed(message: str, category: type[Warning] = DeprecationWarning) -> None:
+    """Warn of a name of the previous release, at the line that called the caller."""
+    warnings.warn(message, category, stacklevel=3)
+
+
 class _MovedModule(Loader):
     """Loads a module under its old name: the same module object as under its new one."""
 
@@ -64,11 +77,9 @@ class _MovedFinder(MetaPathFinder):
             return None
         new = MOVED[fullname]
         public = "harness.engines" if fullname.startswith("harness.engines") else new
-        warnings.warn(
+        warn_renamed(
             f"'{fullname}' is now '{new}'; adapters import from 'harness.engines' "
-            f"('{public}' stays), and the old path goes with the next release",
-            DeprecationWarning,
-            stacklevel=2,
+            f"('{public}' stays), and the old path goes with the next release"
         )
         return ModuleSpec(fullname, _MovedModule(importlib.import_module(new)))
 

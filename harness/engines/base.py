@@ -6,7 +6,6 @@ the static penetration are written once, against it.
 """
 
 import math
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Protocol
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError, UnknownSettingError
+from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Simulation
 from models.state import Pose, Twist
 
@@ -192,15 +192,14 @@ def signed_distance(world: World) -> float:
     """Return the signed distance of a world, m; one of the previous release calls it `gap`."""
     distance: Callable[[], float] | None = getattr(world, "signed_distance", None)
     if distance is None:
-        _warn_renamed(type(world).__name__, "gap", "signed_distance")
+        warn_renamed(_renamed(type(world).__name__, "gap", "signed_distance"))
         distance = world.gap  # type: ignore[attr-defined]
     return distance()
 
 
-def _warn_renamed(owner: str, old: str, new: str) -> None:
-    """Warn of a name of the previous release, which goes with the next."""
-    message = f"`{old}` of {owner} is now `{new}`; the old name goes with the next release"
-    warnings.warn(message, DeprecationWarning, stacklevel=3)
+def _renamed(owner: str, old: str, new: str) -> str:
+    """Return what is said of an attribute under its name of the previous release."""
+    return f"`{old}` of {owner} is now `{new}`; the old name goes with the next release"
 
 
 def resolve(
@@ -376,7 +375,7 @@ def features_of(engine: Engine) -> EngineFeatures:
         old = _RENAMED.get(name, name)
         # a subclass with the old name inherits the default of the new name: the old name wins
         if old != name and hasattr(engine, old):
-            _warn_renamed(engine.name, old, name)
+            warn_renamed(_renamed(engine.name, old, name))
             offered[name] = getattr(engine, old)
         elif hasattr(engine, name):
             offered[name] = getattr(engine, name)
@@ -388,5 +387,5 @@ def __getattr__(name: str) -> object:
     renamed = {"Gap": ModelDifference, "Effort": SolverEffort}
     if name not in renamed:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    _warn_renamed(f"'{__name__}'", name, renamed[name].__name__)
+    warn_renamed(_renamed(f"'{__name__}'", name, renamed[name].__name__))
     return renamed[name]

@@ -149,7 +149,7 @@ def _inverse_square_sine(terms: int) -> LogSeries:
 
 
 def paper_constants(states: States, parameters: Parameters) -> tuple[Floats, Floats]:
-    """Return B_0 and B_{-2} exactly, shape (n,)."""
+    """Return B_0 and B_{-2} of eq01:psi_orig exactly, shape (n,)."""
     K, B = first_integrals(
         can_constants(parameters), series_of(parameters), states.phi, states.psi_dot, states.spin
     )
@@ -161,6 +161,10 @@ def paper_constants(states: States, parameters: Parameters) -> tuple[Floats, Flo
 
 
 def leading_constants(states: States, parameters: Parameters) -> tuple[Floats, Floats]:
-    """B_0 and B_{-2} to leading order in phi, the first terms of eq01:A_sol and eq01:B_sol."""
+    """Return B_0 and B_{-2} to leading order in phi, shape (n,).
+
+    The first terms of eq01:A_sol and eq01:B_sol. Unlike those of `paper_constants` they are not
+    constant during a motion: the ripples of fig01:conserved.
+    """
     half = parameters.k * parameters.c_p / 2
     return half * states.spin, (states.psi_dot - half * states.spin) * states.phi**2

@@ -20,20 +20,10 @@ road.
 import numpy as np
 
 from reference.problem.can import Parameters
-from reference.problem.states import Floats
 
 # Taylor steps reach this far towards the nearest singular point: 0.5^60 is below round-off.
 REACH = 0.5
 TERMS = 64
-
-
-def equation_residual(
-    parameters: Parameters, phi: Floats, psi: Floats, slope: Floats, bend: Floats
-) -> Floats:
-    """Left side of eq01:frob_ode for Psi, Psi' and Psi'' with respect to phi, shape of `phi`."""
-    cotangent = 1 / np.tan(phi)
-    gamma, beta = 2 + parameters.k, parameters.k * parameters.h
-    return np.asarray(bend + 3 * cotangent * slope - (gamma + beta * cotangent) * psi)
 
 
 def hypergeometric_pair(parameters: Parameters, phi: float) -> tuple[complex, complex]:

@@ -190,10 +190,10 @@ class Matched:
 
 
 def locus_arc(psi: Floats) -> Floats:
-    """Contact locus wherever theta' = -psi': an arc of the can's own radius, shape (n, 2), in R.
+    """Return the contact locus where theta' = -psi': an arc of the can's radius, shape (n, 2).
 
-    (x, y) = -(cos psi, sin psi) + const (eq01:contact_pt_inner and eq01:contact_pt_outer, mended):
-    in the bounce with `Matched.precession`, whose arc is the angle of turn; before it with
+    (x, y) = -(cos psi, sin psi) + const in R (eq01:contact_pt_inner, eq01:contact_pt_outer, both
+    mended): in the bounce with `Matched.precession`, whose arc is the angle of turn; before it with
     `Matched.outer_precession`, where the point hardly moves.
     """
     return -np.stack([np.cos(psi), np.sin(psi)], axis=-1)
@@ -205,12 +205,12 @@ def matched_of(problem: Problem) -> Matched:
 
 
 def boundary_rotation(parameters: Parameters, psi_dot: float) -> float:
-    """Theta at which the sense of the turn changes, to leading order (eq01:boundary)."""
+    """Return Theta at which the sense of the turn changes, to leading order (eq01:boundary)."""
     return (2 / (parameters.c_p * parameters.k) - 1) * psi_dot
 
 
 def friction_bound(parameters: Parameters) -> float:
-    """Friction coefficient needed in a hard bounce, h/a_p (eq01:required_friction)."""
+    """Return the friction that a hard bounce needs, h/a_p (eq01:required_friction)."""
     return parameters.h / parameters.a_p
 
 

@@ -75,7 +75,11 @@ def nutation_acceleration_without_friction(
 
 
 def leading_turn_without_friction(parameters: Parameters) -> float:
-    """Angle of turn in the limit of a hard bounce, pi sqrt((a + 1)/a), in rad."""
+    """Return the angle of turn in the limit of a hard bounce, pi sqrt((a + 1)/a), in rad.
+
+    From the term alpha_3/phi^3 of app01:Phi_reduced_slip, as eq01:angle_of_turn follows from
+    a_3/phi^3 of eq01:Phi_reduced.
+    """
     return float(np.pi * np.sqrt((parameters.a + 1) / parameters.a))
 
 

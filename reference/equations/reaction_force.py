@@ -213,7 +213,9 @@ def middle_position(
 def centre_position(
     states: States, parameters: Parameters, effects: Effects | None = None
 ) -> Floats:
-    """Position of the centre of mass, shape (n, 3), in R.
+    """Return the position of the centre of mass, shape (n, 3), in R.
+
+    The time integral of `centre_velocity` (eq01:com_velocity), by the contact locus.
 
     Raises
     ------

@@ -23,7 +23,7 @@ from reference.problem.states import Floats
 
 
 def steady_rotation(parameters: Parameters, phi: float, psi_dot: float) -> float:
-    """Theta of the steady motion with nutation `phi` and precession rate `psi_dot` (not 0)."""
+    """Return Theta of the steady motion with given phi and Psi, not 0 (eq01:equilibrium)."""
     alpha, beta = steady_rotation_form(parameters, phi)
     return float(alpha * psi_dot + beta / psi_dot)
 
@@ -39,10 +39,10 @@ def steady_rotation_form(parameters: Parameters, phi: float | Floats) -> tuple[F
 def squared_eigenvalue(
     parameters: Parameters, phi: float, psi_dot: float, theta_dot: float
 ) -> float:
-    """Square of the two eigenvalues of a steady motion that are not zero.
+    """Return the square of the two eigenvalues of a steady motion that are not zero.
 
     Positive for a saddle, negative for a centre; minus the square of the frequency of small
-    oscillations.
+    oscillations. On S_bal with Psi = 0 it is that of eq01:eigenvalues, mended.
     """
     square, cross, rotation, gravity = eigenvalue_form(parameters, phi)
     form = square * psi_dot**2 + cross * psi_dot * theta_dot + rotation * theta_dot**2 + gravity
@@ -77,26 +77,29 @@ def eigenvalue_form(
 
 
 def critical_rolling_rate(parameters: Parameters) -> float:
-    """|Theta| above which the balanced can rolls straight ahead without falling."""
+    """Return |Theta| above which the balanced can rolls straight ahead without falling.
+
+    There the eigenvalues of S_bal with Psi = 0 vanish (eq01:eigenvalues, mended).
+    """
     p = parameters
     return float(np.sqrt(np.sqrt(1 + p.h**2) / (p.k * p.c_p * (p.h**2 + p.c_p))))
 
 
 def balanced_rotation(parameters: Parameters, psi_dot: float) -> float:
-    """Theta with which the can spins and rolls in balance: (a - c) C Psi/(c_p + h^2)."""
+    """Return Theta of S_bal (eq01:bal_eqm, mended): (a - c) C Psi/(c_p + h^2)."""
     p = parameters
     cosine = p.h / np.sqrt(1 + p.h**2)
     return float((p.a - p.c) * cosine * psi_dot / (p.c_p + p.h**2))
 
 
 def circle_radius(parameters: Parameters, phi: float, psi_dot: float, theta_dot: float) -> float:
-    """Radius of the circle of the centre of mass, below eq01:comcoords, in R."""
+    """Return the radius of the circle of the centre of mass (below eq01:comcoords), in R."""
     reach = np.cos(phi) - parameters.h * np.sin(phi)
     return float(abs(reach + theta_dot / psi_dot))
 
 
 def rest_rates(parameters: Parameters, phi: float) -> tuple[float, float]:
-    """Psi > 0 and Theta with which the can spins about a centre of mass at rest (S_rest).
+    """Return Psi > 0 and Theta of S_rest (below eq01:comrest, mended): the centre of mass rests.
 
     Raises
     ------

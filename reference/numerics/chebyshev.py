@@ -58,19 +58,6 @@ def waves(n: int, x: Floats) -> Floats:
     return np.asarray(np.cos(np.multiply.outer(np.arange(n), np.arccos(x))))
 
 
-def primitive_coefficients(coefficients: Floats) -> Floats:
-    """Coefficients of the integral from -1, one more along the last axis."""
-    n = coefficients.shape[-1]
-    c = np.concatenate([coefficients, np.zeros((*coefficients.shape[:-1], 2))], axis=-1)
-    c[..., 0] *= 2
-    k = np.arange(1, n + 1)
-    out = np.zeros((*coefficients.shape[:-1], n + 1))
-    out[..., 1:] = (c[..., :n] - c[..., 2 : n + 2]) / (2 * k)
-    sign = np.where(k % 2 == 0, -1.0, 1.0)
-    out[..., 0] = (out[..., 1:] * sign).sum(axis=-1)
-    return out
-
-
 def clenshaw(coefficients: Floats, x: Floats) -> Floats:
     """Value of Chebyshev series, coefficients of shape (terms, ...) broadcast against x."""
     x2 = 2 * x

@@ -53,8 +53,7 @@ class Problem:
     ProblemError
         If a value is not finite or of the wrong type, phi lies outside [1e-150, pi/2), a rate is
         too large for its square, the horizon is not exactly one positive number, or an effect does
-        not fit the can: a rim rounded by more
-        than the can has, or a point mass outside it.
+        not fit the can: a rim rounded by more than the can has, or a point mass outside it.
     """
 
     parameters: Parameters

@@ -14,7 +14,6 @@ from reference.numerics.chebyshev import (
     clenshaw,
     integrator,
     points,
-    primitive_coefficients,
     to_coefficients,
 )
 from reference.problem.states import States
@@ -68,8 +67,6 @@ def test_chebyshev_matrices() -> None:
     assert np.abs(integrator(24) @ np.exp(x) - (np.exp(x) - np.exp(-1))).max() < 16 * eps
     at = np.array([-0.7, 0.3])
     assert np.abs(clenshaw(c, at) - np.exp(at)).max() < 16 * eps
-    primitive = clenshaw(primitive_coefficients(c), at)
-    assert np.abs(primitive - np.exp(at) + np.exp(-1)).max() < 16 * eps
 
 
 @pytest.mark.slow

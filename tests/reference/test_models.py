@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+import reference
 from reference import PAPER_CAN, Parameters, Problem, ProblemError, SolverError, solve
 from reference.asymptotic.expansions import expansions, leading_constants
 from reference.asymptotic.matched import (
@@ -211,3 +212,11 @@ def test_the_old_name_of_a_method_is_understood_with_a_warning() -> None:
     new = solve(PAPER, model="rolling", method="half-period")
     assert old.method == new.method == "half-period"
     assert old.maxima.tobytes() == new.maxima.tobytes()
+
+
+def test_each_formula_that_the_package_lists_is_public() -> None:
+    assert reference.__doc__ is not None
+    listed = [line[4:36] for line in reference.__doc__.splitlines() if line.startswith("    ")]
+    names = {name for part in listed for name in part.replace(",", " ").split()}
+    assert names >= {"rest_rates", "leading_turn_without_friction"}
+    assert names <= set(reference.__all__)

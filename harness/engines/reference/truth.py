@@ -16,6 +16,7 @@ import numpy as np
 from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
+from harness.core.public_paths import RenamedValueWarning, warn_renamed
 from harness.core.trajectory import Trajectory
 from harness.engines.base import Floats, Setting, Variant, resolve
 from harness.engines.reference.to_reference_problem import problem
@@ -25,14 +26,15 @@ from models.rim import arc_of, contact_offset
 from reference import (
     METHODS,
     MODELS,
+    RENAMED_METHODS,
     Choice,
     Problem,
     Solution,
     SolverError,
     carries,
-    current_method,
     differences,
     neighbours,
+    renamed_method,
     smallest,
     solve,
 )
@@ -234,7 +236,10 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
     chosen = resolve(case, SETTINGS, 0.0)
     posed = problem(case.scene, seconds)
     model, rtol = str(chosen["model"]), float(chosen["rtol"])  # type: ignore[arg-type]
-    method = current_method(str(chosen["method"]))
+    method = str(chosen["method"])
+    if method in RENAMED_METHODS:
+        warn_renamed(renamed_method(method), RenamedValueWarning)
+        method = RENAMED_METHODS[method]
     for name, value, known_words in (
         ("model", model, MODELS),
         ("method", method, ("auto", *METHODS)),

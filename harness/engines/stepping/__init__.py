@@ -1,7 +1,8 @@
 """What engines that step a world share: schedule, settling, recording, horizon."""
 
-import warnings
 from typing import TYPE_CHECKING
+
+from harness.core.public_paths import warn_renamed
 
 if TYPE_CHECKING:
     from harness.engines.stepping.physics_engine import PhysicsEngine
@@ -15,9 +16,5 @@ def __getattr__(name: str) -> object:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     from harness.engines.stepping import physics_engine  # noqa: PLC0415 - only for old adapters
 
-    warnings.warn(
-        f"import '{name}' from 'harness.engines'; this path goes with the next release",
-        DeprecationWarning,
-        stacklevel=2,
-    )
+    warn_renamed(f"import '{name}' from 'harness.engines'; this path goes with the next release")
     return physics_engine.PhysicsEngine

@@ -131,6 +131,20 @@ def test_the_choice_behind_each_declared_effect_is_said(told: Command) -> None:
     assert told("reference", "gentle-rock", "--json").json()["modelling_choices"] == []
 
 
+def test_an_old_name_of_a_method_is_a_line_on_standard_error(told: Command) -> None:
+    old = told("reference", "paper-release", "--method", "regular", "--json")
+    new = told("reference", "paper-release", "--method", "half-period", "--json")
+    assert old.err == (
+        "rockingcan: warning: method 'regular' is called 'half-period' now; "
+        "the old name goes with the next release\n"
+    )
+    assert new.err == ""
+    times = {"wall_s", "cpu_s", "setup_s"}
+    without = [{k: v for k, v in told.json().items() if k not in times} for told in (old, new)]
+    assert without[0] == without[1]
+    assert (old.code, new.code) == (0, 0)
+
+
 def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:
     answer = typed("reference", "paper-release", "--json")
     assert (answer.code, answer.err) == (0, "")
