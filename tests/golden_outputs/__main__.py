@@ -95,7 +95,9 @@ def content(path: Path, renamed: dict[str, str]) -> str:
     if path.suffix == ".csv":
         head, *rows = list(csv.reader(text.splitlines()))
         kept = [place for place, name in enumerate(head) if not TIMED.search(name)]
-        return "\n".join(",".join(row[place] for place in kept) for row in [head, *rows])
+        timed = head.index("quantity") if "quantity" in head else None
+        judged = [row for row in rows if timed is None or not TIMED.search(row[timed])]
+        return "\n".join(",".join(row[place] for place in kept) for row in [head, *judged])
     return text
 
 
