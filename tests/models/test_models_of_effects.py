@@ -1,7 +1,6 @@
 """The MJCF and URDF of scenes with effects: what the engines compile of them, and what they say."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -9,45 +8,18 @@ import numpy as np
 import pybullet
 import pytest
 
-from models import (
-    Compliance,
-    Damping,
-    Drilling,
-    Effects,
-    PointMass,
-    Restitution,
-    RollingResistance,
-    RoundedRim,
-    Scene,
-    Shake,
-    Slip,
-    Tilt,
-    load,
-    release_state,
-)
+from models import Scene, load, release_state
 from models.gravity import gravity_vector
 from models.mass import body
 from models.mjcf import dof_damping, mjcf
 from models.urdf import urdf
+from tests.declared_effects import EFFECTS, declaring
 
 EPS = np.finfo(np.float64).eps
-EFFECTS = {
-    "slip": Slip(mu=0.3),
-    "compliance": Compliance(stiffness=2e4, damping=5.0),
-    "restitution": Restitution(coefficient=0.5),
-    "drilling": Drilling(length=1e-3),
-    "rolling_resistance": RollingResistance(length=5e-4),
-    "damping": Damping(linear=0.5, angular=0.3),
-    "rim": RoundedRim(radius=2e-3),
-    "tilt": Tilt(angle=0.2, direction=1.0),
-    "shake": Shake(frequency=15.0, vertical=1e-4),
-    "point_mass": PointMass(mass=0.004, x=0.02, y=0.005, z=-0.01),
-}
 
 
 def scene(*names: str) -> Scene:
-    effects = Effects(**{name: EFFECTS[name] for name in names})
-    return replace(load("gentle-rock"), effects=effects)
+    return declaring(load("gentle-rock"), *names)
 
 
 @pytest.mark.parametrize("effect", EFFECTS)

@@ -18,14 +18,11 @@ from harness.engines.registry import check_effects, engine
 from harness.metrics.energy import energy_drift
 from models import (
     Compliance,
-    Damping,
-    Drilling,
     Effects,
     Horizon,
     PointMass,
     Pose,
     Restitution,
-    RollingResistance,
     RoundedRim,
     Scene,
     Shake,
@@ -37,16 +34,17 @@ from models import (
     names,
     quaternion,
 )
+from tests.declared_effects import declaring, effects_of
 
 ENGINES = ("mujoco", "pybullet")
 EFFECTS = {
     "tilt": Effects(tilt=Tilt(angle=0.05, direction=0.3)),
     "shake": Effects(shake=Shake(frequency=15.0, horizontal=5e-4, vertical=3e-4, phase=0.4)),
     "point_mass": Effects(point_mass=PointMass(mass=0.004, x=0.02, y=0.005, z=-0.01)),
-    "damping": Effects(damping=Damping(linear=0.5, angular=0.3)),
+    "damping": effects_of("damping"),
     "frictionless": Effects(slip=Slip(mu=0.0)),
     "enough friction": Effects(slip=Slip(mu=0.6)),
-    "rim": Effects(rim=RoundedRim(radius=2e-3)),
+    "rim": effects_of("rim"),
 }
 
 
@@ -80,12 +78,7 @@ def test_the_motion_converges_to_the_exact_one(gentle: Scene, name: str, effect:
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("effect", ["drilling", "rolling_resistance", "slip"])
 def test_friction_takes_what_the_exact_law_takes(gentle: Scene, name: str, effect: str) -> None:
-    effects = {
-        "drilling": Effects(drilling=Drilling(length=1e-3)),
-        "rolling_resistance": Effects(rolling_resistance=RollingResistance(length=5e-4)),
-        "slip": Effects(slip=Slip(mu=0.3)),
-    }[effect]
-    scene = replace(gentle, effects=effects, horizon=Horizon(seconds=0.3))
+    scene = replace(declaring(gentle, effect), horizon=Horizon(seconds=0.3))
     ideal = replace(scene, effects=Effects())
     times = np.linspace(0.0, 0.29, 30)
     taken = truth(scene).at(times).position - truth(ideal).at(times).position

@@ -9,54 +9,28 @@ from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
 from harness.core.simulation import ParityRow
 from harness.engines.registry import engine
-from models import (
-    Compliance,
-    Damping,
-    Drilling,
-    Effects,
-    PointMass,
-    Restitution,
-    RollingResistance,
-    RoundedRim,
-    Scene,
-    Shake,
-    Slip,
-    Tilt,
-)
+from models import Drilling, Effects, RollingResistance, Scene
+from tests.declared_effects import EFFECTS, declaring
 
-EVERY_DEGREE = ("centre of mass x", "centre of mass y", "centre of mass z", "inertia xx")
 PROBED = {
-    "slip": (Slip(mu=0.3), {"friction of the pair": 0.3}),
-    "compliance": (
-        Compliance(stiffness=2e4, damping=5.0),
-        {"contact stiffness": 2e4, "contact damping": 5.0},
-    ),
-    "restitution": (Restitution(coefficient=0.5), {"restitution": 0.5}),
-    "drilling": (Drilling(length=1e-3), {"arm of drilling": 1e-3}),
-    "rolling_resistance": (
-        RollingResistance(length=5e-4),
-        {"arm of rolling resistance": 5e-4},
-    ),
-    "damping": (Damping(linear=0.5, angular=0.3), {"linear damping": 0.5, "angular damping": 0.3}),
-    "rim": (RoundedRim(radius=2e-3), {"radius of the rim's arc": 2e-3}),
-    "tilt": (
-        Tilt(angle=0.1, direction=math.pi / 2.0),
-        {"gravity": 9.81 * math.cos(0.1), "gravity along y": 9.81 * math.sin(0.1)},
-    ),
-    "shake": (
-        Shake(frequency=15.0, horizontal=5e-4, vertical=3e-4, direction=0.3, phase=0.4),
-        {"horizontal shaking": 5e-4, "vertical shaking": 3e-4, "misfit of the shaking": 0.0},
-    ),
-    "point_mass": (
-        PointMass(mass=0.043, x=0.02, y=0.005, z=-0.01),
-        {"mass": 0.086, "centre of mass x": 0.01, "centre of mass z": -0.005},
-    ),
+    "slip": {"friction of the pair": 0.3},
+    "compliance": {"contact stiffness": 2e4, "contact damping": 5.0},
+    "restitution": {"restitution": 0.5},
+    "drilling": {"arm of drilling": 1e-3},
+    "rolling_resistance": {"arm of rolling resistance": 5e-4},
+    "damping": {"linear damping": 0.5, "angular damping": 0.3},
+    "rim": {"radius of the rim's arc": 2e-3},
+    "tilt": {"gravity": 9.81 * math.cos(0.1), "gravity along y": 9.81 * math.sin(0.1)},
+    "shake": {
+        "horizontal shaking": 5e-4,
+        "vertical shaking": 3e-4,
+        "misfit of the shaking": 0.0,
+    },
+    "point_mass": {"mass": 0.086, "centre of mass x": 0.01, "centre of mass z": -0.005},
 }
+"""What is read back or probed of each effect, as declared."""
+
 ENGINES = ("mujoco", "pybullet")
-
-
-def declaring(gentle: Scene, *names: str) -> Scene:
-    return replace(gentle, effects=Effects(**{name: PROBED[name][0] for name in names}))
 
 
 def rows(scene: Scene, name: str, timestep: float = 1e-4, **options: Value) -> dict[str, ParityRow]:
@@ -74,7 +48,7 @@ def test_what_an_engine_honours_is_equal(
 ) -> None:
     found = rows(declaring(gentle, effect), name, timestep)
     assert {row.quantity for row in found.values() if row.verdict != "equal"} == set()
-    for quantity, declared in PROBED[effect][1].items():
+    for quantity, declared in PROBED[effect].items():
         assert found[quantity].declared == pytest.approx(declared, rel=1e-12, abs=1e-15)
 
 
@@ -145,12 +119,12 @@ def test_an_engine_with_another_scenes_gravity_or_mass_is_a_mismatch(
     scene = declaring(gentle, "tilt", "shake", "point_mass")
     case = Case(scene=scene, engine=name, timestep=1e-4)
     for other, quantities in (
-        (replace(PROBED["tilt"][0], direction=0.0), {"gravity along x", "gravity along y"}),
-        (replace(PROBED["shake"][0], frequency=15.01), {"misfit of the shaking"}),
-        (replace(PROBED["shake"][0], phase=0.41), {"misfit of the shaking", "vertical shaking"}),
-        (replace(PROBED["point_mass"][0], y=0.006), {"centre of mass y", "inertia xy"}),
+        (replace(EFFECTS["tilt"], direction=0.0), {"gravity along x", "gravity along y"}),
+        (replace(EFFECTS["shake"], frequency=15.01), {"misfit of the shaking"}),
+        (replace(EFFECTS["shake"], phase=0.41), {"misfit of the shaking", "vertical shaking"}),
+        (replace(EFFECTS["point_mass"], y=0.006), {"centre of mass y", "inertia xy"}),
     ):
-        key = next(key for key, (kind, _) in PROBED.items() if type(kind) is type(other))
+        key = next(key for key, kind in EFFECTS.items() if type(kind) is type(other))
         wrong = replace(scene, effects=replace(scene.effects, **{key: other}))
         table = parity(engine(name).open(case), wrong, 1e-4, frozenset())
         differing = {row.quantity for row in table if row.verdict != "equal"}

@@ -8,7 +8,7 @@ import pytest
 
 from harness.core.trajectory import Trajectory
 from harness.metrics.energy import energy, energy_drift
-from harness.metrics.motion import contact_quality, motion
+from harness.metrics.motion import contact_quality, motion, motion_frame
 from models import Scene, quaternion
 
 EPS = np.finfo(np.float64).eps
@@ -108,9 +108,29 @@ def test_a_can_about_to_lift_off_has_no_friction_ratio(made: Made, gentle: Scene
     """Of a normal force that is round-off it would be 1e15."""
     weight = gentle.can.mass * gentle.gravity
     force = weight * np.array(
-        ((0.2, 0.0, 1.0), (0.2, 0.0, 2e-3), (0.2, 0.0, 1e-3 / 2), (0.2, 0, 1e-16))
+        ((0.2, 0.0, 1.0), (0.2, 0.0, 1.01e-3), (0.2, 0.0, 0.99e-3), (0.2, 0.0, 1e-16))
     )
     found = motion(made(4, contact_force=force, contact_point=np.zeros((4, 3))), gentle)
-    assert found.friction_ratio[:2] == pytest.approx([0.2, 100.0])
+    assert found.friction_ratio[:2] == pytest.approx([0.2, 0.2 / 1.01e-3])
     assert np.isnan(found.friction_ratio[2:]).all()
     assert found.touching.all()
+
+
+def test_a_table_of_a_motion_has_a_column_for_each_component(made: Made, gentle: Scene) -> None:
+    turned = np.array((0.5, -0.1, 0.7, 0.5))
+    one = made(
+        1,
+        quaternion=turned[None],
+        position=np.array(((1.0, 2.0, 3.0),)),
+        contact_point=np.array(((4.0, 5.0, 0.0),)),
+        contact_force=np.array(((6.0, 7.0, 8.0),)),
+    )
+    seen = motion(one, gentle)
+    row = motion_frame(seen).iloc[0]
+    assert [row[f"quaternion_{letter}"] for letter in "wxyz"] == turned.tolist()
+    assert [row[f"{letter}_m"] for letter in "xyz"] == [1.0, 2.0, 3.0]
+    assert [row[f"contact_{letter}_m"] for letter in "xy"] == [4.0, 5.0]
+    assert [row[f"force_{letter}_N"] for letter in "xyz"] == [6.0, 7.0, 8.0]
+    for name in ("phi", "psi", "theta"):
+        assert row[f"{name}_rad"] == getattr(seen.angles, name)[0]
+        assert row[f"{name}_dot_rad_s"] == getattr(seen.angles, f"{name}_dot")[0]

@@ -8,21 +8,8 @@ import pytest
 
 from harness.core.trajectory import Trajectory
 from harness.metrics.energy import conserves_energy, energy, energy_drift
-from models import (
-    Compliance,
-    Damping,
-    Drilling,
-    Effects,
-    PointMass,
-    Restitution,
-    RollingResistance,
-    RoundedRim,
-    Scene,
-    Shake,
-    Slip,
-    Tilt,
-    quaternion,
-)
+from models import Effects, PointMass, Restitution, Scene, Slip, Tilt, quaternion
+from tests.declared_effects import effects_of
 
 EPS = np.finfo(np.float64).eps
 Made = Callable[..., Trajectory]
@@ -58,22 +45,20 @@ def test_down_a_tilted_plane_energy_is_lost_by_height(made: Made, gentle: Scene)
 
 CONSERVED = [
     Effects(),
-    Effects(tilt=Tilt(angle=0.1)),
-    Effects(point_mass=PointMass(mass=0.01, x=0.01)),
     Effects(slip=Slip(mu=0.0)),
     Effects(restitution=Restitution(coefficient=1.0)),
-    Effects(rim=RoundedRim(radius=1e-3)),
+    *map(effects_of, ("tilt", "point_mass", "rim")),
 ]
-NOT_CONSERVED = [
-    Effects(slip=Slip(mu=0.3)),
-    Effects(compliance=Compliance(stiffness=1e4)),
-    Effects(restitution=Restitution(coefficient=0.5)),
-    Effects(drilling=Drilling(length=1e-3)),
-    Effects(rolling_resistance=RollingResistance(length=1e-3)),
-    Effects(damping=Damping(linear=0.1)),
-    Effects(shake=Shake(frequency=10.0, vertical=1e-4)),
-    Effects(tilt=Tilt(angle=0.1), damping=Damping(linear=0.1)),
-]
+TAKE_OR_BRING = (
+    "slip",
+    "compliance",
+    "restitution",
+    "drilling",
+    "rolling_resistance",
+    "damping",
+    "shake",
+)
+NOT_CONSERVED = [*map(effects_of, TAKE_OR_BRING), effects_of("tilt", "damping")]
 
 
 @pytest.mark.parametrize("effects", CONSERVED)

@@ -116,6 +116,8 @@ def test_before_and_after_the_bounce_are_told_apart(made: Made, time: np.ndarray
     e = compared(found, true, 0.5)
     assert e.phi_rms_before == pytest.approx(1e-3, rel=1e-9)
     assert e.phi_rms_after == pytest.approx(4e-3, rel=1e-9)
+    two = (bounce(0.5), bounce(0.9))  # the first of them is where before ends
+    assert errors(found, true, two, two, true.locus).phi_rms_before == e.phi_rms_before
     without = compared(found, true)
     assert without.phi_rms_before == without.phi_rms
     assert math.isnan(without.phi_rms_after)

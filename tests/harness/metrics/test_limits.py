@@ -105,6 +105,28 @@ def test_a_level_is_one_where_it_outweighs_the_rest_at_the_finest_rung(
         assert (found.rungs, found.erratic) == (6, False)
 
 
+def test_a_level_of_second_order_outweighs_below_the_root() -> None:
+    steps = [4.0 * 2.0**rung for rung in range(6)]
+    found = plateau(steps, [1.0 + 0.02 * step**2 for step in steps])
+    assert found is not None
+    assert found.timestep == pytest.approx(math.sqrt(50.0), rel=1e-6)
+
+
+def test_a_ladder_without_a_trend_is_level_up_to_its_coarsest_rung() -> None:
+    found = plateau((8.0, 4.0, 2.0, 1.0), (1.0, 1.0, 1.0, 1.0))
+    assert found is not None
+    assert (found.timestep, found.rungs, found.erratic) == (8.0, 4, False)
+
+
+def test_rungs_too_coarse_for_the_model_are_left_out_one_by_one() -> None:
+    steps = [2.0**rung for rung in range(6)]
+    errors = [1.0 + 0.1 * step for step in steps]
+    errors[-1] *= 1.5
+    found = plateau(steps, errors)
+    assert found is not None
+    assert (found.rungs, found.level) == (5, pytest.approx(1.0, rel=1e-6))
+
+
 def test_a_level_ends_at_the_coarsest_rung_that_was_tried() -> None:
     steps = [2.0**-rung for rung in range(6)]
     found = plateau(steps, [1.0 + 0.1 * step for step in steps])

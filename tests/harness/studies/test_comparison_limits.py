@@ -5,81 +5,52 @@ code is told which sentence no longer holds.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.core.case import Case
-from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Trajectory
 from harness.core.verdict import Status
 from harness.engines.reference.assumption_checks import Divergence
 from harness.engines.reference.truth import truth
-from harness.evaluation.evaluate import measure_simulation
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.studies.comparison.fidelity import fidelity, scorecard_verdict
 from harness.studies.comparison.selection import followed_best
-from models import Horizon, load, quaternion
+from models import quaternion
 from models.kinematics import angles
+from tests.harness.studies.changed_motions import (
+    SCENE,
+    Change,
+    changed,
+    lean_further,
+    run_of,
+    turn_further,
+)
 
-SCENE = replace(load("gentle-rock"), horizon=Horizon(seconds=0.33))
-"""A whole bounce, and a little more."""
 CAN = SCENE.can
-Change = Callable[[dict[str, np.ndarray]], None]
-
-
-@pytest.fixture(scope="module")
-def exact() -> Trajectory:
-    """Return the exact motion of the scene."""
-    own = truth(SCENE)
-    return own.at(own.grid())
 
 
 def evaluated(exact: Trajectory, change: Change = lambda _: None) -> Evaluation:
     """Return the exact motion, with something changed, as an engine's run."""
-    fields = {name: np.array(getattr(exact, name)) for name in exact.__slots__}
-    change(fields)
-    return measure_simulation(
-        Simulation(
-            case=Case(scene=SCENE, engine="mujoco", timestep=1e-4),
-            outcome=Outcome.FINISHED,
-            trajectory=Trajectory(**fields),
-            engine_version="0",
-            model="by hand",
-            timestep=1e-4,
-        )
-    )
+    return run_of(changed(exact, change))
 
 
 @pytest.mark.parametrize(("degrees", "agrees"), [(0.099, True), (0.101, False)])
 def test_a_tenth_of_a_degree_agrees(exact: Trajectory, degrees: float, *, agrees: bool) -> None:
-    # from the middle of the bounce on everything is turned about the vertical
-    phi, psi, theta = angles(exact.quaternion)
-    further = math.radians(degrees) * (exact.time > exact.time[np.argmin(phi)])
-
-    def turn(fields: dict[str, np.ndarray]) -> None:
-        fields["quaternion"] = quaternion(phi, psi + further, theta)
-        x, y, _ = fields["angular_velocity"].T.copy()
-        fields["angular_velocity"][:, 0] = x * np.cos(further) - y * np.sin(further)
-        fields["angular_velocity"][:, 1] = x * np.sin(further) + y * np.cos(further)
-
-    assert (scorecard_verdict(evaluated(exact, turn)).status is Status.AGREES) is agrees
+    assert (
+        scorecard_verdict(evaluated(exact, turn_further(exact, degrees))).status is Status.AGREES
+    ) is agrees
 
 
 @pytest.mark.parametrize(("share", "agrees"), [(0.0099, True), (0.0101, False)])
 def test_a_hundredth_of_the_largest_phi_agrees(
     exact: Trajectory, share: float, *, agrees: bool
 ) -> None:
-    phi, psi, theta = angles(exact.quaternion)
-    off = share * float(phi.max())
-
-    def lean(fields: dict[str, np.ndarray]) -> None:
-        fields["quaternion"] = quaternion(phi + off, psi, theta)
-
-    assert (scorecard_verdict(evaluated(exact, lean)).status is Status.AGREES) is agrees
+    assert (
+        scorecard_verdict(evaluated(exact, lean_further(exact, share))).status is Status.AGREES
+    ) is agrees
 
 
 def test_what_is_allowed_of_each_quantity(exact: Trajectory) -> None:

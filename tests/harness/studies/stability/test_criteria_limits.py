@@ -13,46 +13,30 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case
-from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Trajectory
 from harness.engines.reference.truth import truth
-from harness.evaluation.evaluate import measure_simulation
 from harness.metrics.energy import energy
 from harness.metrics.motion import Motion, motion
 from harness.studies.stability.failure_criteria import StabilityStatus, classify, stuck_flat
-from models import Horizon, Scene, load, quaternion
+from models import Horizon, Scene, quaternion
 from models.kinematics import angles
+from tests.harness.studies.changed_motions import (
+    SCENE,
+    Change,
+    changed,
+    exact_trajectory,
+    lean_further,
+    run_of,
+    turn_further,
+)
 
-SCENE = replace(load("gentle-rock"), horizon=Horizon(seconds=0.33))
-"""A whole bounce, and a little more."""
 CAN = SCENE.can
 Made = Callable[..., Trajectory]
-Change = Callable[[dict[str, np.ndarray]], None]
-
-
-@pytest.fixture(scope="module")
-def exact() -> Trajectory:
-    """Return the exact motion of the scene."""
-    own = truth(SCENE)
-    return own.at(own.grid())
 
 
 def verdict(exact: Trajectory, change: Change, scene: Scene = SCENE) -> tuple[StabilityStatus, str]:
     """Return the verdict on the exact motion with something changed, and what it rests on."""
-    fields = {name: np.array(getattr(exact, name)) for name in exact.__slots__}
-    change(fields)
-    found = classify(
-        measure_simulation(
-            Simulation(
-                case=Case(scene=scene, engine="mujoco", timestep=1e-4),
-                outcome=Outcome.FINISHED,
-                trajectory=Trajectory(**fields),
-                engine_version="0",
-                model="by hand",
-                timestep=1e-4,
-            )
-        )
-    )
+    found = classify(run_of(changed(exact, change), scene))
     return found.verdict, found.symptom.words
 
 
@@ -87,13 +71,7 @@ def test_a_twentieth_of_what_there_is_to_spend_is_seen(
 def test_phi_is_accurate_to_a_hundredth_of_its_largest(
     exact: Trajectory, share: float, *, accurate: bool
 ) -> None:
-    phi, psi, theta = angles(exact.quaternion)
-    off = share * float(phi.max())
-
-    def lean(fields: dict[str, np.ndarray]) -> None:
-        fields["quaternion"] = quaternion(phi + off, psi, theta)
-
-    found, words = verdict(exact, lean)
+    found, words = verdict(exact, lean_further(exact, share))
     assert (found is StabilityStatus.ACCURATE) is accurate
     assert "phi" in words
 
@@ -102,17 +80,7 @@ def test_phi_is_accurate_to_a_hundredth_of_its_largest(
 def test_a_turn_is_accurate_to_two_degrees(
     exact: Trajectory, degrees: float, *, accurate: bool
 ) -> None:
-    # from the middle of the bounce on everything is turned about the vertical
-    phi, psi, theta = angles(exact.quaternion)
-    further = math.radians(degrees) * (exact.time > exact.time[np.argmin(phi)])
-
-    def turn(fields: dict[str, np.ndarray]) -> None:
-        fields["quaternion"] = quaternion(phi, psi + further, theta)
-        x, y, _ = fields["angular_velocity"].T.copy()
-        fields["angular_velocity"][:, 0] = x * np.cos(further) - y * np.sin(further)
-        fields["angular_velocity"][:, 1] = x * np.sin(further) + y * np.cos(further)
-
-    found, words = verdict(exact, turn)
+    found, words = verdict(exact, turn_further(exact, degrees))
     assert (found is StabilityStatus.ACCURATE) is accurate
     assert "turn" in words
 
@@ -123,8 +91,7 @@ def test_a_bounce_is_missing_that_ends_before_98_percent_of_the_motion(
 ) -> None:
     end = truth(SCENE).bounces[0].end
     scene = replace(SCENE, horizon=Horizon(seconds=end / share))
-    own = truth(scene)
-    exact = own.at(own.grid())
+    exact = exact_trajectory(scene)
 
     def stay(fields: dict[str, np.ndarray]) -> None:
         # it goes on to rise where the maximum would end the bounce, by a millionth of a radian

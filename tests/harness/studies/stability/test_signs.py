@@ -7,55 +7,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.core.case import Case
-from harness.core.simulation import Outcome, Simulation
+from harness.core.simulation import Outcome
 from harness.core.trajectory import Trajectory, take
-from harness.engines.reference.truth import truth
-from harness.evaluation.evaluate import measure_simulation
-from harness.evaluation.evaluation import Evaluation
 from harness.studies.stability.failure_criteria import (
     StabilityStatus,
     classify,
     free_rotation,
 )
 from models import Horizon, Scene, angular_velocity, load, quaternion, to_body
+from tests.harness.studies.changed_motions import Fields, changed, exact_trajectory, run_of
 
-Change = Callable[[dict[str, np.ndarray], np.ndarray], None]
+Change = Callable[[Fields, np.ndarray], None]
 
 
 def scene_of(seconds: float = 0.3) -> Scene:
     return replace(load("gentle-rock"), horizon=Horizon(seconds=seconds))
 
 
-def exact_trajectory(scene: Scene) -> Trajectory:
-    own = truth(scene)
-    return own.at(own.grid())
-
-
-def evaluated(
-    scene: Scene, trajectory: Trajectory | None, outcome: Outcome = Outcome.FINISHED
-) -> Evaluation:
-    return measure_simulation(
-        Simulation(
-            case=Case(scene=scene, engine="mujoco", timestep=1e-4),
-            outcome=outcome,
-            trajectory=trajectory,
-            engine_version="0",
-            model="by hand",
-            timestep=1e-4,
-        )
-    )
-
-
-def changed(trajectory: Trajectory, change: Change) -> Trajectory:
-    fields = {name: np.array(getattr(trajectory, name)) for name in trajectory.__slots__}
-    change(fields, fields["time"])
-    return Trajectory(**fields)
-
-
 def verdict(change: Change, scene: Scene | None = None) -> tuple[StabilityStatus, float, float]:
     scene = scene_of() if scene is None else scene
-    found = classify(evaluated(scene, changed(exact_trajectory(scene), change)))
+    found = classify(
+        run_of(
+            changed(exact_trajectory(scene), lambda fields: change(fields, fields["time"])), scene
+        )
+    )
     assert found.simulation.trajectory is None
     return found.verdict, found.symptom.time, found.symptom.number
 
@@ -67,7 +42,7 @@ def test_the_exact_motion_is_accurate() -> None:
 
 
 def test_a_can_that_sinks_tunnels_from_the_moment_that_it_is_too_deep() -> None:
-    def sink(fields: dict[str, np.ndarray], time: np.ndarray) -> None:
+    def sink(fields: Fields, time: np.ndarray) -> None:
         fields["position"][:, 2] -= 0.02 * time  # a tenth of 37 mm after 0.185 s
 
     found, when, number = verdict(sink)
@@ -86,7 +61,7 @@ def test_energy_that_comes_or_goes_is_weighed_by_what_there_is_to_spend(
     can = scene.can
     high = can.radius * math.sin(0.4) + can.half_height * math.cos(0.4) - can.half_height
 
-    def lift(fields: dict[str, np.ndarray], time: np.ndarray) -> None:
+    def lift(fields: Fields, time: np.ndarray) -> None:
         fields["position"][:, 2] += sign * 0.1 * high * time / 0.3
 
     found, when, number = verdict(lift)
@@ -99,7 +74,7 @@ def test_energy_that_comes_or_goes_is_weighed_by_what_there_is_to_spend(
 def test_a_can_that_lies_down_for_good_sticks_flat() -> None:
     scene = scene_of(0.33)
 
-    def lie(fields: dict[str, np.ndarray], time: np.ndarray) -> None:
+    def lie(fields: Fields, time: np.ndarray) -> None:
         flat = time > 0.16
         fields["quaternion"][flat] = quaternion(1e-3, 0.0, 0.0)
         fields["velocity"][flat] = fields["angular_velocity"][flat] = 0.0
@@ -116,13 +91,13 @@ def test_steps_too_long_to_count_the_turns_are_unresolved() -> None:
     whole = exact_trajectory(scene)
     # six samples a millisecond apart are left of the bounce, which lasts a microsecond
     sparse = np.unique(np.searchsorted(whole.time, np.arange(0.0, whole.time[-1], 1e-3)))
-    found = classify(evaluated(scene, take(whole, sparse)))
+    found = classify(run_of(take(whole, sparse), scene))
     assert found.verdict is StabilityStatus.UNRESOLVED
     assert found.symptom.time == pytest.approx(0.031, abs=1e-3)
 
 
 def test_another_motion_is_inaccurate_and_says_by_how_much() -> None:
-    def slow(fields: dict[str, np.ndarray], _time: np.ndarray) -> None:
+    def slow(fields: Fields, _time: np.ndarray) -> None:
         fields["time"] *= 1.02
 
     found, _, number = verdict(slow)
@@ -133,20 +108,20 @@ def test_another_motion_is_inaccurate_and_says_by_how_much() -> None:
 def test_broken_numbers_diverge_even_where_nothing_was_recorded() -> None:
     scene = scene_of()
     for trajectory in (None, exact_trajectory(scene)):
-        found = classify(evaluated(scene, trajectory, Outcome.DIVERGED))
+        found = classify(run_of(trajectory, scene, Outcome.DIVERGED))
         assert found.verdict is StabilityStatus.DIVERGES
     assert not found.sound
 
 
 @pytest.mark.parametrize("outcome", [Outcome.MISMATCH, Outcome.BROKEN])
 def test_what_did_not_run_is_refused(outcome: Outcome) -> None:
-    assert classify(evaluated(scene_of(), None, outcome)).verdict is StabilityStatus.REFUSED
+    assert classify(run_of(None, scene_of(), outcome)).verdict is StabilityStatus.REFUSED
 
 
 def test_without_an_exact_motion_a_run_in_which_nothing_fails_is_stable() -> None:
     scene = load("drop-1-cm")
     own = exact_trajectory(replace(scene, release=replace(scene.release, height=0.0)))
-    found = classify(evaluated(scene, own))
+    found = classify(run_of(own, scene))
     assert found.verdict is StabilityStatus.STABLE
     assert (found.good, found.accurate) == (True, False)
 
