@@ -18,7 +18,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import mujoco
 import numpy as np
@@ -141,6 +141,10 @@ def state_of(world: MujocoWorld) -> Floats:
     return state
 
 
+Readings: TypeAlias = tuple[Floats, Floats, Floats]
+"""Times (n,) before steps, the states (n, 14) then, and the sensors (n, 8) of these states."""
+
+
 class MujocoSteps:
     """Steps a world in C; holds the states before the steps that it reads, with their sensors.
 
@@ -154,9 +158,7 @@ class MujocoSteps:
     def __init__(self, world: MujocoWorld, sampling: SamplingInterval | None) -> None:
         self._world, self._sampling = world, sampling
         self._state = state_of(world)
-        self._times: list[Floats] = []
-        self._states: list[Floats] = []
-        self._sensors: list[Floats] = []
+        self._parts: list[Readings] = []
         self._spans: list[int] = []
 
     def state(self) -> tuple[list[float], list[float]]:
@@ -168,13 +170,13 @@ class MujocoSteps:
     def take(self, stage: Stage) -> bool:
         """Take the steps of a stage."""
         if self._sampling is None:
-            self._roll(stage)
+            self._parts.append(self._roll(stage))
         else:
-            self._take_sparsely(stage, self._sampling)
+            self._parts += self._take_sparsely(stage, self._sampling)
         return True
 
-    def _roll(self, stage: Stage) -> None:
-        """Step through a stage in one call of MuJoCo."""
+    def _roll(self, stage: Stage) -> Readings:
+        """Step through a stage in one call of MuJoCo; return a reading of every step."""
         world, state = self._world, self._state
         states = np.empty((1, len(stage.times) + 1, len(state)))
         states[0, 0] = state
@@ -187,13 +189,11 @@ class MujocoSteps:
             initial_warmstart=world.data.qacc_warmstart.copy()[None],
             state=states[:, 1:],
         )
-        self._times.append(stage.times)
-        self._states.append(states[0, :-1])
-        self._sensors.append(sensors[0])
         self._state = states[0, -1]
+        return stage.times, states[0, :-1], sensors[0]
 
-    def _take_sparsely(self, stage: Stage, sampling: SamplingInterval) -> None:
-        """Step through a stage; read some of its steps, and have no sensors in the others."""
+    def _take_sparsely(self, stage: Stage, sampling: SamplingInterval) -> list[Readings]:
+        """Step through a stage with sensors in the steps that are read; return these, if any."""
         model, data, option = self._world.model, self._world.data, self._world.model.opt
         seen, spin = int(option.disableflags), np.empty(3)
         states: list[Floats] = []
@@ -213,23 +213,16 @@ class MujocoSteps:
         skip = partial(mujoco.mj_step, model, data)
         places, spans = take_stage(stage, sampling, read_and_step, skip)
         option.disableflags = seen
-        if places:
-            self._times.append(stage.times[places])
-            self._states.append(np.array(states))
-            self._sensors.append(np.array(sensors))
-            self._spans += spans
+        self._spans += spans
+        return [(stage.times[places], np.array(states), np.array(sensors))] if places else []
 
     def chunk(self) -> Chunk | None:
         """Return what was read since the last chunk; None if nothing was."""
-        if not self._times:
+        if not self._parts:
             return None
-        # a single part as it is: no copy
-        times, states, sensors = (
-            parts[0] if len(parts) == 1 else np.concatenate(parts)
-            for parts in (self._times, self._states, self._sensors)
-        )
+        times, states, sensors = map(np.concatenate, zip(*self._parts, strict=True))
         spans = None if self._sampling is None else np.array(self._spans)
-        self._times, self._states, self._sensors, self._spans = [], [], [], []
+        self._parts, self._spans = [], []
         return chunk_of(self._world, times, states, sensors, spans)
 
 

@@ -215,12 +215,8 @@ def epsilon_of(releases: Releases) -> Floats:
     phi, psi_dot, theta_dot = np.broadcast_arrays(
         np.asarray(r.phi), r.psi_dot * time, r.theta_dot * time
     )
-    can = CanConstants(a=np.asarray(r.a), c=np.asarray(r.c), h=np.asarray(r.h))
-    if can.a.ndim == can.c.ndim == can.h.ndim == 0:
-        can = CanConstants(a=can.a.reshape(1), c=can.c.reshape(1), h=can.h.reshape(1))
-    else:
-        a, c, h = np.broadcast_arrays(can.a, can.c, can.h)
-        can = CanConstants(a=a, c=c, h=h)
+    a, c, h = np.broadcast_arrays(*map(np.atleast_1d, (r.a, r.c, r.h)))
+    can = CanConstants(a=a, c=c, h=h)
     series = frobenius_series(can, terms_needed(float(phi.max())))
     b, spin = np.sin(phi) ** 2 * psi_dot, psi_dot + theta_dot
     B = b * horner(series.s1, phi) - spin * horner(series.b1, phi)

@@ -9,7 +9,6 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -41,27 +40,8 @@ from reference import (
 from reference.analysis.conditioning import lost_of_force
 from reference.equations.reaction_force import contact_force_in_world
 
-T = TypeVar("T")
-
 MOST = 16
 """Most motions held in memory, each of some megabytes at most."""
-
-
-class SolutionCache(Generic[T]):
-    """The last motions, by scene, problem and the model that solves it."""
-
-    def __init__(self) -> None:
-        self._kept: OrderedDict[tuple[Scene, Problem, str], T] = OrderedDict()
-
-    def find(self, scene: Scene, problem: Problem, model: str) -> T | None:
-        """Return a motion that was asked for by a model or "auto", if it is kept."""
-        return self._kept.get((scene, problem, _meant(model, problem)))
-
-    def keep(self, scene: Scene, problem: Problem, model: str, motion: T) -> None:
-        """Keep a motion, and let the oldest go."""
-        self._kept[scene, problem, _meant(model, problem)] = motion
-        while len(self._kept) > MOST:
-            self._kept.popitem(last=False)
 
 
 def _meant(model: str, problem: Problem) -> str:
@@ -216,8 +196,8 @@ class Truth:
         )
 
 
-SOLVED: SolutionCache[Truth] = SolutionCache()
-"""What has been solved, which may take seconds."""
+SOLVED: OrderedDict[tuple[Scene, Problem, str], Truth] = OrderedDict()
+"""The last motions by scene, problem and the model that "auto" means, the oldest first."""
 
 
 def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) -> Truth:
@@ -254,7 +234,8 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         raise InvalidSettingError("model", model, allowed)
     choices = {} if method == "auto" else {"method": method}
     plain = {name for name, _ in case.options} <= {"model"}
-    known = SOLVED.find(case.scene, posed, model) if plain and not again else None
+    key = case.scene, posed, _meant(model, posed)
+    known = SOLVED.get(key) if plain and not again else None
     if known is not None:
         return known
     try:
@@ -268,10 +249,12 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
     except SolverError as error:  # what is left: a method that the model does not know
         allowed = f"auto or half-period: {error}"
         raise InvalidSettingError("method", method, allowed) from error
-    found = Truth(scene=case.scene, solution=solution)
+    motion = Truth(scene=case.scene, solution=solution)
     if plain:
-        SOLVED.keep(case.scene, posed, model, found)
-    return found
+        SOLVED[key] = motion
+        while len(SOLVED) > MOST:
+            SOLVED.popitem(last=False)
+    return motion
 
 
 @lru_cache(maxsize=64)

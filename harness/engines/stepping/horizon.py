@@ -11,7 +11,7 @@ import numpy as np
 from harness.core.bounce import PROMINENCE
 from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome
-from harness.core.trajectory import Floats, Trajectory
+from harness.core.trajectory import Trajectory
 from models.kinematics import half_angles
 from models.scene import Scene
 
@@ -78,9 +78,6 @@ class Watch:
         speed = np.sum(kept.velocity**2, axis=1)
         sound = speed <= _LARGEST_GAIN * self._scale  # false for what is no number
         phi = half_angles(kept.quaternion)[0]
-        if sound.all() and self._goes_on(phi):
-            self._last_up = float(kept.time[-1])
-            return None
         samples = (kept.time.tolist(), phi.tolist(), sound.tolist())
         for time, tilt, good in zip(*samples, strict=True):
             outcome = self._see(time, tilt) if good else Outcome.DIVERGED
@@ -88,24 +85,6 @@ class Watch:
                 self.ended_at = time
                 return outcome
         return None
-
-    def _goes_on(self, phi: Floats) -> bool:
-        """Take samples into account that only fall, or only rise, as those before did, if so."""
-        first, last, rises = float(phi[0]), float(phi[-1]), np.diff(phi)
-        if self._falling:
-            on = first <= min(self._valley, self._largest) and bool((rises <= 0.0).all())
-            lowest, largest = last, self._largest
-        else:
-            on = first >= self._peak and bool((rises >= 0.0).all())
-            lowest, largest = first, max(self._largest, last)
-        if not on or lowest <= PROMINENCE * largest or largest >= math.pi / 2.0:
-            return False
-        self._largest = largest
-        if self._falling:
-            self._valley = last
-        else:
-            self._peak = last
-        return True
 
     def _see(self, time: float, phi: float) -> Outcome | None:
         """Take one sample into account."""

@@ -235,12 +235,10 @@ def schedule_of(prepared: Simulation) -> tuple[Schedule, int]:
     schedule: Schedule
     if prepared.case.profile == "adaptive":
         eta, smallest = float(prepared.settings["eta"]), SMALLEST_SHARE * unit  # type: ignore[arg-type]
-        schedule, size = (
-            Adaptive(
-                scene.can, largest=timestep, smallest=smallest, limit=limit, eta=eta, unit=unit
-            ),
-            _ADAPTIVE_LOOK,
+        schedule = Adaptive(
+            scene.can, largest=timestep, smallest=smallest, limit=limit, eta=eta, unit=unit
         )
+        size = _ADAPTIVE_LOOK
     else:
         first = _size(HorizonPrediction(scene), timestep)
         schedule, size = Fixed(timestep, limit, first, _FIRST), 1  # a stage is a chunk

@@ -1,16 +1,16 @@
 """A motion with friction is followed once in a process, but anew where it is timed."""
 
 import importlib
+from collections import OrderedDict
 from dataclasses import replace
 
 import pytest
 
 from harness.core.case import Case
 from harness.engines.reference.assumption_checks import divergence_of
-from harness.engines.reference.truth import SolutionCache, solve_case, truth
-from models import load
+from harness.engines.reference.truth import solve_case, truth
+from models import Effects, Scene, Slip, load
 from models.scene import Horizon
-from reference import PAPER_CAN, Effects, Problem
 
 
 def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
@@ -36,23 +36,29 @@ def test_a_tolerance_of_its_own_is_no_truth() -> None:
     assert reduced(rtol=1e-2) != reduced() == reduced()
 
 
-def test_it_keeps_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_last_motions_stay_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     module = importlib.import_module("harness.engines.reference.truth")  # a function has its name
     monkeypatch.setattr(module, "MOST", 2)
-    kept: SolutionCache[str] = SolutionCache()
-    scene = load("slipping-rock")
-    rolling = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=1.0, duration=0.1)
-    slipping = [replace(rolling, effects=Effects(mu=mu)) for mu in (0.1, 0.2, 0.3)]
-    for number, problem in enumerate(slipping):
-        kept.keep(scene, problem, "auto", str(number))
-    assert [kept.find(scene, problem, "auto") for problem in slipping] == [None, "1", "2"]
+    monkeypatch.setattr(module, "SOLVED", OrderedDict())
+    monkeypatch.setattr(module, "solve", lambda *_, **__: object())
+
+    def solution(scene: Scene, model: str = "auto") -> object:
+        case = Case(scene=scene, engine="reference", options=(("model", model),))
+        return solve_case(case, again=False).solution
+
+    slipping = [
+        replace(load("slipping-rock"), effects=Effects(slip=Slip(mu=mu))) for mu in (0.1, 0.2, 0.3)
+    ]
+    first = [solution(scene) for scene in slipping]
+    assert [solution(scene) for scene in slipping[1:]] == first[1:]
     # what "auto" means is what was solved, and no other model, nor another scene
-    assert kept.find(scene, slipping[2], "coulomb") == "2"
-    assert kept.find(scene, slipping[2], "general") is None
-    assert kept.find(load("gentle-rock"), slipping[2], "auto") is None
+    assert solution(slipping[2], "coulomb") is first[2]
+    assert solution(slipping[2], "general") is not first[2]
+    assert solution(replace(slipping[2], name="another")) is not first[2]
+    assert solution(slipping[0]) is not first[0]
     # where the rim rolls "auto" is the formula, which is not the integration
-    kept.keep(scene, rolling, "auto", "formula")
-    assert kept.find(scene, rolling, "rolling") is None
+    rolling = load("gentle-rock")
+    assert solution(rolling) is not solution(rolling, "rolling")
 
 
 def test_of_a_motion_that_ends_where_it_begins_no_copies_are_followed() -> None:
