@@ -115,7 +115,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     page = write_report(
         sweep_report(found),
         out / REPORT,
-        title=f"rockingcan, sweep of {chosen.scene.name}",
+        title=f"rockingcan, sweep of {chosen.base.scene.name}",
         cases=(),
         provenance=provenance(),
     )
@@ -144,7 +144,7 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
     try:
         with terminal.progress_bar() as bar, _executor(chosen, jobs, on, limits) as executor:
             # of what is left alone: what was there before took no time
-            task = bar.add_task(chosen.scene.name, total=left)
+            task = bar.add_task(chosen.base.scene.name, total=left)
 
             def show(part: pd.DataFrame) -> None:
                 nonlocal done
@@ -179,8 +179,8 @@ def _executor(chosen: SweepPlan, jobs: int, on: str | None, limits: Limits) -> I
 def _answer(found: Overview, folder: Folder) -> dict[str, Any]:
     """Return a sweep as `--json` says it."""
     return {
-        "scene": found.plan.scene.name,
-        "engine": found.plan.engine,
+        "scene": found.plan.base.scene.name,
+        "engine": found.plan.base.engine,
         "exact": found.plan.exact,
         "over": [axis.text() for axis in found.plan.axes],
         "scenes": found.plan.rows,

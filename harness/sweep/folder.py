@@ -187,7 +187,7 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
             for draft in (*out.glob(_DRAFTS), *folder.parts.glob(_DRAFTS)):
                 draft.unlink()
             if not (out / PLAN).exists():
-                told = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.told()}
+                told = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.to_dict()}
                 write_atomically(out / PLAN, (json.dumps(told, indent=1) + "\n").encode())
         yield folder
 
@@ -220,7 +220,7 @@ def check_same(out: Path, plan: SweepPlan) -> None:
     if not (out / PLAN).exists():
         _check_without_plan(out, plan)
         return
-    here, there = plan.told(), _read(out)
+    here, there = plan.to_dict(), _read(out)
     differing = [key for key in here | there if here.get(key) != there.get(key)]
     if differing == [_PROGRAM]:
         raise ProgramMismatchError(out, _other_program(here[_PROGRAM], there.get(_PROGRAM)))

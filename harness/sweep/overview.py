@@ -150,8 +150,8 @@ def _summary(found: Overview) -> str:
     """Return the sweep in a few sentences."""
     plan = found.plan
     over = " and ".join(axis.text() for axis in plan.axes)
-    how = "the exact bounce" if plan.exact else f"{plan.engine} {plan.engine_version}"
-    sentences = [f"{plan.rows} scenes like {plan.scene.name}, over {over}, by {how}."]
+    how = "the exact bounce" if plan.exact else f"{plan.base.engine} {plan.engine_version}"
+    sentences = [f"{plan.rows} scenes like {plan.base.scene.name}, over {over}, by {how}."]
     sentences += [f"{count}: {outcome}." for outcome, count in list(found.outcomes.items())[:5]]
     for name, extent in list(found.extents.items())[:1]:
         label = QUANTITIES[name].axis
@@ -261,6 +261,7 @@ class Curves:
     def figure(self) -> Figure:
         """Return the figure of all that was added."""
         plan, against, axis = self._plan, self._against, self._plan.axes[0]
+        engine = plan.base.engine
         line = plan.sample == "grid" and len(plan.axes) == 1
         mark: Literal["line", "points"] = "line" if line else "points"
         panels = []
@@ -271,7 +272,7 @@ class Curves:
                     title=known.label,
                     x_label=QUANTITIES[against].axis if against else axis.label,
                     y_label=known.axis,
-                    series=(Series(label=plan.engine, kind=plan.engine, x=x, y=y, mark=mark),),
+                    series=(Series(label=engine, kind=engine, x=x, y=y, mark=mark),),
                     log_x=_wide(x) if against else axis.log,
                     log_y=_wide(y),
                 )
@@ -290,7 +291,7 @@ def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> F
     """Return the figure of some panels; `drawn` is what the first one shows."""
     return Figure(
         name="sweep",
-        title=f"{plan.scene.name} {over}",
+        title=f"{plan.base.scene.name} {over}",
         seen=_seen(plan, panels[0].title, drawn),
         panels=tuple(panels),
         columns=1 if len(panels) == 1 else 2,
@@ -299,7 +300,7 @@ def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> F
 
 def _seen(plan: SweepPlan, title: str, drawn: Floats) -> str:
     """Return in two sentences what the first panel shows, and what is left out of all."""
-    how = "the exact bounce" if plan.exact else plan.engine
+    how = "the exact bounce" if plan.exact else plan.base.engine
     there = drawn[np.isfinite(drawn)]
     told = (
         f"runs from {there.min():.4g} to {there.max():.4g}" if there.size else "is nowhere defined"

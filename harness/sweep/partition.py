@@ -7,6 +7,7 @@ is the number of the scene in the sweep.
 
 import math
 import time
+from dataclasses import replace
 
 import pandas as pd
 import pyarrow as pa
@@ -39,7 +40,7 @@ def compute(plan: SweepPlan, rows: range) -> pd.DataFrame:
     """
     values = plan.values(rows)
     if plan.exact:
-        return to_partition(plan, rows, solved_exactly(plan.scene, values, plan.quantities))
+        return to_partition(plan, rows, solved_exactly(plan.base.scene, values, plan.quantities))
     scenes = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
     cases = [_case(plan, scene) for scene in scenes]
     return to_partition(plan, rows, run_each(cases, plan.quantities, _exact(plan, rows)))
@@ -84,7 +85,8 @@ def to_partition(plan: SweepPlan, rows: range, found: pd.DataFrame) -> pd.DataFr
 def _case(plan: SweepPlan, values: dict[str, float]) -> Case | str:
     """Return the case of one scene of a partition, or why there is none."""
     try:
-        return plan.case(scene_at(plan.scene, {name: float(v) for name, v in values.items()}))
+        scene = scene_at(plan.base.scene, {name: float(v) for name, v in values.items()})
+        return replace(plan.base, scene=scene)
     except InvalidValueError as error:  # without the value: a sentence for all such rows
         return f"{IMPOSSIBLE} `{error.key}` must be {error.allowed}"
     except ModelError as error:
@@ -103,7 +105,7 @@ def _exact(plan: SweepPlan, rows: range) -> dict[str, Floats]:
     if not wanted:
         return {}
     span = plan.span(rows.start // plan.rows_per_partition)
-    found = solved_exactly(plan.scene, plan.values(span), wanted)
+    found = solved_exactly(plan.base.scene, plan.values(span), wanted)
     inside = slice(rows.start - span.start, rows.stop - span.start)
     return {name: found[name].to_numpy()[inside] for name in wanted}
 

@@ -9,7 +9,7 @@ import json
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
@@ -42,15 +42,13 @@ class SweepPlan:
 
     Parameters
     ----------
-    scene : Scene
-        What is not varied.
+    base : Case
+        What is not varied: scene, engine, profile, timestep and options.
     axes : tuple of Axis
     sample : str
         One of `SAMPLES`.
     count, seed : int
         Of a sample; zero for a grid.
-    engine, profile, timestep, options
-        As for a `Case`.
     engine_version : str
     program : tuple of (str, str)
         What computes it: packages and their versions, and the fingerprint of the sources.
@@ -61,15 +59,11 @@ class SweepPlan:
         Scenes in a partition but the last.
     """
 
-    scene: Scene
+    base: Case
     axes: tuple[Axis, ...]
     sample: str
     count: int
     seed: int
-    engine: str
-    profile: str
-    timestep: float | None
-    options: tuple[tuple[str, Value], ...]
     engine_version: str
     program: tuple[tuple[str, str], ...]
     quantities: tuple[str, ...]
@@ -111,42 +105,32 @@ class SweepPlan:
         shares = _shares(self.sample, self.seed, len(self.axes), rows)
         return {axis.name: axis.at(shares[:, n]) for n, axis in enumerate(self.axes)}
 
-    def case(self, scene: Scene) -> Case:
-        """Return the case of one of the scenes."""
-        return Case(
-            scene=scene,
-            engine=self.engine,
-            profile=self.profile,
-            timestep=self.timestep,
-            options=self.options,
-        )
-
-    def told(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the plan in JSON's own types; equal plans say the same."""
         return {
-            "scene": self.scene.to_dict(),
+            "scene": self.base.scene.to_dict(),
             "over": [axis.text() for axis in self.axes],
             "sample": self.sample,
             "count": self.count,
             "seed": self.seed,
-            "engine": self.engine,
+            "engine": self.base.engine,
             "engine_version": self.engine_version,
             "program": dict(self.program),
-            "profile": self.profile,
-            "timestep_s": self.timestep,
-            "settings": {name: repr(value) for name, value in self.options},
+            "profile": self.base.profile,
+            "timestep_s": self.base.timestep,
+            "settings": {name: repr(value) for name, value in self.base.options},
             "quantities": list(self.quantities),
             "rows_per_partition": self.rows_per_partition,
         }
 
     def digest(self) -> str:
         """Return 16 hexadecimal digits that name the plan."""
-        return digest_of(self.told())
+        return digest_of(self.to_dict())
 
 
-def digest_of(told: Mapping[str, Any]) -> str:
-    """Return 16 hexadecimal digits that name a plan, from what it says of itself."""
-    text = json.dumps(told, sort_keys=True)
+def digest_of(plan: Mapping[str, Any]) -> str:
+    """Return 16 hexadecimal digits that name a plan, given in JSON's own types."""
+    text = json.dumps(plan, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -194,25 +178,21 @@ def plan_sweep(
         # the exact bounce is whole, whatever the horizon
         and not any(axis.name.startswith("horizon.") for axis in axes)
     )
-    chosen = SweepPlan(
-        scene=scene,
+    plan = SweepPlan(
+        base=replace(case, scene=scene),
         axes=tuple(axes),
         sample=sample,
         count=count or 0,
         seed=seed or 0,
-        engine=engine,
-        profile=profile,
-        timestep=case.timestep,
-        options=case.options,
         engine_version=engine_version(engine),
         program=_program(engine),
         quantities=asked,
         exact=exact,
         rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
     )
-    if not 1 <= chosen.rows <= MOST_ROWS:
-        raise InvalidSettingError("--over", chosen.rows, f"at most {MOST_ROWS} scenes in all")
-    return chosen
+    if not 1 <= plan.rows <= MOST_ROWS:
+        raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")
+    return plan
 
 
 def _program(engine: str) -> tuple[tuple[str, str], ...]:

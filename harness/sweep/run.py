@@ -109,6 +109,6 @@ def _tried_again(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_
 
 def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> pd.DataFrame:
     """Return a row that has no numbers, since its process died."""
-    said = failed_evaluation(plan.case(plan.scene), error).simulation.ending
+    said = failed_evaluation(plan.base, error).simulation.ending
     row = {**dict.fromkeys(plan.quantities, math.nan), OUTCOME: said}
     return to_partition(plan, piece.rows, pd.DataFrame([row]))

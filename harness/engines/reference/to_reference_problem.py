@@ -146,8 +146,7 @@ class Batch:
     code : ndarray of int, shape (n,)
         Index into `SENTENCES`.
     numbers : mapping of str to ndarray, shape (n,)
-        `period` (s), `angle_of_turn`, `rotation_turn`, `phi_min` (rad), `peak_psi_dot` (rad/s);
-        NaN where there is no bounce.
+        By the keys of `harness.metrics.quantities`; NaN where there is no bounce.
     """
 
     code: NDArray[np.int8]
@@ -192,11 +191,11 @@ def bounces_of(releases: Releases) -> Batch:
     )
     none = ~cycles.bounced
     numbers = {
-        "period": cycles.period * time,
-        "angle_of_turn": cycles.angle_of_turn,
-        "rotation_turn": cycles.rotation_turn,
-        "phi_min": cycles.phi_min,
-        "peak_psi_dot": cycles.peak_psi_dot / time,
+        "period_s": cycles.period * time,
+        "angle_of_turn_deg": np.degrees(cycles.angle_of_turn),
+        "rotation_turn_deg": np.degrees(cycles.rotation_turn),
+        "phi_min_rad": cycles.phi_min,
+        "peak_psi_dot_rad_s": cycles.peak_psi_dot / time,
     }
     return Batch(
         code=cycles.code,

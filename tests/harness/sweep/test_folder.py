@@ -235,4 +235,4 @@ def test_the_plan_beside_the_table_says_what_it_is(chosen: SweepPlan, tmp_path: 
     carried_out(tmp_path / "out", chosen)
     told = json.loads((tmp_path / "out" / "sweep.json").read_text())
     assert told["digest"] == chosen.digest()
-    assert told["plan"] == chosen.told()
+    assert told["plan"] == chosen.to_dict()

@@ -113,7 +113,7 @@ def test_a_plan_that_does_not_say_which_program_began_it_is_refused(
 ) -> None:
     place = tmp_path / "out" / "sweep.json"
     place.parent.mkdir()
-    told = chosen.told()
+    told = chosen.to_dict()
     del told["program"]
     content = {"format": "rockingcan-sweep", "digest": digest_of(told), "plan": told}
     place.write_text(json.dumps(content))
