@@ -132,9 +132,7 @@ def _releases(scene: Scene, values: Mapping[str, Floats], valid: NDArray[np.bool
     can, n = dimensions(scene.can, varied), int(valid.sum())
     groups = {name: np.asarray(can[name]) for name in ("a", "c", "h", "radius")}
     rates = {
-        key: np.broadcast_to(
-            varied.get(f"release.{key}", np.float64(getattr(scene.release, key))), n
-        )
+        key: np.broadcast_to(varied.get(f"release.{key}", getattr(scene.release, key)), n)
         for key in ("phi", "phi_dot", "psi_dot", "theta_dot")
     }
     return Releases(gravity=np.asarray(varied.get("gravity", scene.gravity)), **groups, **rates)

@@ -233,7 +233,7 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
         raise InvalidSettingError("model", model, allowed)
     choices = {} if method == "auto" else {"method": method}
-    plain = {name for name, _ in case.options} <= {"model"}
+    plain = dict(case.options).keys() <= {"model"}
     key = case.scene, posed, _meant(model, posed)
     known = SOLVED.get(key) if plain and not again else None
     if known is not None:
@@ -251,10 +251,15 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         raise InvalidSettingError("method", method, allowed) from error
     motion = Truth(scene=case.scene, solution=solution)
     if plain:
-        SOLVED[key] = motion
-        while len(SOLVED) > MOST:
-            SOLVED.popitem(last=False)
+        _remember(key, motion)
     return motion
+
+
+def _remember(key: tuple[Scene, Problem, str], motion: Truth) -> None:
+    """Store a motion in memory, and let the oldest go."""
+    SOLVED[key] = motion
+    while len(SOLVED) > MOST:
+        SOLVED.popitem(last=False)
 
 
 @lru_cache(maxsize=64)
