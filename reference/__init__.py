@@ -23,7 +23,7 @@ of its module, says where the paper is in error.
 from reference.analysis.agreement import ENDING, Agreement
 from reference.analysis.conditioning import neighbours
 from reference.analysis.confirmation import differences
-from reference.analysis.lyapunov import Divergence, divergence
+from reference.analysis.lyapunov import PARTED, Divergence, divergence
 from reference.analysis.validity import Finding, Guard, examine
 from reference.asymptotic.expansions import leading_constants, paper_constants
 from reference.asymptotic.hypergeometric import hypergeometric_pair
@@ -68,6 +68,7 @@ __all__ = [
     "METHODS",
     "MODELS",
     "PAPER_CAN",
+    "PARTED",
     "RENAMED_METHODS",
     "Agreement",
     "Bounce",

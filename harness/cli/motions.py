@@ -27,8 +27,8 @@ from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import OutputError, ParityError, TrajectoryError
 from harness.core.simulation import Outcome
-from harness.engines.reference import ENDING, Agreement
-from harness.engines.reference.assumption_checks import PARTED, Divergence, check_assumptions
+from harness.engines.reference import ENDING, PARTED, Agreement
+from harness.engines.reference.assumption_checks import Divergence, check_assumptions
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
 from harness.evaluation.evaluate import evaluate, evaluate_without_truth
@@ -211,7 +211,7 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         "method": found.solution.method,
         "agreement": _agreement(found.solution.agreement),
         "phases": [
-            {"kind": phase.kind, "start_s": phase.start, "end_s": phase.end}
+            {"kind": phase.kind.value, "start_s": phase.start, "end_s": phase.end}
             for phase in found.phases
         ],
     }

@@ -1,1 +1,1 @@
-"""Cases, trajectories, simulations and report objects: what every other package speaks of."""
+"""Cases, trajectories, simulations and report objects: the nouns that every package uses."""

@@ -1,4 +1,4 @@
-"""A bounce in numbers: what the paper is about, in SI units, whichever engine made it."""
+"""The numbers of a bounce, in SI units, of an engine's motion or of the exact one."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A case: one scene in one engine with one choice of settings. What the runner runs."""
+"""A case: one scene in one engine with one choice of settings."""
 
 import hashlib
 import json
@@ -9,7 +9,7 @@ from harness.core.errors import InvalidSettingError
 from models.scene import Scene
 
 Value = float | int | str | bool | tuple[float, ...] | None
-"""What an engine's setting can be; None leaves the engine as it ships."""
+"""Value of an engine's setting; None leaves the engine as it ships."""
 
 PROFILES = ("default", "matched", "adaptive")
 """`default`: the engine as it ships. `matched`: only what the scene declares, at a fixed timestep.
@@ -56,7 +56,7 @@ class Case:
 
     def digest(self, engine_version: str) -> str:
         """Return 16 hexadecimal digits that name this case in this version of its engine."""
-        told = {
+        fields = {
             "type": type(self).__qualname__,
             "scene": self.scene.to_dict(),
             "engine": [self.engine, engine_version],
@@ -64,7 +64,7 @@ class Case:
             "timestep": self.timestep,
             "options": [[name, repr(value)] for name, value in self.options],
         }
-        text = json.dumps(told, sort_keys=True, default=repr)
+        text = json.dumps(fields, sort_keys=True, default=repr)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def label(self) -> str:

@@ -1,6 +1,6 @@
-"""What wrong use of the harness raises: each error says the fix in one message.
+"""Errors that wrong use of the harness raises; each message says the fix.
 
-A numerical failure of an engine is not here: it is an `Outcome` of a simulation.
+A numerical failure of an engine is no error: it is an `Outcome` of a simulation.
 """
 
 from collections.abc import Iterable, Iterator
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 
 class HarnessError(Exception):
-    """Root of everything the harness raises for wrong use."""
+    """Root of all errors that the harness raises for wrong use."""
 
 
 class UnknownEngineError(HarnessError, LookupError):
@@ -29,7 +29,7 @@ class MissingPackageError(HarnessError, ImportError):
 
 
 class MissingCheckoutError(HarnessError, ImportError):
-    """A program that only the source checkout has is asked of an installed package."""
+    """An installed package is asked for a program that only the source checkout has."""
 
     def __init__(self, folder: str) -> None:
         super().__init__(
@@ -149,7 +149,7 @@ class ClusterError(HarnessError, OSError):
 
 @contextmanager
 def writing(what: str, hint: str = "") -> Iterator[None]:
-    """Say that something cannot be written, and how to help it; what is said already passes.
+    """Turn an `OSError` within into an `OutputError` that says what cannot be written, and why.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def writing(what: str, hint: str = "") -> Iterator[None]:
     Raises
     ------
     OutputError
-        Of an `OSError` within.
+        For an `OSError` within; a `HarnessError` within is raised as it is.
     """
     try:
         yield

@@ -1,6 +1,6 @@
-"""Values, arrays and frames in JSON's own types, and back, every digit kept.
+"""Values, arrays and frames in JSON's own types and back, without loss of a digit.
 
-The annotations tell pydantic how the fields of artefacts are stored.
+The annotated types at the end say how pydantic stores the fields of artefacts.
 """
 
 import base64
@@ -18,14 +18,14 @@ from harness.core.verdict import Status, Verdict
 
 
 def is_missing(value: object) -> bool:
-    """Return whether a cell holds nothing: None, NaN, NaT or NA."""
+    """Return whether a cell is empty: None, NaN, NaT or NA."""
     if value is None or type(value).__name__ in {"NAType", "NaTType"}:
         return True
     return isinstance(value, numbers.Real) and math.isnan(value)
 
 
 def to_plain(value: object) -> object:
-    """Return a value in JSON's own types: what JSON cannot say, infinity included, as text."""
+    """Return a value in JSON's own types; a value that JSON does not have, or infinity, as text."""
     if isinstance(value, Mapping):
         return {str(key): to_plain(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
@@ -44,9 +44,9 @@ def _encode_array(values: NDArray[np.float64]) -> dict[str, Any]:
     return {"shape": list(values.shape), "f8": data}
 
 
-def _decode_array(told: Any) -> NDArray[np.float64]:  # noqa: ANN401 - whatever JSON holds
-    values = np.frombuffer(base64.b64decode(told["f8"]), dtype="<f8").astype(np.float64)
-    return values.reshape(told["shape"])
+def _decode_array(stored: Any) -> NDArray[np.float64]:  # noqa: ANN401 - whatever JSON holds
+    values = np.frombuffer(base64.b64decode(stored["f8"]), dtype="<f8").astype(np.float64)
+    return values.reshape(stored["shape"])
 
 
 def _encode_cell(value: object) -> object:
@@ -59,16 +59,16 @@ def _encode_cell(value: object) -> object:
     return to_plain(value)
 
 
-def _decode_cell(told: object) -> object:
-    if not isinstance(told, dict):
-        return told
-    if "inf" in told:
-        return told["inf"] * math.inf
-    return Verdict(Status[told["status"]], told["text"])
+def _decode_cell(stored: object) -> object:
+    if not isinstance(stored, dict):
+        return stored
+    if "inf" in stored:
+        return stored["inf"] * math.inf
+    return Verdict(Status[stored["status"]], stored["text"])
 
 
 def _encode_frame(frame: pd.DataFrame) -> dict[str, Any]:
-    """Return each column with its type; infinities and what is missing are told apart."""
+    """Return each column with its type; infinite and missing cells have encodings of their own."""
     return {
         str(name): {
             "dtype": str(frame[name].dtype),
@@ -78,11 +78,11 @@ def _encode_frame(frame: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _decode_frame(told: Any) -> pd.DataFrame:  # noqa: ANN401 - whatever JSON holds
+def _decode_frame(stored: Any) -> pd.DataFrame:  # noqa: ANN401 - whatever JSON holds
     return pd.DataFrame(
         {
             name: pd.Series([_decode_cell(v) for v in column["values"]], dtype=column["dtype"])
-            for name, column in told.items()
+            for name, column in stored.items()
         }
     )
 

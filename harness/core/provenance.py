@@ -1,7 +1,7 @@
-"""Where a result comes from: versions, platform, processor, commit and time.
+"""Provenance of a result: versions, platform, processor, commit and time.
 
-Nothing here fails: what cannot be determined is "unknown" or None, since a report without a commit
-is still a report.
+No function fails: a value that cannot be determined is "unknown" or None, since a report without a
+commit is still a report.
 """
 
 import os
@@ -49,7 +49,7 @@ class Commit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Provenance:
-    """What made a result.
+    """Program, machine and time that produced a result.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Provenance:
     written: str
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what a manifest says of it: strings, numbers and None only."""
+        """Return the provenance as in a manifest: strings, numbers and None only."""
         return {
             "rockingcan": self.rockingcan,
             "python": self.python,
@@ -92,11 +92,11 @@ class Provenance:
 
 def provenance() -> Provenance:
     """Return the provenance of a result that is written now."""
-    found = {name: version_of(name) for name in PACKAGES}
+    versions = {name: version_of(name) for name in PACKAGES}
     return Provenance(
         rockingcan=version_of("rockingcan"),
         python=platform.python_version(),
-        packages=MappingProxyType({k: v for k, v in found.items() if v != UNKNOWN}),
+        packages=MappingProxyType({k: v for k, v in versions.items() if v != UNKNOWN}),
         platform=platform.platform(),
         processor=_processor(),
         cores=_cores(),
@@ -121,7 +121,7 @@ def commit_of(file: Path) -> Commit | None:
 
 
 def _git(folder: Path, *words: str) -> str | None:
-    """Return what git says in a folder, or None if it refuses or is not there."""
+    """Return git's output in a folder, or None if git fails or is not installed."""
     git = shutil.which("git")
     if git is None:
         return None
@@ -144,7 +144,7 @@ def _git(folder: Path, *words: str) -> str | None:
 
 
 def version_of(package: str, missing: str = UNKNOWN) -> str:
-    """Return the version of an installed package, or what to say of one that is missing."""
+    """Return the version of an installed package, or `missing` if it is not installed."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -152,7 +152,7 @@ def version_of(package: str, missing: str = UNKNOWN) -> str:
 
 
 def _processor() -> str:
-    """Return the name of the processor; Linux tells it in a file only."""
+    """Return the name of the processor, which Linux has in a file only."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -162,7 +162,7 @@ def _processor() -> str:
 
 
 def _cores() -> int:
-    """Return the cores that this process may use, which a container can make fewer."""
+    """Return the number of cores that this process may use, which a container can limit."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

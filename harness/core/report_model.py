@@ -1,6 +1,7 @@
-"""What a study hands to the report: tables, figures, replays, prose. Nothing here knows of files.
+"""Artefacts that a study gives to the report: tables, figures, replays and prose.
 
-A figure is data and the wish how to look at it; which library draws it is the report's business.
+An artefact knows nothing of files. A figure is data with its axes; the report chooses the library
+that draws it.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -19,9 +20,9 @@ class Series:
     Parameters
     ----------
     label : str
-        What the legend says; series of the same label in one figure share a legend entry.
+        Text of the legend; series of the same label in one figure share a legend entry.
     kind : str
-        Whose curve it is: an engine's name, which decides its colour; "reference" is the truth.
+        An engine's name, which sets the colour of the curve; "reference" is the truth.
     x, y : ndarray, shape (n,)
         In the units that the panel's labels state; NaN breaks the line.
     mark : str
@@ -45,7 +46,7 @@ class Series:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Heatmap:
-    """A quantity over a rectangle of cells, told by colour.
+    """A quantity over a rectangle of cells, shown by colour.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ class Heatmap:
     z : ndarray, shape (rows, columns)
         NaN leaves a cell blank.
     signed : bool
-        The sign matters: colours part at zero.
+        Whether the colours change at zero.
     """
 
     label: str
@@ -79,11 +80,11 @@ class Panel:
     equal : bool
         Same scale on both axes: for a curve in the plane.
     x_names : tuple of str
-        What stands at the places 0, 1, 2, ... of the horizontal axis instead of numbers.
+        Labels at 0, 1, 2, ... of the horizontal axis in place of numbers.
     x_range, y_range : tuple of 2 floats, optional
-        Ends of the axes, for figures whose axes are to be alike; from the data if left out.
+        Ends of the axes, for figures with equal axes; from the data if left out.
     heat : Heatmap, optional
-        Lies below the series.
+        Drawn below the series.
     """
 
     title: str
@@ -101,7 +102,7 @@ class Panel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Figure:
-    """Panels side by side that belong together, and what one sees in them.
+    """Panels side by side on one topic, with two sentences on what they show.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ class Figure:
     columns : int
         Panels in a row on a wide screen.
     scene : str
-        Scene whose section it belongs to; empty for a figure over all scenes.
+        Scene in whose section the figure stands; empty for a figure over all scenes.
     cases : tuple of str
         Digests of the cases whose curves are drawn.
     """
@@ -137,7 +138,7 @@ class Table:
     name, title : str
     frame : DataFrame
     columns : mapping of str to str
-        What each column means, in one sentence; every column has one.
+        Meaning of each column, in one sentence.
     shown : tuple of str
         Columns that the page shows, in this order; the files have all.
     scene : str
@@ -210,7 +211,7 @@ def table_of(
     name, title : str
     columns : sequence of Column
     records : iterable
-        Whatever the columns read their cells from.
+        Objects or mappings from which the columns read their cells.
     **fields
         Further fields of `Table`, such as the scene.
     """
@@ -244,7 +245,7 @@ class Prose:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Body:
-    """One can in a replay, an angle and a contact point for each frame.
+    """One can in a replay, with its angles and its contact point in each frame.
 
     Parameters
     ----------
@@ -275,10 +276,9 @@ class Replay:
     radius, height : float
         Of the can, m.
     time : ndarray, shape (n,)
-        Of the frames, s; dense where much happens, so that playing them is slow there.
-    bodies : tuple of Body
+        Of the frames, s; dense during a bounce, which the replay shows in slow motion.
     tilt : float
-        By how much phi is drawn larger than it is, so that it can be seen.
+        Factor by which phi is drawn larger than it is, to be visible.
     """
 
     name: str

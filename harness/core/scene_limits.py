@@ -1,8 +1,8 @@
-"""How extreme a scene may be to be run: beyond the hardest case there is, but not endlessly.
+"""Limits of the scenes that are run: beyond the hardest case in the catalogue, but finite.
 
-A scene file may hold any finite number. A can as large as the solar system overflows doubles, and
-a million seconds of a spin end after everybody has left; both are refused with what is allowed,
-before anything runs.
+A scene file may hold any finite number. A can as large as the solar system overflows doubles, and a
+million seconds of a spin take days to compute; both are refused before anything runs, with the
+allowed range.
 """
 
 import math
@@ -52,14 +52,14 @@ FARTHEST = 1e3
 
 
 class SceneLimitError(HarnessError, ValueError):
-    """A scene that may well be, but that nothing here follows."""
+    """A scene with a value beyond the limits of what is run."""
 
     def __init__(self, scene: str, key: str, value: float, allowed: str) -> None:
         super().__init__(f"scene '{scene}': '{key}' is {value:g}, but to be run must be {allowed}")
 
 
 def check_scene_limits(scene: Scene) -> None:
-    """Refuse a scene that nothing here follows.
+    """Refuse a scene beyond the limits.
 
     Raises
     ------
@@ -70,7 +70,10 @@ def check_scene_limits(scene: Scene) -> None:
 
 
 def _beyond(scene: Scene) -> Iterator[tuple[str, float, str]]:
-    """Yield what is out of reach: key, value and what is allowed; later ones rely on earlier."""
+    """Yield key, value and allowed range of each value beyond the limits.
+
+    A later check relies on the earlier ones.
+    """
     can, release = scene.can, scene.release
     yield from _within("can.mass", can.mass, MASS, 1.0, "kg")
     yield from _within("can.radius", can.radius, RADIUS, 1.0, "m")

@@ -1,4 +1,4 @@
-"""What an engine answers to a case: how it ended, the motion, and what it cost."""
+"""A simulation of a case: its outcome, its motion, and what it cost."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -31,7 +31,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ParityRow:
-    """One property of the compiled model against what the scene declares."""
+    """One property of the compiled model and the value that the scene declares."""
 
     quantity: str
     unit: str
@@ -43,28 +43,24 @@ class ParityRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Simulation:
-    """A case and what came of it.
+    """A case with its outcome and its motion.
 
     Parameters
     ----------
-    case : Case
-    outcome : Outcome
     note : str
-        What the outcome's sentence leaves open; may be empty.
+        Details of the outcome; may be empty.
     trajectory : Trajectory or None
         None if there is no motion to show.
-    engine_version : str
     model : str
-        What was solved: the engine's name, or the name of the reference model.
+        The engine's name, or the name of the reference model.
     timestep : float or None
         s; None for a solver that chooses its own.
     settings : mapping
         Every setting in force, under the engine's own names.
-    parity : tuple of ParityRow
     steps, constraint_rows : int
-        Work that does not depend on the machine.
+        Counts of work, which do not depend on the machine.
     setup_s, wall_s, cpu_s : float
-        Compiling and probing; stepping, by the clock and by the processor.
+        Time to compile and probe; time of the steps, by the clock and of the processor.
     static_penetration : float
         Depth at which the can was released so that the contact starts at rest, m.
     """

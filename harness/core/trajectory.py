@@ -1,4 +1,4 @@
-"""The one form in which every engine hands over a motion: read-only arrays on its own time grid."""
+"""A trajectory: the motion of an engine as read-only arrays on the engine's own time grid."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -39,15 +39,15 @@ class Trajectory:
     angular_velocity : ndarray, shape (n, 3)
         In world coordinates, rad/s.
     contact_point : ndarray, shape (n, 3)
-        Centre of the engine's contact points weighted with their normal forces, m; NaN where no
-        contact bears a force.
+        Mean of the engine's contact points weighted with their normal forces, m; NaN where no
+        contact has a force.
     contact_force : ndarray, shape (n, 3)
         Sum of the plane's forces on the can, N; zero where there is none.
     penetration : ndarray, shape (n,)
         Depth of the deepest contact, m; negative or NaN where there is a gap.
     contact_count : ndarray of int, shape (n,)
-        Number of the engine's contact points while a force is borne, else zero; without those that
-        bear none where the engine tells them apart.
+        Number of the engine's contact points in samples with a contact force, else zero; points
+        without a force are not counted where the engine gives the force of each.
 
     Raises
     ------
@@ -91,7 +91,7 @@ class Trajectory:
 
 
 def join(parts: list[Trajectory]) -> Trajectory:
-    """Return the trajectories one after the other, as one."""
+    """Return the concatenation of trajectories."""
     return Trajectory(
         **{name: np.concatenate([getattr(part, name) for part in parts]) for name in _WIDTHS}
     )

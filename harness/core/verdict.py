@@ -1,13 +1,13 @@
-"""Verdicts: a status that programs read, and a text that people read."""
+"""Verdicts: a status for programs, and a text for people."""
 
 from dataclasses import dataclass
 from enum import Enum
 
 
 class Status(Enum):
-    """What a verdict comes to; colours, JUnit and gates read it, never the text.
+    """Status of a verdict, which colours, JUnit and gates read instead of the text.
 
-    The value is the word with which a text of this status begins.
+    The value is the first word of a text of this status.
     """
 
     AGREES = "agrees"
@@ -27,24 +27,18 @@ class Status(Enum):
 
     @property
     def passed(self) -> bool:
-        """Whether a test of it passes."""
+        """Return whether a test of a verdict with this status passes."""
         return self in {Status.AGREES, Status.SAME, Status.BETTER}
 
     @property
     def failed(self) -> bool:
-        """Whether a test of it fails; what neither passes nor fails is skipped."""
+        """Return whether a test fails; one that neither passes nor fails is skipped."""
         return self in {Status.DEVIATES, Status.FAILED, Status.WORSE, Status.MISSING}
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Verdict:
-    """A status, and the sentence that says it with its numbers.
-
-    Parameters
-    ----------
-    status : Status
-    text : str
-    """
+    """A status, and the sentence that explains it with its numbers."""
 
     status: Status
     text: str

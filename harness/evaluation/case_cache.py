@@ -1,7 +1,7 @@
 """The cache of results of cases: its keys, and whether an entry is still current.
 
-The key of a result is a digest of all that decides it: scene, engine and its version, settings, and
-the sources of the program.
+The key of a result is a digest of scene, engine and its version, settings, and the sources of the
+program: all on which the result depends.
 """
 
 from harness.core.case import Case
@@ -20,14 +20,14 @@ def case_key(case: Case, *modules: str) -> str:
     ----------
     case : Case
     modules : str
-        Names of modules that decide the result besides those that make an evaluation.
+        Names of modules on which the result depends, other than those that make an evaluation.
     """
     digest = case.digest(engine_version(case.engine))
     return checksum(f"{digest} {code_fingerprint(case.engine, *modules)}".encode())[:32]
 
 
 def case_metadata(case: Case, *modules: str) -> Metadata:
-    """Return where a result of a case comes from."""
+    """Return the metadata of a case's result: engine, version, sources and command."""
     return Metadata(
         label=case.label(),
         command=case.command(),
@@ -38,12 +38,12 @@ def case_metadata(case: Case, *modules: str) -> Metadata:
     )
 
 
-def is_current(told: Metadata) -> bool:
-    """Whether a stored result is current: program and engine are what they were."""
-    if told.engine and told.engine not in names():
+def is_current(metadata: Metadata) -> bool:
+    """Return whether program and engine are those that made a stored result."""
+    if metadata.engine and metadata.engine not in names():
         return False
-    same = not told.engine or engine_version(told.engine) == told.engine_version
-    return same and fingerprint(*told.modules) == told.code
+    same = not metadata.engine or engine_version(metadata.engine) == metadata.engine_version
+    return same and fingerprint(*metadata.modules) == metadata.code
 
 
 def code_fingerprint(name: str, *modules: str) -> str:

@@ -1,13 +1,12 @@
-"""What an error run leaves: named errors and counts, as numbers that a file can hold.
+"""Record of an error run: named errors and counts, as numbers that a file can hold.
 
-Error runs are not timed for the tables: they run beside each other, and read what timing leaves
-out. The reference is measured by its own numbers, not by samples of them.
+Error runs are not timed for the tables: several run at once, and they read more than timed runs do.
+The reference is measured by its own numbers, not by samples of its motion.
 
-How hard the solver of an engine worked, counted outside of any timed run.
-
-Engines tell the iterations of a step, but not of a step that is taken in a batch. So the world is
-put where the run was at some instants, steps three times there, and the third step, whose solver
-starts from the forces of the second, is counted. An instant stands for the steps around it.
+The solver's iterations are counted outside of any timed run. Engines report the iterations of a
+step, but not of a step in a batch. So the world is placed where the run was at a hundred instants
+and steps three times there; the third step, whose solver starts from the forces of the second, is
+counted, and stands for the steps around its instant.
 """
 
 import math
@@ -57,7 +56,7 @@ def iterations(simulation: Simulation) -> float | None:
         return None
     world = opens(case)
     places = np.unique(np.linspace(0, len(trajectory) - 2, _INSTANTS).astype(np.int64))
-    steps, found = np.empty(len(places)), np.empty(len(places))
+    steps, counts = np.empty(len(places)), np.empty(len(places))
     for number, place in enumerate(places.tolist()):
         quaternion, spin = trajectory.quaternion[place], trajectory.angular_velocity[place]
         stage = schedule_of(simulation)[0].next(quaternion.tolist(), spin.tolist())
@@ -68,9 +67,9 @@ def iterations(simulation: Simulation) -> float | None:
             Pose(position=trajectory.position[place], quaternion=quaternion),
             Twist(velocity=trajectory.velocity[place], angular_velocity=spin),
         )
-        found[number] = [count(world) for _ in range(_STEPS)][-1]
+        counts[number] = [count(world) for _ in range(_STEPS)][-1]
     weight = np.diff(trajectory.time)[places] / steps
-    return float(np.sum(weight * found) / np.sum(weight))
+    return float(np.sum(weight * counts) / np.sum(weight))
 
 
 _AT_A_TIME = 2000
@@ -78,18 +77,14 @@ _AT_A_TIME = 2000
 
 
 def measured(case: Case) -> Record:
-    """Run a case and return what is known of it.
-
-    Parameters
-    ----------
-    case : Case
+    """Run a case and return its record.
 
     Returns
     -------
     dict
         `outcome`, `note`, `version`, `model`, `timestep_s`, `steps`, `constraint_rows`,
         `solver_iterations`, `simulated_s`, `cpu_s` and `setup_s` of this one run, `errors` by name,
-        `command`. None is not known.
+        `command`. None stands for an unknown number.
 
     Raises
     ------
@@ -97,22 +92,22 @@ def measured(case: Case) -> Record:
         For wrong use, as `evaluate_case` does.
     """
     evaluation = evaluate_case(case)
-    found = {name: quantity.of_run(evaluation) for name, quantity in RECORDED.items()}
+    own_errors = {name: quantity.of_run(evaluation) for name, quantity in RECORDED.items()}
     simulated = None if evaluation.motion is None else float(evaluation.motion.time[-1])
     if case.engine == "reference" and evaluation.simulation.outcome is Outcome.FINISHED:
         own, exact = solve_case(case), truth(case.scene)
-        found |= _of_solution(own, exact)
+        own_errors |= _of_solution(own, exact)
         simulated = own.ends
-    return _record(evaluation.simulation, simulated, found)
+    return _record(evaluation.simulation, simulated, own_errors)
 
 
 def lost_errors(case: Case, error: LostTaskError) -> Record:
-    """Return what is known of a case whose process died or was stopped: why."""
+    """Return the record of a case whose process died or was stopped: the reason, and no errors."""
     return _record(failed_evaluation(case, error).simulation, None, {})
 
 
 def _record(
-    simulation: Simulation, simulated: float | None, found: Mapping[str, float | None]
+    simulation: Simulation, simulated: float | None, own_errors: Mapping[str, float | None]
 ) -> Record:
     each = iterations(simulation) if simulation.steps else None
     return {
@@ -127,17 +122,17 @@ def _record(
         "simulated_s": simulated,
         "cpu_s": simulation.cpu_s,
         "setup_s": simulation.setup_s,
-        "errors": {name: finite(value) for name, value in found.items()},
+        "errors": {name: finite(value) for name, value in own_errors.items()},
         "command": _command(simulation),
     }
 
 
 LOST = frozenset({"BROKEN", "CRASHED", "HUNG", "OUT_OF_MEMORY", "STOPPED"})
-"""Outcomes of cases that did not come back: not to be run again for their time."""
+"""Outcomes of cases that did not return: they are not run again for their time."""
 
 
 def _command(simulation: Simulation) -> str:
-    """Return what runs a case again and shows its numbers, also where there is no motion to run."""
+    """Return the command line that shows the numbers of a case again, also without a motion."""
     case = simulation.case
     if case.engine == "reference" and simulation.trajectory is None:
         words = [f"--{name} {value}" for name, value in case.options]
@@ -150,15 +145,15 @@ def _of_solution(own: Truth, exact: Truth) -> dict[str, float | None]:
     T, end = natural_time(own.scene), min(own.ends, exact.ends)
     times = np.linspace(0.0, end, _AT_A_TIME)
     off = own.solution.at(times / T).phi - exact.solution.at(times / T).phi
-    found: dict[str, float | None] = {
+    own_errors: dict[str, float | None] = {
         "phi_rms_rad": math.sqrt(float(np.sum(shares(times) * off**2))),
         "phi_max_rad": float(np.abs(off).max()),
     }
     if own.bounces and exact.bounces:
         mine, true = own.bounces[0], exact.bounces[0]
-        found |= {
+        own_errors |= {
             "turn_deg": math.degrees(mine.angle_of_turn - true.angle_of_turn),
             "bounce_time_s": mine.time - true.time,
             "peak_friction_ratio": mine.peak_friction_ratio - true.peak_friction_ratio,
         }
-    return found
+    return own_errors

@@ -1,7 +1,7 @@
-"""Runs cases and holds each against the truth. Studies say which; this is the one place that does.
+"""Runs cases and compares each with the truth: the one place that does so, for every study.
 
-A case is evaluated where it runs, so that what travels back is small: the recorded motion, the
-truth at the same instants, and the numbers.
+A case is measured in the process that runs it, so that little is sent back: the recorded motion,
+the truth at the same instants, and the numbers.
 """
 
 import pickle
@@ -19,7 +19,8 @@ from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import take
 from harness.engines.base import resolve
 from harness.engines.contract import contract_violation, describe_exception
-from harness.engines.reference.assumption_checks import PARTED, divergence_of, findings
+from harness.engines.reference import PARTED
+from harness.engines.reference.assumption_checks import divergence_of, findings
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, sample_truth, truth
 from harness.engines.registry import check_effects, engine, is_ours, timestep_of
@@ -45,9 +46,9 @@ def check_case(case: Case) -> None:
     Raises
     ------
     HarnessError
-        A scene out of reach, an unknown engine, a missing package, an effect that the engine cannot
-        represent, a timestep that it does not take, a setting that it does not have or a value of
-        another kind.
+        A scene beyond the limits, an unknown engine, a missing package, an effect that the engine
+        cannot represent, a timestep that it does not take, a setting that it does not have or a
+        value of another kind.
     """
     check_scene_limits(case.scene)
     check_effects(case.engine, case.scene)
@@ -69,7 +70,7 @@ def evaluate(case: Case) -> Evaluation:
 
 
 def evaluate_case(case: Case) -> Evaluation:
-    """Run a case among others and measure it: what its adapter raises is its outcome, whatever.
+    """Run a case among others and measure it; an exception of its adapter becomes its outcome.
 
     Raises
     ------
@@ -119,7 +120,7 @@ def evaluate_without_truth(case: Case) -> Evaluation:
 
 
 def simulate_case(case: Case) -> Simulation:
-    """Return an engine's answer to a case, or in what its adapter broke its contract.
+    """Return an engine's simulation of a case, or a failed one if its adapter broke its contract.
 
     Raises
     ------
@@ -140,7 +141,7 @@ def simulate_case(case: Case) -> Simulation:
 
 
 def failed_simulation(case: Case, reason: str, outcome: Outcome = Outcome.BROKEN) -> Simulation:
-    """Return that a case came to nothing, and why."""
+    """Return the simulation of a case that has no motion, with the reason as its note."""
     step = None
     with suppress(Exception):  # an adapter that broke its contract once may do it again
         step = timestep_of(case)
@@ -160,20 +161,20 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     scene, trajectory = simulation.case.scene, simulation.trajectory
     if trajectory is None:
         return Evaluation(simulation=simulation, findings=findings(scene) if refusal(scene) else ())
-    found = motion(trajectory, scene)
+    own_motion = motion(trajectory, scene)
     measured = Evaluation(
         simulation=simulation,
-        motion=found,
-        bounces=bounces(found, scene.can),
+        motion=own_motion,
+        bounces=bounces(own_motion, scene.can),
         energy_drift=energy_drift(trajectory, scene),
-        contact=contact_quality(found),
+        contact=contact_quality(own_motion),
         findings=findings(scene),
     )
     if refusal(scene):
         return measured
     own = truth(scene)
-    exact = _until(scene, own, float(found.time[-1]))
-    common = found.time <= exact.ends
+    exact = _until(scene, own, float(own_motion.time[-1]))
+    common = own_motion.time <= exact.ends
     compared = motion(take(trajectory, common), scene)
     true = motion(exact.at(compared.time), scene)
     dense = sample_truth(exact)
@@ -182,7 +183,7 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))
     chaos = divergence_of(scene)
     chaotic = chaos is not None and chaos.chaotic
-    apart = rotation_between(compared.trajectory.quaternion, true.trajectory.quaternion) > PARTED
+    parted = rotation_between(compared.trajectory.quaternion, true.trajectory.quaternion) > PARTED
     pull = dense.contact_force[dense.time <= own.ends, 2] < -_NONE * scene.can.mass * scene.gravity
     own_errors = None if chaotic else errors(compared, true, measured.bounces, own.bounces, locus)
     return replace(
@@ -192,7 +193,7 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
         errors=own_errors,
         truth_pulls=bool(pull.any()),
         divergence=chaos,
-        parts_at=float(compared.time[apart][0]) if apart.any() else None,
+        parts_at=float(compared.time[parted][0]) if parted.any() else None,
     )
 
 
@@ -222,10 +223,10 @@ def run_cases(
     executor : Executor, optional
         Where they run; here and one by one if left out.
     on_done : callable, optional
-        Is told of each evaluation as it is ready.
+        Called with each evaluation as it is ready.
     store : CacheFolder, optional
-        Where evaluations are kept. What is there is not run again, and has the same bits as if it
-        were; times are those that were measured when it ran.
+        Cache of evaluations. A stored case is not run again, and has the same bits as if it were;
+        its times are those that were measured when it ran.
 
     Raises
     ------
@@ -247,6 +248,6 @@ def run_cases(
 
 
 def failed_evaluation(case: Case, error: LostTaskError) -> Evaluation:
-    """Return what came of a case whose process died or was stopped."""
+    """Return the evaluation of a case whose process died or was stopped."""
     outcome = Outcome[error.loss.name]
     return Evaluation(simulation=failed_simulation(case, error.reason, outcome))

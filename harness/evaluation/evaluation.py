@@ -1,4 +1,4 @@
-"""A simulation with what was measured of it."""
+"""Evaluations: a simulation with its measurements and its comparison with the truth."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,36 +11,33 @@ from harness.metrics.error import Errors
 from harness.metrics.motion import ContactQuality, Motion
 
 Record = dict[str, Any]
-"""What is measured of a case as numbers by name, such as its times: what JSON can hold."""
+"""Measurements of a case as numbers by name, such as its times, in types that JSON can hold."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evaluation:
-    """A simulation with what was measured of it.
+    """A simulation with its measurements and its comparison with the truth.
 
     Parameters
     ----------
-    simulation : Simulation
     motion : Motion or None
         None if there is no trajectory.
-    bounces : tuple of Bounce
     energy_drift : float or None
         Over m g R.
-    contact : ContactQuality or None
     truth : Motion or None
         The exact motion at the instants of `motion` up to where it is defined.
-    true_bounces : tuple of Bounce
     errors : Errors or None
-        None for a scene that the reference cannot carry, and for a chaotic one, where what differs
-        in the end is no error: `divergence` and `parts_at` say how long it can be compared.
+        None for a scene that the reference cannot carry, and for a chaotic one, in which the
+        difference in the end is no error: `divergence` and `parts_at` say how long the motions can
+        be compared.
     truth_pulls : bool
         True if the exact motion asks the plane to pull: no engine whose contact only pushes can
         follow it, and the errors say how the can leaves it.
     findings : tuple of Finding
-        What the exact motion breaks of what its model assumes, each with the model that would carry
-        it.
+        Assumptions of its model that the exact motion breaks, each with the model that carries the
+        scene without that assumption.
     divergence : Divergence or None
-        How disturbed releases part; None of a scene that cannot be chaotic.
+        How fast disturbed releases separate; None for a scene that cannot be chaotic.
     parts_at : float or None
         When the orientation is first 0.1 rad from the truth's, s; None if it never is.
     """

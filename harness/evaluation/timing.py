@@ -1,15 +1,14 @@
-"""The time that a case takes alone, and what a step costs when there is nothing to solve.
+"""Time of a case that runs alone, and the overhead of a step with nothing to solve.
 
-A case is timed serially, after a warm-up, several times over.
+A case is timed serially, after a warm-up, several times over. Processor time counts, since a clock
+also sees the other programs of the machine; both are recorded, and where they differ another
+program ran at the same time. A lock of the machine prevents two timings at once, and a worker
+started for timing alone has one thread for linear algebra. The program takes the lock, not its
+worker, so that the limits of the worker hold for the work without the wait.
 
-Processor time is what counts, since a clock also sees the other programs of the machine; both are
-kept, and where they differ the machine was not alone. A lock on the machine keeps two programs that
-time from running at once, and a worker started for timing alone has one thread for linear algebra.
-The program takes the lock, not its worker, whose limits so are those of the work without the wait.
-
-The overhead of a step is that of one free body aloft, no contact: stepped in a loop of Python, and
-in the engine's own loop where it has one. The difference is what the language costs, not the
-engine; who compares engines at small scenes compares mostly that.
+The overhead of a step is that of one free body aloft, without contact, stepped in a loop of Python
+and in the engine's own loop where it has one. The difference is the cost of the language and not of
+the engine; a comparison of engines at small scenes measures mostly that difference.
 """
 
 import fcntl
@@ -61,12 +60,12 @@ LOCK = Path(tempfile.gettempdir()) / f"rockingcan-timing-{os.getuid()}.lock"
 
 
 def time_alone(case: Case) -> Record:
-    """Return the times of repeated runs of a case, s; on what `one_thread` gives, they are alone.
+    """Return the times of repeated runs of a case, s; on `single_thread_executor` it runs alone.
 
     Parameters
     ----------
     case : Case
-        What an engine of somebody else's raises leaves it untimed.
+        An exception of another project's engine leaves it untimed.
 
     Returns
     -------
@@ -78,7 +77,7 @@ def time_alone(case: Case) -> Record:
 
 
 def _unless_it_raises(measure: Callable[[Case], Record], case: Case, nothing: Record) -> Record:
-    """Return what is measured of a case; nothing where an engine of somebody else's raises."""
+    """Return a measurement of a case, or `nothing` where another project's engine raises."""
     try:
         return measure(case)
     except BrokenEngineError:  # it cannot even be made here
@@ -108,7 +107,7 @@ def untimed(case: Case, error: LostTaskError | None = None) -> Record:
 
 
 def _work(case: Case) -> Callable[[], tuple[float, float, float]]:
-    """Return what runs the case once: processor time, clock time and setup, s."""
+    """Return a function that runs the case once: processor time, clock time and set-up, s."""
     if case.engine == "reference":
 
         def solve() -> tuple[float, float, float]:
@@ -121,14 +120,14 @@ def _work(case: Case) -> Callable[[], tuple[float, float, float]]:
     chosen = engine(case.engine)
 
     def simulate() -> tuple[float, float, float]:
-        found = chosen.simulate(case)
-        return found.cpu_s, found.wall_s, found.setup_s
+        simulation = chosen.simulate(case)
+        return simulation.cpu_s, simulation.wall_s, simulation.setup_s
 
     return simulate
 
 
 def _warm_up(case: Case) -> None:
-    """Run the beginning of a case: the code is loaded, the caches know it."""
+    """Run the beginning of a case, so that its code is loaded and in the processor's caches."""
     timestep = engine(case.engine).timestep(case)
     longest = _WARM_SHARE * natural_time(case.scene)
     seconds = longest if timestep is None else min(longest, _WARM_STEPS * timestep)
@@ -138,56 +137,56 @@ def _warm_up(case: Case) -> None:
 
 @contextmanager
 def timing_lock() -> Iterator[None]:
-    """Wait until nothing else on this machine times, and hold it while this does."""
+    """Wait until no other program on this machine times, and lock them out while this one does."""
     with LOCK.open("a") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 
 
 class AloneExecutor(Executor):
-    """Has one task after the other done, each while nothing else on this machine times.
+    """Runs one task after the other, each while no other program on this machine times.
 
     Parameters
     ----------
     executor : Executor
-        Does them.
+        Runs the tasks.
     """
 
     window = 1
-    """How many tasks keep it busy."""
+    """Number of tasks that keep it busy."""
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
-        """Have a task done, once nothing else times; its exception, if any, is in the future."""
-        held = ExitStack()
-        held.enter_context(timing_lock())
+        """Run a task once no other program times; its exception, if any, is in the future."""
+        lock = ExitStack()
+        lock.enter_context(timing_lock())
         try:
             future = self._executor.submit(fn, *args, **kwargs)
         except BaseException:
-            held.close()
+            lock.close()
             raise
-        future.add_done_callback(lambda _: held.close())
+        future.add_done_callback(lambda _: lock.close())
         return future
 
 
 @contextmanager
 def single_thread_executor(limits: Limits | None = None) -> Iterator[Executor]:
-    """Give an executor of one process that has one thread for linear algebra, and times alone.
+    """Yield an executor of one process that has one thread for linear algebra, and times alone.
 
     Parameters
     ----------
     limits : Limits, optional
-        Of one run of a case; of the repeats together it is as much for each.
+        Of one run of a case; the repeats together may take as much for each.
     """
     before = {name: os.environ[name] for name in _THREADS if name in os.environ}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
         # two jobs would be two processes; a spawned one reads the environment when it starts
         usual = default_limits(1) if limits is None else limits
-        whole = Limits(seconds=(1 + _MOST) * usual.seconds, memory=usual.memory)
-        with local_executor(1, spawned=True, limits=whole) as executor:
+        all_repeats = Limits(seconds=(1 + _MOST) * usual.seconds, memory=usual.memory)
+        with local_executor(1, spawned=True, limits=all_repeats) as executor:
             executor.submit(os.getpid).result()
             yield AloneExecutor(executor)
     finally:
@@ -227,15 +226,15 @@ def overhead(chosen: Case) -> Record:
     -------
     dict
         `ways`: for each way of stepping, the repeats in s a step; empty for an engine without a
-        world, and for one of somebody else's that raises.
+        world, and for an engine of another project that raises.
     """
     return _unless_it_raises(_overheads, chosen, {"ways": {}})
 
 
 def _overheads(chosen: Case) -> Record:
     """Time each way of stepping that an engine has."""
-    found = engine(chosen.engine)
-    features = features_of(found)
+    chosen_engine = engine(chosen.engine)
+    features = features_of(chosen_engine)
     opens, chunks, bare_loop = features.open, features.chunks, features.bare_loop
     if opens is None:
         return {"ways": {}}

@@ -1,1 +1,1 @@
-"""What is measured of a motion, and against the truth."""
+"""Measures of a motion, and of its errors against the exact one."""

@@ -1,4 +1,4 @@
-"""The bounces of a record: extrema of phi, and what psi and theta do between them."""
+"""The bounces of a record: extrema of phi, and the turns of psi and theta between them."""
 
 from itertools import pairwise
 
@@ -30,16 +30,16 @@ def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
     minima, _ = find_peaks(-phi, prominence=PROMINENCE * phi.max())
     edges = [0, *minima.tolist(), len(phi) - 1]
     peaks = [left + int(np.argmax(phi[left : right + 1])) for left, right in pairwise(edges)]
-    found = []
+    complete = []
     for number, minimum in enumerate(minima.tolist()):
         before, after = peaks[number], peaks[number + 1]
         if _is_maximum(motion, before) and _is_maximum(motion, after):
-            found.append(_bounce(motion, can, before, minimum, after))
-    return tuple(found)
+            complete.append(_bounce(motion, can, before, minimum, after))
+    return tuple(complete)
 
 
 def _is_maximum(motion: Motion, index: int) -> bool:
-    """Whether phi turns at a sample, and does not merely begin or end there."""
+    """Return whether phi has a maximum at a sample, and does not merely begin or end there."""
     rate, last = motion.angles.phi_dot, len(motion.time) - 1
     rest = _AT_REST * float(np.abs(rate).max())
     if index == 0:

@@ -128,9 +128,9 @@ def asymptotic_order(
         for first in range(len(clear) - count + 1):
             window = [pair for pair in clear[first : first + count] if pair is not None]
             if len(window) == count:
-                found = _straight(*np.array(window).T)
-                if found is not None:
-                    return found
+                order = _straight(*np.array(window).T)
+                if order is not None:
+                    return order
     return None
 
 
@@ -214,8 +214,8 @@ def plateau(timesteps: Sequence[float], errors: Sequence[float | None]) -> Plate
         moving = abs(constant) * h[0] ** power
         if moving >= abs(level):
             return None
-        reach = (abs(level) / abs(constant)) ** (1.0 / power) if constant else h[count - 1]
-        return Plateau(level=level, timestep=float(min(reach, h[count - 1])), rungs=count)
+        limit = (abs(level) / abs(constant)) ** (1.0 / power) if constant else h[count - 1]
+        return Plateau(level=level, timestep=float(min(limit, h[count - 1])), rungs=count)
     return _flat(h, e)
 
 
@@ -228,13 +228,13 @@ def _fit(h: Floats, e: Floats) -> tuple[float, float, float, float]:
 
     best = _POWERS[int(np.argmin([residual(power) for power in _POWERS]))]
     step = _POWERS[1] - _POWERS[0]
-    found = minimize_scalar(
+    refined = minimize_scalar(
         residual,
         bounds=(best - step, best + step),
         method="bounded",
         options={"xatol": 1e-9},  # the square of the residual is flat to about 1e-8
     )
-    power = float(found.x) if found.fun < residual(best) else float(best)
+    power = float(refined.x) if refined.fun < residual(best) else float(best)
     level, constant, rest = _constants(scaled, e, power)
     return level, constant / h.max() ** power, power, rest
 

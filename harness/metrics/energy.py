@@ -1,9 +1,9 @@
-"""What rolling conserves: the energy. Dissipation and gain of an engine show here first.
+"""Energy, which rolling conserves: an engine's dissipation and gain show here first.
 
-The energy is that of the can and its point mass, kinetic and in gravity as the plane sees it: down
-the plane too where it is tilted. Where an effect takes energy away or the plane's shaking brings
-it, no energy is conserved and a drift would mix the scene's own change with the engine's: there is
-none then. A plane without friction takes nothing, and neither does an elastic impact.
+The energy is that of the can and its point mass, kinetic and in gravity relative to the plane: on a
+tilted plane also that of the way down. Where an effect takes energy away or the plane's shaking
+brings energy, a drift would mix the scene's own change with the engine's, and there is no drift. A
+plane without friction takes nothing, and neither does an elastic impact.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ _TAKE_OR_BRING = frozenset({"damping", "drilling", "rolling_resistance", "shake"
 
 
 def conserves_energy(scene: Scene) -> bool:
-    """Whether the energy of a scene stays what it is at the release.
+    """Return whether the exact motion of a scene conserves its energy.
 
     Compliance counts as taking: even without damping the contact stores energy, which is not in
     `energy`.

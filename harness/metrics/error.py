@@ -1,8 +1,8 @@
-"""How far a motion is from the truth, in named quantities and norms.
+"""Errors of an engine's motion against the exact one, in named quantities and norms.
 
-Both are compared at the same instants, those of the engine. A pointwise difference after a bounce
-mixes how late the bounce came with how far it turned; so the shift in time, the size of the turn
-and the errors before and after the bounce are told apart. Orientations are compared as rotations,
+The two motions are compared at the engine's instants. A pointwise difference after a bounce mixes
+the delay of the bounce with the error of its turn; so the shift in time, the error of the turn and
+the errors before and after the bounce are separate numbers. Orientations are compared as rotations,
 psi and theta without jumps; raw Euler angles are never subtracted.
 """
 
@@ -58,9 +58,9 @@ class Errors:
 
 
 def errors(
-    found: Motion,
+    own: Motion,
     true: Motion,
-    found_bounces: tuple[Bounce, ...],
+    own_bounces: tuple[Bounce, ...],
     true_bounces: tuple[Bounce, ...],
     true_locus: Floats,
 ) -> Errors:
@@ -68,29 +68,29 @@ def errors(
 
     Parameters
     ----------
-    found, true : Motion
+    own, true : Motion
         At the same instants, shape (n,).
-    found_bounces, true_bounces : tuple of Bounce
+    own_bounces, true_bounces : tuple of Bounce
     true_locus : ndarray, shape (m, 2)
         The true contact locus on a grid dense by angle, m.
     """
-    weight = shares(found.time)
-    phi = found.angles.phi - true.angles.phi
+    weight = shares(own.time)
+    phi = own.angles.phi - true.angles.phi
     split = true_bounces[0].time if true_bounces else math.inf
-    before = found.time <= split
-    distance = np.linalg.norm(found.locus - true.locus, axis=1)
+    before = own.time <= split
+    distance = np.linalg.norm(own.locus - true.locus, axis=1)
     touching = np.isfinite(distance)
-    pairs = list(zip(found_bounces, true_bounces, strict=False))
+    pairs = list(zip(own_bounces, true_bounces, strict=False))
     return Errors(
         phi_rms=_rms(phi, weight),
         phi_max=float(np.abs(phi).max()),
         phi_rms_before=_rms(phi[before], weight[before]),
         phi_rms_after=_rms(phi[~before], weight[~before]),
         rotation_rms=_rms(
-            rotation_between(found.trajectory.quaternion, true.trajectory.quaternion), weight
+            rotation_between(own.trajectory.quaternion, true.trajectory.quaternion), weight
         ),
-        psi_rms=_rms(found.angles.psi - true.angles.psi, weight),
-        theta_rms=_rms(found.angles.theta - true.angles.theta, weight),
+        psi_rms=_rms(own.angles.psi - true.angles.psi, weight),
+        theta_rms=_rms(own.angles.theta - true.angles.theta, weight),
         angle_of_turn=tuple(f.angle_of_turn - t.angle_of_turn for f, t in pairs),
         rotation_turn=tuple(f.rotation_turn - t.rotation_turn for f, t in pairs),
         time_of_bounce=tuple(f.time - t.time for f, t in pairs),
@@ -104,7 +104,7 @@ def errors(
         ),
         contact_locus_rms=_rms(distance[touching], weight[touching]),
         contact_locus_max=float(distance[touching].max()) if touching.any() else math.nan,
-        contact_locus_hausdorff=hausdorff(found.locus[touching], true_locus),
+        contact_locus_hausdorff=hausdorff(own.locus[touching], true_locus),
     )
 
 

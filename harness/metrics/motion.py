@@ -1,9 +1,8 @@
-"""What a trajectory says in the paper's terms, derived once and alike for every engine.
+"""A trajectory in the paper's terms, derived once and alike for every engine.
 
-How an engine's contact differs from a rolling point (depth, slip, lift-off, several points) is read
-at the recorded samples, which are dense by angle; a single step between two of them may be missed.
-
-A motion as a tidy table: a row a sample, units in the column names.
+Depth, slip, lift-off and several points, in which an engine's contact differs from a rolling point,
+are read at the recorded samples, which are dense by angle; a single step between two samples may be
+missed.
 """
 
 from dataclasses import dataclass
@@ -17,9 +16,7 @@ from models.kinematics import Angles, angles_of_record
 from models.scene import Scene
 
 _LIGHT = 1e-3
-"""Share of the weight; with less a can is about to lift off.
-
-That of `reference.analysis.validity`, too.
+"""Share of the weight below which a can is about to lift off, as in `reference.analysis.validity`.
 """
 
 
@@ -97,7 +94,7 @@ def shares(time: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContactQuality:
-    """What the contact did over a run.
+    """Quality of the contact over a run.
 
     Parameters
     ----------
@@ -118,7 +115,7 @@ class ContactQuality:
 
 
 def contact_quality(motion: Motion) -> ContactQuality:
-    """Return how the contact behaved over a motion."""
+    """Return the quality of the contact over a motion."""
     weight = shares(motion.time)
     depth, slip = motion.trajectory.penetration, motion.slip
     sunk, known = np.isfinite(depth), np.isfinite(slip)
@@ -131,7 +128,7 @@ def contact_quality(motion: Motion) -> ContactQuality:
 
 
 def motion_frame(motion: Motion) -> pd.DataFrame:
-    """Return a motion as a DataFrame, in the paper's terms and in SI units."""
+    """Return a motion as a DataFrame, a row a sample, with the units in the column names."""
     angles, trajectory = motion.angles, motion.trajectory
     columns = {"t_s": motion.time}
     for name in ("phi", "psi", "theta"):

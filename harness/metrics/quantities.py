@@ -24,7 +24,7 @@ Number = float | None
 
 
 class Measured(Protocol):
-    """A simulation with what was measured of it: what a quantity is read from."""
+    """A simulation and its measurements, from which quantities are read."""
 
     @property
     def simulation(self) -> Simulation: ...  # noqa: D102 - as in `harness.evaluation.Evaluation`
@@ -84,7 +84,7 @@ class Quantity:
 
 
 def finite(value: Number) -> Number:
-    """Return a number, or None for what is none."""
+    """Return a finite number as it is, and None for NaN, infinity and None."""
     return value if value is not None and math.isfinite(value) else None
 
 
@@ -160,10 +160,10 @@ def _of_part(part: str, key: str, label: str, meaning: str, name: str = "") -> Q
     of_key, unit = _unit(key)
 
     def of_run(e: Measured) -> Number:
-        found = getattr(getattr(e, part), name or of_key, None)
-        if isinstance(found, tuple):
-            found = found[0] if found else None
-        return None if found is None else _number(key, found)
+        value = getattr(getattr(e, part), name or of_key, None)
+        if isinstance(value, tuple):
+            value = value[0] if value else None
+        return None if value is None else _number(key, value)
 
     return Quantity(key=key, label=label, unit=unit, meaning=meaning, of_run=of_run)
 

@@ -24,7 +24,7 @@ from reference.solve import solve
 DISTURBANCE = 1e-12
 # Of a rate or an angle smaller than this the disturbance is one part in 1e12 of this.
 LEAST = 1e-3
-# Motions as far apart as this, rad, have nothing to do with each other.
+# Angle between orientations, rad, from which two motions have nothing to do with each other.
 PARTED = 0.1
 # From here on a distance grows at its rate: before it finds the direction that grows fastest.
 GROWING = 1e-11

@@ -23,7 +23,7 @@ class Phase:
     ----------
     kind : Kind
     start, end : float
-        In sqrt(R/g).
+        In sqrt(R/g), those of a `Solution`.
     """
 
     kind: Kind

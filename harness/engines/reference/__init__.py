@@ -6,6 +6,6 @@ state at any instant, so that an engine is compared on its own time grid.
 """
 
 from harness.engines.reference.engine import ReferenceEngine
-from reference import ENDING, Agreement, Finding
+from reference import ENDING, PARTED, Agreement, Finding, Kind
 
-__all__ = ["ENDING", "Agreement", "Finding", "ReferenceEngine"]
+__all__ = ["ENDING", "PARTED", "Agreement", "Finding", "Kind", "ReferenceEngine"]

@@ -10,10 +10,7 @@ from harness.engines.reference.truth import Truth, sample_truth, truth
 from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
-from reference import Finding, Guard, Outcome, divergence, examine
-
-PARTED = 0.1
-"""Angle between orientations, rad, from which two motions have nothing to do with each other."""
+from reference import PARTED, Finding, Guard, Outcome, divergence, examine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,6 +27,7 @@ from reference import (
     MODELS,
     RENAMED_METHODS,
     Choice,
+    Phase,
     Problem,
     Solution,
     SolverError,
@@ -91,15 +92,6 @@ VARIANTS = (
 """Ways to solve a scene; an implicit method in the raw variables is slow where it is stiff."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Phase:
-    """An interval in which the rim sticks, or slips, s."""
-
-    kind: str
-    start: float
-    end: float
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
     """An exact motion in SI units that knows its state at any instant."""
@@ -132,11 +124,9 @@ class Truth:
 
     @property
     def phases(self) -> tuple[Phase, ...]:
-        """When the rim sticks and when it slips, in order."""
+        """Return the intervals in which the rim sticks or slips, in order, their times in s."""
         T, phases = natural_time(self.scene), self.solution.phases
-        return tuple(
-            Phase(kind=each.kind.value, start=each.start * T, end=each.end * T) for each in phases
-        )
+        return tuple(replace(phase, start=phase.start * T, end=phase.end * T) for phase in phases)
 
     @property
     def chosen(self) -> Choice:

@@ -13,6 +13,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.report_model import Column, Table, table_of
+from harness.engines.reference import Kind
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, apart, beside, cancelled, solve_case, truth
 from harness.engines.stepping.horizon import natural_time
@@ -121,7 +122,7 @@ def _slips(scene: Scene) -> bool:
     slip = scene.effects.slip
     if slip is None or _holds(scene, slip.mu):
         return False
-    return any(phase.kind != "stick" for phase in truth(scene).phases)
+    return any(phase.kind is not Kind.STICK for phase in truth(scene).phases)
 
 
 def _holds(scene: Scene, mu: float) -> bool:

@@ -116,6 +116,9 @@ def test_before_and_after_the_bounce_are_told_apart(made: Made, time: np.ndarray
     e = compared(found, true, 0.5)
     assert e.phi_rms_before == pytest.approx(1e-3, rel=1e-9)
     assert e.phi_rms_after == pytest.approx(4e-3, rel=1e-9)
+    at_the_bounce = phi + np.where(time == time[7], 1e-3, 0.0)
+    sample = told(made, time, at_the_bounce, 0.0 * time, true.locus)
+    assert compared(sample, true, float(time[7])).phi_rms_after == 0.0
     two = (bounce(0.5), bounce(0.9))  # the first of them is where before ends
     assert errors(found, true, two, two, true.locus).phi_rms_before == e.phi_rms_before
     without = compared(found, true)
@@ -167,6 +170,18 @@ def test_bounces_are_compared_in_pairs_and_signed(true: Motion) -> None:
     assert e.phi_min == (pytest.approx(0.01, abs=EPS),)
     assert e.peak_friction_ratio == (0.0,)
     assert errors(true, true, (), (bounce(0.5),), true.locus).angle_of_turn == ()
+
+
+def test_the_largest_errors_are_those_of_a_single_sample(made: Made) -> None:
+    n = 11
+    time, flat = np.arange(n, dtype=float), np.full(n, 0.3)
+    points = np.column_stack((time, 0.0 * time))
+    true = told(made, time, flat, 0.0 * time, points)
+    once = np.where(time == 3.0, 1.0, 0.0)
+    found = told(made, time, flat + 1e-3 * once, 0.0 * time, points + np.outer(once, (0.0, 0.25)))
+    e = compared(found, true)
+    assert e.phi_max == pytest.approx(1e-3, rel=1e-9)
+    assert e.contact_locus_max == 0.25
 
 
 def test_where_nothing_touches_the_locus_is_left_out(made: Made) -> None:

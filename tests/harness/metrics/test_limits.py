@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from harness.core.trajectory import Trajectory
+from harness.metrics import convergence
 from harness.metrics.bounces import bounces
 from harness.metrics.convergence import asymptotic_order, observed_order, pareto_front, plateau
 from harness.metrics.error import hausdorff
@@ -112,7 +113,11 @@ def test_a_level_of_second_order_outweighs_below_the_root() -> None:
     assert found.timestep == pytest.approx(math.sqrt(50.0), rel=1e-6)
 
 
-def test_a_ladder_without_a_trend_is_level_up_to_its_coarsest_rung() -> None:
+@pytest.mark.parametrize("constant", [0.0, 1e-300])
+def test_a_ladder_without_a_trend_is_level_up_to_its_coarsest_rung(
+    constant: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(convergence, "_fit", lambda *_: (1.0, constant, 1.0, 0.0))
     found = plateau((8.0, 4.0, 2.0, 1.0), (1.0, 1.0, 1.0, 1.0))
     assert found is not None
     assert (found.timestep, found.rungs, found.erratic) == (8.0, 4, False)
@@ -156,10 +161,11 @@ def test_the_model_is_believed_up_to_a_residual_of_2_percent(size: float, *, fit
 @pytest.mark.parametrize(("largest", "flat"), [(1.49, True), (1.51, False)])
 def test_a_flat_ladder_varies_by_half_at_most(largest: float, *, flat: bool) -> None:
     for sign in (1.0, -1.0):
-        found = plateau((1.0, 0.1, 0.01), [sign * size for size in (1.0, largest, 1.0)])
+        smallest = 1e-3 * sign
+        found = plateau((1.0, 0.1, 0.01), [smallest * size for size in (1.0, largest, 1.0)])
         assert (found is not None) is flat
         if found is not None:
-            assert found.level == pytest.approx(sign * largest ** (1.0 / 3.0), rel=1e-12)
+            assert found.level == pytest.approx(smallest * largest ** (1.0 / 3.0), rel=1e-9)
             assert (found.timestep, found.rungs, found.erratic) == (1.0, 3, True)
 
 
@@ -343,6 +349,7 @@ def test_the_chords_of_the_sixteen_nearest_points_are_tried(nearer: int, distanc
     curve = np.concatenate((points, ends))
     reached = np.concatenate((curve, np.zeros((1, 2))))
     assert hausdorff(reached, curve) == pytest.approx(distance, rel=1e-3)  # a chord of the arc
+    assert hausdorff(reached[::-1], curve[::-1]) == pytest.approx(distance, rel=1e-3)
 
 
 def test_a_curve_ends_where_its_points_end() -> None:
