@@ -37,7 +37,7 @@ def test_it_is_the_sum_of_its_masses(point: PointMass) -> None:
     places = np.vstack((arms, -arms, (point.x, point.y, point.z)))
     masses = np.array((*(m / 6.0,) * 6, point.mass))
     centre = masses @ places / masses.sum()
-    assert whole.mass == pytest.approx(masses.sum(), rel=4 * EPS)
+    assert whole.mass == pytest.approx(masses.sum(), rel=4 * EPS, abs=0)
     np.testing.assert_allclose(whole.centre, centre, atol=8 * EPS * 0.05, rtol=0)
     expected = inertia_about(masses, places, centre)
     np.testing.assert_allclose(whole.inertia, expected, atol=16 * EPS * expected.max(), rtol=0)

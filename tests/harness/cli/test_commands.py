@@ -238,7 +238,7 @@ def test_a_motion_is_written_with_units_in_its_columns(
     frame = pd.read_csv(out) if suffix == ".csv" else pd.read_parquet(out)
     assert {"t_s", "phi_rad"} <= set(frame.columns)
     assert len(frame) > 300
-    assert frame.phi_rad.iloc[0] == pytest.approx(0.4, rel=1e-12)
+    assert frame.phi_rad.iloc[0] == pytest.approx(0.4, rel=1e-12, abs=0)
 
 
 def test_settings_can_be_spelt_as_the_command_of_a_case_spells_them(told: Command) -> None:

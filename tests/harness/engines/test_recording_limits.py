@@ -115,7 +115,7 @@ class Plane:
 def test_a_can_hovers_at_a_thousandth_of_its_radius(phi: float) -> None:
     world = Plane(GENTLE.can, float)
     found = hovering_distance(world, GENTLE.can, phi, 0.7)  # type: ignore[arg-type]
-    assert found == pytest.approx(1e-3 * GENTLE.can.radius, rel=1e-9)
+    assert found == pytest.approx(1e-3 * GENTLE.can.radius, rel=1e-9, abs=0)
 
 
 def test_the_first_depth_that_is_tried_is_a_tenth_of_a_picometre(gentle: Scene) -> None:

@@ -77,8 +77,8 @@ def test_half_is_allowed_at_an_axial_rate_of_0_015_natural_units(unit: float, si
         return adaptive(unit=unit).eta(*about_its_axis(sign * rate / unit))
 
     assert allowed(0.0149) > 0.005 > allowed(0.0151)
-    assert allowed(0.0) == pytest.approx(0.01, rel=1e-12)
-    assert allowed(0.045) == pytest.approx(0.0025, rel=1e-12)  # 1/(1 + 3)
+    assert allowed(0.0) == pytest.approx(0.01, rel=1e-12, abs=0)
+    assert allowed(0.045) == pytest.approx(0.0025, rel=1e-12, abs=0)  # 1/(1 + 3)
 
 
 def test_a_top_is_allowed_a_hundredth_and_no_less() -> None:
@@ -86,8 +86,8 @@ def test_a_top_is_allowed_a_hundredth_and_no_less() -> None:
         return adaptive().eta(*about_its_axis(rate))
 
     assert allowed(1.48) > 1.0001e-4  # 1/(1 + 98.7)
-    assert allowed(1.49) == pytest.approx(1e-4, rel=1e-12)  # not 1/(1 + 99.3)
-    assert allowed(1e6) == pytest.approx(1e-4, rel=1e-12)
+    assert allowed(1.49) == pytest.approx(1e-4, rel=1e-12, abs=0)  # not 1/(1 + 99.3)
+    assert allowed(1e6) == pytest.approx(1e-4, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize(

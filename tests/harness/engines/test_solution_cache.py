@@ -22,7 +22,7 @@ def test_an_answer_is_the_truth_and_a_timed_one_is_its_own() -> None:
     timed = solve_case(case)
     assert timed.solution is not answer.solution
     assert timed.solution.t_end == answer.solution.t_end
-    assert timed.ends == pytest.approx(0.011, rel=1e-12)
+    assert timed.ends == pytest.approx(0.011, rel=1e-12, abs=0)
 
 
 def test_a_tolerance_of_its_own_is_no_truth() -> None:

@@ -33,13 +33,15 @@ def test_energy_is_the_sum_of_its_parts(made: Made, gentle: Scene) -> None:
         + can.axial_inertia * 25.0 / 2.0
         + can.transverse_inertia * 49.0 / 2.0
     )
-    assert energy(one, gentle)[0] == pytest.approx(expected, rel=8 * EPS)
+    assert energy(one, gentle)[0] == pytest.approx(expected, rel=8 * EPS, abs=0)
 
 
 def test_drift_is_the_largest_departure_with_its_sign(made: Made, gentle: Scene) -> None:
     heights = np.array((1.0, 1.2, 0.5, 0.9))
     rising = made(4, position=np.column_stack((np.zeros((4, 2)), heights)))
-    assert energy_drift(rising, gentle) == pytest.approx(-0.5 / gentle.can.radius, rel=8 * EPS)
+    assert energy_drift(rising, gentle) == pytest.approx(
+        -0.5 / gentle.can.radius, rel=8 * EPS, abs=0
+    )
 
 
 def test_quality_counts_time_and_not_samples(made: Made, gentle: Scene) -> None:
@@ -63,10 +65,10 @@ def test_quality_counts_time_and_not_samples(made: Made, gentle: Scene) -> None:
         )
     )
     assert found.max_penetration == 3e-6
-    assert found.max_slip == pytest.approx(0.3, rel=4 * EPS)  # in flight nothing slips
+    assert found.max_slip == pytest.approx(0.3, rel=4 * EPS, abs=0)  # in flight nothing slips
     # trapezia: half of each neighbouring gap
-    assert found.lift_off_fraction == pytest.approx((0.55 + 0.1) / 10.0, rel=64 * EPS)
-    assert found.multi_contact_fraction == pytest.approx(1.0 / 10.0, rel=64 * EPS)
+    assert found.lift_off_fraction == pytest.approx((0.55 + 0.1) / 10.0, rel=64 * EPS, abs=0)
+    assert found.multi_contact_fraction == pytest.approx(1.0 / 10.0, rel=64 * EPS, abs=0)
 
 
 def test_a_can_that_never_touches_has_neither_depth_nor_slip(made: Made, gentle: Scene) -> None:

@@ -133,11 +133,13 @@ def test_the_coarsest_step_is_the_power_of_ten_next_to_five_radians_of_precessio
 ) -> None:
     scene = scene_with(share * 5.0 * 10.0**4.5, monkeypatch)
     assert timesteps(scene, "quick") == pytest.approx(
-        [coarsest * share for share in (1.0, 0.3, 0.1, 0.03, 0.01)]
+        [coarsest * share for share in (1.0, 0.3, 0.1, 0.03, 0.01)], rel=1e-12, abs=0
     )
     full = timesteps(scene, "full")
-    assert (full[0], full[-1], len(full)) == pytest.approx((coarsest, 1e-3 * coarsest, 10))
-    assert timesteps(scene, "tuning")[-1] == pytest.approx(0.03 * coarsest)
+    assert (full[0], full[-1], len(full)) == pytest.approx(
+        (coarsest, 1e-3 * coarsest, 10), rel=1e-12, abs=0
+    )
+    assert timesteps(scene, "tuning")[-1] == pytest.approx(0.03 * coarsest, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("rate", [0.0, 1e-3])

@@ -68,7 +68,7 @@ def test_under_its_weight_a_can_sinks_in_by_forty_nanometres() -> None:
 def test_a_tenth_of_a_degree_counts_and_the_rest_in_proportion(key: str, counts: float) -> None:
     plan = plan_effects(GENTLE, ("mujoco",))
     found = EffectsResults(plan=plan, evaluations={}, times={})
-    assert found.threshold("mujoco", key) == pytest.approx(counts, rel=1e-12)
+    assert found.threshold("mujoco", key) == pytest.approx(counts, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize(("count", "every"), [(3, True), (4, False)])

@@ -83,9 +83,9 @@ def test_members_of_a_hard_case_differ_by_a_thousandth(gentle: Scene, number: in
     other = member(gentle, number).release
     phi, psi, theta = departure(number)
     own = gentle.release
-    assert other.psi_dot / own.psi_dot - 1.0 == pytest.approx(1e-3 * psi, rel=1e-9)
-    assert other.theta_dot / own.theta_dot - 1.0 == pytest.approx(1e-3 * theta, rel=1e-9)
+    assert other.psi_dot / own.psi_dot - 1.0 == pytest.approx(1e-3 * psi, rel=1e-9, abs=0)
+    assert other.theta_dot / own.theta_dot - 1.0 == pytest.approx(1e-3 * theta, rel=1e-9, abs=0)
     # phi as far as it is from flat or from balance, whichever is nearer
     room = min(own.phi, gentle.can.balancing_angle - own.phi)
-    assert other.phi - own.phi == pytest.approx(1e-3 * phi * room, rel=1e-9)
+    assert other.phi - own.phi == pytest.approx(1e-3 * phi * room, rel=1e-9, abs=0)
     assert other.psi == own.psi + number
