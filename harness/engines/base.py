@@ -148,7 +148,7 @@ class Contact:
 
 
 class World(Protocol):
-    """A compiled engine model: one can, one plane, one timestep."""
+    """A compiled engine model: one can, one plane, and a timestep that can change between steps."""
 
     @property
     def mass(self) -> float:
@@ -161,6 +161,9 @@ class World(Protocol):
     @property
     def timestep(self) -> float:
         """The timestep that was asked for, s."""
+
+    def set_timestep(self, timestep: float) -> None:
+        """Step by another length from now on, s."""
 
     def place(self, pose: Pose, twist: Twist) -> None:
         """Put the can somewhere, moving; forget what was before."""
@@ -179,13 +182,6 @@ class World(Protocol):
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
-
-
-class SteeredWorld(World, Protocol):
-    """A world whose timestep can change between steps."""
-
-    def set_timestep(self, timestep: float) -> None:
-        """Step by another length from now on, s."""
 
 
 def signed_distance(world: World) -> float:

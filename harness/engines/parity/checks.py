@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.simulation import ParityRow
-from harness.engines.base import Floats, SteeredWorld, World
+from harness.engines.base import Floats, World
 from harness.engines.parity.contact import Compared, contact_laws, friction
 from harness.engines.stepping.settling import (
     AT_REST,
@@ -66,7 +66,7 @@ def parity(
     compared = (
         *_mass_properties(world, scene),
         *_free_flight(world, scene, timestep),
-        *_shaken_flight(world, scene),  # type: ignore[arg-type] # of engines that honour it
+        *_shaken_flight(world, scene),
         *_collider(world, scene),
         friction(world, scene, timestep),
         *contact_laws(world, scene, timestep),
@@ -165,7 +165,7 @@ def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[Compar
         yield quantity, unit, _FAST * declared, found, _FAST * tolerance, f"{_HOW} at this rate"
 
 
-def _shaken_flight(world: SteeredWorld, scene: Scene) -> Iterator[Compared]:
+def _shaken_flight(world: World, scene: Scene) -> Iterator[Compared]:
     """Probe the shaking over a period: what the plane's velocity loses a can aloft gains."""
     shake = scene.effects.shake
     if shake is None:

@@ -34,15 +34,12 @@ from harness.engines.pybullet.settings import (
     urdf_flags,
 )
 from harness.engines.pybullet.suppress_output import pybullet, silence
-from models import Pose, Twist, ground_urdf, urdf
+from models import Pose, Twist, ground_urdf, to_body, urdf
 from models.gravity import gravity_vector, shaking
 
 Numbers: TypeAlias = Sequence[float]
 State: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
 """Position, quaternion (scalar last), velocity, angular velocity, in world coordinates."""
-
-
-_UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Frames:
@@ -64,8 +61,8 @@ class Frames:
     @property
     def rotation(self) -> Floats:
         """The principal axes as columns in the can's axes, shape (3, 3)."""
-        columns: Floats = np.array([_turned(self._axes, unit) for unit in _UNITS]).T
-        return columns
+        x, y, z, w = self._axes
+        return to_body((w, x, y, z), np.eye(3))
 
     def can(
         self, position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.base import SteeredWorld
+from harness.engines.base import World
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from models.errors import InvalidValueError
@@ -47,13 +47,12 @@ def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterat
             yield chunk
 
 
-def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
+def walk(world: World, schedule: Schedule, size: int) -> Iterator[Chunk]:
     """Step a world by a schedule from where it is, yielding after `size` steps or more.
 
     Parameters
     ----------
     world : World
-        With a method `set_timestep`.
     schedule : Schedule
     size : int
     """
@@ -63,7 +62,7 @@ def walk(world: SteeredWorld, schedule: Schedule, size: int) -> Iterator[Chunk]:
 class _WorldReader:
     """Reads every step of a world through the role `World`."""
 
-    def __init__(self, world: SteeredWorld) -> None:
+    def __init__(self, world: World) -> None:
         self._world = world
         self._times: list[float] = []
         self._rows: list[Floats] = []
