@@ -43,9 +43,6 @@ from models.catalogue import load
 
 REPORT = "report"
 
-_IMPORTS = ("harness.sweep.partition",)
-"""What a process needs before it can begin a scene, and what no scene's time is."""
-
 
 def sweep(  # noqa: PLR0917 - a parameter an option
     scene: SceneName,
@@ -163,10 +160,10 @@ def _executor(chosen: SweepPlan, jobs: int, on: str | None, limits: Limits) -> I
     """Open what carries out a plan; limits are of a scene's run, and the exact bounce has none."""
     made: Executor
     if on is not None:
-        made = dask_executor(on, default_limits(1) if chosen.exact else limits, _IMPORTS)
+        made = dask_executor(on, default_limits(1) if chosen.exact else limits)
     elif not chosen.exact:
         # never this process, which an engine could take along
-        made = local_executor(jobs, spawned=True, limits=limits, imports=_IMPORTS)
+        made = local_executor(jobs, spawned=True, limits=limits)
     elif jobs == 1:
         made = SerialExecutor()
     else:

@@ -24,7 +24,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
 from harness.core.provenance import ENGINE_ENTRY_POINTS, version_of
-from harness.execution.isolated_pool import IMPORTS, run_isolated
+from harness.execution.isolated_pool import run_isolated
 from harness.execution.limits import Limits
 from harness.execution.source_fingerprint import fingerprint
 from harness.execution.worker import Loss, LostTaskError
@@ -110,9 +110,7 @@ _TASKS_A_THREAD = 2
 """One that runs and one that has arrived: the network's delay does not show."""
 
 
-def dask_executor(
-    address: str, limits: Limits, imports: tuple[str, ...] = IMPORTS
-) -> "DaskExecutor":
+def dask_executor(address: str, limits: Limits) -> "DaskExecutor":
     """Return an executor of the Dask cluster whose scheduler is at an address.
 
     Parameters
@@ -121,8 +119,6 @@ def dask_executor(
         Such as "tcp://host:8786".
     limits : Limits
         Of each task.
-    imports : tuple of str
-        What a process imports at its start, before the time of a task runs.
 
     Raises
     ------
@@ -150,7 +146,7 @@ def dask_executor(
     except BaseException:
         client.close()
         raise
-    return DaskExecutor(client, limits, imports)
+    return DaskExecutor(client, limits)
 
 
 def check_cluster_address(address: str) -> None:
@@ -208,19 +204,11 @@ class DaskExecutor(Executor):
         Is closed with the executor.
     limits : Limits
         Of each task.
-    imports : tuple of str
-        What a process imports at its start, before the time of a task runs.
     """
 
-    def __init__(
-        self,
-        client: Any,  # noqa: ANN401 - it ships no types
-        limits: Limits,
-        imports: tuple[str, ...] = IMPORTS,
-    ) -> None:
+    def __init__(self, client: Any, limits: Limits) -> None:  # noqa: ANN401 - it ships no types
         self._client = client
         self.limits = limits
-        self._imports = imports
         self._here = environment_description()
         self._futures: set[Any] = set()
 
@@ -239,7 +227,6 @@ class DaskExecutor(Executor):
             theirs = self._client.submit(
                 run_isolated,
                 self.limits,
-                self._imports,
                 check_same_environment,
                 self._here,
                 fn,

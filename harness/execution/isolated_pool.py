@@ -30,8 +30,8 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-_Task: TypeAlias = tuple["Future[Any]", bytes]
-"""Where the result of a task goes, and its function and arguments, pickled."""
+_Task: TypeAlias = tuple["Future[Any]", bytes, tuple[str, ...]]
+"""Where the result of a task goes; its function and arguments, pickled; their modules."""
 
 
 class IsolatedProcessPool(Executor):
@@ -45,17 +45,12 @@ class IsolatedProcessPool(Executor):
     ----------
     workers : int
     limits : Limits
-        Of each task.
-    imports : tuple of str
-        Modules that a process imports at its start, before the clock of a task runs.
+        Of each task. A process imports the modules of its first task before the clock runs.
     """
 
-    def __init__(
-        self, workers: int, limits: Limits = NO_LIMITS, imports: tuple[str, ...] = ()
-    ) -> None:
+    def __init__(self, workers: int, limits: Limits = NO_LIMITS) -> None:
         self.workers = workers
         self.limits = limits
-        self._imports = imports
         self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
         self._running: set[Worker] = set()
         self._threads: list[threading.Thread] = []
@@ -85,7 +80,7 @@ class IsolatedProcessPool(Executor):
                 thread = threading.Thread(target=self._serve, daemon=True)
                 thread.start()  # raises where the system has none left: then nothing waits for it
                 self._threads.append(thread)
-            self._tasks.put((future, payload))
+            self._tasks.put((future, payload, _modules(fn, *args)))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
@@ -139,11 +134,11 @@ class IsolatedProcessPool(Executor):
         signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
         while (task := self._tasks.get()) is not None:
-            future, payload = task
+            future, payload, modules = task
             if not future.set_running_or_notify_cancel():
                 continue
             try:
-                worker = worker or self._started()
+                worker = worker or self._started(modules)
                 answer = worker.do(payload)
             except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
                 future.set_exception(error)
@@ -153,13 +148,13 @@ class IsolatedProcessPool(Executor):
             _settle(future, answer)
         self._ended(worker)
 
-    def _started(self) -> Worker:
-        """Return a new worker, unless all is being stopped."""
+    def _started(self, modules: tuple[str, ...]) -> Worker:
+        """Return a new worker that imports these modules first, unless all is being stopped."""
         with self._lock:
             if self._stopping:
                 raise run_stopped()
             try:
-                worker = Worker(self.limits, self._imports)
+                worker = Worker(self.limits, modules)
             except OSError as error:
                 reason = f"never begun: no process can be started: {error}"
                 raise LostTaskError(Loss.STOPPED, reason) from error
@@ -174,6 +169,12 @@ class IsolatedProcessPool(Executor):
             worker.close()
 
 
+def _modules(*things: object) -> tuple[str, ...]:
+    """Return the names of the modules of all functions among some things."""
+    names = (getattr(thing, "__module__", None) for thing in things if callable(thing))
+    return tuple(name for name in names if isinstance(name, str))
+
+
 def _settle(future: "Future[Any]", answer: bytes) -> None:
     """Hand on what a worker answered."""
     try:
@@ -186,62 +187,47 @@ def _settle(future: "Future[Any]", answer: bytes) -> None:
         future.set_exception(error)
 
 
-_there: list[IsolatedProcessPool] = []
+_background: list[IsolatedProcessPool] = []
 
 
-def background_worker(limits: Limits, imports: tuple[str, ...] = ()) -> IsolatedProcessPool:
+def background_worker(limits: Limits) -> IsolatedProcessPool:
     """Return an executor of one process that is ended when this one ends, with what it started.
 
     Parameters
     ----------
     limits : Limits
         Of each task.
-    imports : tuple of str
-        Modules that the process imports at its start.
     """
-    made = IsolatedProcessPool(1, limits, imports)
-    _there.append(made)
-    return made
+    executor = IsolatedProcessPool(1, limits)
+    _background.append(executor)
+    return executor
 
 
 @atexit.register
 def end_background_worker() -> None:
     """End the background processes; for a program that does not end as usual."""
-    for executor in tuple(_there):
+    for executor in tuple(_background):
         executor.stop()
 
 
-def run_isolated(
-    limits: Limits,
-    imports: tuple[str, ...],
-    fn: Callable[P, T],
-    /,
-    *args: P.args,
-    **kwargs: P.kwargs,
-) -> T:
-    """Return what a function returns that runs in a background process, within limits.
+def run_isolated(limits: Limits, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
+    """Return the result of a function that runs in a background process, within limits.
 
-    The process is kept for the next call, and ended with this one; threads that call at once have
-    one each. What it imports at its start, no call's time counts.
+    The process serves the next call too, and ends with this one; each calling thread has its own.
 
     Raises
     ------
     LostTaskError
         If the process dies or has to be stopped.
     """
-    here = _beside(threading.get_ident(), limits, tuple(imports))
-    return here.submit(fn, *args, **kwargs).result()
+    return _worker_of(threading.get_ident(), limits).submit(fn, *args, **kwargs).result()
 
 
 @cache
-def _beside(thread: int, limits: Limits, imports: tuple[str, ...]) -> IsolatedProcessPool:
-    """Return the executor of a thread."""
+def _worker_of(thread: int, limits: Limits) -> IsolatedProcessPool:
+    """Return the background process of a thread."""
     del thread
-    return background_worker(limits, imports)
-
-
-IMPORTS = ("harness.evaluation.evaluate",)
-"""What a worker imports at its start; engines follow with the first case that asks for them."""
+    return background_worker(limits)
 
 
 class SerialExecutor(Executor):
@@ -265,7 +251,6 @@ def local_executor(
     *,
     spawned: bool = False,
     limits: Limits | None = None,
-    imports: tuple[str, ...] = IMPORTS,
 ) -> Executor:
     """Return an executor of so many processes on this machine.
 
@@ -277,9 +262,7 @@ def local_executor(
         stop it and a crash ends the program.
     limits : Limits, optional
         Of each task in a process; half an hour, and together most of the memory, if left out.
-    imports : tuple of str
-        What a process imports at its start, before the time of a task runs.
     """
     if jobs == 1 and not spawned:
         return SerialExecutor()
-    return IsolatedProcessPool(jobs, default_limits(jobs) if limits is None else limits, imports)
+    return IsolatedProcessPool(jobs, default_limits(jobs) if limits is None else limits)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import slow_to_import
 import worker_tasks as tasks
 
 _LIMITS = Limits(seconds=8.0, memory=0.5 * 2**30)
@@ -148,14 +149,19 @@ def test_a_process_ends_with_its_owner() -> None:
 
 
 def test_inside_is_a_process_beside_this_one_that_stays() -> None:
-    first = run_isolated(_LIMITS, ("colorsys",), tasks.process)
+    first = run_isolated(_LIMITS, tasks.process)
     assert first != os.getpid()
-    assert run_isolated(_LIMITS, ("colorsys",), tasks.process) == first
-    assert run_isolated(_LIMITS, ("colorsys",), tasks.has_imported, "colorsys")
-    assert not run_isolated(_LIMITS, (), tasks.has_imported, "colorsys")
+    assert run_isolated(_LIMITS, tasks.process) == first
     with pytest.raises(LostTaskError, match="SIGSEGV"):
-        run_isolated(_LIMITS, ("colorsys",), tasks.segfault)
-    assert run_isolated(_LIMITS, ("colorsys",), tasks.process) != first
+        run_isolated(_LIMITS, tasks.segfault)
+    assert run_isolated(_LIMITS, tasks.process) != first
+
+
+def test_a_process_imports_the_modules_of_its_first_task_before_the_clock_runs() -> None:
+    # the module takes longer to import than its task is given
+    with IsolatedProcessPool(1, Limits(seconds=2.0)) as executor:
+        assert executor.submit(slow_to_import.answer).result() == 42
+        assert executor.submit(tasks.square, 3).result() == 9
 
 
 def test_what_cannot_be_started_is_told_and_the_next_is_done(
@@ -184,7 +190,7 @@ sys.path[:] = {path!r}
 import worker_tasks as tasks
 from harness.execution.isolated_pool import end_background_worker, run_isolated
 from harness.execution.limits import NO_LIMITS
-run_isolated(NO_LIMITS, (), tasks.start_and_return, {told!r})
+run_isolated(NO_LIMITS, tasks.start_and_return, {told!r})
 {end}
 """
 

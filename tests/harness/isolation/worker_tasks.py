@@ -19,10 +19,6 @@ def process() -> int:
     return os.getpid()
 
 
-def has_imported(module: str) -> bool:
-    return module in sys.modules
-
-
 def segfault() -> None:
     ctypes.string_at(0)
 

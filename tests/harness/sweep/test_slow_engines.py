@@ -19,8 +19,6 @@ from tests.harness.sweep.conftest import table
 
 Planned = Callable[..., SweepPlan]
 
-IMPORTS = ("harness.sweep.partition",)
-
 ENGINE = """
 import time
 from dataclasses import replace
@@ -81,9 +79,7 @@ def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
     limits = Limits(seconds=5.0)  # of 5.4 that the partition takes
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local_executor(
-            2, spawned=True, limits=limits, imports=("harness.sweep.partition",)
-        ) as executor,
+        local_executor(2, spawned=True, limits=limits) as executor,
     ):
         run_sweep(folder, executor)
     frame = table(tmp_path / "out")
@@ -102,9 +98,7 @@ def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
     limits = Limits(seconds=4.0)
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local_executor(
-            2, spawned=True, limits=limits, imports=("harness.sweep.partition",)
-        ) as executor,
+        local_executor(2, spawned=True, limits=limits) as executor,
     ):
         run_sweep(folder, executor)
     frame = table(tmp_path / "out")
