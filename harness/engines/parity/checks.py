@@ -19,7 +19,7 @@ import numpy as np
 
 from harness.core.simulation import ParityRow
 from harness.engines.base import Floats, World
-from harness.engines.parity.contact import Compared, contact_laws, friction
+from harness.engines.parity.contact import Compared, Stand, contact_laws, friction
 from harness.engines.stepping.settling import (
     AT_REST,
     LIFT,
@@ -63,21 +63,24 @@ def parity(
         Quantities in which this engine in this profile is known to go its own way: a difference
         there is "imposed" and reported; any other is a "mismatch", and the run does not start.
     """
-    compared = (
-        *_mass_properties(world, scene),
-        *_free_flight(world, scene, timestep),
-        *_shaken_flight(world, scene),
-        *_collider(world, scene),
-        friction(world, scene, timestep),
-        *contact_laws(world, scene, timestep),
-    )
     rows = []
-    for quantity, unit, declared, found, tolerance, how in compared:
+    for quantity, unit, declared, value, tolerance, how in _probed(world, scene, timestep):
         verdict = "imposed" if quantity in imposed else "mismatch"
-        if abs(found - declared) <= tolerance:
+        if abs(value - declared) <= tolerance:
             verdict = "equal"
-        rows.append(ParityRow(quantity, unit, declared, found, how, verdict))
+        rows.append(ParityRow(quantity, unit, declared, value, how, verdict))
     return tuple(rows)
+
+
+def _probed(world: World, scene: Scene, timestep: float) -> Iterator[Compared]:
+    """Yield every quantity as the scene declares it and as the engine has it."""
+    yield from _mass_properties(world, scene)
+    yield from _free_flight(world, scene, timestep)
+    yield from _shaken_flight(world, scene)
+    yield from _collider(world, scene)
+    stand = Stand(world, scene, timestep)
+    yield friction(stand)
+    yield from contact_laws(stand)
 
 
 class WeighedWorld(World, Protocol):

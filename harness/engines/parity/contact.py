@@ -54,49 +54,8 @@ _LIGHT = 0.01  # of the weight: with less, what a step misses is no longer small
 _SLOW = 20.0  # times the rate that the resistance could stop in one step
 
 
-def friction(world: World, scene: Scene, timestep: float) -> Compared:
-    """Probe the friction of the pair: a can that slides fast takes all of it."""
-    can, slip = scene.can, scene.effects.slip
-    declared = NO_SLIP_FRICTION if slip is None else slip.mu
-    # along the lean friction turns the can about a transverse axis only, whose moment is never
-    # small; and twice as fast as the friction of one step under gravity can stop
-    mobility = 1.0 + can.mass * low_point(can, can.balancing_angle) ** 2 / can.transverse_inertia
-    speed = max(_SLIDING, 2.0 * declared * mobility * scene.gravity * timestep)
-    touching = touching_pose(world, can, can.balancing_angle)
-    # solvers stop at a tolerance of this size or less; where the contact resists turning too, the
-    # moment may share the cone with the force: the force is short by half its share squared
-    tolerance = max(declared, 1e-3) * (1e-6 if contact_turns_freely(scene) else 1e-2)
-    # in small steps: just past an engine's slop, since a force that stops the can within the step
-    # needs less friction than there is
-    deepest = max(_DEEP * can.radius, _SLOP)
-    count = math.ceil(math.log(deepest / (_SHALLOW * can.radius), _DEEPER)) + 1
-    depths = _SHALLOW * can.radius * _DEEPER ** np.arange(count)
-
-    def slid(speed: float) -> float:
-        # beside a heavy point mass friction along the lean may lift the rim, or jam it (Painleve):
-        # then friction across tells
-        for way, depth in product((X, Y), depths.tolist()):
-            force = stepped(world, lowered(touching, depth), moving(speed * way)).contact().force
-            if force[2] > 0.0:
-                return math.hypot(force[0], force[1]) / float(force[2])
-        return math.nan
-
-    # friction that is soft takes all of its cone from a speed on that grows with the load
-    for faster in (speed, speed * 10.0, speed * 10.0 * 10.0):
-        found = slid(faster)
-        if found >= declared - tolerance or math.isnan(found):
-            break
-    how = f"force ratio of a can that slides at {faster:g} m/s, balanced on its rim"
-    return "friction of the pair", "1", declared, found, tolerance, how
-
-
-def contact_turns_freely(scene: Scene) -> bool:
-    """Whether the plane resists neither drilling nor rolling."""
-    return scene.effects.drilling is None and scene.effects.rolling_resistance is None
-
-
-class _Stand:
-    """A can balanced on its rim where a world's collider touches."""
+class Stand:
+    """A can balanced on its rim where the collider of a world touches the plane."""
 
     def __init__(self, world: World, scene: Scene, timestep: float) -> None:
         can, arc = scene.can, arc_of(scene.effects)
@@ -147,13 +106,49 @@ class _Stand:
         return momentum + np.cross(centre - about, self.whole.mass * velocity)
 
 
-def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[Compared]:
+def friction(stand: Stand) -> Compared:
+    """Probe the friction of the pair: a can that slides fast takes all of it."""
+    scene, can, slip = stand.scene, stand.scene.can, stand.scene.effects.slip
+    declared = NO_SLIP_FRICTION if slip is None else slip.mu
+    # along the lean friction turns the can about a transverse axis only, whose moment is never
+    # small; and twice as fast as the friction of one step under gravity can stop
+    mobility = 1.0 + can.mass * low_point(can, can.balancing_angle) ** 2 / can.transverse_inertia
+    speed = max(_SLIDING, 2.0 * declared * mobility * scene.gravity * stand.timestep)
+    # solvers stop at a tolerance of this size or less; where the contact resists turning too, the
+    # moment may share the cone with the force: the force is short by half its share squared
+    tolerance = max(declared, 1e-3) * (1e-6 if contact_turns_freely(scene) else 1e-2)
+    # in small steps: just past an engine's slop, since a force that stops the can within the step
+    # needs less friction than there is
+    deepest = max(_DEEP * can.radius, _SLOP)
+    count = math.ceil(math.log(deepest / (_SHALLOW * can.radius), _DEEPER)) + 1
+    depths = _SHALLOW * can.radius * _DEEPER ** np.arange(count)
+
+    def slid(speed: float) -> float:
+        # beside a heavy point mass friction along the lean may lift the rim, or jam it (Painleve):
+        # then friction across tells
+        for way, depth in product((X, Y), depths.tolist()):
+            force = stand.press(depth, moving(speed * way)).force
+            if force[2] > 0.0:
+                return math.hypot(force[0], force[1]) / float(force[2])
+        return math.nan
+
+    # friction that is soft takes all of its cone from a speed on that grows with the load
+    for faster in (speed, speed * 10.0, speed * 10.0 * 10.0):
+        ratio = slid(faster)
+        if ratio >= declared - tolerance or math.isnan(ratio):
+            break
+    how = f"force ratio of a can that slides at {faster:g} m/s, balanced on its rim"
+    return "friction of the pair", "1", declared, ratio, tolerance, how
+
+
+def contact_turns_freely(scene: Scene) -> bool:
+    """Whether the plane resists neither drilling nor rolling."""
+    return scene.effects.drilling is None and scene.effects.rolling_resistance is None
+
+
+def contact_laws(stand: Stand) -> Iterator[Compared]:
     """Probe each law of the contact that the scene declares."""
-    effects = scene.effects
-    laws = {"compliance", "restitution", "drilling", "rolling_resistance"}
-    if not laws.intersection(effects.declared()):
-        return
-    stand = _Stand(world, scene, timestep)
+    effects = stand.scene.effects
     if effects.compliance is not None:
         yield from _spring(stand, effects.compliance.stiffness, effects.compliance.damping)
     if effects.restitution is not None:
@@ -165,7 +160,7 @@ def contact_laws(world: World, scene: Scene, timestep: float) -> Iterator[Compar
         yield _resistance(stand, "rolling resistance", length, _OBLIQUE)
 
 
-def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[Compared]:
+def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared]:
     """Read stiffness and damping from the force at rest and sinking."""
     depth = stand.whole.mass * stand.scene.gravity / stiffness
     # it needs a depth, gravity or not, at which the rim is in the plane and the can is not
@@ -191,7 +186,7 @@ def _spring(stand: _Stand, stiffness: float, damping: float) -> Iterator[Compare
     yield "contact damping", "N s/m", damping, found, tolerance, how
 
 
-def _resistance(stand: _Stand, name: str, length: float, axis: Floats) -> Compared:
+def _resistance(stand: Stand, name: str, length: float, axis: Floats) -> Compared:
     """Read the arm of a moment that turning about an axis meets."""
     moments = np.linalg.eigvalsh(stand.whole.inertia)
     stopped = length * stand.whole.mass * max(stand.scene.gravity, 1.0) * stand.timestep
@@ -209,7 +204,7 @@ def _resistance(stand: _Stand, name: str, length: float, axis: Floats) -> Compar
     return f"arm of {name}", "m", length, best, tolerance, how
 
 
-def _impact(stand: _Stand, coefficient: float) -> Compared:
+def _impact(stand: Stand, coefficient: float) -> Compared:
     """Read what an impact gives back of the speed of the contact."""
     world, timestep = stand.world, stand.timestep
     world.place(lowered(stand.touching, -2.5 * _FALLING * timestep), moving(-_FALLING * UP))
