@@ -130,12 +130,13 @@ def _releases(scene: Scene, values: Mapping[str, Floats], valid: NDArray[np.bool
     """Return the releases of the valid scenes; a parameter that does not vary stays one number."""
     varied = {name: column[valid] for name, column in values.items()}
     can, n = dimensions(scene.can, varied), int(valid.sum())
-    groups = {name: np.asarray(can[name]) for name in ("a", "c", "h", "radius")}
-    rates = {
+    groups = {name: np.asarray(can[name]) for name in "ach"}
+    state = {
         key: np.broadcast_to(varied.get(f"release.{key}", getattr(scene.release, key)), n)
         for key in ("phi", "phi_dot", "psi_dot", "theta_dot")
     }
-    return Releases(gravity=np.asarray(varied.get("gravity", scene.gravity)), **groups, **rates)
+    gravity = np.asarray(varied.get("gravity", scene.gravity))
+    return Releases.of(gravity, np.asarray(can["radius"]), **groups, **state)
 
 
 def _solve(

@@ -110,6 +110,8 @@ def _gravity(scene: Scene) -> Gravity:
     )
 
 
+_RATES = ("phi_dot", "psi_dot", "theta_dot")
+
 _SENTENCES = {Ending.FINISHED: Outcome.FINISHED.value, Ending.OVERTURNED: Outcome.OVERTURNED.value}
 
 SENTENCES = tuple(
@@ -118,23 +120,27 @@ SENTENCES = tuple(
 """How a release can end, by its code."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Releases:
-    """Releases of cans, SI units and radians; each of shape () or (n,).
+    """Releases of cans, dimensionless.
 
-    Those of the can, `a`, `c`, `h` and `radius`, and `gravity` may be one number for all, which is
-    fastest.
+    Parameters
+    ----------
+    time : ndarray, shape () or (n,)
+        Natural time sqrt(R/g), s.
+    numbers : mapping of str to ndarray, shape () or (n,)
+        The arguments of `exact_bounces`: `a`, `c`, `h`, `phi` and the rates. Those of the can may
+        be one number for all, which is fastest.
     """
 
-    a: Floats
-    c: Floats
-    h: Floats
-    radius: Floats
-    gravity: Floats
-    phi: Floats
-    phi_dot: Floats
-    psi_dot: Floats
-    theta_dot: Floats
+    time: Floats
+    numbers: Mapping[str, Floats]
+
+    @classmethod
+    def of(cls, gravity: Floats, radius: Floats, **numbers: Floats) -> "Releases":
+        """Return releases whose gravity, radius and rates are in SI units and rad/s."""
+        time = np.sqrt(radius / gravity)
+        return cls(time, {**numbers, **{name: numbers[name] * time for name in _RATES}})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -160,11 +166,9 @@ class Batch:
 
 def representable(releases: Releases) -> NDArray[np.bool_]:
     """Return where a double holds the squares of nutation and rates, shape (n,)."""
-    r = releases
-    time = np.sqrt(np.asarray(r.radius) / r.gravity)
-    inside = np.asarray(r.phi) >= LEAST
-    for rate in (r.phi_dot, r.psi_dot, r.theta_dot):
-        inside = inside & (np.abs(rate) * time < 1 / LEAST)
+    inside = releases.numbers["phi"] >= LEAST
+    for name in _RATES:
+        inside = inside & (np.abs(releases.numbers[name]) < 1 / LEAST)
     return inside
 
 
@@ -174,21 +178,9 @@ def bounces_of(releases: Releases) -> Batch:
     Raises
     ------
     ValueError
-        If a can or a release is none or not representable, or gravity is not positive.
+        If a can or a release is none or not representable.
     """
-    r = releases
-    if not (np.asarray(r.gravity) > 0.0).all():
-        raise ValueError("`gravity` must be positive: without it no can rocks")
-    time = np.sqrt(np.asarray(r.radius) / r.gravity)
-    cycles = exact_bounces(
-        a=r.a,
-        c=r.c,
-        h=r.h,
-        phi=r.phi,
-        phi_dot=r.phi_dot * time,
-        psi_dot=r.psi_dot * time,
-        theta_dot=r.theta_dot * time,
-    )
+    time, cycles = releases.time, exact_bounces(**releases.numbers)
     none = ~cycles.bounced
     numbers = {
         "period_s": cycles.period * time,
@@ -209,12 +201,10 @@ def epsilon_of(releases: Releases) -> Floats:
     Equation (eq01:epsilon_zeta); B_-2 is the first integral B of `reference.integrable.frobenius`,
     exactly.
     """
-    r = releases
-    time = np.sqrt(np.asarray(r.radius) / r.gravity)
     phi, psi_dot, theta_dot = np.broadcast_arrays(
-        np.asarray(r.phi), r.psi_dot * time, r.theta_dot * time
+        *(releases.numbers[name] for name in ("phi", "psi_dot", "theta_dot"))
     )
-    a, c, h = np.broadcast_arrays(*map(np.atleast_1d, (r.a, r.c, r.h)))
+    a, c, h = np.broadcast_arrays(*(np.atleast_1d(releases.numbers[name]) for name in "ach"))
     can = CanConstants(a=a, c=c, h=h)
     series = frobenius_series(can, terms_needed(float(phi.max())))
     b, spin = np.sin(phi) ** 2 * psi_dot, psi_dot + theta_dot
