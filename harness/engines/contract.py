@@ -58,9 +58,9 @@ def describe_exception(error: BaseException, verb: str = "simulate") -> str:
     verb : str
         What the adapter was to do.
     """
-    told = f"`{verb}` raised {type(error).__name__}"
-    said = _text_of(error)
-    return f"{told}: {said}" if said else told
+    raised = f"`{verb}` raised {type(error).__name__}"
+    message = _text_of(error)
+    return f"{raised}: {message}" if message else raised
 
 
 def _text_of(thing: object) -> str:

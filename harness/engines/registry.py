@@ -69,10 +69,10 @@ def crash_reason(entry: EntryPoint) -> str:
 
 def _probe_plugin(value: str) -> str:
     """Make an engine and ask it for what the program will ask it for; return its answers."""
-    found = _made_once(value)
-    told = f"{found.name} {found.version} {found.settings} {found.capabilities}"
-    cases = (Case(scene=load(_SCENE), engine=found.name, profile=name) for name in PROFILES)
-    return f"{told} {[found.timestep(case) for case in cases]}"
+    chosen = _made_once(value)
+    description = f"{chosen.name} {chosen.version} {chosen.settings} {chosen.capabilities}"
+    cases = (Case(scene=load(_SCENE), engine=chosen.name, profile=name) for name in PROFILES)
+    return f"{description} {[chosen.timestep(case) for case in cases]}"
 
 
 @lru_cache(maxsize=_MOST_CASES)
@@ -109,17 +109,17 @@ def _worker_for(value: str) -> IsolatedProcessPool:
 @cache
 def _made_once(value: str) -> Engine:
     """Make an engine, the first time."""
-    made: Engine = EntryPoint(name="asked", value=value, group="").load()()
-    return made
+    created: Engine = EntryPoint(name="asked", value=value, group="").load()()
+    return created
 
 
 def _timestep(value: str, case: Case) -> float | None:
     """Ask an engine for the timestep of a case; resolve its settings as the program will."""
     chosen = _made_once(value)
-    found: Any = chosen.timestep(case)
-    if not is_timestep(found):
-        raise TypeError(f"it returned {type(found).__name__}, not a positive number or None")
-    timestep = None if found is None else float(found)
+    answer: Any = chosen.timestep(case)
+    if not is_timestep(answer):
+        raise TypeError(f"it returned {type(answer).__name__}, not a positive number or None")
+    timestep = None if answer is None else float(answer)
     resolve(case, chosen.settings, timestep or 0.0)
     return timestep
 
@@ -148,8 +148,8 @@ def engine(name: str) -> Engine:
     if reason := crash_reason(entries[name]):
         raise EngineCrashError(name, entries[name].value, reason)
     try:
-        found: Engine = entries[name].load()()
-        _ = found.version, found.settings, found.capabilities  # what everybody asks it for
+        created: Engine = entries[name].load()()
+        _ = created.version, created.settings, created.capabilities  # what everybody asks it for
     except ImportError as error:
         if _is_ours(error.name or ""):
             raise BrokenEngineError(name, entries[name].value, str(error)) from error
@@ -157,18 +157,18 @@ def engine(name: str) -> Engine:
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         raise BrokenEngineError(name, entries[name].value, reason) from error
-    return found
+    return created
 
 
 def variants(name: str) -> tuple[Variant, ...]:
     """Return the variants of an engine: its own, or the profiles and each word that it allows."""
-    found = engine(name)
-    declared = features_of(found).variants
+    chosen = engine(name)
+    declared = features_of(chosen).variants
     if declared is not None:
         return declared
     return COMMON + tuple(
         Variant.of(setting.name, word)
-        for setting in found.settings
+        for setting in chosen.settings
         for word in setting.choices
         if word != setting.matched
     )
@@ -206,8 +206,8 @@ def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
         raise
     except Exception as error:
         lost = isinstance(error, LostTaskError)
-        told = str(error) if lost else describe_exception(error, "timestep")
-        raise EngineContractError(case.engine, case.label(), told) from error
+        reason = str(error) if lost else describe_exception(error, "timestep")
+        raise EngineContractError(case.engine, case.label(), reason) from error
 
 
 @cache

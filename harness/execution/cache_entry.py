@@ -27,10 +27,8 @@ from harness.core.errors import StoreError
 
 FORMAT, VERSION = "rockingcan-store", 2
 
-_TUPLE, _FLOAT, _ARRAY, _CLASS, _SAME, _ENUM = (
-    *("(tuple)", "(float)", "(array)", "(class)"),
-    *("(same)", "(enum)"),
-)
+_TUPLE, _FLOAT, _ARRAY = "(tuple)", "(float)", "(array)"
+_CLASS, _SAME, _ENUM = "(class)", "(same)", "(enum)"
 
 _PROGRAM = ("harness.", "models.", "reference.")
 """Modules whose classes an entry may name: nothing else is imported for what a file says."""
@@ -71,9 +69,9 @@ class Encoder:
             return [self.encode(inner) for inner in value]
         if id(value) in self._known:
             return {_SAME: self._known[id(value)][0]}
-        told = self._once(value)
+        encoded = self._once(value)
         self._known[id(value)] = len(self._known), value
-        return told
+        return encoded
 
     def _once(self, value: object) -> dict[str, Any]:
         """Return an array or a dataclass that was not met before."""
@@ -123,9 +121,9 @@ class Decoder:
             return self._known[value[_SAME]]
         if name not in {_ARRAY, _CLASS}:
             return {key: self.decode(inner) for key, inner in value.items()}
-        found = self._array(*value[_ARRAY]) if name == _ARRAY else self._object(*value[_CLASS])
-        self._known.append(found)
-        return found
+        decoded = self._array(*value[_ARRAY]) if name == _ARRAY else self._object(*value[_CLASS])
+        self._known.append(decoded)
+        return decoded
 
     def _array(self, kind: str, shape: list[int]) -> NDArray[Any]:
         dtype, count = np.dtype(kind), math.prod(shape)
@@ -136,20 +134,21 @@ class Decoder:
             shape
         )
 
-    def _object(self, kind: str, told: dict[str, Any]) -> object:
-        return _class(kind)(**{key: self.decode(inner) for key, inner in told.items()})
+    def _object(self, kind: str, encoded: dict[str, Any]) -> object:
+        return _class(kind)(**{key: self.decode(inner) for key, inner in encoded.items()})
 
 
 def _name(kind: type) -> str:
     return f"{kind.__module__}:{kind.__qualname__}"
 
 
-def _class(name: str) -> Any:  # noqa: ANN401 - a dataclass or an enumeration
-    module, _, kind = name.partition(":")
-    found = getattr(importlib.import_module(module), kind) if module.startswith(_PROGRAM) else None
-    if not (is_dataclass(found) or (isinstance(found, type) and issubclass(found, Enum))):
-        raise TypeError(f"no class of a result: {name}")
-    return found
+def _class(path: str) -> Any:  # noqa: ANN401 - a dataclass or an enumeration
+    module, _, name = path.partition(":")
+    if module.startswith(_PROGRAM):
+        kind = getattr(importlib.import_module(module), name)
+        if is_dataclass(kind) or (isinstance(kind, type) and issubclass(kind, Enum)):
+            return kind
+    raise TypeError(f"no class of a result: {path}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -236,7 +235,7 @@ def write_entry(kind: str, key: str, metadata: Metadata, value: object) -> bytes
     encoded = encoder.encode(value)
     plain = b"".join(map(_planes, encoder.arrays))
     arrays: bytes = pa.compress(plain, _CODEC, asbytes=True) if plain else b""
-    told = {
+    record = {
         "format": FORMAT,
         "version": VERSION,
         "kind": kind,
@@ -245,8 +244,8 @@ def write_entry(kind: str, key: str, metadata: Metadata, value: object) -> bytes
         "result": encoded,
         "arrays": {"bytes": len(arrays), "size": len(plain), "sha256": checksum(arrays)},
     }
-    told["sha256"] = checksum(_text(told))
-    return json.dumps(told, allow_nan=False, ensure_ascii=False).encode() + b"\n" + arrays
+    record["sha256"] = checksum(_text(record))
+    return json.dumps(record, allow_nan=False, ensure_ascii=False).encode() + b"\n" + arrays
 
 
 def _planes(array: NDArray[Any]) -> bytes:
@@ -264,22 +263,22 @@ def read_entry(content: bytes, kind: str, key: str) -> CacheEntry:
     """
     line, newline, arrays = content.partition(b"\n")
     try:
-        told = json.loads(line)
-        stated = told.pop("sha256")
-        if told["format"] != FORMAT or told["version"] != VERSION:
+        record = json.loads(line)
+        stated = record.pop("sha256")
+        if record["format"] != FORMAT or record["version"] != VERSION:
             raise StoreError("it is of another format")
-        if checksum(_text(told)) != stated or not newline:
+        if checksum(_text(record)) != stated or not newline:
             raise StoreError("its checksum is not that of its content")
-        if (told["kind"], told["key"]) != (kind, key):
+        if (record["kind"], record["key"]) != (kind, key):
             raise StoreError("it is the entry of another case")
-        if told["arrays"]["bytes"] != len(arrays):
+        if record["arrays"]["bytes"] != len(arrays):
             raise StoreError("its arrays are cut short")
         return CacheEntry(
-            metadata=Metadata(**Decoder().decode(told["about"])),
-            encoded=told["result"],
+            metadata=Metadata(**Decoder().decode(record["about"])),
+            encoded=record["result"],
             arrays=arrays,
-            arrays_size=told["arrays"]["size"],
-            arrays_sha256=told["arrays"]["sha256"],
+            arrays_size=record["arrays"]["size"],
+            arrays_sha256=record["arrays"]["sha256"],
         )
     # too deep a nesting is a RecursionError
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
@@ -293,6 +292,6 @@ def checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _text(told: Mapping[str, Any]) -> bytes:
+def _text(record: Mapping[str, Any]) -> bytes:
     """Return what the checksum of a record is taken of: the same however it is laid out."""
-    return json.dumps(told, sort_keys=True, allow_nan=False).encode()
+    return json.dumps(record, sort_keys=True, allow_nan=False).encode()

@@ -156,25 +156,25 @@ def check_cluster_address(address: str) -> None:
     ------
     InvalidSettingError
     """
-    found = _ADDRESS.fullmatch(address)
-    if found is None or not 0 < int(found["port"]) <= _LAST_PORT:
+    parts = _ADDRESS.fullmatch(address)
+    if parts is None or not 0 < int(parts["port"]) <= _LAST_PORT:
         raise InvalidSettingError("--on", address, _FORM)
 
 
 def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package ships no types
     """Refuse a cluster that cannot run cases as they would run here."""
-    found: dict[str, dict[str, str] | Exception]
+    workers: dict[str, dict[str, str] | Exception]
     try:
-        found = client.run(environment_description, on_error="return")
+        workers = client.run(environment_description, on_error="return")
     except Exception as error:
         raise ClusterError(
             f"workers of the cluster at '{address}' cannot say what they compute with "
             f"({type(error).__name__}: {error}); {REMEDY}"
         ) from error
-    if not found:
+    if not workers:
         raise ClusterError(f"the cluster at '{address}' has no workers; start: dask worker ADDRESS")
     here, others = environment_description(), []
-    for place, there in sorted(found.items()):
+    for place, there in sorted(workers.items()):
         if isinstance(there, Exception):
             others.append(f"{place} cannot say ({type(there).__name__}: {there})")
         elif other := environment_differences(there, here):

@@ -48,8 +48,8 @@ class ResultCache(Generic[T, R]):
 
     def get(self, task: T) -> R | None:
         """Return the result of a task, or None if there is none that can be read."""
-        found: R | None = self.store.get(self.kind, self.key(task))
-        return found
+        result: R | None = self.store.get(self.kind, self.key(task))
+        return result
 
     def put(self, task: T, result: R) -> None:
         """Keep the result of a task."""
@@ -219,13 +219,13 @@ class _Run(Generic[T, R]):
             return False
         with delay_signals():
             index = self.kept.popleft()
-            found = self.cache.get(self.tasks[index])
-            if found is None:
+            result = self.cache.get(self.tasks[index])
+            if result is None:
                 self.left.append(index)
                 return True
             self.safe += 1
-        self.results[index] = found
-        (self.listener.read or self.listener.done)(self.tasks[index], found)
+        self.results[index] = result
+        (self.listener.read or self.listener.done)(self.tasks[index], result)
         return True
 
     def take(self, index: int, future: Future[R]) -> None:

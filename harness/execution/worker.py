@@ -253,12 +253,12 @@ def end_tree(leader: int) -> None:
 def _family(leader: int, age: float) -> set[int]:
     """Return who is in the group that a process leads, or descends from one who is."""
     relations = _relations(age)
-    found = {process for process, (_, group) in relations.items() if group == leader}
-    new = found | {leader}
+    members = {process for process, (_, group) in relations.items() if group == leader}
+    new = members | {leader}
     while new:
-        new = {process for process, (parent, _) in relations.items() if parent in new} - found
-        found |= new
-    return found
+        new = {process for process, (parent, _) in relations.items() if parent in new} - members
+        members |= new
+    return members
 
 
 def _relations(age: float) -> _Relations:
@@ -269,12 +269,12 @@ def _relations(age: float) -> _Relations:
     global _listed  # noqa: PLW0603 - one list for all threads that ask
     with _lock:
         if time.monotonic() - _listed[0] >= age:
-            found = {}
+            relations = {}
             with suppress(OSError, psutil.Error):
                 for process in psutil.process_iter():
                     with suppress(OSError, psutil.Error):  # it has gone meanwhile
-                        found[process.pid] = process.ppid(), os.getpgid(process.pid)
-            _listed = time.monotonic(), found
+                        relations[process.pid] = process.ppid(), os.getpgid(process.pid)
+            _listed = time.monotonic(), relations
         return _listed[1]
 
 

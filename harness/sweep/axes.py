@@ -96,18 +96,18 @@ class Axis:
         places : ndarray of int
             From 0 for `low` to `count` - 1 for `high`.
         """
-        found = self._spaced(places)
-        return np.rint(found) if PARAMETERS[self.name].whole else found
+        values = self._spaced(places)
+        return np.rint(values) if PARAMETERS[self.name].whole else values
 
     def _spaced(self, places: NDArray[np.intp]) -> Floats:
         """Return values of a grid as they are spaced."""
         last, ends = (self.count or 1) - 1, np.array((self.low, self.high))
         if not self.log:
             return _evenly(ends, last, places)
-        found: Floats = np.power(10.0, _evenly(np.log10(ends), last, places))
-        found[places == last] = self.high  # a power of a logarithm is not where it was
-        found[places == 0] = self.low
-        return found
+        values: Floats = np.power(10.0, _evenly(np.log10(ends), last, places))
+        values[places == last] = self.high  # a power of a logarithm is not where it was
+        values[places == 0] = self.low
+        return values
 
     def at(self, share: Floats) -> Floats:
         """Return the values at shares in [0, 1] of the way, shape of `share`.
@@ -148,9 +148,9 @@ def _evenly(ends: Floats, last: int, places: NDArray[np.intp]) -> Floats:
     step = way / last
     # of a range of denormal numbers a step is none
     steps = places / np.float64(last) * way if step == 0.0 else places * step
-    found: Floats = steps + low
-    found[places == last] = high
-    return found
+    values: Floats = steps + low
+    values[places == last] = high
+    return values
 
 
 def read_axis(text: str) -> Axis:

@@ -85,12 +85,12 @@ class Folder:
 
     def there(self) -> dict[int, list[Path]]:
         """Return the files of the partitions by their names alone, whether sound or not."""
-        found: dict[int, list[Path]] = {}
+        files: dict[int, list[Path]] = {}
         for path in sorted(self.parts.glob(f"*{SUFFIX}")):
             name = NAME.fullmatch(path.name)
             if name is not None and name["plan"] == self._digest:
-                found.setdefault(int(name["index"]), []).append(path)
-        return found
+                files.setdefault(int(name["index"]), []).append(path)
+        return files
 
     def missing(self) -> list[int]:
         """Return the partitions that are not there, in order; damaged ones are set aside.
@@ -187,8 +187,8 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
             for draft in (*out.glob(_DRAFTS), *folder.parts.glob(_DRAFTS)):
                 draft.unlink()
             if not (out / PLAN).exists():
-                told = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.to_dict()}
-                write_atomically(out / PLAN, (json.dumps(told, indent=1) + "\n").encode())
+                stated = {"format": _FORMAT, "digest": plan.digest(), "plan": plan.to_dict()}
+                write_atomically(out / PLAN, (json.dumps(stated, indent=1) + "\n").encode())
         yield folder
 
 
@@ -255,13 +255,13 @@ def _read(out: Path) -> dict[str, Any]:
     """Return the plan that a folder states."""
     place = out / PLAN
     try:
-        found: Any = json.loads(place.read_text(encoding="utf-8"))
+        content: Any = json.loads(place.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise _unreadable(place, f"{type(error).__name__}: {error}") from error
-    if not isinstance(found, dict) or found.get("format") != _FORMAT:
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
         raise _foreign(out)
-    there = found.get("plan")
-    if not isinstance(there, dict) or digest_of(there) != found.get("digest"):
+    there = content.get("plan")
+    if not isinstance(there, dict) or digest_of(there) != content.get("digest"):
         raise _unreadable(place, "its checksum is not that of its content")
     return there
 

@@ -136,24 +136,24 @@ _OUTCOMES = (
 )
 
 
-def sweep_report(found: Overview) -> tuple[Artefact, ...]:
+def sweep_report(sweep: Overview) -> tuple[Artefact, ...]:
     """Return what a report of a sweep is made of."""
     return (
-        Prose(name="summary", title="The sweep", text=_summary(found)),
-        found.figure,
-        table_of("quantities", "What the scenes have", EXTENTS, found.extents.values()),
-        table_of("outcomes", "How the scenes ended", _OUTCOMES, found.outcomes.items()),
+        Prose(name="summary", title="The sweep", text=_summary(sweep)),
+        sweep.figure,
+        table_of("quantities", "What the scenes have", EXTENTS, sweep.extents.values()),
+        table_of("outcomes", "How the scenes ended", _OUTCOMES, sweep.outcomes.items()),
     )
 
 
-def _summary(found: Overview) -> str:
+def _summary(sweep: Overview) -> str:
     """Return the sweep in a few sentences."""
-    plan = found.plan
+    plan = sweep.plan
     over = " and ".join(axis.text() for axis in plan.axes)
     how = "the exact bounce" if plan.exact else f"{plan.base.engine} {plan.engine_version}"
     sentences = [f"{plan.rows} scenes like {plan.base.scene.name}, over {over}, by {how}."]
-    sentences += [f"{count}: {outcome}." for outcome, count in list(found.outcomes.items())[:5]]
-    for name, extent in list(found.extents.items())[:1]:
+    sentences += [f"{count}: {outcome}." for outcome, count in list(sweep.outcomes.items())[:5]]
+    for name, extent in list(sweep.extents.items())[:1]:
         label = QUANTITIES[name].axis
         sentences.append(f"The {label} lies between {extent.low:.6g} and {extent.high:.6g}.")
     return " ".join(sentences)
@@ -176,15 +176,15 @@ class Map:
 
     def add(self, part: pd.DataFrame) -> None:
         """Take scenes into account: of a grid those in the middle of all further axes."""
-        there = np.ones(len(part), dtype=bool)
+        drawn = np.ones(len(part), dtype=bool)
         if self._plan.sample == "grid":
             places = self._plan.places(range(part.index[0], part.index[-1] + 1))
             for axis, place in zip(self._plan.axes[_IN_A_MAP:], places[_IN_A_MAP:], strict=True):
-                there &= place == (axis.count or 1) // 2
-        count_there = int(there.sum())
-        cell, away = np.zeros(count_there, dtype=np.int64), np.zeros(count_there)
+                drawn &= place == (axis.count or 1) // 2
+        count_drawn = int(drawn.sum())
+        cell, away = np.zeros(count_drawn, dtype=np.int64), np.zeros(count_drawn)
         for axis, count in zip(self._axes, self._counts, strict=True):
-            share = axis.share(part[axis.column].to_numpy()[there])
+            share = axis.share(part[axis.column].to_numpy()[drawn])
             fine = share * (count - 1) if axis.count is not None else share * count - 0.5
             index = np.clip(np.rint(fine), 0, count - 1).astype(np.int64)
             away += (fine - index) ** 2
@@ -193,8 +193,8 @@ class Map:
         first = order[np.flatnonzero(np.diff(cell[order], prepend=-1))]
         better = first[away[first] < self._nearest[cell[first]]]
         self._nearest[cell[better]] = away[better]
-        for name, found in self._found.items():
-            found[cell[better]] = part[name].to_numpy()[there][better]
+        for name, cells in self._found.items():
+            cells[cell[better]] = part[name].to_numpy()[drawn][better]
 
     def image(self, name: str) -> Floats:
         """Return a quantity, shape (up, across)."""
@@ -302,10 +302,10 @@ def _seen(plan: SweepPlan, title: str, drawn: Floats) -> str:
     """Return in two sentences what the first panel shows, and what is left out of all."""
     how = "the exact bounce" if plan.exact else plan.base.engine
     there = drawn[np.isfinite(drawn)]
-    told = (
+    extent = (
         f"runs from {there.min():.4g} to {there.max():.4g}" if there.size else "is nowhere defined"
     )
-    seen = f"{title} {told} in {plan.rows:,} scenes by {how}."
+    seen = f"{title} {extent} in {plan.rows:,} scenes by {how}."
     left_out = "Blank is a scene without the quantity"
     further = plan.axes[_IN_A_MAP:]
     if further and plan.sample == "grid":

@@ -140,15 +140,15 @@ def check_range(name: str, low: float, high: float) -> None:
 
 def dimensions(can: Can, values: Mapping[str, Number]) -> dict[str, Number | float]:
     """Return mass, radius, a, c and h of a can with some of its parameters replaced."""
-    found: dict[str, Number | float] = {}
-    mass = found["mass"] = values.get("can.mass", can.mass)
-    radius = found["radius"] = values.get("can.radius", can.radius)
+    numbers: dict[str, Number | float] = {}
+    mass = numbers["mass"] = values.get("can.mass", can.mass)
+    radius = numbers["radius"] = values.get("can.radius", can.radius)
     for group, si in (("a", "A"), ("c", "C"), ("h", "H")):
-        found[group] = values.get(f"can.{group}", getattr(can, group))
+        numbers[group] = values.get(f"can.{group}", getattr(can, group))
         if f"can.{si}" in values:
             unit = radius if group == "h" else mass * radius * radius
-            found[group] = values[f"can.{si}"] / unit
-    return found
+            numbers[group] = values[f"can.{si}"] / unit
+    return numbers
 
 
 def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:

@@ -74,11 +74,11 @@ def compute_for(plan: SweepPlan, rows: range, seconds: float) -> pd.DataFrame:
     return pd.concat(done)
 
 
-def to_partition(plan: SweepPlan, rows: range, found: pd.DataFrame) -> pd.DataFrame:
+def to_partition(plan: SweepPlan, rows: range, computed: pd.DataFrame) -> pd.DataFrame:
     """Return what was found of rows beside their parameters, which stand in the order of all."""
     values = plan.values(rows)
     columns = {known.column: values[n] for n, known in PARAMETERS.items() if n in values}
-    columns |= {str(name): found[name].to_numpy() for name in (*plan.quantities, OUTCOME)}
+    columns |= {str(name): computed[name].to_numpy() for name in (*plan.quantities, OUTCOME)}
     return pd.DataFrame(columns, index=pd.RangeIndex(rows.start, rows.stop, name="row"))
 
 
@@ -105,9 +105,9 @@ def _exact(plan: SweepPlan, rows: range) -> dict[str, Floats]:
     if not wanted:
         return {}
     span = plan.span(rows.start // plan.rows_per_partition)
-    found = solved_exactly(plan.base.scene, plan.values(span), wanted)
+    exact = solved_exactly(plan.base.scene, plan.values(span), wanted)
     inside = slice(rows.start - span.start, rows.stop - span.start)
-    return {name: found[name].to_numpy()[inside] for name in wanted}
+    return {name: exact[name].to_numpy()[inside] for name in wanted}
 
 
 def encode_partition(part: pd.DataFrame, digest: str) -> bytes:

@@ -77,17 +77,17 @@ def run_sweep(
 
     def take(piece: _Piece, future: Future[pd.DataFrame]) -> None:
         index = piece.rows.start // plan.rows_per_partition
-        made = parts[index]
+        computed = parts[index]
         try:
-            made.append(future.result())
-            rest = piece.rows[len(made[-1]) :]
+            computed.append(future.result())
+            rest = piece.rows[len(computed[-1]) :]
             again = [_Piece(rows=rest)] if rest else []
         except LostTaskError as error:
             again = _tried_again(plan, piece, error)
             if not again:
-                made.append(_without(plan, piece, error))
+                computed.append(_without(plan, piece, error))
         pieces.extendleft(again)  # what is begun before others
-        if sum(map(len, made)) == len(plan.span(index)):
+        if sum(map(len, computed)) == len(plan.span(index)):
             whole = pd.concat(parts.pop(index)).sort_index()
             with delay_signals():
                 folder.write(whole)

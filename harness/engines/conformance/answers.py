@@ -26,18 +26,18 @@ _NAME = r"[a-z][a-z0-9_.-]{0,31}"
 @clause("The name fits a command line, a file name and a table.", needs_run=False)
 def name(fixture: Fixture) -> ClauseResult:
     """Look at the name: what a command line, a file name and a table key alike can hold."""
-    found: object = fixture.engine.name
-    fits = isinstance(found, str) and re.fullmatch(_NAME, found) is not None
-    wrong = "" if fits else f"{found!r} is not lower-case letters, digits, dots and dashes"
-    return holds(wrong, str(found))
+    declared: object = fixture.engine.name
+    fits = isinstance(declared, str) and re.fullmatch(_NAME, declared) is not None
+    wrong = "" if fits else f"{declared!r} is not lower-case letters, digits, dots and dashes"
+    return holds(wrong, str(declared))
 
 
 @clause("The version is a text.", needs_run=False)
 def version(fixture: Fixture) -> ClauseResult:
     """Look at the version, which goes into the digest of every case."""
-    found: object = fixture.engine.version
-    fits = isinstance(found, str) and found.strip() != ""
-    return holds("" if fits else f"{found!r} is no text", str(found))
+    declared: object = fixture.engine.version
+    fits = isinstance(declared, str) and declared.strip() != ""
+    return holds("" if fits else f"{declared!r} is no text", str(declared))
 
 
 @clause("Each setting is named once, explained, and takes its own values.", needs_run=False)
@@ -65,15 +65,15 @@ def settings(fixture: Fixture) -> ClauseResult:
 @clause("What is honoured is an effect of scenes; what is imposed has a sentence.", needs_run=False)
 def capabilities(fixture: Fixture) -> ClauseResult:
     """Look at the capabilities: effects that exist, and a sentence for each imposed one."""
-    found: object = fixture.engine.capabilities
-    if not isinstance(found, Capabilities):
-        return holds(f"`capabilities` is {type(found).__name__}, not Capabilities", "")
-    unknown = sorted(set(found.honours) - {field.name for field in fields(Effects)})
+    declared: object = fixture.engine.capabilities
+    if not isinstance(declared, Capabilities):
+        return holds(f"`capabilities` is {type(declared).__name__}, not Capabilities", "")
+    unknown = sorted(set(declared.honours) - {field.name for field in fields(Effects)})
     if unknown:
         return holds(f"honours what is no effect of a scene: {', '.join(unknown)}", "")
-    mute = [key for key, sentence in found.imposes.items() if not sentence.strip()]
-    honours = ", ".join(sorted(found.honours)) or "nothing"
-    imposes = ", ".join(found.imposes) or "nothing"
+    mute = [key for key, sentence in declared.imposes.items() if not sentence.strip()]
+    honours = ", ".join(sorted(declared.honours)) or "nothing"
+    imposes = ", ".join(declared.imposes) or "nothing"
     wrong = f"imposes without a sentence: {', '.join(mute)}" if mute else ""
     return holds(wrong, f"honours {honours}, imposes {imposes}")
 
@@ -91,11 +91,11 @@ def report(fixture: Fixture) -> ClauseResult:
     """Compare what a simulation says of itself with what was asked."""
     case, chosen = fixture.case(), fixture.engine
     simulation, timestep = fixture.run(case), chosen.timestep(case)
-    asked, told = resolve(case, chosen.settings, timestep or 0.0), simulation.settings
+    asked, stated = resolve(case, chosen.settings, timestep or 0.0), simulation.settings
     wrong = []
-    if dict(told) != asked:
-        keys = asked.keys() | told.keys()
-        different = sorted(key for key in keys if asked.get(key, ...) != told.get(key, ...))
+    if dict(stated) != asked:
+        keys = asked.keys() | stated.keys()
+        different = sorted(key for key in keys if asked.get(key, ...) != stated.get(key, ...))
         wrong.append(f"settings differ in {', '.join(different)}")
     if simulation.timestep != timestep:
         wrong.append(f"timestep {simulation.timestep} instead of {timestep}")

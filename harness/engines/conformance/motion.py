@@ -95,8 +95,8 @@ def rolling_acceleration(
     matrix = np.block([[can.mass * one, none, -one], [none, inertia, -arm], [one, -arm, none]])
     gyroscopic, carried = np.cross(omega, inertia @ omega), np.cross(omega, r_dot)
     right = np.concatenate((-can.mass * gravity * UP, -gyroscopic, -carried))
-    found: Floats = np.linalg.solve(matrix, right)
-    return found[:3], found[3:6], found[6:]
+    solution: Floats = np.linalg.solve(matrix, right)
+    return solution[:3], solution[3:6], solution[6:]
 
 
 EPS = float(np.finfo(np.float64).eps)
@@ -185,9 +185,9 @@ def _errors(fixture: Fixture, path: Trajectory) -> Floats:
         a, e, _ = rolling_acceleration(can, gravity, pose, twist)
         exact.append(np.concatenate((a, e * can.radius)))
     states = np.hstack((path.velocity, path.angular_velocity * can.radius))
-    found = np.diff(states, axis=0) / np.diff(path.time)[:, None]
+    measured = np.diff(states, axis=0) / np.diff(path.time)[:, None]
     means = (np.array(exact)[:-1] + np.array(exact)[1:]) / 2.0
-    errors: Floats = np.linalg.norm(found - means, axis=1) / gravity
+    errors: Floats = np.linalg.norm(measured - means, axis=1) / gravity
     return errors
 
 

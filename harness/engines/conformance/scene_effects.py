@@ -224,7 +224,7 @@ def divergence(fixture: Fixture) -> ClauseResult:
     release = fixture.brief.release
     violent = replace(release, phi_dot=_VIOLENT, theta_dot=_VIOLENT)
     sunk = replace(release, height=-_DEPTH)
-    told = []
+    endings = []
     for scene, timestep in (
         (replace(fixture.brief, release=violent), 1e-3),
         (replace(fixture.gentle, horizon=Horizon(seconds=20.0)), _COARSEST),
@@ -237,8 +237,8 @@ def divergence(fixture: Fixture) -> ClauseResult:
             return holds(f"`outcome` is {outcome!r}, not an Outcome", "")
         if _exploded(simulation) and outcome is not Outcome.DIVERGED:
             return holds(f"the speed grows without bound, and the outcome is {outcome.name}", "")
-        told.append(simulation.outcome.name.lower().replace("_", " "))
-    return holds("", ", ".join(told))
+        endings.append(simulation.outcome.name.lower().replace("_", " "))
+    return holds("", ", ".join(endings))
 
 
 def _exploded(simulation: Simulation) -> bool:

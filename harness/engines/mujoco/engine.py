@@ -260,8 +260,8 @@ def run_batch(
         depths.append(depth)
     mujoco.mj_resetData(world.model, world.data)
     times = np.arange(steps) * np.float64(world.timestep)
-    told = control(world, times)
-    after, sensors = rollout.rollout(world.model, world.data, np.array(states), **told)
+    driven = control(world, times)
+    after, sensors = rollout.rollout(world.model, world.data, np.array(states), **driven)
     runs = []
     for row, case in enumerate(cases):
         before = np.vstack((states[row], after[row, :-1]))
@@ -339,11 +339,11 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         Under forces that change, states are kept: MuJoCo takes those in its batched loop alone.
         """
         world.model.opt.disableflags |= _SENSORS_OFF
-        told = control(world, np.arange(steps) * np.float64(world.timestep))
-        if set(told) == {"nstep"}:
+        driven = control(world, np.arange(steps) * np.float64(world.timestep))
+        if set(driven) == {"nstep"}:
             mujoco.mj_step(world.model, world.data, nstep=steps)
         else:
-            rollout.rollout(world.model, world.data, state_of(world)[None], **told)
+            rollout.rollout(world.model, world.data, state_of(world)[None], **driven)
 
     def counted_step(self, world: MujocoWorld) -> int:
         """Step, and return the solver's iterations over all islands, of RK4 in its last stage."""

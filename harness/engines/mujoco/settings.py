@@ -154,13 +154,13 @@ def for_effects(case: Case, timestep: float) -> dict[str, Value]:
     contact without friction.
     """
     effects, soft = case.scene.effects, soft_solref(case, timestep)
-    found: dict[str, Value] = {}
+    decided: dict[str, Value] = {}
     if {"slip", "drilling", "rolling_resistance"}.intersection(effects.declared()):
-        found["condim"] = contact_dimension(effects)
+        decided["condim"] = contact_dimension(effects)
     if soft is not None:
-        found["solref"], found["solimp"] = soft, SOFT_SOLIMP
-        found["impratio"], found["cone"] = SOFT_IMPRATIO, "elliptic"
-    return found
+        decided["solref"], decided["solimp"] = soft, SOFT_SOLIMP
+        decided["impratio"], decided["cone"] = SOFT_IMPRATIO, "elliptic"
+    return decided
 
 
 def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:

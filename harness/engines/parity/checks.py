@@ -110,8 +110,8 @@ def _mass_properties(world: World, scene: Scene) -> Iterator[Compared]:
         ]
     # decimal text and a change of frame cost a few roundings
     scales = {"kg": can.mass, "m": can.bounding_radius, "kg m^2": can.transverse_inertia}
-    for quantity, unit, declared, found in rows:
-        yield quantity, unit, declared, float(found), 1e-12 * scales[unit], "read back"
+    for quantity, unit, declared, value in rows:
+        yield quantity, unit, declared, float(value), 1e-12 * scales[unit], "read back"
 
 
 def _off_centre(world: WeighedWorld, scene: Scene) -> Iterator[tuple[str, str, float, float]]:
@@ -152,20 +152,20 @@ def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[Compar
         directions += [("gravity along x", X), ("gravity along y", Y)]
     tolerance = 1e-9 * scene.gravity + (ulp + linear * scene.gravity)
     for quantity, direction in directions:
-        declared, found = float(gravity @ direction), float(gained @ direction)
-        yield quantity, "m/s^2", declared, found, tolerance, _HOW
+        declared, value = float(gravity @ direction), float(gained @ direction)
+        yield quantity, "m/s^2", declared, value, tolerance, _HOW
     spin = float(flown(spin=axis)[0].angular_velocity @ axis)
-    for quantity, rate, kept in (("linear", linear, left), ("angular", angular, spin)):
-        found = -math.log(kept) / timestep if kept > 0.0 else math.inf
-        yield f"{quantity} damping", "1/s", rate, found, ulp + rate**2 * timestep, _HOW
+    for quantity, rate, left_of_one in (("linear", linear, left), ("angular", angular, spin)):
+        value = -math.log(left_of_one) / timestep if left_of_one > 0.0 else math.inf
+        yield f"{quantity} damping", "1/s", rate, value, ulp + rate**2 * timestep, _HOW
     speed = float(flown(velocity=_FAST * X)[0].velocity[0] - rest.velocity[0])
     spin = float(flown(spin=_FAST * axis)[0].angular_velocity @ axis)
-    for quantity, unit, rate, found in (
+    for quantity, unit, rate, value in (
         ("speed kept", "m/s", linear, speed),
         ("spin kept", "rad/s", angular, spin),
     ):
         declared, tolerance = math.exp(-rate * timestep), 1e-9 + (rate * timestep) ** 2
-        yield quantity, unit, _FAST * declared, found, _FAST * tolerance, f"{_HOW} at this rate"
+        yield quantity, unit, _FAST * declared, value, _FAST * tolerance, f"{_HOW} at this rate"
 
 
 def _shaken_flight(world: World, scene: Scene) -> Iterator[Compared]:
@@ -181,7 +181,7 @@ def _shaken_flight(world: World, scene: Scene) -> Iterator[Compared]:
         gained.append(world.twist().velocity)
     world.set_timestep(own)
     times = period / _IN_A_PERIOD * np.arange(1, _IN_A_PERIOD + 1)
-    found = np.array(gained) - np.outer(times, gravity_vector(scene))
+    swayed = np.array(gained) - np.outer(times, gravity_vector(scene))
     expected = plane_velocity(scene, 0.0) - plane_velocity(scene, times)
     damping = scene.effects.damping
     size = float(np.abs(expected).max()) + scene.gravity * period
@@ -195,9 +195,9 @@ def _shaken_flight(world: World, scene: Scene) -> Iterator[Compared]:
         ("horizontal shaking", across, shake.horizontal),
         ("vertical shaking", UP, shake.vertical),
     ):
-        fitted = float(shape @ (found @ direction)) / float(shape @ shape) / rate
+        fitted = float(shape @ (swayed @ direction)) / float(shape @ shape) / rate
         yield quantity, "m", amplitude, fitted, tolerance / rate, how
-    misfit = float(np.abs(found - expected).max())
+    misfit = float(np.abs(swayed - expected).max())
     yield "misfit of the shaking", "m/s", 0.0, misfit, tolerance, "largest over the same period"
 
 
@@ -217,16 +217,16 @@ def _collider(world: World, scene: Scene) -> Iterator[Compared]:
             sines.append((math.sin(phi), math.cos(phi), blunt)[: 2 if rim is None else 3])
             reach.append(low + LIFT * can.radius - hovering_distance(world, can, phi, theta))
             ideal.append(low + arc * blunt)
-    (radius, half_height, *found_arc), *_ = np.linalg.lstsq(
+    (radius, half_height, *fitted_arc), *_ = np.linalg.lstsq(
         np.array(sines), np.array(reach), rcond=None
     )
     worst = float(np.max(np.abs(np.array(reach) - np.array(ideal))))
     # the distances are differences of lengths of the can's size
     tolerance = 1e-12 * can.bounding_radius + 1e-15
-    for quantity, declared, found, how in (
+    for quantity, declared, value, how in (
         ("radius R", can.radius, radius, "fit to distances at tilts of 0.02 to 1.5 rad"),
         ("half height H", can.half_height, half_height, "the same fit"),
         ("rim deviation", 0.0, worst, "largest distance from the ideal rim over all tilts"),
-        *(("radius of the rim's arc", arc, each, "the same fit") for each in found_arc),
+        *(("radius of the rim's arc", arc, each, "the same fit") for each in fitted_arc),
     ):
-        yield quantity, "m", declared, float(found), tolerance, how
+        yield quantity, "m", declared, float(value), tolerance, how

@@ -181,9 +181,9 @@ def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared
         stiffness * tolerance,
         f"{how}, at rest",
     )
-    found, how = (sinking - held) / speed, f"{how}, that sinks at {speed:.2g} m/s"
+    rate, how = (sinking - held) / speed, f"{how}, that sinks at {speed:.2g} m/s"
     tolerance = 1e-3 * damping + 1.1 * step + 6.0 * fallen * (damping + step) + 1e-6 * step
-    yield "contact damping", "N s/m", damping, found, tolerance, how
+    yield "contact damping", "N s/m", damping, rate, tolerance, how
 
 
 def _resistance(stand: Stand, name: str, length: float, axis: Floats) -> Compared:

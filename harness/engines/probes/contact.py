@@ -157,19 +157,19 @@ def rim(engine: Opener, case: Case) -> Iterator[Reading]:
     world, can, tilts = engine.open(case), case.scene.can, np.array(TILTS)
     azimuths: Floats = np.arange(AZIMUTHS) * np.float64(2.0 * math.pi / AZIMUTHS)
     # how much lower the collider reaches than an ideal can, by tilt and azimuth
-    found = np.array(
+    excess = np.array(
         [
             [LIFT * can.radius - hovering_distance(world, can, phi, theta) for theta in azimuths]
             for phi in TILTS
         ]
     )
-    spread, corners = np.ptp(found, axis=1), found.max(axis=1)
+    spread, corners = np.ptp(excess, axis=1), excess.max(axis=1)
     basis = np.stack((np.ones_like(tilts), -(np.sin(tilts) + np.cos(tilts) - 1.0)), axis=1)
     (swell, fillet), *_ = np.linalg.lstsq(basis, corners, rcond=None)
     # distances are differences of lengths of the can's size, each known to some ulps
     noise = 1e-12 * can.bounding_radius
     middle = TILTS.index(0.6)
-    spectrum = np.abs(np.fft.rfft(found[middle]))[1:]
+    spectrum = np.abs(np.fft.rfft(excess[middle]))[1:]
     sides = 1.0 + int(np.argmax(spectrum)) if spread[middle] > noise else 0.0
     how = "distance to the plane at 7 tilts from 0.05 to 1.2 rad and 256 azimuths"
     yield "sides of the rim; 0 is round", "1", sides, 0.0, how
@@ -177,7 +177,7 @@ def rim(engine: Opener, case: Case) -> Iterator[Reading]:
         ("sagitta between the corners over sin phi", np.median(spread / np.sin(tilts))),
         ("fillet radius", fillet),
         ("swell beyond the declared size", swell),
-        ("largest deviation", np.abs(found).max()),
+        ("largest deviation", np.abs(excess).max()),
     ):
         yield quantity, "m", 0.0 if abs(length) <= noise else float(length), 0.0, how
 

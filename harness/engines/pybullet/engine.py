@@ -214,5 +214,5 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
 def _arguments(settings: dict[str, Any]) -> str:
     """Return settings as arguments; a setting that is a word is one of PyBullet's constants."""
-    told = {n: f"pybullet.{v}" if isinstance(v, str) else repr(v) for n, v in settings.items()}
-    return ", ".join(f"{name}={value}" for name, value in told.items())
+    written = {n: f"pybullet.{v}" if isinstance(v, str) else repr(v) for n, v in settings.items()}
+    return ", ".join(f"{name}={value}" for name, value in written.items())

@@ -154,19 +154,19 @@ def for_effects(scene: Scene) -> dict[str, Value]:
     maximal coordinates by (1 - d)^dt, which is: d = 1 - exp(-rate).
     """
     effects = scene.effects
-    found: dict[str, Value] = {}
+    decided: dict[str, Value] = {}
     if effects.damping is not None:
-        found["useMaximalCoordinates"] = True
-        found["linearDamping"] = -math.expm1(-effects.damping.linear)
-        found["angularDamping"] = -math.expm1(-effects.damping.angular)
+        decided["useMaximalCoordinates"] = True
+        decided["linearDamping"] = -math.expm1(-effects.damping.linear)
+        decided["angularDamping"] = -math.expm1(-effects.damping.angular)
     if effects.rim is not None:
-        found["URDF_USE_IMPLICIT_CYLINDER"] = True
-        found["collisionMargin"] = effects.rim.radius
+        decided["URDF_USE_IMPLICIT_CYLINDER"] = True
+        decided["collisionMargin"] = effects.rim.radius
     if effects.restitution is not None:
-        found["restitutionVelocityThreshold"] = 0.0
-        found["contactBreakingThreshold"] = _IN_TOUCH
-        found["contactERP"] = 0.0
-    return found
+        decided["restitutionVelocityThreshold"] = 0.0
+        decided["contactBreakingThreshold"] = _IN_TOUCH
+        decided["contactERP"] = 0.0
+    return decided
 
 
 SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)

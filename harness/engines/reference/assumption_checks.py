@@ -45,9 +45,9 @@ class Divergence:
 def check_assumptions(motion: Truth) -> Guard:
     """Return what the assumptions of a model came to over an exact motion, in N, rad and m."""
     can, gravity = motion.scene.can, motion.scene.gravity
-    found = examine(motion.solution, sample_truth(motion).time / natural_time(motion.scene))
+    guard = examine(motion.solution, sample_truth(motion).time / natural_time(motion.scene))
     weight = can.mass * gravity
-    return replace(found, normal_force=found.normal_force * weight, gap=found.gap * can.radius)
+    return replace(guard, normal_force=guard.normal_force * weight, gap=guard.gap * can.radius)
 
 
 def findings(scene: Scene) -> tuple[Finding, ...]:
@@ -79,12 +79,12 @@ def divergence_of(scene: Scene) -> Divergence | None:
     own = truth(scene).solution
     if own.outcome is Outcome.OUTWORKED or own.t_end == 0.0:
         return None
-    T, found = natural_time(scene), divergence(problem(scene), own)
+    T, growing = natural_time(scene), divergence(problem(scene), own)
     return Divergence(
-        growth=found.growth,
-        lyapunov_time=T / found.rate if found.rate > 0.0 else math.inf,
-        parted=found.parted * T,
-        chaotic=found.chaotic,
+        growth=growing.growth,
+        lyapunov_time=T / growing.rate if growing.rate > 0.0 else math.inf,
+        parted=growing.parted * T,
+        chaotic=growing.chaotic,
     )
 
 

@@ -69,20 +69,20 @@ class ReferenceEngine:
         if refused.note:
             return refused
         started, cpu = time.perf_counter(), time.process_time()
-        found = solve_case(case)
-        outcome, note = _ending(found.solution)
+        motion = solve_case(case)
+        outcome, note = _ending(motion.solution)
         trajectory = None
         if chosen["model"] in WITHOUT_LOCUS:
             note = f"{note} The model knows no contact locus: no motion to show.".lstrip()
         else:
-            trajectory = sample_truth(found)
+            trajectory = sample_truth(motion)
         return replace(
             refused,
             outcome=outcome,
             note=note,
             trajectory=trajectory,
-            model=found.solution.model,
-            steps=found.solution.steps,
+            model=motion.solution.model,
+            steps=motion.solution.steps,
             wall_s=time.perf_counter() - started,
             cpu_s=time.process_time() - cpu,
         )

@@ -260,12 +260,12 @@ def truth(scene: Scene, seconds: float | None = None) -> Truth:
     the two do not agree (`reference.analysis.confirmation`).
     """
     needed = smallest(problem(scene, seconds)).model
-    found = _by(needed if needed != "rolling" else "auto", scene, seconds)
-    if found.solution.model != "exact":
-        return found
+    motion = _by(needed if needed != "rolling" else "auto", scene, seconds)
+    if motion.solution.model != "exact":
+        return motion
     # not the exact formula, which has to be inverted for the state at an instant
     integrated = _by(needed, scene, seconds).solution
-    return Truth(scene=scene, solution=replace(integrated, agreement=found.solution.agreement))
+    return Truth(scene=scene, solution=replace(integrated, agreement=motion.solution.agreement))
 
 
 def _by(model: str, scene: Scene, seconds: float | None) -> Truth:

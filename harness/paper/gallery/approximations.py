@@ -52,7 +52,7 @@ def exact_and_reduced() -> Figure:
 
 def family() -> Figure:
     """Three values of eps, zeta = 1 (fig01:sing_perturb)."""
-    made: list[list[Series]] = [[], [], [], []]
+    curves: list[list[Series]] = [[], [], [], []]
     steps = []
     for name, epsilon, kind in FAMILY:
         solution = solved(of_constants(epsilon, 1.0, duration=4.0), "reduced")
@@ -60,7 +60,7 @@ def family() -> Figure:
         label = f"eps = {name}"
         dashed = kind != 1
         drawn = ((s.phi, s.phi_dot), (t, s.phi), (t, s.psi_dot), (t, np.degrees(s.psi)))
-        for series, (x, y) in zip(made, drawn, strict=True):
+        for series, (x, y) in zip(curves, drawn, strict=True):
             series.append(line(label, x, y, kind, dashed=dashed))
         steps.append(math.degrees(solution.bounces[0].angle_of_turn))
     words = (
@@ -79,7 +79,7 @@ def family() -> Figure:
         ),
         *(
             panel(title, x, y, *series, log_y=title == "Psi")
-            for (title, x, y), series in zip(words, made, strict=True)
+            for (title, x, y), series in zip(words, curves, strict=True)
         ),
     )
 

@@ -79,21 +79,21 @@ def contours() -> Figure:
     """Draw the contours that the paper names (fig01:hamiltonian_contours)."""
     reduced = reduced_of(problem(bounces=1))
     low, value = _bottom(reduced)
-    made = [_contour(reduced, level, low) for level in LEVELS if level > value]
+    orbits = [_contour(reduced, level, low) for level in LEVELS if level > value]
     centre = points("steady motion", np.array([low]), np.array([0.0]), 2)
     return figure(
         "fig01-hamiltonian_contours",
         "Contours of the Hamiltonian",
         (
             f"Closed orbits about the steady motion at phi = {low:.2e}, H = {value:.2e}, run "
-            f"through clockwise; {len(made)} of the paper's {len(LEVELS)} levels lie above it. "
+            f"through clockwise; {len(orbits)} of the paper's {len(LEVELS)} levels lie above it. "
             "With the eps that the paper prints, four times too large, the lowest would not exist."
         ),
         panel(
             "H = 7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3",
             "phi [rad]",
             "phi' [sqrt(g/((a_p + 1) R))]",
-            *made,
+            *orbits,
             centre,
         ),
     )
@@ -101,13 +101,13 @@ def contours() -> Figure:
 
 def _bottom(reduced: Reduced) -> tuple[float, float]:
     """Return the nutation of the steady motion and the Hamiltonian there."""
-    found = minimize_scalar(
+    lowest = minimize_scalar(
         lambda x: float(reduced.potential(np.asarray(np.exp(x)))),
         bounds=(np.log(1e-5), np.log(1e-2)),
         method="bounded",
         options={"xatol": 1e-10},
     )
-    return float(np.exp(found.x)), float(found.fun)
+    return float(np.exp(lowest.x)), float(lowest.fun)
 
 
 def _contour(reduced: Reduced, level: float, low: float) -> Series:

@@ -68,7 +68,7 @@ LOCI: tuple[tuple[str, Problem], ...] = (
 def loci() -> Figure:
     """Four contact loci, the bounce in a colour of its own (fig01:contact_pt_motion)."""
     panels = []
-    told = []
+    widths = []
     for title, posed in LOCI:
         solution = solved(posed, locus=True)
         _, s = sampled(solution)
@@ -84,7 +84,7 @@ def loci() -> Figure:
                 equal=True,
             )
         )
-        told.append(float(np.hypot(np.ptp(x), np.ptp(y))))
+        widths.append(float(np.hypot(np.ptp(x), np.ptp(y))))
     turn = math.degrees(solved(LOCI[0][1], locus=True).bounces[0].angle_of_turn)
     return figure(
         "fig01-contact_pt_motion",
@@ -92,7 +92,7 @@ def loci() -> Figure:
         (
             f"In a) each bounce runs {turn:.0f} degrees along a circle of the can's own radius, "
             "anticlockwise as B_-2 > 0; in b) the can rolls far and straight near balance and "
-            f"turns in each fall; the figure is {told[1]:.0f} R across. c) and d) roll round "
+            f"turns in each fall; the figure is {widths[1]:.0f} R across. c) and d) roll round "
             "circles, with wobbles and with cusps where theta' changes its sign."
         ),
         *panels,
