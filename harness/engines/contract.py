@@ -66,12 +66,12 @@ def describe_exception(error: BaseException, verb: str = "simulate") -> str:
 def _text_of(thing: object) -> str:
     """Return what something says of itself, as a file can hold it; empty if it cannot say it."""
     with suppress(Exception):
-        said = thing.label() if isinstance(thing, Case) else str(thing)
-        return said.encode("utf-8", "replace").decode()
+        text = thing.label() if isinstance(thing, Case) else str(thing)
+        return text.encode("utf-8", "replace").decode()
     return ""
 
 
-def _own(value: object) -> object:
+def _as_python(value: object) -> object:
     """Return a scalar of an array's kind as Python's own, as a file holds it."""
     return value.item() if isinstance(value, np.generic) else value
 
@@ -87,8 +87,8 @@ def _is_whole(value: object) -> bool:
 
 
 def _is_number(value: object) -> bool:
-    own = _own(value)
-    return isinstance(own, float) or _is_whole(own)
+    scalar = _as_python(value)
+    return isinstance(scalar, float) or _is_whole(scalar)
 
 
 def _is_finite(value: object) -> bool:
@@ -96,8 +96,8 @@ def _is_finite(value: object) -> bool:
 
 
 def _is_count(value: object) -> bool:
-    own = _own(value)
-    return _is_whole(own) and own >= 0  # type: ignore[operator]
+    scalar = _as_python(value)
+    return _is_whole(scalar) and scalar >= 0  # type: ignore[operator]
 
 
 def is_timestep(value: object) -> bool:
@@ -107,10 +107,10 @@ def is_timestep(value: object) -> bool:
 
 def _is_setting(value: object) -> bool:
     """Whether this is what a setting can be."""
-    own = _own(value)
-    if isinstance(own, tuple):
-        return all(map(_is_number, own))
-    return own is None or isinstance(own, bool) or _is_number(own) or _is_text(own)
+    setting = _as_python(value)
+    if isinstance(setting, tuple):
+        return all(map(_is_number, setting))
+    return setting is None or isinstance(setting, bool) or _is_number(setting) or _is_text(setting)
 
 
 _Kinds = dict[str, tuple[Callable[[object], bool], str]]

@@ -198,10 +198,10 @@ def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
     BrokenEngineError
         If it raises anything else, kills its process, or does not answer.
     """
-    own = engine(case.engine) if chosen is None else chosen
-    entry = None if is_worker() else _foreign(case.engine, type(own))
+    asked = engine(case.engine) if chosen is None else chosen
+    entry = None if is_worker() else _foreign(case.engine, type(asked))
     try:
-        return own.timestep(case) if entry is None else timestep_from_worker(entry, case)
+        return asked.timestep(case) if entry is None else timestep_from_worker(entry, case)
     except HarnessError:
         raise
     except Exception as error:
@@ -241,9 +241,9 @@ def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
     declared = scene.effects.declared()
     if not declared:
         return ()
-    own = engine(name).capabilities
+    capabilities = engine(name).capabilities
     faint = {key.partition(".")[0] for key, _, _ in _faint(name, scene)}
-    known = (own.honours | set(own.imposes)) - faint
+    known = (capabilities.honours | set(capabilities.imposes)) - faint
     return tuple(effect for effect in declared if effect not in known)
 
 

@@ -23,8 +23,8 @@ def available(root: Path = _ROOT) -> float:
     root : Path
         Of the file system in which Linux tells of control groups.
     """
-    whole = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    return min([whole, *_limits(root)])
+    machine = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    return min([machine, *_limits(root)])
 
 
 def _limits(root: Path) -> Iterator[float]:

@@ -52,9 +52,9 @@ def fingerprint(*modules: str) -> str:
         if file is None:
             digest.update(f"{name} has no source\n".encode())
             continue
-        whole = file.parent if "." in name or file.stem == "__init__" else file
-        if not any(whole.is_relative_to(_ROOT / place) for place in _DECIDING):
-            _add(digest, whole)
+        sources = file.parent if "." in name or file.stem == "__init__" else file
+        if not any(sources.is_relative_to(_ROOT / place) for place in _DECIDING):
+            _add(digest, sources)
     return digest.hexdigest()[:16]
 
 

@@ -184,7 +184,7 @@ class _Run(Generic[T, R]):
     cache: ResultCache[T, R] | None
     listener: ProgressListener[T, R]
     results: dict[int, R] = field(default_factory=dict)
-    kept: deque[int] = field(default_factory=deque)
+    stored: deque[int] = field(default_factory=deque)
     left: deque[int] = field(default_factory=deque)
     safe: int = 0
 
@@ -192,15 +192,15 @@ class _Run(Generic[T, R]):
         """Separate the tasks whose results are stored from those left to do."""
         for index, task in enumerate(self.tasks):
             known = self.cache is not None and self.cache.has(task)
-            (self.kept if known else self.left).append(index)
-        self.listener.kept(len(self.kept), len(self.tasks))
+            (self.stored if known else self.left).append(index)
+        self.listener.kept(len(self.stored), len(self.tasks))
 
     def account(self) -> str:
         """Return in a sentence how much is done, and where."""
         if self.cache is None:
             return f"{len(self.results)} of {len(self.tasks)} were done, and nothing is kept."
-        kept = self.safe + len(self.kept)
-        return f"{kept} of {len(self.tasks)} are done and kept in '{self.cache.store.folder}'."
+        stored = self.safe + len(self.stored)
+        return f"{stored} of {len(self.tasks)} are done and kept in '{self.cache.store.folder}'."
 
     def submit(self, index: int) -> Future[R]:
         """Hand out a task."""
@@ -215,10 +215,10 @@ class _Run(Generic[T, R]):
 
     def read(self) -> bool:
         """Take the next stored result; a task whose result cannot be read is done again."""
-        if not self.kept or self.cache is None:
+        if not self.stored or self.cache is None:
             return False
         with delay_signals():
-            index = self.kept.popleft()
+            index = self.stored.popleft()
             result = self.cache.get(self.tasks[index])
             if result is None:
                 self.left.append(index)

@@ -228,9 +228,9 @@ def memory_used(leader: int, limit: float) -> int:
     What they share is counted once, which takes longer to find out: only where the simple sum of
     what is resident exceeds the limit.
     """
-    own = _memory(leader)
+    leading = _memory(leader)
     others = _family(leader, _FRESH) - {leader}
-    simple = own + sum(map(_memory, others))
+    simple = leading + sum(map(_memory, others))
     if not others or simple <= limit:
         return simple
     return sum(_memory(process, share=True) for process in {leader} | others)

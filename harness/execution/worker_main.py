@@ -115,13 +115,13 @@ def _portable(error: Exception) -> Exception:
         copy = pickle.loads(pickle.dumps(error))  # noqa: S301 - just made
         if isinstance(copy, type(error)) and str(copy) == str(error):
             return error
-    said = ""
+    message = ""
     with suppress(Exception):  # an error of somebody's may not be able to say what it is
-        said = str(error)
+        message = str(error)
     # an ancestor that is made of its message alone: for ours the root, which callers look for
     simple = next((kind for kind in type(error).__mro__ if "__init__" not in vars(kind)), None)
     with suppress(Exception):
-        sent = simple(said) if simple is not None else None
+        sent = simple(message) if simple is not None else None
         if isinstance(sent, Exception):
             return sent
-    return RuntimeError(f"{type(error).__name__}: {said}")
+    return RuntimeError(f"{type(error).__name__}: {message}")

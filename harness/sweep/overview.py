@@ -63,12 +63,12 @@ class Extent:
 
     def add(self, values: Floats) -> None:
         """Take further scenes into account."""
-        there = values[~np.isnan(values)]
-        if there.size:
-            self.count += there.size
-            self.total += float(there.sum())
-            self.low = min(self.low, float(there.min()))
-            self.high = max(self.high, float(there.max()))
+        known = values[~np.isnan(values)]
+        if known.size:
+            self.count += known.size
+            self.total += float(known.sum())
+            self.low = min(self.low, float(known.min()))
+            self.high = max(self.high, float(known.max()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -172,7 +172,7 @@ class Map:
         )
         size = self._counts[0] * self._counts[1]
         self._nearest = np.full(size, np.inf)
-        self._found = {name: np.full(size, np.nan) for name in plan.quantities}
+        self._cells = {name: np.full(size, np.nan) for name in plan.quantities}
 
     def add(self, part: pd.DataFrame) -> None:
         """Take scenes into account: of a grid those in the middle of all further axes."""
@@ -193,12 +193,12 @@ class Map:
         first = order[np.flatnonzero(np.diff(cell[order], prepend=-1))]
         better = first[away[first] < self._nearest[cell[first]]]
         self._nearest[cell[better]] = away[better]
-        for name, cells in self._found.items():
+        for name, cells in self._cells.items():
             cells[cell[better]] = part[name].to_numpy()[drawn][better]
 
     def image(self, name: str) -> Floats:
         """Return a quantity, shape (up, across)."""
-        return self._found[name].reshape(self._counts).T
+        return self._cells[name].reshape(self._counts).T
 
     def figure(self) -> Figure:
         """Return the figure of all that was added."""
@@ -207,8 +207,8 @@ class Map:
         panels = []
         for name in self._plan.quantities[:MOST_PANELS]:
             known, z = QUANTITIES[name], self.image(name)
-            there = z[np.isfinite(z)]
-            signed = bool(there.size and there.min() < 0.0 < there.max())
+            finite = z[np.isfinite(z)]
+            signed = bool(finite.size and finite.min() < 0.0 < finite.max())
             panels.append(
                 Panel(
                     title=known.label,
@@ -246,10 +246,10 @@ class Curves:
 
     def add(self, part: pd.DataFrame) -> None:
         """Take consecutive scenes into account: every so-manieth, so that memory does not grow."""
-        some = part[part.index % self._stride == 0]
-        self._x.append(some[self._against or self._plan.axes[0].column].to_numpy())
+        drawn = part[part.index % self._stride == 0]
+        self._x.append(drawn[self._against or self._plan.axes[0].column].to_numpy())
         for name, parts in self._y.items():
-            parts.append(some[name].to_numpy())
+            parts.append(drawn[name].to_numpy())
 
     def curve(self, name: str) -> tuple[Floats, Floats]:
         """Return a quantity along the horizontal axis, without what has no place there."""
@@ -283,8 +283,8 @@ class Curves:
 
 def _wide(values: Floats) -> bool:
     """Whether numbers span so much that a logarithm shows them better."""
-    there = values[np.isfinite(values) & (values != 0.0)]
-    return bool(there.size and there.min() > 0.0 and there.max() > _DECADES * there.min())
+    known = values[np.isfinite(values) & (values != 0.0)]
+    return bool(known.size and known.min() > 0.0 and known.max() > _DECADES * known.min())
 
 
 def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> Figure:
@@ -301,9 +301,9 @@ def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> F
 def _seen(plan: SweepPlan, title: str, drawn: Floats) -> str:
     """Return in two sentences what the first panel shows, and what is left out of all."""
     how = "the exact bounce" if plan.exact else plan.base.engine
-    there = drawn[np.isfinite(drawn)]
+    span = drawn[np.isfinite(drawn)]
     extent = (
-        f"runs from {there.min():.4g} to {there.max():.4g}" if there.size else "is nowhere defined"
+        f"runs from {span.min():.4g} to {span.max():.4g}" if span.size else "is nowhere defined"
     )
     seen = f"{title} {extent} in {plan.rows:,} scenes by {how}."
     left_out = "Blank is a scene without the quantity"

@@ -88,11 +88,11 @@ def run_sweep(
                 computed.append(_without(plan, piece, error))
         pieces.extendleft(again)  # what is begun before others
         if sum(map(len, computed)) == len(plan.span(index)):
-            whole = pd.concat(parts.pop(index)).sort_index()
+            partition = pd.concat(parts.pop(index)).sort_index()
             with delay_signals():
-                folder.write(whole)
+                folder.write(partition)
                 if on_done is not None:
-                    on_done(whole)
+                    on_done(partition)
 
     run_queue(pieces, submit, take, most)
 
@@ -109,6 +109,6 @@ def _tried_again(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_
 
 def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> pd.DataFrame:
     """Return a row that has no numbers, since its process died."""
-    said = failed_evaluation(plan.base, error).simulation.ending
-    row = {**dict.fromkeys(plan.quantities, math.nan), OUTCOME: said}
+    outcome = failed_evaluation(plan.base, error).simulation.ending
+    row = {**dict.fromkeys(plan.quantities, math.nan), OUTCOME: outcome}
     return to_partition(plan, piece.rows, pd.DataFrame([row]))

@@ -56,9 +56,9 @@ def settings(fixture: Fixture) -> ClauseResult:
         case = Case(scene=fixture.brief, engine=fixture.engine.name, profile=profile)
         timestep = fixture.engine.timestep(case) or 0.0
         chosen = resolve(case, declared, timestep)
-        own = tuple((key, value) for key, value in chosen.items() if value is not None)
+        options = tuple((key, value) for key, value in chosen.items() if value is not None)
         # raises where a setting does not take its own value
-        resolve(replace(case, options=own), declared, timestep)
+        resolve(replace(case, options=options), declared, timestep)
     return holds("", f"{len(known)} settings")
 
 

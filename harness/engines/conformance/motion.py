@@ -236,18 +236,18 @@ _PATIENCE = Limits(seconds=120.0)  # a fresh process imports an engine and runs 
 @clause("A case run in a process of its own gives equal bits.")
 def repeats_in_a_fresh_process(fixture: Fixture) -> ClauseResult:
     """Run a case in a process of its own."""
-    own = fixture.engine.name
-    if own not in names():
+    name = fixture.engine.name
+    if name not in names():
         return not_applicable("the engine is not registered, so that no other process finds it")
     with IsolatedProcessPool(1, _PATIENCE) as alone:
-        there = alone.submit(_brief_fingerprint, own).result()
+        there = alone.submit(_brief_fingerprint, name).result()
     same = there == fingerprint(fixture.run(fixture.case()))
     return same_bits(same, "a fresh process runs a case otherwise")
 
 
-def _brief_fingerprint(own: str) -> str:
+def _brief_fingerprint(name: str) -> str:
     """Return the fingerprint of a registered engine's run of the brief release."""
-    fixture = Fixture(engine(own))
+    fixture = Fixture(engine(name))
     return fingerprint(fixture.run(fixture.case()))
 
 

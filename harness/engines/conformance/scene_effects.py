@@ -114,8 +114,8 @@ def wrong_value(fixture: Fixture) -> ClauseResult:
 @clause("A scene that declares what the engine cannot represent is refused.", needs_run=False)
 def unsupported_effect(fixture: Fixture) -> ClauseResult:
     """Declare every effect that the engine neither honours nor imposes."""
-    own = fixture.engine.capabilities
-    represented = {*own.honours, *own.imposes}
+    capabilities = fixture.engine.capabilities
+    represented = {*capabilities.honours, *capabilities.imposes}
     missing = [field.name for field in fields(Effects) if field.name not in represented]
     if not missing:
         return not_applicable("the engine honours or imposes every effect")

@@ -116,21 +116,21 @@ def _mass_properties(world: World, scene: Scene) -> Iterator[Compared]:
 
 def _off_centre(world: WeighedWorld, scene: Scene) -> Iterator[tuple[str, str, float, float]]:
     """Yield where the centre of mass lies, and the six moments about it."""
-    whole, centre, tensor = body(scene), world.centre_of_mass, world.inertia_tensor
+    solid, centre, tensor = body(scene), world.centre_of_mass, world.inertia_tensor
     for place, axis in enumerate("xyz"):
-        yield f"centre of mass {axis}", "m", float(whole.centre[place]), float(centre[place])
+        yield f"centre of mass {axis}", "m", float(solid.centre[place]), float(centre[place])
     for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
-        name, declared = f"inertia {'xyz'[row]}{'xyz'[column]}", float(whole.inertia[row, column])
+        name, declared = f"inertia {'xyz'[row]}{'xyz'[column]}", float(solid.inertia[row, column])
         yield name, "kg m^2", declared, float(tensor[row, column])
 
 
 def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[Compared]:
     """Probe gravity, time, damping and clamps in single steps of flight without contact."""
-    damping, whole = scene.effects.damping, body(scene)
-    axis = whole.principal()[1][:, 2]
+    damping, solid = scene.effects.damping, body(scene)
+    axis = solid.principal()[1][:, 2]
 
     def flown(velocity: Floats = ZERO, spin: Floats = ZERO) -> tuple[Twist, Pose]:
-        thrown = velocity - np.cross(spin, whole.centre)  # so that the centre of mass has it
+        thrown = velocity - np.cross(spin, solid.centre)  # so that the centre of mass has it
         after = stepped(world, _aloft(scene), moving(thrown, spin))
         return after.twist(), after.pose()
 
@@ -173,13 +173,13 @@ def _shaken_flight(world: World, scene: Scene) -> Iterator[Compared]:
     shake = scene.effects.shake
     if shake is None:
         return
-    own, period, gained = world.timestep, 1.0 / shake.frequency, []
+    usual, period, gained = world.timestep, 1.0 / shake.frequency, []
     world.place(_aloft(scene), AT_REST)
     world.set_timestep(period / _IN_A_PERIOD)
     for _ in range(_IN_A_PERIOD):
         world.step()
         gained.append(world.twist().velocity)
-    world.set_timestep(own)
+    world.set_timestep(usual)
     times = period / _IN_A_PERIOD * np.arange(1, _IN_A_PERIOD + 1)
     swayed = np.array(gained) - np.outer(times, gravity_vector(scene))
     expected = plane_velocity(scene, 0.0) - plane_velocity(scene, times)
@@ -209,18 +209,18 @@ def _collider(world: World, scene: Scene) -> Iterator[Compared]:
     """Probe the rim: how low the collider reaches below the centre at each tilt."""
     can, rim = scene.can, scene.effects.rim
     arc = 0.0 if rim is None else rim.radius
-    sines, reach, ideal = [], [], []
+    sines, lowest, ideal = [], [], []
     for phi in _TILTS:
         # an arc takes r (sin + cos - 1) off the reach of a sharp rim
         low, blunt = low_point(can, phi), 1.0 - math.sin(phi) - math.cos(phi)
         for theta in _SPINS:
             sines.append((math.sin(phi), math.cos(phi), blunt)[: 2 if rim is None else 3])
-            reach.append(low + LIFT * can.radius - hovering_distance(world, can, phi, theta))
+            lowest.append(low + LIFT * can.radius - hovering_distance(world, can, phi, theta))
             ideal.append(low + arc * blunt)
     (radius, half_height, *fitted_arc), *_ = np.linalg.lstsq(
-        np.array(sines), np.array(reach), rcond=None
+        np.array(sines), np.array(lowest), rcond=None
     )
-    worst = float(np.max(np.abs(np.array(reach) - np.array(ideal))))
+    worst = float(np.max(np.abs(np.array(lowest) - np.array(ideal))))
     # the distances are differences of lengths of the can's size
     tolerance = 1e-12 * can.bounding_radius + 1e-15
     for quantity, declared, value, how in (

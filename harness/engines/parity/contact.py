@@ -60,7 +60,7 @@ class Stand:
     def __init__(self, world: World, scene: Scene, timestep: float) -> None:
         can, arc = scene.can, arc_of(scene.effects)
         self.world, self.scene, self.timestep = world, scene, timestep
-        self.whole = body(scene)
+        self.body = body(scene)
         self.touching = touching_pose(world, can, can.balancing_angle, arc)
         self.offset = contact_offset(can, can.balancing_angle, 0.0, arc=arc)
 
@@ -73,7 +73,7 @@ class Stand:
 
         Pressed harder and harder, up to the weight or as hard as the engine lets the can be.
         """
-        weight = self.whole.mass * max(self.scene.gravity, 1.0)
+        weight = self.body.mass * max(self.scene.gravity, 1.0)
         twist = moving(-np.cross(spin, self.offset), spin)
         for share in _DEPTHS:
             depth = share * self.scene.can.radius
@@ -90,20 +90,20 @@ class Stand:
         gained = self._momentum(self.world.pose(), self.world.twist(), point)
         gained = (gained - self._momentum(start, twist, point)) / self.timestep
         gravity = gravity_vector(self.scene) + shaking(self.scene, 0.0, self.timestep)
-        moment: Floats = gained - np.cross(self._centre(start) - point, self.whole.mass * gravity)
+        moment: Floats = gained - np.cross(self._centre(start) - point, self.body.mass * gravity)
         return moment
 
     def _centre(self, pose: Pose) -> Floats:
-        centre: Floats = pose.position + to_world(pose.quaternion, self.whole.centre)
+        centre: Floats = pose.position + to_world(pose.quaternion, self.body.centre)
         return centre
 
     def _momentum(self, pose: Pose, twist: Twist, about: Floats) -> Floats:
         """Return the angular momentum about a point, kg m^2/s."""
         centre = self._centre(pose)
         velocity = twist.velocity + np.cross(twist.angular_velocity, centre - pose.position)
-        spin = self.whole.inertia @ to_body(pose.quaternion, twist.angular_velocity)
+        spin = self.body.inertia @ to_body(pose.quaternion, twist.angular_velocity)
         momentum: Floats = to_world(pose.quaternion, spin)
-        return momentum + np.cross(centre - about, self.whole.mass * velocity)
+        return momentum + np.cross(centre - about, self.body.mass * velocity)
 
 
 def friction(stand: Stand) -> Compared:
@@ -162,7 +162,7 @@ def contact_laws(stand: Stand) -> Iterator[Compared]:
 
 def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared]:
     """Read stiffness and damping from the force at rest and sinking."""
-    depth = stand.whole.mass * stand.scene.gravity / stiffness
+    depth = stand.body.mass * stand.scene.gravity / stiffness
     # it needs a depth, gravity or not, at which the rim is in the plane and the can is not
     depth = min(max(depth, 1e-9 * stand.scene.can.radius), 0.1 * stand.scene.can.radius)
     speed = 0.01 * depth / stand.timestep
@@ -171,7 +171,7 @@ def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared
     # an engine that takes the spring at the end of the step has it damp by k dt as well, and feels
     # what the can has fallen by then; a soft constraint misses the law by its impedance, 1e-4
     step = stiffness * stand.timestep
-    fallen = step * stand.timestep / stand.whole.mass
+    fallen = step * stand.timestep / stand.body.mass
     how, tolerance = "force of one step on a can balanced on its rim", 1e-3 + 3.0 * fallen
     yield (
         "contact stiffness",
@@ -188,8 +188,8 @@ def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared
 
 def _resistance(stand: Stand, name: str, length: float, axis: Floats) -> Compared:
     """Read the arm of a moment that turning about an axis meets."""
-    moments = np.linalg.eigvalsh(stand.whole.inertia)
-    stopped = length * stand.whole.mass * max(stand.scene.gravity, 1.0) * stand.timestep
+    moments = np.linalg.eigvalsh(stand.body.inertia)
+    stopped = length * stand.body.mass * max(stand.scene.gravity, 1.0) * stand.timestep
     spin = (1.0 + _SLOW * stopped / moments[0]) * axis
     arms = [
         (abs(float(moment[2])) if axis is UP else math.hypot(moment[0], moment[1])) / normal

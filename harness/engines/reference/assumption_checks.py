@@ -76,10 +76,10 @@ def divergence_of(scene: Scene) -> Divergence | None:
     """
     if refusal(scene) or not may_be_chaotic(scene):
         return None
-    own = truth(scene).solution
-    if own.outcome is Outcome.OUTWORKED or own.t_end == 0.0:
+    solution = truth(scene).solution
+    if solution.outcome is Outcome.OUTWORKED or solution.t_end == 0.0:
         return None
-    T, growing = natural_time(scene), divergence(problem(scene), own)
+    T, growing = natural_time(scene), divergence(problem(scene), solution)
     return Divergence(
         growth=growing.growth,
         lyapunov_time=T / growing.rate if growing.rate > 0.0 else math.inf,

@@ -136,11 +136,11 @@ class Truth:
     @property
     def solved_as(self) -> Choice:
         """The model that was asked for, and how it compares with the smallest."""
-        own, needed = self.solution, self.chosen
+        solution, needed = self.solution, self.chosen
         why = needed.why
-        if own.model != needed.model:
+        if solution.model != needed.model:
             why = f"Asked for; the smallest that carries the scene is {needed.model}. {why}"
-        return Choice(model=own.model, equations=own.equations, why=why)
+        return Choice(model=solution.model, equations=solution.equations, why=why)
 
     def grid(self) -> Floats:
         """Return sampling times that are dense by angle and hold every extremum of phi, s."""
@@ -281,19 +281,19 @@ def sample_truth(motion: Truth) -> Trajectory:
 
 def cancelled(motion: Truth) -> float:
     """Return the share of the force on phi that cancellation takes at the extrema of a motion."""
-    own = motion.solution
-    if own.model != "rolling":
+    solution = motion.solution
+    if solution.model != "rolling":
         return 0.0
-    extrema = own.at(np.concatenate([own.maxima, own.minima]))
-    return float(lost_of_force(extrema, own.problem).max(initial=0.0))
+    extrema = solution.at(np.concatenate([solution.maxima, solution.minima]))
+    return float(lost_of_force(extrema, solution.problem).max(initial=0.0))
 
 
-def apart(one: Truth, other: Truth) -> float:
+def difference(one: Truth, other: Truth) -> float:
     """Return the largest relative difference of the bounces that two exact motions share."""
     return max(differences(one.solution, other.solution).values(), default=0.0)
 
 
-def beside(motion: Truth, share: float) -> Iterator[tuple[Truth, ...]]:
+def perturb(motion: Truth, share: float) -> Iterator[tuple[Truth, ...]]:
     """Yield for each number of a motion's problem the motions with a little more or less of it.
 
     Parameters
@@ -302,10 +302,10 @@ def beside(motion: Truth, share: float) -> Iterator[tuple[Truth, ...]]:
     share : float
         How much, relative.
     """
-    own = motion.solution
-    outputs = frozenset(() if own.model in WITHOUT_LOCUS else ("contact_locus",))
-    for problems in neighbours(own.problem, share):
+    solution = motion.solution
+    outputs = frozenset(() if solution.model in WITHOUT_LOCUS else ("contact_locus",))
+    for problems in neighbours(solution.problem, share):
         yield tuple(
-            Truth(scene=motion.scene, solution=solve(one, model=own.model, outputs=outputs))
+            Truth(scene=motion.scene, solution=solve(one, model=solution.model, outputs=outputs))
             for one in problems
         )

@@ -104,9 +104,9 @@ class _WorldReader:
         self._times, self._rows = [], []
 
         def read(keep: Integers) -> Trajectory:
-            kept = rows[keep]
-            contact = kept[:, 13:16], kept[:, 16:19], kept[:, 19], kept[:, 20]
-            return trajectory_of(times[keep], kept[:, :13], contact)
+            sampled = rows[keep]
+            contact = sampled[:, 13:16], sampled[:, 16:19], sampled[:, 19], sampled[:, 20]
+            return trajectory_of(times[keep], sampled[:, :13], contact)
 
         worked = np.zeros(len(times), dtype=np.int64)
         worked[: len(rows)] = 3 * rows[:, 20].astype(np.int64)  # a normal and two of friction

@@ -69,17 +69,17 @@ class Watch:
         self.ended_at = math.inf
         rates = scene.release
         spin = rates.phi_dot**2 + rates.psi_dot**2 + rates.theta_dot**2
-        reach = scene.can.bounding_radius
-        self._scale = spin * reach**2 + scene.gravity * reach
+        size = scene.can.bounding_radius
+        self._scale = spin * size**2 + scene.gravity * size
         self._patience = FLAT_ALLOWANCE * natural_time(scene)
 
-    def over(self, kept: Trajectory) -> Outcome | None:
+    def over(self, samples: Trajectory) -> Outcome | None:
         """Return how the run ended if these samples end it (at `ended_at`, s), else None."""
-        speed = np.sum(kept.velocity**2, axis=1)
+        speed = np.sum(samples.velocity**2, axis=1)
         sound = speed <= _LARGEST_GAIN * self._scale  # false for what is no number
-        phi = half_angles(kept.quaternion)[0]
-        samples = (kept.time.tolist(), phi.tolist(), sound.tolist())
-        for time, tilt, good in zip(*samples, strict=True):
+        phi = half_angles(samples.quaternion)[0]
+        columns = (samples.time.tolist(), phi.tolist(), sound.tolist())
+        for time, tilt, good in zip(*columns, strict=True):
             outcome = self._see(time, tilt) if good else Outcome.DIVERGED
             if outcome is not None:
                 self.ended_at = time

@@ -67,16 +67,16 @@ class HorizonPrediction:
         self._turned = self._now = self._fall = 0.0
         self._extreme = -scene.release.phi
 
-    def see(self, kept: Trajectory) -> None:
+    def see(self, samples: Trajectory) -> None:
         """Take samples into account that follow those before; one turn of the tilt is enough."""
-        self._now = float(kept.time[-1])
-        phi = half_angles(kept.quaternion)[0]
+        self._now = float(samples.time[-1])
+        phi = half_angles(samples.quaternion)[0]
         height = phi if self._rising else -phi
         at = int(np.argmax(height))
         if height[at] >= self._extreme:
-            self._extreme, extreme = float(height[at]), float(kept.time[at])
+            self._extreme, extreme = float(height[at]), float(samples.time[at])
         else:
-            extreme = float(kept.time[0])
+            extreme = float(samples.time[0])
         if at < len(phi) - 1:
             self._fall, self._turned = extreme - self._turned, extreme
             self._rising, self._extreme = not self._rising, -float(height[-1])
@@ -214,8 +214,8 @@ class PhysicsEngine(ABC, Generic[W]):
         schedule, size = schedule_of(prepared)
         prediction = HorizonPrediction(prepared.case.scene)
 
-        def seen(kept: Trajectory) -> None:
-            prediction.see(kept)
+        def seen(samples: Trajectory) -> None:
+            prediction.see(samples)
             if isinstance(schedule, Fixed):
                 schedule.size = _size(prediction, schedule.largest)
 

@@ -112,9 +112,9 @@ class Recorder:
         self._chunk = chunk
         if len(keep) == 0:
             return None
-        kept = chunk.read(keep)
-        self._parts.append(kept)
-        return kept
+        samples = chunk.read(keep)
+        self._parts.append(samples)
+        return samples
 
     def _keep(self, time: Floats, quaternion: Floats) -> NDArray[np.bool_]:
         """Return which of the samples the path calls for, shape (n,)."""
@@ -136,8 +136,8 @@ class Recorder:
             return None
         if parts[-1].time[-1] < self._last[0]:
             parts = [*parts, self._chunk.read(np.array([len(self._chunk.quaternions) - 1]))]
-        whole = join(parts)
-        return take(whole, whole.time <= until)
+        joined = join(parts)
+        return take(joined, joined.time <= until)
 
 
 def _path(quaternion: Floats) -> Floats:
@@ -161,11 +161,11 @@ def _path(quaternion: Floats) -> Floats:
     return path
 
 
-def _over(part: Floats, whole: Floats) -> Floats:
+def _over(part: Floats, total: Floats) -> Floats:
     """Return a ratio; pi behind a right angle, or where the can is flat: always worth keeping."""
-    if whole.size and whole.min() > 0.0:  # a masked division takes three times as long
-        return part / whole
-    return np.divide(part, whole, out=np.full_like(part, np.pi), where=whole > 0.0)
+    if total.size and total.min() > 0.0:  # a masked division takes three times as long
+        return part / total
+    return np.divide(part, total, out=np.full_like(part, np.pi), where=total > 0.0)
 
 
 _MOST_STEPS = 100_000_000
@@ -193,8 +193,8 @@ def record(
     outcome: Outcome | None = None
     steps = rows = 0
     for chunk in chunks:
-        kept = recorder.add(chunk)
-        outcome = None if kept is None else watch.over(kept)
+        samples = recorder.add(chunk)
+        outcome = None if samples is None else watch.over(samples)
         if outcome is None and not chunk.sound:
             outcome = Outcome.DIVERGED
         taken = int(np.searchsorted(chunk.times, watch.ended_at, side="right"))
@@ -207,8 +207,8 @@ def record(
             outcome = Outcome.TOO_SLOW
         if outcome is not None:
             break
-        if kept is not None:
-            seen(kept)
+        if samples is not None:
+            seen(samples)
     if outcome is None:
         outcome = Outcome.FINISHED if scene.horizon.seconds else Outcome.TIMED_OUT
     return replace(

@@ -15,7 +15,7 @@ from harness.core.case import Case
 from harness.core.report_model import Column, Table, table_of
 from harness.engines.reference import Kind
 from harness.engines.reference.to_reference_problem import refusal
-from harness.engines.reference.truth import Truth, apart, beside, cancelled, solve_case, truth
+from harness.engines.reference.truth import Truth, cancelled, difference, perturb, solve_case, truth
 from harness.engines.stepping.horizon import natural_time
 from harness.evaluation.case_cache import case_key, case_metadata
 from harness.execution.cache import CacheFolder
@@ -167,7 +167,7 @@ def compared(scene: Scene, one: Truth, other: Truth) -> ReferenceCheck:
 
 def _apart(one: Truth, other: Truth) -> float:
     """Return the largest relative difference of two motions, in bounces and all along."""
-    off = apart(one, other)
+    off = difference(one, other)
     ends = min(one.ends, other.ends)
     if not ends > 0.0:
         return off
@@ -199,7 +199,7 @@ def _failure(first: Truth, second: Truth, off: float, drift: float) -> str:
 def _of_an_ulp(motion: Truth) -> float:
     """Return what one ulp of the numbers of a motion does to it; infinite if all."""
     total = 0.0
-    for pair in beside(motion, EPS):
+    for pair in perturb(motion, EPS):
         for other in pair:
             same = other.solution.outcome is motion.solution.outcome
             if not same or len(other.bounces) != len(motion.bounces):
