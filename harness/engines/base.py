@@ -1,4 +1,4 @@
-"""What an engine is to the harness: capabilities, settings, and one verb.
+"""Engines as the harness sees them: capabilities, settings, and the method `simulate`.
 
 `Engine` is the role that everything that moves a can plays. `World` is the smaller role of a
 compiled engine model that can be placed, stepped and read; the probes of parity and the search for
@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Capabilities:
-    """What an engine makes of effects.
+    """Effects that an engine simulates, and effects that it adds.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What every engine's answer must be before anything is measured of it.
+"""Checks of an engine's answer before anything is measured of it.
 
 An adapter is somebody's program and may be wrong; then its answer is refused with the reason, and
 no other case suffers. What is refused here is a fault of the adapter. Numbers that grew without
@@ -18,14 +18,14 @@ from harness.core.trajectory import Trajectory
 _STATE = ("time", "position", "quaternion", "velocity", "angular_velocity", "contact_force")
 
 _TOO_LARGE = 2**63
-"""For a whole number of 64 bits."""
+"""Magnitude from which a whole number does not fit into 64 bits."""
 
 _UNIT_TOLERANCE = 1e-6
-"""Off which a quaternion may be from unit length: that of one normalised in single precision."""
+"""Distance of a quaternion from unit length: that of one normalised in single precision."""
 
 
 def contract_violation(answer: object, case: Case) -> str:
-    """Return in what an answer to a case is no simulation of it; empty if it is one.
+    """Return why an answer is not a simulation of a case; empty if it is one.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def contract_violation(answer: object, case: Case) -> str:
 
 
 def describe_exception(error: BaseException, verb: str = "simulate") -> str:
-    """Return in a sentence what an adapter raised, whatever becomes of telling it.
+    """Return a sentence about an exception of an adapter, whose own message may raise again.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def describe_exception(error: BaseException, verb: str = "simulate") -> str:
 
 
 def _text_of(thing: object) -> str:
-    """Return what something says of itself, as a file can hold it; empty if it cannot say it."""
+    """Return the text of an object as a file can hold it; empty if the object raises."""
     with suppress(Exception):
         text = thing.label() if isinstance(thing, Case) else str(thing)
         return text.encode("utf-8", "replace").decode()
@@ -72,7 +72,7 @@ def _text_of(thing: object) -> str:
 
 
 def _as_python(value: object) -> object:
-    """Return a scalar of an array's kind as Python's own, as a file holds it."""
+    """Return a numpy scalar as a Python number; anything else as it is."""
     return value.item() if isinstance(value, np.generic) else value
 
 
@@ -82,7 +82,7 @@ def _is_text(value: object) -> bool:
 
 
 def _is_whole(value: object) -> bool:
-    """Whether this is a whole number that arrays hold, which texts and files then do as well."""
+    """Whether this is a whole number that fits into 64 bits."""
     return isinstance(value, int) and not isinstance(value, bool) and abs(value) < _TOO_LARGE
 
 
@@ -101,12 +101,12 @@ def _is_count(value: object) -> bool:
 
 
 def is_timestep(value: object) -> bool:
-    """Whether this is what an adapter may give as a timestep, s."""
+    """Whether this is a valid timestep of an adapter, s."""
     return value is None or (_is_finite(value) and value > 0.0)  # type: ignore[operator]
 
 
 def _is_setting(value: object) -> bool:
-    """Whether this is what a setting can be."""
+    """Whether this is a valid value of a setting."""
     setting = _as_python(value)
     if isinstance(setting, tuple):
         return all(map(_is_number, setting))
@@ -133,7 +133,7 @@ _FIELDS: _Kinds = {
     "static_penetration": (_is_number, "a number of metres"),
     "parity": (lambda value: isinstance(value, tuple), "a tuple"),
 }
-"""What each field must be that is neither the case, nor the settings, nor the motion."""
+"""Kind of each field other than case, settings and trajectory."""
 
 _OF_ROWS: _Kinds = {
     "quantity": _TEXT,
@@ -146,7 +146,7 @@ _OF_ROWS: _Kinds = {
         "equal, imposed or mismatch",
     ),
 }
-"""What each field of a row of the parity table must be."""
+"""Kind of each field of a row of the parity table."""
 
 
 def _fault_of_kinds(owner: object, kinds: _Kinds, of: str = "") -> str:
@@ -177,7 +177,7 @@ def _fault_of_fields(answer: Simulation) -> str:
 
 
 def _shown(value: object) -> str:
-    """Return a number or a short text as it is, of anything else its kind."""
+    """Return a number or a short text as it is, or the type of anything else."""
     most = 40
     short = _is_text(value) and isinstance(value, str) and len(value) <= most
     return repr(value) if short or _is_number(value) else type(value).__name__

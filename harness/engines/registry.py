@@ -1,8 +1,7 @@
 """Engines by name: whatever is installed under the entry point group `rockingcan.engines`.
 
-An engine of another package is made in a process of its own first, and asked there for the timestep
-of each case: a package that crashes, or hangs, when it is imported or asked would take the program
-with it.
+An engine of another package is first created in a separate process, and asked there for the
+timestep of each case: a package that crashes or hangs would take the program with it.
 """
 
 import re
@@ -55,10 +54,10 @@ def _is_ours(place: str) -> bool:
 
 
 def crash_reason(entry: EntryPoint) -> str:
-    """Return in what way an engine kills the process in which it is made; empty if it does not.
+    """Return how an engine kills the process in which it is created; empty if it does not.
 
-    An error in Python is no crash: it is met again where it can be told. In a worker nothing is
-    tried: it is the process of its own.
+    A Python exception is no crash: it is raised again where it can be reported. A worker tries
+    nothing, since it is a separate process already.
     """
     if _is_ours(entry.value) or is_worker():
         return ""
@@ -68,7 +67,7 @@ def crash_reason(entry: EntryPoint) -> str:
 
 
 def _probe_plugin(value: str) -> str:
-    """Make an engine and ask it for what the program will ask it for; return its answers."""
+    """Create an engine and read all that the program will read; return it as text."""
     chosen = _made_once(value)
     description = f"{chosen.name} {chosen.version} {chosen.settings} {chosen.capabilities}"
     cases = (Case(scene=load(_SCENE), engine=chosen.name, profile=name) for name in PROFILES)
@@ -101,14 +100,14 @@ def timestep_from_worker(value: str, case: Case) -> float | None:
 
 @cache
 def _worker_for(value: str) -> IsolatedProcessPool:
-    """Return the process in which an engine is asked; it and what it started end with this one."""
+    """Return the background process in which an engine is asked, which ends with this one."""
     del value
     return background_worker(_PATIENCE)
 
 
 @cache
 def _made_once(value: str) -> Engine:
-    """Make an engine, the first time."""
+    """Create an engine, once in a process."""
     created: Engine = EntryPoint(name="asked", value=value, group="").load()()
     return created
 

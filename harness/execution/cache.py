@@ -1,9 +1,9 @@
-"""A folder of results, several processes at once: written whole, checked when read.
+"""Result cache: a folder that several processes write to; entries are checked when read.
 
     KIND/KK/KEY.result    a result with where it comes from and its arrays: `cache_entry`
     drafts/               what is being written; a program that was killed leaves its draft
-    aside/                entries that were found broken
-    journal.jsonl         a line when a case is begun, and when it is kept: names a store
+    aside/                broken entries
+    journal.jsonl         a line when a case is begun and when it is stored; marks a cache folder
 
 Writers need no lock: those of one case write the same, and the last one counts.
 """
@@ -32,21 +32,21 @@ from harness.execution.signals import delay_signals
 DRAFTS, ASIDE, JOURNAL = "drafts", "aside", "journal.jsonl"
 
 _FIRST = 5
-"""Lines of a journal that are looked at; one may be cut short by a full disk."""
+"""Lines of a journal that are checked; a full disk may cut a line short."""
 
 _KEY = "[0-9a-f]{32}"
 _SUFFIX = r"(-[0-9a-f]{12})?\.(result|json|parquet)"
-"""Of results, and of the two files of earlier releases, which pruning removes."""
+"""Ends of the names of results, and of the two files of earlier releases, which pruning removes."""
 
 _RESULT = re.compile(rf"(?P<key>{_KEY})\.result")
 _OLD = re.compile(rf"(?P<key>{_KEY})(-[0-9a-f]{{12}})?\.(json|parquet)")
 _DRAFT = re.compile(rf"(?P<process>\d+)-[0-9a-f]{{8}}-{_KEY}{_SUFFIX}")
 _SET_ASIDE = re.compile(rf".+-{_KEY}(-[0-9a-f]{{12}})?-[0-9a-f]{{8}}\.(result|json|parquet)")
-"""The names that are given here: whatever has another is somebody else's."""
+"""Names of the files that this module writes; a file of another name is never removed."""
 
 
 class NoCacheError(StoreError):
-    """A folder is no store."""
+    """A folder is not a result cache."""
 
     def __init__(self, folder: Path, reason: str) -> None:
         super().__init__(
@@ -56,7 +56,7 @@ class NoCacheError(StoreError):
 
 
 class CacheWarning(UserWarning):
-    """An entry was found broken and set aside."""
+    """A broken entry was moved to the folder `aside`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,22 +66,22 @@ class CacheFolder:
     Parameters
     ----------
     folder : Path
-        Is made when the first entry is kept.
+        Created when the first entry is stored.
     fresh : bool
-        True to find nothing that is there, and replace it.
+        True to ignore and replace the entries that exist.
     """
 
     folder: Path
     fresh: bool = False
 
     def has(self, kind: str, key: str) -> bool:
-        """Whether there is an entry; `get` may still find it broken."""
+        """Whether an entry exists; it may be broken."""
         return not self.fresh and self.path(kind, key).exists()
 
     def get(self, kind: str, key: str) -> Any:  # noqa: ANN401 - whatever was kept
         """Return a result, or None if there is none.
 
-        An entry that is not what was written is set aside, with a `CacheWarning`.
+        A broken entry is moved to the folder `aside`, with a `CacheWarning`.
         """
         if self.fresh:
             return None
@@ -112,12 +112,12 @@ class CacheFolder:
         return read_entry(content, kind, key)
 
     def put(self, kind: str, key: str, metadata: Metadata, value: object) -> None:
-        """Keep a result; a signal that comes meanwhile waits.
+        """Store a result; a signal that arrives meanwhile waits.
 
         Raises
         ------
         OutputError
-            If the folder cannot be written to. What was there before is still there.
+            If the folder cannot be written to; the earlier entry is then unchanged.
         """
         path, drafts = self.path(kind, key), self.folder / DRAFTS
         draft = drafts / f"{os.getpid()}-{uuid.uuid4().hex[:8]}-{path.name}"
@@ -130,15 +130,15 @@ class CacheFolder:
                 write_atomically(path, write_entry(kind, key, metadata, value), draft=draft)
                 self.note("kept", kind, key)
         except OSError as error:
-            raise self._full(error) from error
+            raise self._write_error(error) from error
 
     def check(self) -> None:
-        """Refuse a folder that no program of ours wrote to; an empty one is a store of nothing.
+        """Refuse a folder that is not a result cache; an empty folder is one without entries.
 
         Raises
         ------
         NoCacheError
-            If it is none, or is not there.
+            If the folder has no journal, or does not exist.
         """
         try:
             if not any(self.folder.iterdir()) or _is_ours(self.folder / JOURNAL):
@@ -173,10 +173,10 @@ class CacheFolder:
             finally:
                 os.close(handle)
         except OSError as error:
-            raise self._full(error) from error
+            raise self._write_error(error) from error
 
     def reject(self, kind: str, key: str, reason: str) -> None:
-        """Set a broken entry aside, with a `CacheWarning` that says why."""
+        """Move a broken entry to the folder `aside`, with a `CacheWarning` that says why."""
         path, place = self.path(kind, key), self.folder / ASIDE
         place.mkdir(parents=True, exist_ok=True)
         with suppress(FileNotFoundError):  # another process was faster
@@ -189,11 +189,11 @@ class CacheFolder:
         )
 
     def path(self, kind: str, key: str) -> Path:
-        """Return where an entry is."""
+        """Return the path of an entry."""
         return self.folder / kind / key[:2] / f"{key}.result"
 
-    def _full(self, error: OSError) -> OutputError:
-        """Return what to say of a folder that cannot be written to."""
+    def _write_error(self, error: OSError) -> OutputError:
+        """Return the error of a folder that cannot be written to."""
         if isinstance(error, OutputError):
             return error
         return OutputError(
@@ -203,7 +203,7 @@ class CacheFolder:
 
 
 def _is_ours(journal: Path) -> bool:
-    """Whether a file is a journal of a store: its first lines, or what a full disk left of them."""
+    """Whether a file is the journal of a result cache, whose lines a full disk may cut short."""
     try:
         with journal.open(encoding="utf-8") as file:
             lines = [file.readline() for _ in range(_FIRST)]
@@ -213,7 +213,7 @@ def _is_ours(journal: Path) -> bool:
 
 
 class EntryState(Enum):
-    """How an entry is."""
+    """State of an entry."""
 
     WHOLE = "whole"
     BROKEN = "broken"
@@ -221,7 +221,7 @@ class EntryState(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntryStatus:
-    """An entry of a store.
+    """An entry and its state.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ class EntryStatus:
     size : int
         Bytes.
     reason : str
-        What is wrong with a broken one.
+        What is wrong with a broken entry.
     """
 
     kind: str
@@ -244,7 +244,7 @@ class EntryStatus:
 
 
 def inspect_cache(store: CacheFolder, *, thoroughly: bool = False) -> Iterator[EntryStatus]:
-    """Yield every entry; one that another program removes meanwhile is none.
+    """Yield every entry, but those that another program removes meanwhile.
 
     Parameters
     ----------
@@ -272,16 +272,16 @@ def inspect_cache(store: CacheFolder, *, thoroughly: bool = False) -> Iterator[E
 
 
 def prune_cache(store: CacheFolder, keep: Callable[[Metadata], bool]) -> tuple[int, int]:
-    """Remove what is not to be kept; return how many entries went, and how many bytes in all.
+    """Remove entries; return the number of removed entries and the bytes freed in all.
 
-    Broken entries go as well, and what programs left over that did not come to their end, or that
-    kept their results in another format. What is not a store's stays.
+    Broken entries are removed as well, and so are drafts of killed programs and files in the
+    formats of earlier releases. Files that this module did not write stay.
 
     Parameters
     ----------
     store : CacheFolder
     keep : callable
-        Whether an entry is kept, from where it comes from.
+        Returns whether to keep an entry, given its metadata.
 
     Raises
     ------
@@ -310,7 +310,7 @@ def prune_cache(store: CacheFolder, keep: Callable[[Metadata], bool]) -> tuple[i
 
 
 def _remove(path: Path) -> None:
-    """Remove a file, or a folder that somebody put in its place; what is gone is gone."""
+    """Remove a file, or a folder in its place, if it still exists."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     else:
@@ -318,7 +318,7 @@ def _remove(path: Path) -> None:
 
 
 def _entries(store: CacheFolder, names: re.Pattern[str]) -> Iterator[Path]:
-    """Yield the files KIND/KK/KEY... of a pattern in order of their names."""
+    """Yield the files KIND/KK/KEY... whose names match a pattern, sorted."""
     for kind in _listed(store.folder):
         for shelf in _listed(kind):
             for path in _listed(shelf):
@@ -328,7 +328,7 @@ def _entries(store: CacheFolder, names: re.Pattern[str]) -> Iterator[Path]:
 
 
 def _listed(place: Path) -> list[Path]:
-    """Return what is in a folder, sorted; nothing if it is none, or has gone meanwhile."""
+    """Return the contents of a folder, sorted; empty if it is no folder or does not exist."""
     try:
         return sorted(place.iterdir())
     except (FileNotFoundError, NotADirectoryError):
@@ -336,7 +336,7 @@ def _listed(place: Path) -> list[Path]:
 
 
 def _size(path: Path) -> int:
-    """Return the bytes of a file; none if it has gone meanwhile."""
+    """Return the size of a file in bytes; zero if it was removed meanwhile."""
     try:
         return path.stat().st_size
     except FileNotFoundError:

@@ -1,11 +1,11 @@
 """File format of a cache entry: a line of JSON, then the bytes of the arrays, compressed.
 
 The line is strict JSON with the checksum of its own text in it, and that of the arrays. It holds
-where the result comes from and the result itself, encoded as follows.
+the metadata and the result, encoded as follows.
 
 JSON has neither tuples, infinite numbers, dataclasses, enumerations nor arrays. Each is wrapped in
-an object of one key, so that what is read equals what was written, its types included. Floats are
-written with as many digits as they need to come back bit for bit, arrays as the bytes they are.
+an object of one key, so that the decoded value equals the encoded one, its types included. Floats
+are written with as many digits as restore them bit for bit, arrays as their bytes.
 The key of an entry holds a fingerprint of the sources, so a dataclass has the fields it had; no
 entry is read by another version of the program.
 """
@@ -31,13 +31,13 @@ _TUPLE, _FLOAT, _ARRAY = "(tuple)", "(float)", "(array)"
 _CLASS, _SAME, _ENUM = "(class)", "(same)", "(enum)"
 
 _PROGRAM = ("harness.", "models.", "reference.")
-"""Modules whose classes an entry may name: nothing else is imported for what a file says."""
+"""Packages whose classes an entry may name; no other module is imported because of a file."""
 
 _CODEC = "zstd"
 
 
 class Encoder:
-    """Turns values into JSON's own types; arrays and dataclasses that recur are written once."""
+    """Turns values into JSON's own types; an array or dataclass that recurs is written once."""
 
     def __init__(self) -> None:
         self.arrays: list[NDArray[Any]] = []
@@ -74,7 +74,7 @@ class Encoder:
         return encoded
 
     def _once(self, value: object) -> dict[str, Any]:
-        """Return an array or a dataclass that was not met before."""
+        """Return the encoding of an array or a dataclass at its first occurrence."""
         if isinstance(value, np.ndarray) and value.dtype.kind in "bif":
             self.arrays.append(value)
             return {_ARRAY: [value.dtype.str, list(value.shape)]}
@@ -85,7 +85,7 @@ class Encoder:
 
 
 class Decoder:
-    """Turns what an `Encoder` wrote into what it was given.
+    """Turns the output of an `Encoder` into the values that it encoded.
 
     Parameters
     ----------
@@ -99,12 +99,12 @@ class Decoder:
         self._known: list[object] = []
 
     def decode(self, value: Any) -> Any:  # noqa: ANN401, PLR0911 - as `encode`
-        """Return what `Encoder.encode` was given.
+        """Return the value that `Encoder.encode` encoded.
 
         Raises
         ------
         ValueError, LookupError, TypeError, AttributeError, ImportError
-            If it is nothing that an encoder wrote.
+            If it is not the output of an encoder.
         """
         if isinstance(value, list):
             return [self.decode(inner) for inner in value]
@@ -153,21 +153,21 @@ def _class(path: str) -> Any:  # noqa: ANN401 - a dataclass or an enumeration
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Metadata:
-    """Where an entry comes from: for people, and for pruning.
+    """Origin of an entry, for people and for pruning.
 
     Parameters
     ----------
     label : str
         The case in a few words.
     command : str
-        What runs it again.
+        Runs the case again.
     engine, engine_version : str
     code : str
         Fingerprint of the program that made it.
     modules : tuple of str
-        Whose sources are in the fingerprint besides those that are in all.
+        Modules whose sources are in this fingerprint besides those that are in every one.
     kept : str
-        When, UTC, ISO 8601.
+        Time of storing, UTC, ISO 8601.
     machine : str
         Processor on which the times in it were measured.
     """
@@ -184,7 +184,7 @@ class Metadata:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CacheEntry:
-    """An entry as it was read: where it comes from checked, its arrays not yet.
+    """An entry read from a file: its metadata is checked, its arrays are not.
 
     Parameters
     ----------
@@ -194,9 +194,9 @@ class CacheEntry:
     arrays : bytes
         Compressed.
     arrays_size : int
-        Bytes when they are not.
+        Bytes of the arrays without compression.
     arrays_sha256 : str
-        What their checksum has to be.
+        Expected checksum of the arrays.
     """
 
     metadata: Metadata
@@ -211,7 +211,7 @@ class CacheEntry:
         Raises
         ------
         StoreError
-            If it is not what was written.
+            If the entry is broken.
         """
         if checksum(self.arrays) != self.arrays_sha256:
             raise StoreError("the checksum of its arrays is not theirs")
@@ -249,7 +249,7 @@ def write_entry(kind: str, key: str, metadata: Metadata, value: object) -> bytes
 
 
 def _planes(array: NDArray[Any]) -> bytes:
-    """Return the first bytes of all numbers, then the second ones: so they compress by a tenth."""
+    """Return the first bytes of all numbers, then the second: this compresses a tenth better."""
     return np.frombuffer(array.tobytes(), np.uint8).reshape(-1, array.itemsize).T.tobytes()
 
 
@@ -259,7 +259,7 @@ def read_entry(content: bytes, kind: str, key: str) -> CacheEntry:
     Raises
     ------
     StoreError
-        With what is wrong with it.
+        If the entry is broken; the message says why.
     """
     line, newline, arrays = content.partition(b"\n")
     try:
@@ -293,5 +293,5 @@ def checksum(content: bytes) -> str:
 
 
 def _text(record: Mapping[str, Any]) -> bytes:
-    """Return what the checksum of a record is taken of: the same however it is laid out."""
+    """Return the text of which a checksum is taken; it does not depend on the order of keys."""
     return json.dumps(record, sort_keys=True, allow_nan=False).encode()

@@ -1,10 +1,10 @@
 """Running on a cluster of Dask: its scheduler places the tasks, and repeats those of lost workers.
 
-A worker of the cluster does each task in a process beside it, within limits. So an engine that
+A worker of the cluster runs each task in a process of its own, within limits. So an engine that
 crashes or hangs is the outcome of its case here as on one machine, and when a worker of the cluster
 is lost, that is the machine's doing and the task is done elsewhere.
 
-What a machine computes with: machines that say the same of themselves make the same bits.
+Environment of a machine: machines with equal descriptions compute equal bits.
 
 A version does not change while somebody edits a checkout, so sources are compared as text. A
 processor of the same kind is taken to compute alike.
@@ -35,7 +35,7 @@ T = TypeVar("T")
 _SOURCES = "sources of rockingcan"
 _PACKAGES = ("numpy", "scipy", "mujoco", "pybullet")
 _IN_SOURCES = frozenset({"numpy", "scipy"})
-"""What a fingerprint of sources holds besides them: while these differ, it says nothing more."""
+"""Packages in a fingerprint of sources; where their versions differ, sources are not compared."""
 
 _OURS = "harness"
 _NONE = "none"
@@ -45,7 +45,7 @@ REMEDY = "have the same there as here, and start the workers again"
 
 @cache
 def environment_description() -> dict[str, str]:
-    """Return what this process computes with, by what it is."""
+    """Return the environment of this process: versions and fingerprints by name."""
     return {
         "rockingcan": version_of("rockingcan", _NONE),
         _SOURCES: fingerprint(_OURS),
@@ -57,7 +57,7 @@ def environment_description() -> dict[str, str]:
 
 
 def _engines() -> Iterator[tuple[str, str]]:
-    """Yield engines of others, without making them: their package's version and sources."""
+    """Yield the version and sources of each engine of another package, without creating it."""
     for entry in sorted(entry_points(group=ENGINE_ENTRY_POINTS), key=lambda entry: entry.name):
         package = entry.value.partition(":")[0].partition(".")[0]
         if package != _OURS:
@@ -69,7 +69,7 @@ def _origin(entry: EntryPoint) -> str:
 
 
 def environment_differences(there: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
-    """Return in words what differs; engines that only one of both has cannot give other results."""
+    """Return the differences in words; an engine that only one of both has is no difference."""
     both = [key for key in here if key in there and here[key] != there[key]]
     if _IN_SOURCES & set(both):
         both = [key for key in both if key != _SOURCES and not key.startswith("engine ")]
@@ -79,12 +79,12 @@ def environment_differences(there: Mapping[str, str], here: Mapping[str, str]) -
 def check_same_environment(
     here: Mapping[str, str], fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
 ) -> T:
-    """Return what a function returns, if this process is like the one that asks for it.
+    """Return the result of a function, if this process has the environment of the caller.
 
     Raises
     ------
     ClusterError
-        If it is not: it came after the others were asked, or was started before an edit.
+        If it has another: it joined after the check, or was started before an edit.
     """
     if other := environment_differences(environment_description(), here):
         raise ClusterError(
@@ -107,7 +107,7 @@ _FORM = "the address of a Dask scheduler, such as tcp://host:8786"
 _GONE = "the scheduler let go of a task, or is gone; start again to go on"
 
 _TASKS_A_THREAD = 2
-"""One that runs and one that has arrived: the network's delay does not show."""
+"""Tasks for each thread: one runs and one waits, so that the network causes no delay."""
 
 
 def dask_executor(address: str, limits: Limits) -> "DaskExecutor":
@@ -150,7 +150,7 @@ def dask_executor(address: str, limits: Limits) -> "DaskExecutor":
 
 
 def check_cluster_address(address: str) -> None:
-    """Refuse what is no address; Dask's own client would find out late, and not let go.
+    """Refuse a malformed address, which Dask's own client would notice late and not release.
 
     Raises
     ------
@@ -187,8 +187,8 @@ def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package shi
 
 
 @contextmanager
-def _reached() -> Iterator[None]:
-    """Say of a scheduler that no longer answers that it is gone."""
+def _scheduler_errors() -> Iterator[None]:
+    """Turn the errors of a scheduler that no longer answers into a `ClusterError`."""
     try:
         yield
     except OSError as error:  # timeouts and closed connections of Dask are among these
@@ -214,16 +214,16 @@ class DaskExecutor(Executor):
 
     @property
     def window(self) -> int:
-        """How many tasks keep it busy."""
-        with _reached():
+        """Number of tasks that keep the executor busy."""
+        with _scheduler_errors():
             threads: dict[str, int] = self._client.nthreads()
         return _TASKS_A_THREAD * max(1, sum(threads.values()))
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
-        """Have a task done; its exception, if any, is in the future."""
+        """Submit a task; its exception, if any, is in the future."""
         future: Future[T] = Future()
         future.set_running_or_notify_cancel()
-        with _reached():  # not pure: two tasks alike are two tasks
+        with _scheduler_errors():  # not pure: two tasks alike are two tasks
             theirs = self._client.submit(
                 run_isolated,
                 self.limits,
@@ -239,7 +239,7 @@ class DaskExecutor(Executor):
         return future
 
     def _settle(self, future: "Future[T]", done: Any) -> None:  # noqa: ANN401 - it ships no types
-        """Hand on what the cluster answered."""
+        """Copy the result or error of the cluster into the future."""
         dask: Any = importlib.import_module("distributed")
         try:
             future.set_result(done.result())
@@ -253,7 +253,7 @@ class DaskExecutor(Executor):
             self._futures.discard(done)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
-        """Let go of the cluster, which goes on."""
+        """Disconnect from the cluster, which goes on."""
         if cancel_futures or not wait:
             self._client.cancel(list(self._futures))
         self._client.close()
@@ -264,6 +264,6 @@ class DaskExecutor(Executor):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Let go of the cluster; after an error, with what it was to do."""
+        """Disconnect from the cluster; after an error, cancel its tasks too."""
         del error, trace
         self.shutdown(cancel_futures=kind is not None)

@@ -1,14 +1,11 @@
-"""An executor whose tasks cannot hurt each other: a process each, limits, replacement.
+"""Executors: processes with limits, where a task that crashes fails alone, or this process.
 
-The pools of the standard library and of loky fail all that is pending when one process dies. That
-of pebble tells which task it was, but its workers share a pipe and its lock: one that is killed
-while it sends a result stalls the others. So here each worker has a pipe, and a thread, of its own.
+The pools of the standard library and of loky fail all pending tasks when one process dies. Pebble
+fails the right task, but its workers share a pipe and its lock: a worker that is killed while it
+sends a result stalls the others. So here each worker has a pipe and a thread of its own. The thread
+is a daemon, unlike those of `ThreadPoolExecutor`: a program that ends does not wait for a task.
 
-One task in a process of its own, from wherever this is called: a worker of a cluster, say.
-
-Background processes, which run as long as this process and end with it.
-
-Running on this machine: here, one by one, or in processes within limits.
+A background process serves one thread, such as that of a cluster's worker, and ends with this one.
 """
 
 import atexit
@@ -31,7 +28,7 @@ T = TypeVar("T")
 
 
 _Task: TypeAlias = tuple["Future[Any]", bytes, tuple[str, ...]]
-"""Where the result of a task goes; its function and arguments, pickled; their modules."""
+"""Future of a task; its function and arguments, pickled; names of their modules."""
 
 
 class IsolatedProcessPool(Executor):
@@ -60,11 +57,11 @@ class IsolatedProcessPool(Executor):
 
     @property
     def window(self) -> int:
-        """How many tasks keep it busy: one for each worker, and one that waits."""
+        """Number of tasks that keep the pool busy: one for each worker, and one that waits."""
         return self.workers + 1
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
-        """Have a task done; its exception, if any, is in the future.
+        """Submit a task; its exception, if any, is in the future.
 
         Raises
         ------
@@ -84,7 +81,7 @@ class IsolatedProcessPool(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
-        """Take no more tasks; end the processes when they have done what they have."""
+        """Take no more tasks; end the processes after the tasks that were submitted."""
         with self._lock:
             self._closed = True
             if cancel_futures:
@@ -96,7 +93,7 @@ class IsolatedProcessPool(Executor):
                 thread.join()
 
     def stop(self) -> None:
-        """End at once: cancel what waits, and kill the processes of what runs."""
+        """End at once: cancel the waiting tasks, and kill the processes of the others."""
         self.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             self._stopping = True
@@ -111,7 +108,7 @@ class IsolatedProcessPool(Executor):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Wait for what was submitted; after an error, do not."""
+        """Wait for the submitted tasks; after an error, stop at once."""
         del error, trace
         if kind is None:
             self.shutdown()
@@ -129,7 +126,7 @@ class IsolatedProcessPool(Executor):
                 task[0].cancel()
 
     def _serve(self) -> None:
-        """Give tasks to one worker, and a new one to the task after one that took it along."""
+        """Give tasks to a worker; a task that kills its worker is followed by a new worker."""
         # a process inherits what is blocked here, until it has seen to its signals itself
         signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
@@ -149,7 +146,7 @@ class IsolatedProcessPool(Executor):
         self._ended(worker)
 
     def _started(self, modules: tuple[str, ...]) -> Worker:
-        """Return a new worker that imports these modules first, unless all is being stopped."""
+        """Return a new worker that imports these modules first, unless the pool is stopped."""
         with self._lock:
             if self._stopping:
                 raise run_stopped()
@@ -162,7 +159,7 @@ class IsolatedProcessPool(Executor):
         return worker
 
     def _ended(self, worker: Worker | None) -> None:
-        """Clear up after a worker."""
+        """End a worker and forget it."""
         if worker is not None:
             with self._lock:
                 self._running.discard(worker)
@@ -170,13 +167,13 @@ class IsolatedProcessPool(Executor):
 
 
 def _modules(*things: object) -> tuple[str, ...]:
-    """Return the names of the modules of all functions among some things."""
+    """Return the names of the modules of all functions among these objects."""
     names = (getattr(thing, "__module__", None) for thing in things if callable(thing))
     return tuple(name for name in names if isinstance(name, str))
 
 
 def _settle(future: "Future[Any]", answer: bytes) -> None:
-    """Hand on what a worker answered."""
+    """Copy the answer of a worker into the future."""
     try:
         result, error = pickle.loads(answer)  # noqa: S301 - from a process of our own
     except Exception as unreadable:  # noqa: BLE001 - handed on to whoever asks for the result
@@ -205,7 +202,7 @@ def background_worker(limits: Limits) -> IsolatedProcessPool:
 
 @atexit.register
 def end_background_worker() -> None:
-    """End the background processes; for a program that does not end as usual."""
+    """End the background processes, also where a program skips the handlers of `atexit`."""
     for executor in tuple(_background):
         executor.stop()
 
@@ -234,7 +231,7 @@ class SerialExecutor(Executor):
     """Runs each task where and when it is submitted."""
 
     window = 1
-    """How many tasks keep it busy."""
+    """Number of tasks that keep the executor busy."""
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
         """Run a task now; its exception, if any, is in the future."""

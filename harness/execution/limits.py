@@ -1,7 +1,4 @@
-"""How long a task may take and how much memory it may use.
-
-How much memory there is for this program: the machine's, or what a container is given of it.
-"""
+"""Limits of time and memory of a task, and the memory of the machine or of its container."""
 
 import math
 import os
@@ -16,19 +13,19 @@ _ROOT = Path("/")
 
 
 def available(root: Path = _ROOT) -> float:
-    """Return the bytes of memory that this program and all that it starts may use.
+    """Return the bytes of memory that this program and its processes may use.
 
     Parameters
     ----------
     root : Path
-        Of the file system in which Linux tells of control groups.
+        Of the file system in which Linux describes control groups.
     """
     machine = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     return min([machine, *_limits(root)])
 
 
 def _limits(root: Path) -> Iterator[float]:
-    """Yield the limits of the control groups that this process is in, of both versions of them."""
+    """Yield the limits of the control groups of this process, of version 1 and 2."""
     with suppress(OSError):
         for line in (root / "proc/self/cgroup").read_text("utf-8").splitlines():
             number, kinds, group = line.split(":", 2)
@@ -39,10 +36,10 @@ def _limits(root: Path) -> Iterator[float]:
 
 
 def _along(top: Path, group: str, file: str) -> Iterator[float]:
-    """Yield the limits of a group and of all that it is in.
+    """Yield the limits of a group and of its ancestors.
 
-    In a container the group may be told as the host has it, while the container sees its own as the
-    top; folders that are not there have no say.
+    In a container the path of the group may be that of the host, while the folders are those of the
+    container; paths that do not exist are skipped.
     """
     inside = Path(group.lstrip("/"))
     for part in (inside, *inside.parents):
@@ -60,7 +57,7 @@ _SHARE = 0.8  # of all memory, for all workers together
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What a worker is given for one task.
+    """Limits of a task.
 
     Parameters
     ----------
@@ -81,7 +78,7 @@ class Limits:
     memory: float = math.inf
 
     def __post_init__(self) -> None:
-        """Refuse what nothing could run in."""
+        """Refuse limits in which nothing could run."""
         if not self.seconds > 0.0:
             raise InvalidSettingError("time limit", self.seconds, "a positive number of seconds")
         if not self.memory > 0.0:
@@ -95,11 +92,10 @@ LONGEST = 1800.0
 
 
 def default_limits(workers: int) -> Limits:
-    """Return limits for so many workers: a half hour each, and together not all of the memory.
+    """Return limits for each of so many workers: half an hour, and a share of the memory.
 
-    None is given less than a sound case needs. So of very many all could together take more than
-    there is, if they all went to their limits; then the system ends one, and its case is done
-    again.
+    No worker is given less than a sound case needs, so very many workers at their limits could
+    exceed the memory; then the system ends one of them, and its case is run again.
     """
     share = _SHARE * available() / workers
     return Limits(seconds=LONGEST, memory=min(_MOST_MEMORY, max(_LEAST_MEMORY, share)))

@@ -1,4 +1,4 @@
-"""Signals that end a run: they wait until what is being written is whole.
+"""Signals that end a run: they wait until a file that is being written is complete.
 
 A program that calls `handle_signals` is stopped by Ctrl-C and by SIGTERM alike, with an exception
 that passes through everything and says which it was. Inside `delay_signals` a signal is only noted,
@@ -18,7 +18,7 @@ from types import FrameType
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 PATIENCE = 5.0
-"""s after the first signal in which others are the same wish; a later one ends the program."""
+"""s after the first signal in which further signals are ignored; a later one ends the program."""
 
 _STANDARD_ERROR = 2  # whatever stands in for it in Python may be in the middle of a line
 

@@ -1,7 +1,7 @@
 """Run tasks on any executor: results are stored as they come, and those stored before are read.
 
-What is kept is read while others run. Few tasks more are handed out than run at once, so that
-little is in flight when the program ends, however it ends.
+Stored results are read while tasks run. Few more tasks are submitted than run at once, so that few
+are pending when the program ends, however it ends.
 """
 
 from collections import deque
@@ -32,9 +32,9 @@ class ResultCache(Generic[T, R]):
     kind : str
         One word.
     key : callable
-        Returns what names a task: a digest of all that decides its result.
+        Returns the digest of everything that decides the result of a task.
     metadata : callable
-        Returns where a result comes from; when and on which machine is filled in.
+        Returns the origin of a result; time and machine are filled in.
     """
 
     store: CacheFolder
@@ -52,13 +52,13 @@ class ResultCache(Generic[T, R]):
         return result
 
     def put(self, task: T, result: R) -> None:
-        """Keep the result of a task."""
+        """Store the result of a task."""
         when = datetime.now(UTC).isoformat(timespec="seconds")
         metadata = replace(self.metadata(task), kept=when, machine=_machine())
         self.store.put(self.kind, self.key(task), metadata, result)
 
     def begun(self, task: T) -> None:
-        """Note that a task is handed out."""
+        """Write into the journal that a task is submitted."""
         self.store.note("begun", self.kind, self.key(task))
 
 
@@ -75,11 +75,11 @@ class ProgressListener(Generic[T, R]):
     Parameters
     ----------
     kept : callable
-        Is told before anything runs how many tasks are kept, and how many there are.
+        Called before anything runs with the number of stored results and that of tasks.
     done : callable
-        Is told of each task and its result: those kept before too, unless `read` is.
+        Called with each task and its result; for stored ones `read` is called if given.
     read : callable, optional
-        Is told of each task whose result was kept before.
+        Called with each task whose result was stored before, and the result.
     """
 
     kept: Callable[[int, int], None] = field(default=lambda *_: None)
@@ -94,18 +94,18 @@ def run_queue(
     window: int,
     meanwhile: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Hand out the tasks of a queue and take what comes of them, until nothing is left.
+    """Submit the tasks of a queue and take their results, until nothing is left.
 
     Parameters
     ----------
     queue : deque
         Is emptied from the left; `take` and `meanwhile` may add to it.
     submit : callable
-        Hands a task out.
+        Submits a task.
     take : callable
-        Is given each task and its future once that is done.
+        Called with each task and its future once that is done.
     window : int
-        Tasks on their way at a time.
+        Most tasks that are pending at a time.
     meanwhile : callable
         Does something else while tasks run; returns whether there was anything to do.
 
@@ -144,8 +144,8 @@ def run_tasks(
 ) -> list[R]:
     """Return the results of tasks in their order: read if stored, else computed and stored.
 
-    Of tasks without a result those that crashed are kept: they would again. One that was stopped,
-    for its limits or from outside, may well be done the next time, and so it is tried again.
+    The loss of a task that crashed is stored, since it would crash again. A task that was stopped,
+    for its limits or from outside, may succeed the next time, and so it is run again.
 
     Parameters
     ----------
@@ -154,14 +154,14 @@ def run_tasks(
         A function of a module, so that it can be sent to a process.
     executor : Executor
     lost : callable
-        Returns the result of a task that took its process with it, or was stopped.
+        Returns the result of a task whose process died or was stopped.
     cache : ResultCache, optional
     listener : ProgressListener, optional
 
     Raises
     ------
     Exception
-        What `work` raises, after which nothing more is begun. It says how much is kept.
+        Raised by `work`; nothing more is begun, and a note says how many results are stored.
     """
     run = _Run(tasks, work, executor, lost, cache, listener or ProgressListener())
     try:
@@ -196,14 +196,14 @@ class _Run(Generic[T, R]):
         self.listener.kept(len(self.stored), len(self.tasks))
 
     def account(self) -> str:
-        """Return in a sentence how much is done, and where."""
+        """Return in a sentence how many tasks are done, and where their results are."""
         if self.cache is None:
             return f"{len(self.results)} of {len(self.tasks)} were done, and nothing is kept."
         stored = self.safe + len(self.stored)
         return f"{stored} of {len(self.tasks)} are done and kept in '{self.cache.store.folder}'."
 
     def submit(self, index: int) -> Future[R]:
-        """Hand out a task."""
+        """Submit a task."""
         if self.cache is not None:
             self.cache.begun(self.tasks[index])
         try:
@@ -229,7 +229,7 @@ class _Run(Generic[T, R]):
         return True
 
     def take(self, index: int, future: Future[R]) -> None:
-        """Keep what came of a task."""
+        """Store the result of a task."""
         task, keep = self.tasks[index], True
         try:
             result = future.result()

@@ -1,8 +1,8 @@
-"""A worker as its owner sees it: started once, given one task at a time, watched, ended.
+"""A worker process seen from its owner: started once, given a task at a time, watched, ended.
 
-What a worker started is weighed with it and ended with it. A worker leads a process group of its
-own, which its children are in unless they leave it; those that left are known by their parents.
-A process that left the group and whose parent has ended is not found: it outlives the worker.
+The memory of processes that a worker started counts as its own, and they end with it. A worker
+leads a process group, in which its children are unless they leave it; those that left are known by
+their parents. A process that left the group and whose parent has ended outlives the worker.
 """
 
 import math
@@ -61,8 +61,8 @@ _FAULTS = {
 }
 
 
-def of_exit(code: int) -> LostTaskError:
-    """Return what the exit code of a worker says that died by itself, as `subprocess` has it."""
+def loss_of_exit(code: int) -> LostTaskError:
+    """Return the loss of a worker that died by itself, from its exit code of `subprocess`."""
     if code >= 0:
         return LostTaskError(Loss.CRASHED, f"killed: the engine left its process with code {code}")
     known = {number.value: number for number in signal.Signals}.get(-code)
@@ -74,7 +74,7 @@ def of_exit(code: int) -> LostTaskError:
 
 
 def run_stopped() -> LostTaskError:
-    """Return that a worker was ended because the run was."""
+    """Return the loss of a worker that was ended because the run was stopped."""
     return LostTaskError(Loss.STOPPED, "killed: the run was stopped")
 
 
@@ -90,11 +90,11 @@ _PATIENCE = 120.0  # s: a machine that is busy starts Python and imports the eng
 
 
 class Worker:
-    """A process that does tasks one after the other.
+    """A process that runs tasks one after the other.
 
-    Starting it takes a second or so, which no task's time counts. What a task starts is weighed
-    with it and ended with it, as far as `_family` knows of it, when this program ends the process.
-    When this program is killed, the system ends the process, on Linux, and not what that started.
+    Starting it takes a second or so, which does not count as time of a task. Processes that a task
+    starts share its memory limit and end with it, as far as `_family` knows them, when this program
+    ends the worker. When this program is killed, Linux ends the worker, but not what it started.
 
     Parameters
     ----------
@@ -135,39 +135,39 @@ class Worker:
         self._ending = threading.Lock()
 
     def do(self, task: bytes) -> bytes:
-        """Give a task, as bytes, and return the answer.
+        """Send a task, as bytes, and return the answer.
 
         Raises
         ------
         LostTaskError
-            If the process dies over it, or is stopped for its limits; it is not to be used again.
+            If the process dies or is stopped for its limits; the worker cannot be used again.
         """
         if not self._ready:
             if self._answer(Limits(seconds=_PATIENCE)) != READY:
-                raise self._silenced()
+                raise self._connection_lost()
             self._ready = True
         try:
             self._mine.send_bytes(task)
         except OSError as error:
-            raise self._silenced() from error
+            raise self._connection_lost() from error
         return self._answer(self._limits)
 
     def _answer(self, limits: Limits) -> bytes:
-        """Wait for what the process sends, as long as it keeps to its limits."""
+        """Wait for the answer of the process, as long as it keeps its limits."""
         started = time.monotonic()
         try:
             while not self._mine.poll(_TICK):
-                lost = self._breach(limits, time.monotonic() - started)
+                lost = self._over_limit(limits, time.monotonic() - started)
                 if lost is not None:
                     raise lost
             return self._mine.recv_bytes()
         except (EOFError, OSError) as error:
-            raise self._silenced() from error
+            raise self._connection_lost() from error
 
-    def _breach(self, limits: Limits, seconds: float) -> LostTaskError | None:
-        """Stop the process if it is over a limit; return which, or that it died."""
+    def _over_limit(self, limits: Limits, seconds: float) -> LostTaskError | None:
+        """Stop the process if it exceeds a limit; return the loss, also if it died."""
         if self._has_ended() and not self._mine.poll():
-            return self._silenced()
+            return self._connection_lost()
         if seconds > limits.seconds:
             self.stop()
             reason = f"killed: it ran longer than the {limits.seconds:g} s allowed"
@@ -179,8 +179,8 @@ class Worker:
             return LostTaskError(Loss.OUT_OF_MEMORY, reason)
         return None
 
-    def _silenced(self) -> LostTaskError:
-        """Return what became of a process that does not answer any more, and see that it ends."""
+    def _connection_lost(self) -> LostTaskError:
+        """End a process that no longer answers, and return the loss."""
         until = time.monotonic() + _PARTING
         while not self._has_ended() and time.monotonic() < until:
             time.sleep(_PARTING / 100.0)
@@ -189,7 +189,7 @@ class Worker:
         if closed:
             reason = "killed: the engine closed its process's connection to the run"
             return LostTaskError(Loss.CRASHED, reason)
-        return run_stopped() if self._stopped else of_exit(code)
+        return run_stopped() if self._stopped else loss_of_exit(code)
 
     def _has_ended(self) -> bool:
         """Whether the process has ended; it is not waited for, and so keeps its number."""
@@ -213,7 +213,7 @@ class Worker:
 
 
 _FRESH = 0.5
-"""s for which a list of all processes is used again: making one takes some milliseconds."""
+"""s for which a list of all processes is used again: listing them takes some milliseconds."""
 
 _Relations = dict[int, tuple[int, int]]
 """Parent and group of each process."""
@@ -223,10 +223,10 @@ _listed: tuple[float, _Relations] = (-_FRESH, {})
 
 
 def memory_used(leader: int, limit: float) -> int:
-    """Return the bytes of memory that a worker and what it started use; zero if it is not known.
+    """Return the bytes of memory of a worker and the processes it started; zero if unknown.
 
-    What they share is counted once, which takes longer to find out: only where the simple sum of
-    what is resident exceeds the limit.
+    Shared memory is counted once, which takes longer to measure: only where the simple sum of the
+    resident memory exceeds the limit.
     """
     leading = _memory(leader)
     others = _family(leader, _FRESH) - {leader}
@@ -237,10 +237,10 @@ def memory_used(leader: int, limit: float) -> int:
 
 
 def end_tree(leader: int) -> None:
-    """Kill a worker that was not waited for yet, so that its number is still its own; and its own.
+    """Kill a worker and the processes it started, before the worker is waited for.
 
-    One that has ended by itself may have left others in its group, and one that runs may have
-    left the group itself.
+    Until then its number is its own. A worker that has ended by itself may have left others in its
+    group, and one that runs may have left the group itself.
     """
     strays = _family(leader, 0.0) - {leader}
     with suppress(ProcessLookupError, PermissionError):
@@ -251,7 +251,7 @@ def end_tree(leader: int) -> None:
 
 
 def _family(leader: int, age: float) -> set[int]:
-    """Return who is in the group that a process leads, or descends from one who is."""
+    """Return the members of the group that a process leads, and all their descendants."""
     relations = _relations(age)
     members = {process for process, (_, group) in relations.items() if group == leader}
     new = members | {leader}
@@ -264,7 +264,7 @@ def _family(leader: int, age: float) -> set[int]:
 def _relations(age: float) -> _Relations:
     """Return parent and group of every process, as they were at most `age` seconds ago.
 
-    A program that has no file left to open reads nothing; it ends a worker and its group even so.
+    A program without free file descriptors lists nothing, and can still end a worker and its group.
     """
     global _listed  # noqa: PLW0603 - one list for all threads that ask
     with _lock:

@@ -47,7 +47,7 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     global _serving  # noqa: PLW0603 - what this process is, from its first moment to its last
     _serving = True
     _die_with(owner)
-    _disregard()
+    _ignore_signals()
     # in a group of its own it is in the background of a terminal, and may still complain there
     signal.signal(signal.SIGTTOU, signal.SIG_IGN)
     with suppress(OSError):
@@ -73,27 +73,28 @@ def _die_with(owner: int) -> None:
         os._exit(1)
 
 
-def _disregard() -> None:
-    """Do nothing at the signals that end a run: its owner heeds them, and ends this process.
+def _ignore_signals() -> None:
+    """Do nothing at the signals that end a run: the owner handles them, and ends this process.
 
-    They arrive blocked, and would be blocked or ignored in what a task starts as well, which it
-    may want to end. A handler is left behind by a program that is started, and by a fork here.
+    The signals are blocked at the start, and blocked or ignored signals would stay so in processes
+    that a task starts and may want to end. A handler is not inherited by a program that is started,
+    and is reset after a fork.
     """
     for number in SIGNALS:
-        signal.signal(number, _unheeded)
-    os.register_at_fork(after_in_child=_heed)
+        signal.signal(number, _do_nothing)
+    os.register_at_fork(after_in_child=_restore_default_handlers)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
 
-def _unheeded(signum: int, frame: FrameType | None) -> None:
-    """Go on."""
+def _do_nothing(signum: int, frame: FrameType | None) -> None:
+    """Return, so that the process goes on."""
     del signum, frame
 
 
-def _heed() -> None:
-    """End at these signals again, unless a task has had its own say."""
+def _restore_default_handlers() -> None:
+    """Reset the handlers of these signals, unless a task has set its own."""
     for number in SIGNALS:
-        if signal.getsignal(number) is _unheeded:
+        if signal.getsignal(number) is _do_nothing:
             signal.signal(number, signal.SIG_DFL)
 
 

@@ -1,7 +1,4 @@
-"""One direction of a sweep: a parameter of the scene from one end to the other.
-
-Which scenes a sweep may choose: its axes together, and how points on them are taken.
-"""
+"""Axes of a sweep: a parameter of the scene and its range; checks of all axes and of the sample."""
 
 import math
 from collections.abc import Sequence
@@ -51,7 +48,7 @@ class Axis:
     log: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what no scene can have."""
+        """Refuse a range that no scene can have."""
         check_range(self.name, self.low, self.high)
         if self.log and not (self.low > 0.0 and self.high > 0.0):
             raise InvalidSettingError(
@@ -87,9 +84,9 @@ class Axis:
         return f"{self.name} [{unit}]" if unit else self.name
 
     def values(self, places: NDArray[np.intp]) -> Floats:
-        """Return some values of a grid, those of `linspace` or `geomspace`, shape of `places`.
+        """Return values of a grid at these places, those of `linspace` or `geomspace` bit for bit.
 
-        Bit for bit: each from its own place alone, so that a long axis takes no memory.
+        Each value follows from its place alone, so that a long axis takes no memory.
 
         Parameters
         ----------
@@ -100,7 +97,7 @@ class Axis:
         return np.rint(values) if PARAMETERS[self.name].whole else values
 
     def _spaced(self, places: NDArray[np.intp]) -> Floats:
-        """Return values of a grid as they are spaced."""
+        """Return values of a grid before rounding to whole numbers."""
         last, ends = (self.count or 1) - 1, np.array((self.low, self.high))
         if not self.log:
             return _evenly(ends, last, places)
@@ -178,8 +175,8 @@ SAMPLES = ("grid", "random", "sobol", "halton")
 """How the scenes are chosen."""
 
 
-def end_of(scene: Scene, axes: Sequence[Axis]) -> Scene:
-    """Return the scene that is checked for all: its effects at their lowest, the longest run."""
+def checked_scene(scene: Scene, axes: Sequence[Axis]) -> Scene:
+    """Return the scene that is checked for all of a sweep: lowest effects, longest run."""
     values = {axis.name: axis.low for axis in axes if _of_effects(axis)}
     values |= {
         axis.name: max(axis.low, axis.high) for axis in axes if axis.name.startswith("horizon.")

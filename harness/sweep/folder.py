@@ -40,7 +40,7 @@ NAME = re.compile(
 _FORMAT = "rockingcan-sweep"
 _PROGRAM = "program"
 _REPORT = "report"
-"""What the command makes of a sweep, beside it."""
+"""Folder of the report, which the command writes into the folder of the sweep."""
 
 _DRAFTS = f".*{DRAFT_SUFFIX}"
 
@@ -59,7 +59,7 @@ class PlanMismatchError(HarnessError, ValueError):
 
 
 class ProgramMismatchError(PlanMismatchError):
-    """The folder holds this sweep, as far as another program made it."""
+    """The folder holds this sweep, computed by another version of the program."""
 
     def __init__(self, out: Path, differing: str) -> None:
         super(PlanMismatchError, self).__init__(
@@ -84,7 +84,7 @@ class Folder:
         return self.out / PARTS
 
     def there(self) -> dict[int, list[Path]]:
-        """Return the files of the partitions by their names alone, whether sound or not."""
+        """Return the files of each partition by their names, whether damaged or not."""
         files: dict[int, list[Path]] = {}
         for path in sorted(self.parts.glob(f"*{SUFFIX}")):
             name = NAME.fullmatch(path.name)
@@ -93,12 +93,12 @@ class Folder:
         return files
 
     def missing(self) -> list[int]:
-        """Return the partitions that are not there, in order; damaged ones are set aside.
+        """Return the numbers of missing partitions, in order; damaged files are moved away.
 
         Raises
         ------
         OutputError
-            If a damaged one cannot be.
+            If a damaged file cannot be moved.
         """
         there, gone = self.there(), []
         for index in range(self.plan.partitions):
@@ -114,7 +114,7 @@ class Folder:
         return gone
 
     def write(self, part: pd.DataFrame) -> None:
-        """Write a partition, whole or not at all; a signal waits until it is done.
+        """Write a partition atomically; a signal waits until it is done.
 
         Raises
         ------
@@ -135,7 +135,7 @@ class Folder:
         Raises
         ------
         OutputError
-            If one is missing, or is not what was written.
+            If a partition is missing or damaged.
         """
         there = self.there()
         for index in range(self.plan.partitions):
@@ -161,7 +161,7 @@ class Folder:
 
 @contextmanager
 def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
-    """Give the folder of a sweep, new or begun earlier, to one process at a time.
+    """Open the folder of a sweep, new or begun earlier, for one process at a time.
 
     Raises
     ------
@@ -193,12 +193,12 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
 
 
 def _check(content: bytes) -> str:
-    """Return what the name of a file says of its content."""
+    """Return the checksum of a content as the name of its file has it."""
     return checksum(content)[:_DIGITS]
 
 
 def _content(path: Path) -> bytes | None:
-    """Return what is in the file of a partition, or None if it is not what was written."""
+    """Return the content of the file of a partition, or None if it is damaged."""
     name = NAME.fullmatch(path.name)
     try:
         content = path.read_bytes()
@@ -208,7 +208,7 @@ def _content(path: Path) -> bytes | None:
 
 
 def check_same(out: Path, plan: SweepPlan) -> None:
-    """Refuse a folder that holds anything but this sweep; one that is not there is free.
+    """Refuse a folder that holds anything but this sweep; a folder need not exist.
 
     Raises
     ------
@@ -230,7 +230,7 @@ def check_same(out: Path, plan: SweepPlan) -> None:
 
 
 def _other_program(here: dict[str, str], there: object) -> str:
-    """Return in words in what a program differs from this one."""
+    """Return in words how another program differs from this one."""
     if not isinstance(there, dict):
         return "no word of which"
     other = [name for name in here if here[name] != there.get(name)]
@@ -238,7 +238,7 @@ def _other_program(here: dict[str, str], there: object) -> str:
 
 
 def _check_without_plan(out: Path, plan: SweepPlan) -> None:
-    """Refuse a folder without a plan that is not empty, nor what is left of this very sweep."""
+    """Refuse a folder without a plan, unless it is empty or holds partitions of this sweep."""
     drafts = set(out.glob(f".{PLAN}.*{DRAFT_SUFFIX}"))
     names = {path.name for path in out.iterdir() if path not in drafts} if out.exists() else set()
     # a plan may have been written since we looked for it: the lock decides whose folder it is

@@ -1,4 +1,4 @@
-"""What a report shows of a sweep, read partition by partition in memory that does not grow with it.
+"""Report of a sweep, read partition by partition in memory that does not grow with the sweep.
 
 A curve over one parameter, a map over two, the extent of each quantity, and how the scenes ended.
 A cell of a map shows the scene nearest to its middle and no mean: where the sign of the turn
@@ -29,13 +29,13 @@ from harness.sweep.plan import SweepPlan
 from harness.sweep.values import QUANTITIES
 
 MOST_CELLS = 400
-"""Across, and up: a figure has about as many pixels to tell apart."""
+"""Cells across, and up: a figure has about as many pixels to distinguish."""
 
 _PER_CELL = 2.0
 """Scenes of a sample for each cell, so that few stay blank."""
 
 POINTS_MOST = 20_000
-"""Points of a curve; what lies closer no screen shows."""
+"""Points of a curve: more than a screen resolves."""
 
 MOST_PANELS = 6
 """Quantities that are drawn; the table has all."""
@@ -245,14 +245,14 @@ class Curves:
         self._y: dict[str, list[Floats]] = {name: [] for name in plan.quantities}
 
     def add(self, part: pd.DataFrame) -> None:
-        """Take consecutive scenes into account: every so-manieth, so that memory does not grow."""
+        """Take consecutive scenes into account: every n-th, so that memory does not grow."""
         drawn = part[part.index % self._stride == 0]
         self._x.append(drawn[self._against or self._plan.axes[0].column].to_numpy())
         for name, parts in self._y.items():
             parts.append(drawn[name].to_numpy())
 
     def curve(self, name: str) -> tuple[Floats, Floats]:
-        """Return a quantity along the horizontal axis, without what has no place there."""
+        """Return a quantity along the horizontal axis, without scenes that have no place on it."""
         x, y = np.concatenate(self._x), np.concatenate(self._y[name])
         x, y = x[~np.isnan(x)], y[~np.isnan(x)]
         order = np.argsort(x, kind="stable")
@@ -288,7 +288,7 @@ def _wide(values: Floats) -> bool:
 
 
 def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> Figure:
-    """Return the figure of some panels; `drawn` is what the first one shows."""
+    """Return the figure of these panels; `drawn` are the values in the first panel."""
     return Figure(
         name="sweep",
         title=f"{plan.base.scene.name} {over}",
@@ -299,7 +299,7 @@ def _figure(plan: SweepPlan, over: str, panels: list[Panel], drawn: Floats) -> F
 
 
 def _seen(plan: SweepPlan, title: str, drawn: Floats) -> str:
-    """Return in two sentences what the first panel shows, and what is left out of all."""
+    """Return two sentences: the range of the first panel, and what all panels leave out."""
     how = "the exact bounce" if plan.exact else plan.base.engine
     span = drawn[np.isfinite(drawn)]
     extent = (

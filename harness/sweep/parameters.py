@@ -1,4 +1,4 @@
-"""What of a scene a sweep may vary: names as in a scene file, units, ranges, and how to set them.
+"""Parameters of a scene that a sweep may vary: names as in a scene file, units, ranges, setting.
 
 A can whose mass or radius varies keeps its groups a, c and h: it is the same can in another size.
 """
@@ -116,11 +116,11 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         if field.type in {float, "float"}
     }
 )
-"""What may be varied, by name."""
+"""Every parameter by name."""
 
 
 def check_range(name: str, low: float, high: float) -> None:
-    """Refuse a parameter that there is not, or a range that reaches where no scene is.
+    """Refuse an unknown parameter, or a range beyond the values that a scene can have.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def _until(bounces: float | None = None, seconds: float | None = None) -> Horizo
 
 
 def _with(effects: Effects, name: str, key: str, value: float) -> Effects:
-    """Return effects with one constant of one of them replaced; an absent effect gets it alone."""
+    """Return effects with a constant of an effect replaced; an absent effect is created with it."""
     declared = getattr(effects, name)
     changed = KINDS[name](**{key: value}) if declared is None else replace(declared, **{key: value})
     return replace(effects, **{name: changed})

@@ -16,21 +16,21 @@ import pyarrow.parquet as pq
 from harness.core.case import Case
 from harness.sweep.parameters import PARAMETERS, Floats, scene_at
 from harness.sweep.plan import SweepPlan
-from harness.sweep.values import QUANTITIES, SOURCES, held_against, run_each, solved_exactly
+from harness.sweep.values import QUANTITIES, SOURCES, compared_quantity, run_each, solved_exactly
 from models.errors import InvalidValueError, ModelError
 
 _INSTANT = 1e-9
-"""s: what a clock may not have seen."""
+"""s: shorter than a clock resolves; avoids a division by zero."""
 
 IMPOSSIBLE = "no such scene:"
-"""How the outcome of values begins that exclude each other."""
+"""Beginning of the outcome of values that exclude each other."""
 
 OUTCOME = "outcome"
 """Column of the sentences that say how scenes ended."""
 
 
 def compute(plan: SweepPlan, rows: range) -> pd.DataFrame:
-    """Return rows of one partition; the same wherever and in whatever order they are made.
+    """Return rows of one partition; they do not depend on machine or order.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def compute_for(plan: SweepPlan, rows: range, seconds: float) -> pd.DataFrame:
 
 
 def to_partition(plan: SweepPlan, rows: range, computed: pd.DataFrame) -> pd.DataFrame:
-    """Return what was found of rows beside their parameters, which stand in the order of all."""
+    """Return the parameters and the computed quantities of rows, as a partition has them."""
     values = plan.values(rows)
     columns = {known.column: values[n] for n, known in PARAMETERS.items() if n in values}
     columns |= {str(name): computed[name].to_numpy() for name in (*plan.quantities, OUTCOME)}
@@ -94,14 +94,15 @@ def _case(plan: SweepPlan, values: dict[str, float]) -> Case | str:
 
 
 def _exact(plan: SweepPlan, rows: range) -> dict[str, Floats]:
-    """Return exact numbers that runs are held against, or that no run has, if any is asked for.
+    """Return the exact numbers from which errors are taken, or that no run has, if asked for.
 
-    Of the whole partition, whichever rows: of other companions they might differ by round-off.
+    They are solved for all rows of the partition: of other rows together they might differ by
+    round-off.
     """
     errors = [name for name, source in SOURCES.items() if source == "error"]
     wanted = ["epsilon"] if "epsilon" in plan.quantities else []
     if set(errors) & set(plan.quantities):
-        wanted += map(held_against, errors)
+        wanted += map(compared_quantity, errors)
     if not wanted:
         return {}
     span = plan.span(rows.start // plan.rows_per_partition)

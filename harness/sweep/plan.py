@@ -1,4 +1,4 @@
-"""The plan of a sweep: which scenes, in what, and what of them; cut into partitions.
+"""The plan of a sweep: its scenes, engine and quantities, divided into partitions.
 
 Every row follows from the plan and its own number, so that any process can make any partition, in
 any order, and the sweep is the same to the bit. A partition's size is part of the plan.
@@ -21,7 +21,7 @@ from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
 from harness.evaluation.case_cache import code_fingerprint, engine_version
 from harness.evaluation.evaluate import check_case
-from harness.sweep.axes import Axis, check_axes, check_sample, end_of
+from harness.sweep.axes import Axis, check_axes, check_sample, checked_scene
 from harness.sweep.parameters import Floats
 from harness.sweep.values import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
@@ -30,15 +30,15 @@ MOST_ROWS = 1_000_000_000
 """Beyond the points that a Sobol sequence of doubles tells apart."""
 
 EXACT_ROWS = 32_768
-"""Of a partition by the exact bounce: half a second, two megabytes."""
+"""Rows of a partition by the exact bounce: half a second, two megabytes."""
 
 ENGINE_ROWS = 256
-"""Of a partition of runs: what an engine's batch takes at once, about a second."""
+"""Rows of a partition of runs: a batch of an engine, about a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepPlan:
-    """All that decides what a sweep contains; made by `plan`, which checks it.
+    """All that decides the content of a sweep; created and checked by `plan_sweep`.
 
     Parameters
     ----------
@@ -72,14 +72,14 @@ class SweepPlan:
 
     @property
     def rows(self) -> int:
-        """Scenes in all."""
+        """Number of scenes in all."""
         if self.sample == "grid":
             return math.prod(axis.count or 1 for axis in self.axes)
         return self.count
 
     @property
     def partitions(self) -> int:
-        """How many there are."""
+        """Number of partitions."""
         return math.ceil(self.rows / self.rows_per_partition)
 
     def span(self, index: int) -> range:
@@ -164,7 +164,7 @@ def plan_sweep(
             raise InvalidSettingError(
                 "--quantity", name, "of an engine's runs only: the reference has no such error"
             )
-    ends = end_of(scene, axes)
+    ends = checked_scene(scene, axes)
     for name in asked:
         if SOURCES[name] == "error" and ends.effects.declared():
             raise InvalidSettingError("--quantity", name, "of scenes without effects only")
@@ -196,7 +196,7 @@ def plan_sweep(
 
 
 def _program(engine: str) -> tuple[tuple[str, str], ...]:
-    """Return what computes the rows of a sweep: with another they might not go together."""
+    """Return versions and sources of the program: rows of different programs are not mixed."""
     packages = [(name, version(name)) for name in ("rockingcan", "numpy", "scipy")]
     return (*packages, ("sources", code_fingerprint(engine, __name__)))
 

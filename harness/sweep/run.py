@@ -1,8 +1,8 @@
-"""Carries out a sweep: makes the partitions that are missing, wherever the executor runs them.
+"""Run a sweep: compute the missing partitions on any executor, and write them here.
 
-Only a few partitions are on their way at any time, so that memory does not grow with the sweep.
-What makes a partition does not write it: the executor may be on another machine. Where tasks have
-a limit of time, a task does as many rows as fit well into it, and leaves the others to the next.
+Only a few partitions are pending at any time, so that memory does not grow with the sweep. The
+process that computes a partition does not write it: it may be on another machine. Where tasks have
+a limit of time, a task computes the rows that fit well into it, and leaves the others to the next.
 """
 
 import math
@@ -23,18 +23,18 @@ from harness.sweep.partition import OUTCOME, compute_for, to_partition
 from harness.sweep.plan import SweepPlan
 
 _TRIES = 2
-"""Of rows whose process was stopped from outside: by chance once, for their sake twice."""
+"""Tries of rows whose process was stopped from outside, which may happen once by chance."""
 
 _WINDOW = 4
-"""Tasks on their way in an executor that does not say how many keep it busy."""
+"""Pending tasks in an executor without the attribute `window`."""
 
 _SHARE = 0.5
-"""Of the time that a task may take, for the rows it takes on: some are slower than those before."""
+"""Share of a task's time limit that its rows may fill: later rows may be slower."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Piece:
-    """Rows of a partition that a task is given; it may leave some of them to the next."""
+    """Rows of a partition for a task, which may leave the last of them to the next task."""
 
     rows: range
     tries: int = _TRIES
@@ -47,17 +47,17 @@ def run_sweep(
     *,
     window: int | None = None,
 ) -> None:
-    """Make what is missing of a sweep.
+    """Compute and write the missing partitions of a sweep.
 
     Parameters
     ----------
     folder : Folder
-        With the plan; its partitions that are there are left as they are.
+        With the plan; existing partitions stay as they are.
     executor : Executor
     on_done : callable, optional
-        Is told of each partition once it is written, before a signal is heeded that came meanwhile.
+        Called with each partition once it is written, before a delayed signal acts.
     window : int, optional
-        Tasks on their way at a time; what the executor says if left out.
+        Most pending tasks; the executor's `window` if left out.
 
     Raises
     ------
@@ -83,9 +83,9 @@ def run_sweep(
             rest = piece.rows[len(computed[-1]) :]
             again = [_Piece(rows=rest)] if rest else []
         except LostTaskError as error:
-            again = _tried_again(plan, piece, error)
+            again = _retries(plan, piece, error)
             if not again:
-                computed.append(_without(plan, piece, error))
+                computed.append(_lost_row(plan, piece, error))
         pieces.extendleft(again)  # what is begun before others
         if sum(map(len, computed)) == len(plan.span(index)):
             partition = pd.concat(parts.pop(index)).sort_index()
@@ -97,8 +97,8 @@ def run_sweep(
     run_queue(pieces, submit, take, most)
 
 
-def _tried_again(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_Piece]:
-    """Return a lost piece to try again, or each of its rows by itself; of a row, nothing."""
+def _retries(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_Piece]:
+    """Return the pieces to run in place of a lost one: itself, or its rows one by one, or none."""
     # with the exact bounce it is hardly a row's doing
     if (error.loss is Loss.STOPPED or plan.exact) and piece.tries > 1:
         return [replace(piece, tries=piece.tries - 1)]
@@ -107,8 +107,8 @@ def _tried_again(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_
     return [_Piece(rows=range(row, row + 1)) for row in piece.rows]
 
 
-def _without(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> pd.DataFrame:
-    """Return a row that has no numbers, since its process died."""
+def _lost_row(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> pd.DataFrame:
+    """Return a row without numbers, whose outcome says how its process died."""
     outcome = failed_evaluation(plan.base, error).simulation.ending
     row = {**dict.fromkeys(plan.quantities, math.nan), OUTCOME: outcome}
     return to_partition(plan, piece.rows, pd.DataFrame([row]))

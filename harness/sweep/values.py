@@ -1,7 +1,7 @@
-"""What a sweep may ask of each scene, and its values: by the exact bounce, or by whole motions.
+"""Quantities of a sweep and their values: by the exact bounce, or by running each scene.
 
 Every quantity is of the first bounce. By the exact bounce no scene is built: arrays go in and
-arrays come out. By whole motions each scene is run in an engine, or solved by the reference.
+arrays come out. Otherwise each scene is run in an engine, or solved by the reference.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -71,7 +71,7 @@ has it; "error": an engine's value minus the exact one.
 QUANTITIES: Mapping[str, Quantity] = {
     name: EPSILON if name == "epsilon" else REGISTRY[name] for name in SOURCES
 }
-"""What may be asked, by name."""
+"""Every quantity that a sweep may have, by name."""
 
 DEFAULT = (
     "angle_of_turn_deg",
@@ -80,7 +80,7 @@ DEFAULT = (
     "phi_min_rad",
     "peak_psi_dot_rad_s",
 )
-"""What is asked if nothing is said."""
+"""Quantities of a sweep that names none."""
 
 
 BEYOND = f"{Outcome.NO_SOLUTION.value} (Its numbers are beyond what a double holds.)"
@@ -163,8 +163,8 @@ UNRESOLVED = "unresolved: the record is too coarse to tell how often psi went ro
 INCOMPLETE = "no bounce: the run ended before phi had a maximum on either side of a minimum"
 
 
-def held_against(name: str) -> str:
-    """Return of which quantity an error is."""
+def compared_quantity(name: str) -> str:
+    """Return the name of the quantity of which this one is the error."""
     return name.replace("_error", "")
 
 
@@ -176,10 +176,10 @@ def run_each(
     Parameters
     ----------
     cases : sequence of Case or str
-        A sentence stands for the case of a scene that there is not.
+        A sentence stands for the case of a scene that cannot exist, and says why.
     quantities : sequence of str
     exact : mapping of str to ndarray, shape (n,)
-        Exact quantities, to hold the runs against.
+        Exact quantities, from which the errors of the runs are taken.
     """
     simulations = _simulations([case for case in cases if isinstance(case, Case)])
     rows = [({}, case) if isinstance(case, str) else _measured(next(simulations)) for case in cases]
@@ -188,7 +188,7 @@ def run_each(
         for name in QUANTITIES
     }
     for name, source in SOURCES.items():
-        if source == "error" and (of := held_against(name)) in exact:
+        if source == "error" and (of := compared_quantity(name)) in exact:
             columns[name] = columns[of] - exact[of]
     if "epsilon" in exact:
         columns["epsilon"] = exact["epsilon"]
@@ -215,11 +215,11 @@ def _batch(cases: Sequence[Case]) -> Sequence[Simulation]:
             done = together(cases)
             if len(done) == len(cases) and not any(map(contract_violation, done, cases)):
                 return done
-    return [_alone(case) for case in cases]
+    return [_simulated(case) for case in cases]
 
 
-def _alone(case: Case) -> Simulation:
-    """Run one case; wrong use that only this scene's own values reveal is its outcome."""
+def _simulated(case: Case) -> Simulation:
+    """Run one case; wrong use that only the values of this scene reveal is its outcome."""
     try:
         return simulate_case(case)
     except HarnessError as error:

@@ -184,7 +184,7 @@ CLAUSES: dict[str, Clause] = {}
 
 
 def clause(sentence: str, *, needs_run: bool = True) -> Callable[[Look], Look]:
-    """Return a decorator that makes a clause of what looks; its name is that of the function."""
+    """Return a decorator that registers a function as a clause of the function's name."""
 
     def registered(look: Look) -> Look:
         name = look.__name__.replace("_", " ")

@@ -100,12 +100,12 @@ _BROKEN = (
 
 
 def _unstable(data: mujoco.MjData) -> bool:
-    """Whether MuJoCo itself has found its numbers to be none, or huge."""
+    """Whether MuJoCo itself has warned of numbers that are not finite, or huge."""
     return any(data.warning[kind].number for kind in _BROKEN)
 
 
 def _sound(states: Floats) -> int:
-    """Return how many of the states, from the first on, are states: finite, and time goes on."""
+    """Return how many states from the first on are valid: finite, at increasing times."""
     # without autoreset a number that breaks stays broken, and time that has stopped stays: the last
     # two states speak for all before them
     if np.isfinite(states[-1]).all() and (len(states) == 1 or states[-1, 0] > states[-2, 0]):
@@ -123,7 +123,7 @@ _SENSORS_OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
 def sparse_sampling(world: MujocoWorld, schedule: Schedule) -> SamplingInterval | None:
-    """Return what says which steps of a run to read, where most are not; None to read every step.
+    """Return the sampling interval of a run of which few steps are read; None to read every step.
 
     Every step is read where forces change from step to step: MuJoCo takes those in its batched loop
     alone.
@@ -217,7 +217,7 @@ class MujocoSteps:
         return [(stage.times[places], np.array(states), np.array(sensors))] if places else []
 
     def chunk(self) -> Chunk | None:
-        """Return what was read since the last chunk; None if nothing was."""
+        """Return the readings since the last chunk; None without any."""
         if not self._parts:
             return None
         times, states, sensors = map(np.concatenate, zip(*self._parts, strict=True))
@@ -238,7 +238,7 @@ _MARGIN = 1.25  # share of the first run's steps that the others get
 def run_batch(
     world: MujocoWorld, first: Simulation, cases: Sequence[Case], steps: int
 ) -> list[Simulation | None]:
-    """Run cases that are alike; None for a case that has to be run by itself.
+    """Run cases of one model; None for a case that has to be run alone.
 
     Parameters
     ----------
@@ -369,7 +369,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         return [done.get(n) or self.simulate(case) for n, case in enumerate(cases)]
 
     def _batched(self, first: Simulation, others: dict[int, Case]) -> dict[int, Simulation]:
-        """Return what came of cases alike to a finished one, by their places, if batches end."""
+        """Return simulations of cases of the model of a finished one, by place, if batches end."""
         done: dict[int, Simulation] = {}
         steps, left = int(first.steps * _MARGIN) + 16, list(others)
         while steps <= MOST_STEPS and left:

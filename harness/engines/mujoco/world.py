@@ -22,7 +22,7 @@ from models.mjcf_contact import friction_solref
 from models.state import Pose, Release, Twist
 
 _RELEASE = Release(phi=1.0)
-"""Of the model file; every run places the can anew."""
+"""Release in the model file; every run places the can anew."""
 
 _NEXT_TO_NOTHING = 1e-30
 """Damping too small to change a number, with which MuJoCo computes damping all the same."""
@@ -203,7 +203,7 @@ class MujocoWorld:
 
 
 def alike(case: Case) -> Case:
-    """Return what a case has in common with all others of its model: everything but the release.
+    """Return a case with the release of the model file, equal for all cases of one model.
 
     MuJoCo weighs a constraint by an inverse inertia that it takes, with round-off, in the pose of
     the model file. Compiled from this, every release has one and the same model, to the bit.

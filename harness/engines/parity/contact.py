@@ -1,4 +1,4 @@
-"""Parity at the contact: what declared friction, spring, impact or resistance does, step by step.
+"""Parity at the contact: friction, spring, impact and resistance, probed in single steps.
 
 The can is balanced on its rim, the contact below its centre. Friction is measured on a can that
 slides. A spring and a damper are read from the force on a can at rest, and on one that sinks. A can
@@ -35,7 +35,7 @@ from models.mass import body
 from models.rim import arc_of
 
 Compared: TypeAlias = tuple[str, str, float, float, float, str]
-"""Quantity, unit, the scene's value, the engine's, what reading or probing it may cost, and how."""
+"""Quantity, unit, the scene's value, the engine's, the allowed difference, and the probe."""
 
 _SHALLOW, _DEEPER = 1e-6, 1.2  # of the radius, and from one depth to the next
 _DEEP = 1e-3  # of the radius, and at least _SLOP

@@ -1,4 +1,4 @@
-"""What an engine adds to a can of its own accord, measured: one probe for each effect."""
+"""Measurement of the effects that an engine adds to every can: one probe for each effect."""
 
 from harness.engines.probes import contact, flight  # noqa: F401 - the probes, in the order of report
 from harness.engines.probes.survey import PROBES, Measurement, ProbeFinding, measure

@@ -95,7 +95,7 @@ def clamp(engine: Opener, case: Case) -> Iterator[Reading]:
 
 @probe("orientation update")
 def turn(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield how far a step turns the can that should turn it far."""
+    """Yield the turn of the can in one step at a large spin."""
     world, dt = aloft(engine, case), engine.timestep(case)
     asked, turned = [], []
     for angle in TURNS:
@@ -171,7 +171,7 @@ def flight(world: World, spin: Floats, duration: float) -> Floats:
 
 @probe("gyroscopic term")
 def gyroscopic(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield what a torque-free flight gains, and with which other settings it gains otherwise."""
+    """Yield energy and momentum gained in torque-free flight, and energy with other settings."""
     base = _beyond_damping(aloft(engine, case), case)
     time, *last = base[-1].tolist()
     how = f"free flight for {time:.3g} s at a spin of 2 and a wobble of 0.3 sqrt(g/R)"

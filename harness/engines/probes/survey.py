@@ -1,4 +1,4 @@
-"""The survey of an engine: every probe in turn, each in worlds of its own, and how they open them.
+"""The survey of an engine: every probe in turn, and how probes open and follow worlds.
 
 A probe gets at a world, loads its can and follows it, with every reading of the same instant. It
 yields readings; the survey of a case collects them over all probes.
@@ -49,7 +49,7 @@ def probe(effect: str) -> Callable[[Probe], Probe]:
 
 
 def follow(world: World, steps: int) -> Iterator[tuple[Pose, Twist, Contact]]:
-    """Yield so many states of a world, each with the contact that the engine solved in it."""
+    """Yield states of a world before so many steps, each with the contact solved in it."""
     for _ in range(steps):
         pose, twist = world.pose(), world.twist()
         world.step()
@@ -109,7 +109,7 @@ class ProbeFinding:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
-    """All that the probes found in one engine with one choice of settings.
+    """Readings of all probes in one engine with one choice of settings.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class Measurement:
 
 
 def measure(case: Case) -> Measurement:
-    """Return all that the probes find in the engine of a case with its settings.
+    """Return the readings of all probes in the engine of a case with its settings.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ class PybulletSteps:
         return True
 
     def chunk(self) -> Chunk | None:
-        """Return what was read since the last chunk; None if nothing was."""
+        """Return the readings since the last chunk; None without any."""
         if not self._states:
             return None
         times, numbers = np.concatenate(self._times), chain.from_iterable(self._states)

@@ -98,7 +98,7 @@ def _shifted(
 
 
 Reading: TypeAlias = Callable[[Numbers, Numbers, Numbers, Numbers], State]
-"""Turns a state as PyBullet says it into that of the can."""
+"""Turns a state of PyBullet's frame into that of the can."""
 
 
 def _product(first: Numbers, second: Numbers) -> tuple[float, float, float, float]:
@@ -262,7 +262,7 @@ class PybulletWorld:
         self._time += self._timestep
 
     def stepper(self, times: Floats) -> Callable[[int], object]:
-        """Return what takes the steps from these times on, call by call, given the client."""
+        """Return a function of the client that takes one of the steps from these times on."""
         if not self._shaken:
             step: Callable[[int], object] = pybullet.stepSimulation
             return step
@@ -285,7 +285,7 @@ class PybulletWorld:
 
     @property
     def reading(self) -> Reading | None:
-        """What turns PyBullet's frame into the can's; None where they are the same."""
+        """Function that turns a state of PyBullet's frame into the can's; None for equal frames."""
         return self._frames.can if self.off_centre else None
 
     def pose(self) -> Pose:

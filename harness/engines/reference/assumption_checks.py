@@ -1,4 +1,4 @@
-"""Checks of an exact motion: whether a scene has one, its assumptions, and when copies part."""
+"""Checks of an exact motion: whether a scene has one, its assumptions, and its divergence."""
 
 import math
 from dataclasses import dataclass, replace
@@ -43,7 +43,7 @@ class Divergence:
 
 @lru_cache(maxsize=64)
 def check_assumptions(motion: Truth) -> Guard:
-    """Return what the assumptions of a model came to over an exact motion, in N, rad and m."""
+    """Return the extremes of the assumed quantities over an exact motion, in N, rad and m."""
     can, gravity = motion.scene.can, motion.scene.gravity
     guard = examine(motion.solution, sample_truth(motion).time / natural_time(motion.scene))
     weight = can.mass * gravity
@@ -51,7 +51,7 @@ def check_assumptions(motion: Truth) -> Guard:
 
 
 def findings(scene: Scene) -> tuple[Finding, ...]:
-    """Return what the exact motion of a scene breaks; that there is none is a finding, too."""
+    """Return the assumptions that the exact motion of a scene breaks, or why it has none."""
     reason = refusal(scene)
     return (Finding(sentence=reason),) if reason else check_assumptions(truth(scene)).findings
 

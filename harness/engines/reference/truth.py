@@ -1,4 +1,4 @@
-"""The exact motion of a scene, which knows its state at any instant, and the reference's settings.
+"""The exact motion of a scene at any instant, and the settings of the reference.
 
 A scene with friction may take seconds to solve, and its motion is asked for as an engine's answer,
 as the truth that runs are compared with, and by the command that prints it. So the last motions are
@@ -46,7 +46,7 @@ MOST = 16
 
 
 def _meant(model: str, problem: Problem) -> str:
-    """Return the model that "auto" means; of a rim that rolls it is the formula, by that name."""
+    """Return the model that "auto" selects; of a rolling rim the name "auto" is the formula."""
     needed = smallest(problem).model
     return needed if model == "auto" and needed != "rolling" else model
 
@@ -294,13 +294,13 @@ def difference(one: Truth, other: Truth) -> float:
 
 
 def perturb(motion: Truth, share: float) -> Iterator[tuple[Truth, ...]]:
-    """Yield for each number of a motion's problem the motions with a little more or less of it.
+    """Yield for each number of a motion's problem the motions with that number changed a little.
 
     Parameters
     ----------
     motion : Truth
     share : float
-        How much, relative.
+        Relative change.
     """
     solution = motion.solution
     outputs = frozenset(() if solution.model in WITHOUT_LOCUS else ("contact_locus",))

@@ -21,7 +21,7 @@ _WIDTH = 21  # pose 7, twist 6, contact 8
 
 
 class StageReader(Protocol):
-    """Steps a world stage by stage, and holds what it read of the steps since the last chunk."""
+    """Steps a world stage by stage, and holds the readings since the last chunk."""
 
     def state(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return quaternion (scalar first) and angular velocity, which choose the next stage."""
@@ -30,7 +30,7 @@ class StageReader(Protocol):
         """Take the steps of a stage; return False where the engine's numbers are known to break."""
 
     def chunk(self) -> Chunk | None:
-        """Return the steps that were read since the last chunk; None if none was."""
+        """Return the readings since the last chunk; None without any."""
 
 
 def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterator[Chunk]:
@@ -99,7 +99,7 @@ class _WorldReader:
         return True
 
     def chunk(self) -> Chunk:
-        """Return the time of each step, and the rows of those that were sound."""
+        """Return the time of each step, and the readings of those whose numbers are finite."""
         times, rows = np.array(self._times), np.array(self._rows).reshape(-1, _WIDTH)
         self._times, self._rows = [], []
 

@@ -230,7 +230,7 @@ _OFTEN, _CHANGING = READINGS_PER_SAMPLE / ANGLE_STEP, 0.5 / CHANGE
 
 
 class SamplingInterval:
-    """Says of a run, reading by reading, how many steps to take until the next.
+    """Decides at each reading of a run how many steps to take until the next.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ def above_origin(height: float, orientation: Floats = UPRIGHT) -> Pose:
 
 def lowered(pose: Pose, depth: float) -> Pose:
     """Return a pose, lower by a depth in m."""
-    down = np.array((0.0, 0.0, depth))  # an infinite depth is no number in the result, and told so
+    down = np.array((0.0, 0.0, depth))  # an infinite depth gives NaN, which is refused
     return Pose(position=pose.position - down, quaternion=pose.quaternion)
 
 
