@@ -1,4 +1,4 @@
-"""What is simulated: the can, its release, its effects, and the models that engines open."""
+"""The simulated scene: the can, its release, its effects, and the models that engines open."""
 
 from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can

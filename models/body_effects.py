@@ -1,4 +1,4 @@
-"""What a scene may add to the can and its surroundings: drag, tilt, shaking, a mass off the axis.
+"""Effects on the can and its surroundings: drag, tilt, shaking, a mass off the axis.
 
 Each class holds the constants of one law, in SI units. The world's frame is that of the plane, z
 along its normal, whatever the plane does: a tilted plane is a tilted gravity, a shaken plane an
@@ -130,7 +130,7 @@ class Shake:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointMass:
-    """A point mass fixed to the can, beside the can's own mass and moments.
+    """A point mass fixed to the can, in addition to the can's own mass and moments.
 
     Off the axis it makes the rolling can chaotic (Srinivasan and Ruina).
 

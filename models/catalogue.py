@@ -1,6 +1,6 @@
 """The scenes that come with the package, by name, and any other by the path of its file.
 
-The hard cases of the stability study are scenes too, but listed apart: they are for that study.
+The hard cases of the stability study are scenes too, in a list of their own for that study.
 """
 
 import os
@@ -66,7 +66,7 @@ def load(name_or_path: str | Path) -> Scene:
 
 
 def _looks_like_a_path(text: str) -> bool:
-    """Whether the text is meant as a path: it has a separator or a suffix, or there is a file."""
+    """Return whether a text is a path: it has a separator or a suffix, or is a file's name."""
     if text.endswith(_SUFFIX) or os.sep in text:
         return True
     try:

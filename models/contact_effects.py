@@ -1,4 +1,4 @@
-"""What a scene may add at the contact: the laws of a rim on a plane that is not ideal.
+"""Effects at the contact: the laws of a rim on a plane that is not ideal.
 
 Each class holds the constants of one law, in SI units. N is the normal force of the plane on the
 can, v_c the velocity of the can's material at the contact relative to the plane.

@@ -1,4 +1,4 @@
-"""What a scene adds to the ideal can: each effect is present, or is None, its ideal limit.
+"""Effects that a scene adds to the ideal can; an absent effect is None, its ideal limit.
 
 The ideal can is rigid, rolls without slipping, loses nothing, and stands on a level plane at rest.
 An effect is a small frozen class that holds the constants of its law, in SI units, and says what
@@ -34,7 +34,7 @@ needs 0.508. With 1 that scene slips. More changes little: from 2 to 5, psi afte
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effects:
-    """The effects of a scene; what is left out is the ideal limit.
+    """The effects of a scene; an effect left out is the ideal limit.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Effects:
     shake : Shake, optional
         A plane that moves.
     point_mass : PointMass, optional
-        A mass beside the can's own.
+        A mass in addition to the can's own.
 
     Raises
     ------
@@ -81,9 +81,9 @@ class Effects:
     def __post_init__(self) -> None:
         """Refuse what is not an effect, and effects of which one excludes the other."""
         for name, kind in KINDS.items():
-            found = getattr(self, name)
-            if found is not None and not isinstance(found, kind):
-                raise InvalidValueError(name, found, f"a {kind.__name__} or None")
+            effect = getattr(self, name)
+            if effect is not None and not isinstance(effect, kind):
+                raise InvalidValueError(name, effect, f"a {kind.__name__} or None")
         if self.slip is not None and self.slip.mu == 0.0:
             for name in ("drilling", "rolling_resistance"):
                 if getattr(self, name) is not None:

@@ -1,6 +1,6 @@
-"""What can be wrong with the description of a can, each said in one sentence.
+"""Errors in the description of a can, each with one sentence.
 
-Every message names what was wrong (the file, the key), what was found and what is allowed.
+Every message names the file or the key, its value and the allowed values.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ class InvalidValueError(ModelError):
     key : str
         The quantity, as its owner names it: ``mass``, ``phi``, ``mu``.
     value : object
-        What was found.
+        The value.
     allowed : str
         What is allowed, to be read after "must be".
     """
@@ -39,7 +39,7 @@ class InvalidValueError(ModelError):
         self.allowed = allowed
 
     def __str__(self) -> str:
-        """Say what was found and what is allowed."""
+        """Return the value and the allowed values in a sentence."""
         return f"`{self.key}` is {shown(self.value)}, but must be {self.allowed}"
 
 
@@ -60,7 +60,7 @@ class SceneFileError(ModelError):
         self.problems = tuple(problems)
 
     def __str__(self) -> str:
-        """Give one line for each problem, every one of them naming the file."""
+        """Return one line for each problem, each with the name of the file."""
         return "\n".join(f"scene file {str(self.path)!r}: {problem}" for problem in self.problems)
 
 

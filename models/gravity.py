@@ -36,7 +36,7 @@ def gravity_vector(scene: Scene) -> Floats:
 
 
 def shaking(scene: Scene, start: ArrayLike, timestep: ArrayLike) -> Floats:
-    """Return what the shaking adds to gravity, its mean over a step.
+    """Return the part of gravity by the shaking, its mean over a step.
 
     Parameters
     ----------

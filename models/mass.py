@@ -51,7 +51,7 @@ class Body:
 
 
 def body(scene: Scene) -> Body:
-    """Return the rigid body that a scene's can is, with its point mass if it has one."""
+    """Return the rigid body of a scene's can, with its point mass if it has one."""
     can, point = scene.can, scene.effects.point_mass
     own = np.diag((can.transverse_inertia, can.transverse_inertia, can.axial_inertia))
     if point is None:

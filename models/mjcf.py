@@ -1,11 +1,11 @@
 """The scene as a MuJoCo model: a pure function from a scene to MJCF text.
 
-The model says what the scene says and no more; how the engine is to solve it (integrator, cone,
-solref, ...) is handed in by whoever runs it. MuJoCo meets a cylinder and a plane analytically, so
+The model holds the scene and nothing else; settings of the solver (integrator, cone, solref, ...)
+are arguments. MuJoCo meets a cylinder and a plane analytically, so
 the ground is a plane. The body frame has the centre of the can at its origin and z along the
-symmetry axis; a point mass moves the centre of mass, not the frame. What MJCF has no word for, the
-shaking of the plane and a damping of its own for each degree of freedom, is said in a comment and
-applied by whoever steps the model. What effects make of the contact is in `models.mjcf_contact`.
+symmetry axis; a point mass moves the centre of mass, not the frame. MJCF has no element for the
+shaking of the plane, nor for damping of each degree of freedom by itself: a comment names them, and
+the program that steps the model applies them. `models.mjcf_contact` has the effects at the contact.
 """
 
 import xml.etree.ElementTree as ET
@@ -118,14 +118,14 @@ def mjcf(
 
 def _inertial(scene: Scene) -> dict[str, str]:
     """Return the attributes of `inertial`: the can's, or of the can and its point mass."""
-    can, whole = scene.can, rigid_body(scene)
+    can, rigid = scene.can, rigid_body(scene)
     if scene.effects.point_mass is None:
         A, C = can.transverse_inertia, can.axial_inertia
         return {"pos": "0 0 0", "mass": numbers(can.mass), "diaginertia": numbers(A, A, C)}
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = whole.inertia.tolist()
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = rigid.inertia.tolist()
     return {
-        "pos": numbers(*whole.centre.tolist()),
-        "mass": numbers(whole.mass),
+        "pos": numbers(*rigid.centre.tolist()),
+        "mass": numbers(rigid.mass),
         "fullinertia": numbers(xx, yy, zz, xy, xz, yz),
     }
 
@@ -146,7 +146,7 @@ def dof_damping(scene: Scene) -> tuple[float, ...] | None:
 
 
 def _beyond_mjcf(scene: Scene) -> Iterator[str]:
-    """Yield what a file cannot say, in sentences."""
+    """Yield a sentence for each part of a scene that MJCF cannot express."""
     shake, damping = scene.effects.shake, dof_damping(scene)
     if shake is not None:
         yield (

@@ -1,4 +1,4 @@
-"""What a scene's effects make of a contact in MuJoCo: `condim`, `friction`, and perhaps a spring.
+"""The contact in MuJoCo for a scene's effects: `condim`, `friction`, and perhaps a spring.
 
 MuJoCo's contact row with regularisation R and impedance d, both its own, gives the force
 
@@ -6,7 +6,7 @@ MuJoCo's contact row with regularisation R and impedance d, both its own, gives 
 
 with a_0 the acceleration without it, m_c the can's effective mass at the contact, and K and B the
 two numbers of a negative `solref`. For small d the row is so soft that neither a_0 nor m_c matters,
-and what is left is a spring and a damper: f = (K depth + B speed) M/(1 - d), M the whole mass. So
+and the row is a spring and a damper: f = (K depth + B speed) M/(1 - d), M the total mass. So
 K = (1 - d) k/M and B = (1 - d) b/M make them k and b, to a share of d M/m_c. Friction is to stay as
 hard as it is beside a stiff contact: `impratio` makes up for the softness, and a `pair` gives the
 friction rows a `solreffriction` of their own, without which slip would never be corrected.
@@ -68,13 +68,13 @@ def spring(scene: Scene, timestep: float | None = None) -> tuple[float, float] |
 
 
 def rubs(effects: Effects) -> bool:
-    """Whether the can may slide or turn against a friction that gives way."""
+    """Return whether the can may slide or turn against a limited friction."""
     turning = effects.drilling is not None or effects.rolling_resistance is not None
     return turning or (effects.slip is not None and effects.slip.mu > 0.0)
 
 
 def friction_solref(timestep: float) -> tuple[float, float]:
-    """Return `solreffriction` beside a spring: half of the slip is taken back in a step."""
+    """Return `solreffriction` of a contact with a spring: a step takes back half of the slip."""
     return (-1.0, -SOFTEST / (2.0 * timestep))
 
 
@@ -88,10 +88,10 @@ def surface(scene: Scene) -> dict[str, str]:
     torsion, roll = (0.0, 0.0) if condim > 3 else (0.005, 0.0001)  # noqa: PLR2004 - a condim
     torsion = torsion if drilling is None else drilling.length
     roll = roll if rolling is None else rolling.length
-    found = {"friction": numbers(mu, torsion, roll), "condim": str(condim)}
+    attributes = {"friction": numbers(mu, torsion, roll), "condim": str(condim)}
     if soft is not None:
-        found |= {"solref": numbers(*soft), "solimp": numbers(*SOFT_SOLIMP)}
-    return found
+        attributes |= {"solref": numbers(*soft), "solimp": numbers(*SOFT_SOLIMP)}
+    return attributes
 
 
 def softness(effects: Effects) -> dict[str, str]:

@@ -11,7 +11,7 @@ from models.quantity import not_negative, positive
 from models.state import Release
 
 NAME_PATTERN = r"[a-z0-9][a-z0-9._-]{0,63}"
-"""What a scene may be called: safe as a file name, an XML name and a table key alike."""
+"""Pattern of a scene's name: safe as a file name, an XML name and a table key alike."""
 
 LONGEST_CITE = 500
 """Characters of a citation."""
@@ -22,7 +22,7 @@ MOST_BOUNCES = 100_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Horizon:
-    """When a run ends: after a number of bounces, or after a time; exactly one is given.
+    """Horizon of a run: a number of bounces, or a time; exactly one is given.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ class Horizon:
     def __post_init__(self) -> None:
         """Refuse a horizon that does not end, or ends twice."""
         if (self.bounces is None) == (self.seconds is None):
-            found = "neither" if self.bounces is None else "both"
-            raise InvalidValueError("horizon", found, "exactly one of `bounces` and `seconds`")
+            given = "neither" if self.bounces is None else "both"
+            raise InvalidValueError("horizon", given, "exactly one of `bounces` and `seconds`")
         if self.seconds is not None:
             object.__setattr__(self, "seconds", positive("seconds", self.seconds))
         elif (

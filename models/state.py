@@ -54,7 +54,7 @@ class Release:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pose:
-    """Where a can is.
+    """Position and orientation of a can.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Pose:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Twist:
-    """How a can moves.
+    """Velocities of a can.
 
     Parameters
     ----------

@@ -44,12 +44,12 @@ def urdf(scene: Scene) -> str:
     for number, sentence in enumerate(_beyond_urdf(scene)):
         root.insert(number, ET.Comment(f" {sentence} "))
     inertial = ET.SubElement(link, "inertial")
-    whole, origin = body(scene), {"xyz": "0 0 0", "rpy": "0 0 0"}
-    moments, axes = whole.principal()
+    rigid, origin = body(scene), {"xyz": "0 0 0", "rpy": "0 0 0"}
+    moments, axes = rigid.principal()
     if scene.effects.point_mass is not None:
-        origin = {"xyz": numbers(*whole.centre.tolist()), "rpy": numbers(*_roll_pitch_yaw(axes))}
+        origin = {"xyz": numbers(*rigid.centre.tolist()), "rpy": numbers(*_roll_pitch_yaw(axes))}
     ET.SubElement(inertial, "origin", origin)
-    ET.SubElement(inertial, "mass", value=repr(whole.mass))
+    ET.SubElement(inertial, "mass", value=repr(rigid.mass))
     ixx, iyy, izz = map(repr, moments.tolist())
     ET.SubElement(inertial, "inertia", ixx=ixx, ixy="0", ixz="0", iyy=iyy, iyz="0", izz=izz)
     for role in ("visual", "collision"):

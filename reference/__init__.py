@@ -1,4 +1,4 @@
-"""What is true: the mathematics of the rocking can, dimensionless.
+"""The mathematics of the rocking can, dimensionless: the truth with which engines are compared.
 
 `solve` solves a `Problem`. The paper's closed formulas are functions too; the docstring of each, or
 of its module, says where the paper is in error.

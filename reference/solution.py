@@ -1,4 +1,4 @@
-"""What a solver hands back, whichever it is."""
+"""The result of every solver: the motion with its bounces and its ending."""
 
 from dataclasses import dataclass, field
 
@@ -60,7 +60,7 @@ class Solution:
         Solver work; neither depends on the machine.
     path : Path
     equations : int
-        That were integrated together, quadratures apart; none for a closed form.
+        Number of equations integrated together, without quadratures; 0 for a closed form.
     why : str
         Why these: what the smallest model that carries the problem is, in a sentence.
     phases : tuple of Phase
@@ -123,7 +123,7 @@ class Solution:
 
     @property
     def caveat(self) -> str:
-        """What round-off takes from a motion that rocks for ever, in a sentence; mostly nothing."""
+        """Return a sentence on the loss by round-off of an endless rocking; mostly empty."""
         rolls = self.model in {"exact", "rolling"} and self.outcome is Outcome.FINISHED
         if not rolls or self.maxima.size < 2:  # noqa: PLR2004 - a maximum either side of a bounce
             return ""

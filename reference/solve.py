@@ -1,9 +1,9 @@
-"""Solving a problem with the model and the method of your choice.
+"""Solution of a problem with a chosen model and method.
 
-Which model carries a problem: the smallest one, from its effects and its release.
+The smallest model that carries a problem follows from its effects and its release:
 
     pendulum      nothing is declared and nothing turns: the can moves in a plane      2 equations
-    frictionless  mu = 0: one degree of freedom beside two conserved momenta           2
+    frictionless  mu = 0: one degree of freedom and two conserved momenta              2
     rolling       nothing is declared: the rim never slips                             4
     coulomb       slip is declared: sticks while it may, slips beyond                  6
     general       anything else: six velocities, and the angles and the time that the forces
@@ -49,7 +49,7 @@ class Choice:
     ----------
     model : str
     equations : int
-        First-order equations that are integrated together, quadratures apart.
+        First-order equations that are integrated together, without quadratures.
     why : str
         A sentence.
     """
@@ -93,7 +93,7 @@ def equations_of(model: str, problem: Problem) -> int:
 
 
 def carries(model: str, problem: Problem) -> bool:
-    """Whether a model is as large as a problem asks, or an approximation of one that is."""
+    """Return whether a model is as large as a problem needs, or approximates one that is."""
     needed = smallest(problem).model
     larger = {
         "pendulum": ("pendulum", *OF_ROLLING, "coulomb", "general"),
@@ -150,10 +150,9 @@ def solve(
     model : str
         One of `MODELS`. "auto" takes the smallest that carries the problem (`reference.solve`),
         and where that is "rolling" solves it twice (`reference.analysis.confirmation`): by the
-        closed
-        solution of the full equations, and by integrating one period of it. Where the two agree to
-        within round-off the answer is the closed one, else the integration's; `agreement` of the
-        solution says how they compare. "exact" asks for the closed solution alone, without
+        closed solution of the full equations, and by integrating one period of it. Where the two
+        agree to within round-off the answer is the closed one, else the integration's; `agreement`
+        of the solution says how they compare. "exact" asks for the closed solution alone, without
         confirmation, and integrates where the can does not bounce. "rolling" always integrates.
     method : str
         How to integrate: "half-period", the default, up to the next extremum of phi and from there
@@ -163,7 +162,7 @@ def solve(
     rtol : float
         Relative tolerance of scipy's methods; the first two always work to round-off.
     outputs : set of str
-        What to integrate beside the angles: "contact_locus" or nothing.
+        Further outputs besides the angles: "contact_locus" or none.
 
     Returns
     -------

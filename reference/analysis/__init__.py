@@ -1,1 +1,1 @@
-"""What is read off a solution: bounces, validity, conditioning, divergence, sampling."""
+"""Analysis of a solution: bounces, validity, conditioning, divergence, sampling."""

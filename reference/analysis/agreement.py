@@ -1,4 +1,4 @@
-"""How far two methods that solve one motion agree, and what is said where they do not."""
+"""Agreement of two methods that solve one motion, and the sentence that reports it."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ ENDING = "ending"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """How two methods compare over the first bounces of a motion.
+    """Comparison of two methods over the first bounces of a motion.
 
     Attributes
     ----------
@@ -43,14 +43,14 @@ class Agreement:
 
     @property
     def holds(self) -> bool:
-        """Whether the methods part by no more than round-off allows."""
+        """Return whether the methods differ by no more than round-off allows."""
         return self.discrepancy <= self.allowed
 
     @property
     def resolved(self) -> bool:
-        """Whether there is an answer: all promised digits agree, or no ulp decides the third.
+        """Return whether there is an answer: no ulp changes its first three digits.
 
-        Where the methods part by no more than round-off allows, three digits have to agree as well.
+        Where the methods differ by no more than round-off allows, three digits must agree as well.
         """
         if self.ulp > USEFUL:
             return False
@@ -58,7 +58,7 @@ class Agreement:
 
     @property
     def sentence(self) -> str:
-        """What is to be said of it: nothing where all promised digits agree."""
+        """Return the report of a difference; empty where all promised digits agree."""
         if not self.resolved or (self.holds and self.discrepancy <= PROMISED):
             return ""
         if self.refused:

@@ -1,4 +1,4 @@
-"""Reading the bounces off a motion."""
+"""Measurement of the bounces of a motion."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -26,7 +26,7 @@ SHOULDER = 1e-12
 def measure_bounces(
     path: Path, track: Extrema, parameters: Parameters, *, sliding: bool = False
 ) -> tuple[Bounce, ...]:
-    """One `Bounce` for each minimum of phi that has a maximum on either side.
+    """Return a `Bounce` for each minimum of phi that has a maximum on either side.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def _peaks(
     slices: list[slice],
     quantity: Quantity,
 ) -> Floats:
-    """Value of largest magnitude in each bounce, with its sign."""
+    """Return the value of largest magnitude in each bounce, with its sign."""
     times, values = sampled
     at_extrema = quantity(track.extrema)
     tops = np.flatnonzero(track.maximum)
@@ -104,7 +104,7 @@ def _peaks(
 def _refined(
     path: Path, left: Floats, right: Floats, quantity: Quantity, sign: Floats
 ) -> NDArray[np.float64]:
-    """Peaks between two times each, all at once."""
+    """Return the peaks between two times each, all at once."""
     steps = np.linspace(0, 1, SAMPLES)
     rows = np.arange(left.size)
     best = np.abs(sign)

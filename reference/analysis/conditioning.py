@@ -1,13 +1,13 @@
-"""What round-off leaves of a motion: whether the numbers of a release hold it, in a sentence.
+"""Conditioning of a motion: how many digits the numbers of its release determine.
 
-Beside an equilibrium the force on phi is what is left of terms that cancel. Gravity alone cancels
-without loss (`reference.equations.balancing_angle`), and a motion beside the balancing angle is
+Near an equilibrium the force on phi is a small difference of terms. Gravity alone cancels
+without loss (`reference.equations.balancing_angle`), and a motion near the balancing angle is
 solved for exactly the doubles given; but its neighbours, one ulp away, move otherwise. Where
 precession takes part, the terms are rounded before they cancel, and the motion is known to that
 share only. A release that moves has its energy to round-off: it decides where phi turns, at the
 top, by the energy over the square of the force that is left there.
 
-What no formula foresees is seen by solving the neighbours of a problem as well.
+Effects that no formula predicts are measured by solving the neighbours of a problem as well.
 """
 
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ ROUNDINGS = 256 * EPS
 
 
 def caveat(problem: Problem, top: States) -> str:
-    """Say what round-off takes from a motion that rocks; nothing if that is below 1e-9.
+    """Return a sentence on the loss by round-off of a motion that rocks; empty if below 1e-9.
 
     Parameters
     ----------
@@ -60,13 +60,13 @@ def caveat(problem: Problem, top: States) -> str:
 
 
 def lost_of_force(states: States, problem: Problem) -> Floats:
-    """Return which share of the force on phi round-off takes, shape (n,)."""
+    """Return the share of the force on phi that round-off takes, shape (n,)."""
     left, terms = _forces(states, problem)
     return np.asarray(ROUNDINGS * terms / left)
 
 
 def _forces(states: States, problem: Problem) -> tuple[Floats, Floats]:
-    """Return what is left of the force on phi, and the sum of its terms that are rounded."""
+    """Return the force on phi, and the sum of the magnitudes of its rounded terms."""
     p = problem.parameters
     S, C = np.sin(states.phi), np.cos(states.phi)
     short: Floats = short_of_balance(np.asarray(p.h), states.phi)

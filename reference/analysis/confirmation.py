@@ -1,12 +1,11 @@
-"""Solving a motion twice: it is given only where two methods find the same.
+"""Solution of a motion by two methods, and the answer where both agree.
 
-A wrong answer is no less smooth than a right one, and nothing in it says that it is wrong. So the
-quadrature between turning points (`reference.integrable.exact_motion`), which does not go along the
-motion, is held against the integration (`reference.smooth.time_reversal`), which knows no turning
-point beforehand. The motion is periodic: its first bounces up to the end of a whole period stand
-for all.
+A wrong answer is as smooth as a right one and does not show that it is wrong. So the quadrature
+between turning points (`reference.integrable.exact_motion`), which does not follow the motion, is
+compared with the integration (`reference.smooth.time_reversal`), which knows no turning point
+beforehand. The motion is periodic: its first bounces up to the end of a full period stand for all.
 
-How far the two may part is no fixed tolerance. Each of the n operations of the integration rounds,
+The allowed difference is no fixed tolerance. Each of the n operations of the integration rounds,
 so what it returns is, to within n roundings, the motion of numbers that are off by n eps at most
 (its backward error). A quantity f of the numbers x_i may therefore be off by
 
@@ -50,16 +49,16 @@ LINEAR = 0.1
 
 
 class Bouncing(Protocol):
-    """A motion and its bounces: a solution, or one in the making."""
+    """A motion and its bounces: a solution, or a motion before it becomes one."""
 
     @property
     def problem(self) -> Problem:
-        """What is solved."""
+        """Return the problem that is solved."""
         ...
 
     @property
     def bounces(self) -> tuple[Bounce, ...]:
-        """One for each minimum of phi between two maxima."""
+        """Return a bounce for each minimum of phi between two maxima."""
         ...
 
     @property
@@ -188,7 +187,7 @@ def _compared(
 
 
 def differences(one: Bouncing, other: Bouncing) -> dict[str, float]:
-    """Return by how much the bounces that two motions have in common differ at most, relative.
+    """Return the largest relative differences of the bounces that two motions have in common.
 
     Angles are taken over 1 rad or over themselves, if they are larger, times over a period.
     """
@@ -229,13 +228,13 @@ def _measured(problem: Problem, run: Run) -> Motion:
 
 
 def _ends_as(ending: Outcome, motion: Motion) -> bool:
-    """Whether a motion is one without a bounce, ends as foretold or has not ended yet."""
+    """Return whether a motion without a bounce ends as predicted or has not ended yet."""
     foretold = ending is not Outcome.UNRESOLVED and not motion.bounces
     return foretold and motion.run.track.outcome in {ending, Outcome.FINISHED}
 
 
 def _from_integrals(integrated: Motion) -> dict[str, float]:
-    """Return by how much a motion differs from the integrals of its period, relative.
+    """Return the relative differences of a motion from the integrals of its period.
 
     Nothing where these are lost as well.
     """
@@ -269,7 +268,7 @@ def _from_integrals(integrated: Motion) -> dict[str, float]:
 
 
 def _apart(one: Motion, other: Motion) -> dict[str, float]:
-    """Return by how much two motions differ in each quantity, relative."""
+    """Return the relative difference of two motions in each quantity."""
     mine, theirs = one.run.track, other.run.track
     if mine.outcome is not theirs.outcome or len(one.bounces) != len(other.bounces):
         return {ENDING: np.inf}
@@ -291,7 +290,7 @@ def _displacement(extrema: States) -> complex:
 
 
 class _Neighbours:
-    """The neighbours of a motion by one share of each number, integrated as far as they are asked.
+    """The neighbours of a motion by a share of each number, integrated on demand.
 
     Attributes
     ----------
@@ -306,24 +305,24 @@ class _Neighbours:
 
     @property
     def evaluations(self) -> int:
-        """That their integration took."""
+        """Return the evaluations that the integration of the neighbours took."""
         return sum(motion.run.evaluations for motion in self.solved.values())
 
     def moved(
         self, enough: float, known: float = 0.0, name: str | None = None, ways: int = 2
     ) -> float:
-        """Return by how much a quantity differs in the neighbours, added up until it is enough.
+        """Return the sum of the differences of a quantity in the neighbours.
 
         Parameters
         ----------
         enough : float
-            Below it a sum is complete.
+            Bound at which the sum ends early.
         known : float
-            What the sum begins with.
+            First term of the sum.
         name : str or None
-            Of the quantity; of each neighbour that which differs most if left out.
+            Of the quantity; if left out, the one with the largest difference in each neighbour.
         ways : int
-            In how many ways each number is moved: to larger ones, or to smaller ones as well.
+            1 for neighbours with a larger number only, 2 for those with a smaller one as well.
         """
         total, number = known, 0
         while total < enough and number < len(self._problems):
@@ -364,16 +363,16 @@ def _parting(own: Motion, near: Sequence[Motion]) -> float:
 
 
 def _over(off: float, allowed: float) -> float:
-    """Return how often a difference exceeds what is allowed; nothing exceeds infinity."""
+    """Return the ratio of a difference to the allowed one; infinite where none is allowed."""
     if np.isinf(off):
         return np.inf
     return off / allowed if allowed else np.inf
 
 
 def _up_to(problem: Problem, parted: float, *, locus: bool) -> Motion:
-    """Return a motion up to where its neighbours part from it, as unresolved from there on.
+    """Return a motion up to the time at which its neighbours differ from it, then unresolved.
 
-    One whose horizon comes first is known to its end.
+    A motion whose horizon comes first is known to its end.
     """
     if problem.duration is not None and problem.duration <= parted:
         return _integrated(problem, locus=locus)

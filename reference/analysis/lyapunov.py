@@ -1,12 +1,11 @@
-"""How fast motions part that begin almost alike, and until when they can be compared at all.
+"""Divergence of motions with almost equal releases, and how long two motions can be compared.
 
 A can with its mass off the axis is chaotic (Srinivasan and Ruina): a disturbance grows as
-exp(rate t) whoever computes it, and once it has grown to the size of the motion two computations
-agree or differ for no reason that can be named. Disturbances of the release by one part in 1e12 are
-followed by the variational equations (`reference.analysis.variational`), which are linear: a
-disturbance
-grows on where two motions would be as far apart as they can be. The distance of two motions is the
-angle between their orientations.
+exp(rate t) in every computation, and once it has grown to the size of the motion, agreement or
+difference of two computations means nothing. Disturbances of the release by one part in 1e12 are
+integrated by the variational equations (`reference.analysis.variational`). These are linear, so
+that a disturbance continues to grow beyond the largest possible distance of two motions. The
+distance of two motions is the angle between their orientations.
 """
 
 from dataclasses import dataclass, replace
@@ -37,20 +36,20 @@ LARGEST = 600.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Divergence:
-    """How disturbed releases part from the undisturbed one.
+    """Growth of the difference between disturbed releases and the undisturbed one.
 
     Attributes
     ----------
     times, distance : ndarray, shape (n,)
-        The largest distance so far of any of them, rad, as the linear equations have it: beyond
-        `PARTED` it says how much has grown, and no longer how far two motions are apart.
+        The largest distance so far of any disturbed release, rad, by the linear equations: beyond
+        `PARTED` a measure of growth, and no longer the distance of two motions.
     growth : float
-        The last of it over the disturbance.
+        The last distance over the disturbance.
     rate : float
         Of exponential growth, Lyapunov's, in sqrt(g/R); 0 where nothing has grown tenfold.
     parted : float
-        When a disturbance of 1e-12 has grown to `PARTED`: foretold from the rate where that is
-        beyond the motion, infinite where nothing grows.
+        Time at which a disturbance of 1e-12 has grown to `PARTED`: predicted from the rate where
+        that is beyond the motion, infinite where nothing grows.
     """
 
     times: Floats
@@ -61,17 +60,17 @@ class Divergence:
 
     @property
     def chaotic(self) -> bool:
-        """Whether the disturbance grows so much that agreement ends, and exponentially."""
+        """Return whether the disturbance grows exponentially, and so much that agreement ends."""
         return self.growth > CHAOTIC and self.rate > 0
 
 
 def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
-    """Return how releases part that differ from a problem's by one part in 1e12.
+    """Return the divergence of releases that differ from a problem's by one part in 1e12.
 
     Parameters
     ----------
     problem : Problem
-        Followed by the smallest model that carries it.
+        Solved by the smallest model that carries it.
     own : Solution, optional
         Of the problem itself, if it is known.
     """
@@ -96,7 +95,7 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
 
 
 def _read(times: Floats, logarithms: Floats) -> Divergence:
-    """Return what the logarithms of distances, which never fall, come to."""
+    """Return the divergence that logarithms of distances, which never fall, show."""
     last = float(logarithms[-1])
     rate = 0.0
     growing = logarithms > np.log(GROWING)

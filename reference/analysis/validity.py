@@ -1,8 +1,8 @@
-"""Whether a solution keeps to what its model assumes: a rim that is pushed at one point.
+"""Validity of a solution: whether the plane pushes the rim, and at one point.
 
-A model does not know where it ends. Rolling without slipping takes whatever force it needs, were it
+A model does not check its assumptions. Rolling without slipping takes any force that it needs, even
 a pull; every model takes the contact to be one point of the rim, however near the far rim is to the
-plane. Here the motion is looked at again, and each assumption that it breaks is said.
+plane. This module examines a motion and reports each assumption that it breaks.
 """
 
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Guard:
-    """What the assumptions of a model came to, over a whole motion.
+    """Extremes over a motion of the quantities that its model makes assumptions about.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Guard:
 
 
 def examine(solution: Solution, times: Floats) -> Guard:
-    """Look at a solution again at the given times, dense by angle, shape (n,)."""
+    """Examine a solution at the given times, dense by angle, shape (n,)."""
     states = solution.at(times)
     parameters = solution.problem.parameters
     normal = contact_force_in_world(states, parameters)[:, 2]
@@ -106,7 +106,7 @@ def examine(solution: Solution, times: Floats) -> Guard:
 def _beyond_cone(
     solution: Solution, states: States, friction: Floats, normal: Floats
 ) -> list[Finding]:
-    """Say that a rim sticks where there is less friction than it needs: the solution is wrong."""
+    """Return the finding that a rim sticks with too little friction: the solution is wrong."""
     mu = solution.problem.effects.mu
     # of what ends where it begins the release is all there is, and nothing that sticks
     if mu is None or states.slip is None or solution.t_end == 0:
@@ -150,7 +150,7 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
 
 
 def _slippery(solution: Solution, ratio: float) -> Finding:
-    """Say that a rim that never slips needs more friction than there is."""
+    """Return the finding that a rim that never slips needs more friction than there is."""
     needs = (
         f"Rolling needs a friction of {ratio:.4g}, which few pairs have: with less the rim slips"
     )

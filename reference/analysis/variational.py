@@ -1,18 +1,18 @@
-"""How small disturbances of a motion grow: its variational equations, along its own pieces.
+"""Growth of small disturbances of a motion, by its variational equations along its pieces.
 
 With y' = f(y) in the time sigma of `reference.equations.state_vector`, a disturbance d of the
 state obeys
 
     d' = J(y) d,    J = df/dy,
 
-which is linear: no disturbance is too small or too large, and d is scaled back to size 1 after each
-piece while the logarithm of what it was is kept (renormalisation; Benettin, Galgani, Giorgilli and
+which is linear: no disturbance is too small or too large. After each piece d is scaled to size 1
+and the logarithm of its size is stored (renormalisation; Benettin, Galgani, Giorgilli and
 Strelcyn, Meccanica 15, 1980). J is taken along imaginary steps, J v = Im f(y + i s v)/s, exact to
 round-off (Squire and Trapp, SIAM Review 40, 1998), and each piece is one step of the Radau
 collocation that made it (`reference.nonsmooth.radau_iia`), with a matrix for Newton's.
 
-The time is a state, t' = S. What two motions are apart at the same sigma becomes what they are
-apart at the same time with d - f d_t/S.
+The time is a state, t' = S. The difference d of two motions at the same sigma becomes their
+difference at the same time, d - f d_t/S.
 
 Where something comes to rest (a slip, a turning that friction holds) the law changes, f jumps from
 f- to f+, and a disturbed motion gets there at another sigma: later by the tau at which what comes
@@ -99,11 +99,11 @@ class Stretch:
 
     @property
     def times(self) -> Floats:
-        """Of the states, shape (n,)."""
+        """Return the times of the states, shape (n,)."""
         return np.asarray(self.states[TIME])
 
     def angles(self) -> Floats:
-        """Angle between the orientations at the same time, shape (m, n), scaled."""
+        """Return angles between the orientations at the same time, shape (m, n), scaled."""
         at = Angles.of(self.states[LEAN])
         late = self.disturbances[NUMBER[TIME]] / self.rates[NUMBER[TIME]]
         lean, psi, total = (
@@ -115,7 +115,7 @@ class Stretch:
 
 
 def jacobian(equations: GeneralEquations, y: Floats, mode: Mode) -> tuple[Floats, Floats]:
-    """Rates of the rows `CORE`, shape (9, n), and their derivatives, shape (9, 9, n).
+    """Return rates of the rows `CORE`, shape (9, n), and their derivatives, shape (9, 9, n).
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def jacobian(equations: GeneralEquations, y: Floats, mode: Mode) -> tuple[Floats
 
 
 def release_disturbances(problem: Problem) -> Floats:
-    """Disturbances of a release in the rows `CORE`, a column each of `DISTURBED`, shape (9, 4)."""
+    """Return disturbances of a release, rows `CORE`, a column each of `DISTURBED`, shape (9, 4)."""
     S, C = np.sin(problem.phi), np.cos(problem.phi)
     out = np.zeros((CORE.size, len(DISTURBED)))
     phi, theta, psi_dot, theta_dot = range(len(DISTURBED))
@@ -148,7 +148,7 @@ def release_disturbances(problem: Problem) -> Floats:
 def stretches(
     equations: GeneralEquations, pieces: tuple[Segment, ...], start: Floats
 ) -> Iterator[Stretch]:
-    """Yield what becomes of disturbances, piece by piece.
+    """Yield the disturbances along each piece of a motion.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def stretches(
 
 
 def _held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
-    """Bring to rest what moments of friction hold from the release on."""
+    """Return disturbances without the motions that moments of friction hold from the release on."""
     mode, y = piece.mode, piece.start
     if not equations.moments_that_hold(mode):
         return start
@@ -208,7 +208,7 @@ def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
 def _across(
     equations: GeneralEquations, last: Segment, rates: Floats, piece: Segment, now: Floats
 ) -> Floats:
-    """Carry disturbances from the end of a piece over what comes to rest there."""
+    """Return disturbances after the end of a piece at which a motion comes to rest."""
     G = _comes_to_rest(last, piece)
     if not G.size:
         return now

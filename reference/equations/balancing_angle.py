@@ -1,6 +1,6 @@
-"""How far a nutation is short of the balancing angle (eq:phistar), exactly for the doubles given.
+"""Distance of a nutation from the balancing angle (eq:phistar), exact for the doubles given.
 
-phi* = arctan(1/h) is no double, and a can released beside it falls after a time that is the
+phi* = arctan(1/h) is no double, and a can released near it falls after a time that is the
 logarithm of its distance: of a distance of 1e-12 the nearest double knows four digits. Here phi* is
 carried as a double and a rest, so that every distance has all its digits. The rest comes from one
 Newton step, sin(phi* - x) = (cos x - h sin x)/sqrt(1 + h^2), in numbers of thirty digits.
@@ -112,7 +112,7 @@ def _balance_of_one(h: float) -> tuple[float, float]:
 
 
 def _rest(h: Floats, rounded: Floats) -> Floats:
-    """Return what the rounded balancing angle lacks."""
+    """Return the difference of the exact balancing angle and the rounded one."""
     sine, cosine = sine_and_cosine(rounded)
     product, rest = exact_product(h, sine[0])
     residual = less(cosine, (product, rest + h * sine[1]))

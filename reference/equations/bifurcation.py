@@ -112,7 +112,7 @@ def steady_motions(parameters: Parameters, K: float, B: float) -> SteadyMotions:
     """Return all steady motions on a level of the first integrals, by increasing nutation.
 
     Between two roots of V'' there is one root of V' at most: with those of V'' among the samples
-    two critical points are told apart however near to each other they are.
+    two critical points are distinguished however near to each other they are.
     """
     can = parameters
     flat = max(BELOW * (can.a_p * B * B) ** (1 / 3), FLATTEST)
@@ -146,14 +146,14 @@ def folds(parameters: Parameters, phi: Floats) -> tuple[SteadyMotions, SteadyMot
     root = np.sqrt(np.where((inside := Q**2 - 4 * P * R) >= 0, inside, np.nan))
     with np.errstate(divide="ignore", invalid="ignore"):
         # no difference of near numbers: one root from the sum, the other from the product
-        whole = -(Q + np.copysign(root, Q)) / 2
-        pair = np.sort(np.where((both := np.stack((whole / P, R / whole))) > 0, both, np.nan), 0)
+        q = -(Q + np.copysign(root, Q)) / 2
+        pair = np.sort(np.where((both := np.stack((q / P, R / q))) > 0, both, np.nan), 0)
         slow, fast = np.sqrt(pair)
         slow = np.copysign(slow, phi - parameters.balancing_angle)
-        made = [
+        pair_of_folds = [
             states_at(parameters, phi, rate, alpha * rate + beta / rate) for rate in (slow, fast)
         ]
-    return made[0], made[1]
+    return pair_of_folds[0], pair_of_folds[1]
 
 
 def folds_at(parameters: Parameters, K: float) -> SteadyMotions:
@@ -177,7 +177,7 @@ def folds_at(parameters: Parameters, K: float) -> SteadyMotions:
 
 
 def force_form(parameters: Parameters, phi: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return what multiplies K^2, K B, B^2 and 1 in minus the slope of V, shapes of `phi`."""
+    """Return the coefficients of K^2, K B, B^2 and 1 in minus the slope of V, shapes of `phi`."""
     gravity = _force(parameters, phi, 0.0, 0.0)
     own, other = (_force(parameters, phi, *pair) - gravity for pair in ((1.0, 0.0), (0.0, 1.0)))
     mixed = _force(parameters, phi, 1.0, 1.0) - gravity - own - other
@@ -199,11 +199,11 @@ def branches(parameters: Parameters, phi: Floats, K: float) -> tuple[SteadyMotio
     inside = (mixed * K) ** 2 - 4 * other * (own * K**2 + gravity)
     root = np.sqrt(np.where(inside >= 0, inside, np.nan))
     pair = np.sort(np.stack([(-mixed * K + sign * root) / (2 * other) for sign in (-1, 1)]), 0)
-    made = []
+    branch_pair = []
     for B in pair:
         psi_dot, spin = _rates(parameters, phi, K, B)
-        made.append(states_at(parameters, phi, psi_dot, spin - psi_dot))
-    return made[0], made[1]
+        branch_pair.append(states_at(parameters, phi, psi_dot, spin - psi_dot))
+    return branch_pair[0], branch_pair[1]
 
 
 def _rates(

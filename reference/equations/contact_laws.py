@@ -1,4 +1,4 @@
-"""How a rim can touch the plane: sticking or slipping, rolling or resting, turning or held."""
+"""Modes of the contact: sticking or slipping, rolling or at rest, turning or held."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -9,7 +9,7 @@ from reference.problem.states import Floats
 
 
 class Kind(Enum):
-    """What the rim does at the contact; the value is the word for it."""
+    """Kinds of contact of the rim; the value is the word for a kind."""
 
     STICK = "stick"
     SLIP = "slip"
@@ -33,7 +33,7 @@ class Phase:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
-    """Which laws are in force.
+    """Laws that are in force.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Mode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """Force of the plane, and the accelerations that come of it; all times sin(phi).
+    """Force of the plane, and the accelerations that it causes; all times sin(phi).
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Equations(Protocol):
 
     @property
     def bilateral_normal(self) -> bool:
-        """Whether the plane may pull: whether the contact is bilateral.
+        """Return whether the plane may pull: whether the contact is bilateral.
 
         That of the ideal can is, to which nothing is declared: rolling without slipping is the
         paper's problem, a constraint that takes the force it needs, and where that is a pull a
@@ -118,7 +118,7 @@ class Equations(Protocol):
         ...
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
-        """Return what happens at the contact, from states of shape (13, n)."""
+        """Return force and accelerations at the contact, from states of shape (13, n)."""
         ...
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:

@@ -75,7 +75,7 @@ class CoulombEquations:
 
     @property
     def bilateral_normal(self) -> bool:
-        """Whether the plane may pull: under a rim that never slips, the ideal can."""
+        """Return whether the plane may pull: under a rim that never slips, the ideal can."""
         return bool(np.isinf(self.mu))
 
     def turning(self, y: Floats) -> Floats:
@@ -88,7 +88,7 @@ class CoulombEquations:
         return SLIPPING if mode.slips else STICKING
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
-        """Return the force of the plane, times S, and what it makes of the can."""
+        """Return the force of the plane, times S, and the accelerations that it causes."""
         return self._slipping(y) if mode.slips else self._sticking(y)
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
@@ -170,6 +170,6 @@ class CoulombEquations:
 def _inertial(
     p: Parameters, at: Angles, w1: Floats, w2: Floats, w3: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """W x dp/dt times S in frame B: what the contact's own motion asks of the centre."""
+    """Return w x dp/dt times S in frame B: the part of the contact's motion through the body."""
     q1, q2, q3 = -at.S * p.h * w2, w1 * (p.h * at.S - at.C), at.S * w2
     return w2 * q3 - w3 * q2, w3 * q1 - w1 * q3, w1 * q2 - w2 * q1

@@ -12,7 +12,7 @@ alpha_3 = (zeta - 1)^2/(a (a + 1)), and the angle of turn pi sqrt((a + 1)/a).
 
 The slip at the release, mostly none, sets v; the centre is over v t.
 
-Angular momenta of the can, and what the first integrals of rolling have to do with them.
+Angular momenta of the can, and their relation to the first integrals of rolling.
 
 About the symmetry axis and about the vertical (eq01:ang_mom_B, eq01:ang_mom_G), per m R sqrt(g R):
 
@@ -90,13 +90,13 @@ class FrictionlessEquations:
     Attributes
     ----------
     parameters : Parameters
-    axial, apart : float
-        H_B, and H_G - H_B, which is all that a bounce has to turn on.
+    axial, momentum_gap : float
+        H_B, and H_G - H_B, which sets the turn of a bounce.
     """
 
     parameters: Parameters
     axial: float
-    apart: float
+    momentum_gap: float
 
     @property
     def mu(self) -> float:
@@ -115,7 +115,7 @@ class FrictionlessEquations:
 
     @property
     def bilateral_normal(self) -> bool:
-        """Whether the plane may pull: it may not."""
+        """Return whether the plane may pull: it may not."""
         return False
 
     def core(self, mode: Mode) -> Index:
@@ -161,7 +161,7 @@ class FrictionlessEquations:
 
     def momenta(self, at: Angles) -> tuple[Floats, float]:
         """W1 and w3."""
-        return (self.apart / at.S + at.T * self.axial) / self.parameters.a, (
+        return (self.momentum_gap / at.S + at.T * self.axial) / self.parameters.a, (
             self.axial / self.parameters.c
         )
 
@@ -211,8 +211,8 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedR
     release = initial_states(problem)
     H_B = float(axial_momentum(release, p)[0])
     tilt = 2 * np.sin(problem.phi / 2) ** 2
-    apart = p.a * problem.psi_dot * np.sin(problem.phi) ** 2 - tilt * H_B
-    equations = FrictionlessEquations(parameters=p, axial=H_B, apart=float(apart))
+    momentum_gap = p.a * problem.psi_dot * np.sin(problem.phi) ** 2 - tilt * H_B
+    equations = FrictionlessEquations(parameters=p, axial=H_B, momentum_gap=float(momentum_gap))
     if method not in SCIPY_METHODS:
         run: Run = HybridIntegrator(replace(problem, slip=(0.0, 0.0)), equations, locus=False).run()
     else:

@@ -58,7 +58,7 @@ ROLLING_1, ROLLING_2, TURNING_Z, SLIP_1, SLIP_2, NORMAL = range(6)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """Where the body is and how it moves, in frame B; vectors of shape (3, n)."""
+    """Position and motion of the body, in frame B; vectors of shape (3, n)."""
 
     at: Angles
     mass: float
@@ -102,7 +102,7 @@ class GeneralEquations:
 
     @property
     def bilateral_normal(self) -> bool:
-        """Whether the plane may pull: under the ideal can alone."""
+        """Return whether the plane may pull: under the ideal can alone."""
         return not self.effects.declared()
 
     def turning(self, y: Floats) -> Floats:
@@ -123,7 +123,7 @@ class GeneralEquations:
         return np.array(rows)
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
-        """Return what happens at the contact, from states of shape (13, n)."""
+        """Return force and accelerations at the contact, from states of shape (13, n)."""
         return self._contact(y, mode, self._setting(y, mode))
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
@@ -212,7 +212,7 @@ class GeneralEquations:
         return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else [])]
 
     def impulses(self, y: Floats, mode: Mode) -> Floats:
-        """Change of (w in frame B, u1, u2) by unit impulses of the moments that hold, the rim kept.
+        """Return changes of (w in frame B, u1, u2) by unit impulses of the holding moments.
 
         Parameters
         ----------
@@ -228,13 +228,13 @@ class GeneralEquations:
         here, moments = self._setting(column, mode), self.moments_that_hold(mode)
         inverse = np.asarray(np.linalg.inv(here.inertia[..., 0]))[None]
         D = _mobility(inverse, here, here.at)[0]
-        kept = [NORMAL] if mode.slips else [SLIP_1, SLIP_2, NORMAL]
-        answers = np.column_stack([D[:, kept[:-1]], D @ self._law(column, mode)[:, 0]])
-        change = D[:, moments] - answers @ np.linalg.solve(answers[kept], D[np.ix_(kept, moments)])
+        rim = [NORMAL] if mode.slips else [SLIP_1, SLIP_2, NORMAL]
+        answers = np.column_stack([D[:, rim[:-1]], D @ self._law(column, mode)[:, 0]])
+        change = D[:, moments] - answers @ np.linalg.solve(answers[rim], D[np.ix_(rim, moments)])
         return np.concatenate([to_body(change[:3], here.at), change[[SLIP_1, SLIP_2]]])
 
     def _law(self, y: Floats, mode: Mode) -> Floats:
-        """Return what a unit of normal force brings with it, shape (6, n)."""
+        """Return the moments and forces that a unit of normal force causes, shape (6, n)."""
         e = self.effects
         law = np.zeros((6, y.shape[1]), dtype=y.dtype)
         law[NORMAL] = 1.0

@@ -50,7 +50,7 @@ def nutation_acceleration(
 
 
 def stands_still(problem: Problem) -> bool:
-    """Whether a release rests and nothing but round-off makes phi move."""
+    """Return whether a release rests and nothing but round-off makes phi move."""
     if problem.phi_dot != 0:
         return False
     p, S = problem.parameters, np.sin(problem.phi)

@@ -47,7 +47,7 @@ def frequency(parameters: Parameters) -> float:
 
 
 def lean_of(parameters: Parameters, phi: float) -> float:
-    """Return phi - phi*, with all its digits beside balance."""
+    """Return phi - phi*, with all its digits near balance."""
     return -float(short_of_balance(np.asarray(parameters.h), np.asarray(phi)))
 
 

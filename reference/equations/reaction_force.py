@@ -1,4 +1,4 @@
-"""What happens where the can touches the plane: force, friction ratio, contact locus.
+"""The contact of can and plane: force, friction ratio, contact locus.
 
 From eq01:com_velocity and eq01:n2l_lin with the scalings of eq01:scalings. In the intermediate
 frame I, whose x axis points along (cos psi, sin psi),
@@ -227,7 +227,7 @@ def centre_position(
 
 
 def _known(states: States, effects: Effects | None) -> Effects:
-    """Return the effects of states; those of an ideal can need not be said."""
+    """Return the given effects, or those of the ideal can for its states."""
     if effects is None and (states.force is not None or states.slip is not None):
         raise ValueError(
             "the states come of a model with effects: give them as `effects`, such as "

@@ -15,8 +15,8 @@ m = 1 - cos phi = T S and the precession per unit of sigma q = b/S,
     W = 2 (1 - c_p k) T + k (c_p - a_p) S - 2 h k m             M = k c_p m + h k S
     Z = h S - cos phi = -sqrt(h^2 + 1) sin(D - d)
 
-Gravity is what is left of two terms beside the balancing angle phi*. It is therefore taken from the
-rise d = phi - r over the release r and from D = phi* - r, which is exact for the doubles given
+Near the balancing angle phi* gravity is a small difference of two terms. It is therefore taken from
+the rise d = phi - r over the release r and from D = phi* - r, which is exact for the doubles given
 (`reference.equations.balancing_angle`): a can released a picometre off balance falls when it
 should.
 

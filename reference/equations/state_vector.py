@@ -62,7 +62,7 @@ def released(problem: Problem) -> Floats:
 
 
 def sizes(rows: Index, y: Floats) -> Floats:
-    """How large each entry is, for errors and differences to be measured against.
+    """Return the size of each entry, as the scale of errors and differences.
 
     Parameters
     ----------

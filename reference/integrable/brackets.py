@@ -1,6 +1,6 @@
-"""The first root of a smooth function on the way from a point, so that none is stepped over.
+"""Brackets of the first root of a smooth function from a point on, without missing one.
 
-From the start the way is taken in steps, each an interval on which the function is a Chebyshev
+From the start the search takes steps, each an interval on which the function is a Chebyshev
 series resolved to round-off. Because |T_k| <= 1, a series whose first coefficient outweighs the
 sum of the others keeps its sign. So an interval is settled where
 
@@ -40,7 +40,7 @@ MAGNIFIED = float(NODES) ** 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Brackets:
-    """Where the first roots of n functions are, each of shape (n,).
+    """Brackets of the first roots of n functions, each of shape (n,).
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def _limited(far: Floats, stop: Floats, way: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Verdict:
-    """What is known of f on an interval, each of shape (k,)."""
+    """Knowledge of f on an interval, each of shape (k,)."""
 
     settled: NDArray[np.bool_]
     root: NDArray[np.bool_]
@@ -164,12 +164,12 @@ def _judged(f: Sampled, which: NDArray[np.intp], x: Floats, y: Floats) -> _Verdi
 
 
 def _outweighs(series: Floats, noise: Floats) -> NDArray[np.bool_]:
-    """Whether the first coefficient is more than the others and the noise together."""
+    """Return whether the first coefficient exceeds the sum of the others and the noise."""
     return np.asarray(np.abs(series[0]) > np.abs(series[1:]).sum(axis=0) + noise)
 
 
 def stays_positive(values: Floats, series: Floats) -> NDArray[np.bool_]:
-    """Whether cosine series are positive everywhere, shape (n,); False is no more than a doubt.
+    """Return whether cosine series are shown to be positive everywhere, shape (n,).
 
     Between neighbouring points a distance d apart a function is less than d^2/8 of its largest
     second derivative below the smaller of the two. What the series leaves out is taken for no more
@@ -191,8 +191,8 @@ def stays_positive(values: Floats, series: Floats) -> NDArray[np.bool_]:
     doubted = np.flatnonzero(~positive)
     if doubted.size:
         points = FINER * m
-        apart = np.pi / points
-        waves = np.cos(apart * np.outer(np.arange(points + 1), np.arange(m)))
+        spacing = np.pi / points
+        waves = np.cos(spacing * np.outer(np.arange(points + 1), np.arange(m)))
         least = (waves @ series[:, doubted]).min(axis=0)
-        positive[doubted] = least > tail[doubted] + apart**2 / 8 * bend[doubted]
+        positive[doubted] = least > tail[doubted] + spacing**2 / 8 * bend[doubted]
     return np.asarray(positive)

@@ -66,7 +66,7 @@ class PeriodicMotions:
 
     @property
     def bounced(self) -> NDArray[np.bool_]:
-        """Where there is a bounce, shape (n,)."""
+        """Return whether there is a bounce, shape (n,)."""
         return np.asarray(self.code == OUTCOMES.index(Outcome.FINISHED))
 
     def outcome(self, index: int) -> Outcome:

@@ -1,4 +1,4 @@
-"""A clock for the nutation: the elliptic function that turns smoothly at both ends of a bounce.
+"""The elliptic substitution: a time in which the nutation is smooth at both ends of a bounce.
 
 Between its extrema c = phi_min and b = phi_max the nutation is written phi(u), where
 

@@ -91,7 +91,7 @@ class Series:
 
 @lru_cache(maxsize=8)
 def trigonometric_series(terms: int) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    """Power series that no can enters.
+    """Return the power series that do not depend on the can.
 
     Returns
     -------
@@ -125,7 +125,7 @@ def frobenius_series(can: CanConstants, terms: int = MOST_TERMS) -> Series:
     can : Can
         One can or n cans.
     terms : int
-        Number of powers kept.
+        Number of powers.
 
     Returns
     -------
@@ -171,7 +171,7 @@ def _sum(weights: Floats, terms: Floats) -> Floats:
 
 @lru_cache(maxsize=64)
 def series_of(parameters: Parameters) -> Series:
-    """Return all terms for one can, shape (terms, 1); kept, for a can is solved more than once."""
+    """Return all terms for one can, shape (terms, 1), cached: a can is solved more than once."""
     return lift(frobenius_series(can_constants(parameters)))
 
 

@@ -1,6 +1,6 @@
 """The integrals of one period where the midpoint rule converges too slowly.
 
-Beside a separatrix g all but touches zero between the turning points, or just beyond the lower one,
+Near a separatrix g almost touches zero between the turning points, or just beyond the lower one,
 and the rates have a peak that no even grid resolves. Here the clock's time is divided where the
 rates change, until two Gauss rules agree on every part or differ by no more than the round-off of
 g. Above the lower turning point g is computed from its difference from there, because half of the

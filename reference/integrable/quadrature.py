@@ -224,7 +224,7 @@ def cycle_integrals(points: TurningPoints, nodes: int, *, careful: bool) -> tupl
 def _loses_digits(
     points: TurningPoints, clock: EllipticSubstitution, at_nodes: Rates, fraction: Floats
 ) -> NDArray[np.bool_]:
-    """Whether g, referred to phi_max, has lost digits where it is least or nearest to phi_min."""
+    """Return whether g, referred to phi_max, has lost digits at its least or near phi_min."""
     least = np.where(at_nodes.room > 0, at_nodes.room, np.inf).argmin(axis=0)
     at = np.stack([np.broadcast_to(fraction[0], least.shape), fraction[least, 0]])
     phi, _, gap = clock.nutation(at)
@@ -234,7 +234,7 @@ def _loses_digits(
 
 
 def known_positive(at_nodes: Rates) -> NDArray[np.bool_]:
-    """Whether g is shown to be positive between the turning points, of rates at midpoints."""
+    """Return whether rates at midpoints show g to be positive between the turning points."""
     room = at_nodes.room
     series = _to_cosines(room.shape[0]) @ room
     return np.asarray((room > 0).all(axis=0) & stays_positive(room, series))
@@ -250,7 +250,7 @@ def _to_cosines(n: int) -> Floats:
 
 
 def unresolved(at_nodes: Rates) -> NDArray[np.bool_]:
-    """Where the two highest harmonics of an integrand have not yet fallen."""
+    """Return where the two highest harmonics of an integrand have not yet decayed."""
     nodes = at_nodes.time.shape[0]
     angle = np.pi * (np.arange(nodes) + 0.5) / nodes
     waves = np.stack([np.cos((nodes - 1) * angle), np.cos((nodes - 2) * angle)])
@@ -261,7 +261,7 @@ def unresolved(at_nodes: Rates) -> NDArray[np.bool_]:
 
 
 def peak_rate(points: TurningPoints, at_nodes: Rates) -> Floats:
-    """Precession rate of largest magnitude on the way."""
+    """Return the precession rate of largest magnitude between the turning points."""
     low, high = points.low, points.high
     bottom = evaluate_potential(points.well, low[None], points.swing[None])
     ends = np.stack([bottom.b[0] / bottom.sine[0] ** 2, points.well.b / np.sin(high) ** 2])

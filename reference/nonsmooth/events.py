@@ -1,7 +1,7 @@
-"""What can happen within a piece of a motion, and exactly when.
+"""Events within a piece of a motion, and their instants to round-off.
 
-A quantity that must stay positive is looked at on a fine grid of the piece; where it comes down
-through zero its root is found to round-off on the piece's own polynomial.
+A quantity that must stay positive is sampled on a fine grid of the piece; where it falls through
+zero, its root is computed on the piece's own polynomial.
 """
 
 from collections.abc import Callable
@@ -33,7 +33,7 @@ LEAST_MOBILITY = 1e-6
 
 
 class EventKind(Enum):
-    """What happens."""
+    """Kinds of events."""
 
     MAXIMUM = auto()
     MINIMUM = auto()
@@ -56,7 +56,7 @@ LIMITS = {
     EventKind.HELD,
     EventKind.TURNS,
 }
-"""What ends a mode wherever it is seen, not only where it sets in: also right at the start."""
+"""Events that end a mode wherever their margin is negative, also at the start of a piece."""
 OF_THE_STATE = {
     EventKind.MAXIMUM,
     EventKind.MINIMUM,
@@ -65,19 +65,19 @@ OF_THE_STATE = {
     EventKind.FLAT,
     EventKind.HELD,
 }
-"""What a state says without its contact, also where that has no direction yet."""
+"""Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """What happens, and where in its piece."""
+    """An event, and its place in its piece."""
 
     c: float
     what: EventKind
 
 
 class EventSample:
-    """A piece at some instants, and its contact there if anybody asks."""
+    """A piece at given instants, with its contact there, computed on demand."""
 
     def __init__(self, y: Floats, piece: Segment, equations: Equations) -> None:
         self.y = y
@@ -85,7 +85,7 @@ class EventSample:
 
     @cached_property
     def contact(self) -> Contact:
-        """What happens at the contact."""
+        """Return force and accelerations at the contact."""
         return self._equations.contact(self.y, self._piece.mode)
 
 
@@ -93,7 +93,7 @@ Margin = Callable[[EventSample], Floats]
 
 
 def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
-    """Return what happens in a piece, in order, cut or not.
+    """Return the events of a piece, in order, whether or not the piece is cut.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
 
 def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKind, Margin]:
-    """Return what must stay positive, in the mode of the piece."""
+    """Return the quantities that must stay positive in the mode of the piece."""
     mode = piece.mode
     flat = FLAT if equations.bilateral_normal else FLAT_AND_PUSHED
     margins: dict[EventKind, Margin] = {
@@ -169,7 +169,7 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
 def _dips(
     margin: Callable[[float], float], places: Floats, values: Floats
 ) -> list[tuple[float, float]]:
-    """Bracket where a margin comes down through zero between two places at which it is positive.
+    """Bracket the zeros of a margin that is positive at both neighbouring samples.
 
     Looked for where the parabola through three places comes near zero between them.
     """
@@ -190,7 +190,7 @@ def _dips(
 
 
 def _root(margin: Callable[[float], float], left: float, right: float) -> float:
-    """Where a margin comes down through zero; alone, a value may be rounded otherwise than here."""
+    """Return where a margin falls through zero; a single value may be rounded differently."""
     if margin(left) <= 0:
         return left
     if margin(right) >= 0:

@@ -1,7 +1,7 @@
-"""Following a can through its phases: it sticks while it may, slips beyond, and is seen to the end.
+"""Integration of a can through phases of sticking and slipping, up to its horizon or ending.
 
-The motion is smooth between switches. Each switch is found to round-off on the polynomial of the
-step in which it falls (`reference.nonsmooth.events`), the step is cut there, and the next one
+The motion is smooth between switches. Each switch is computed to round-off on the polynomial of the
+step that contains it (`reference.nonsmooth.events`), the step is cut there, and the next step
 begins with the other law.
 """
 
@@ -88,7 +88,7 @@ class PhasedRun(Run):
 
 
 class HybridIntegrator:
-    """One integration."""
+    """Integrates one problem."""
 
     def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
         self._equations = equations
@@ -110,7 +110,7 @@ class HybridIntegrator:
         return self._now.mode
 
     def run(self) -> PhasedRun:
-        """Follow the can to its end."""
+        """Integrate to the horizon or an ending."""
         while not self.watch.ended():
             piece = self._step()
             if piece is None:
@@ -166,7 +166,7 @@ class HybridIntegrator:
         return None
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
-        """Whether what begins with a step does so in its own direction, not in an inadmissible one.
+        """Return whether a slip or rolling that begins with a step keeps its admissible direction.
 
         Of the change in the rows of the core up to the first point of the step.
         """
@@ -178,7 +178,7 @@ class HybridIntegrator:
         return along and (now.roll is None or float(level @ now.roll.direction) > 0)
 
     def _left(self) -> float:
-        """Return how far to go while something slows down: not beyond its end."""
+        """Return the longest step that does not pass the end of a slip or of a rolling."""
         if self._now.at_once:
             return LONGEST
         here = self._equations, self._y, self._mode
@@ -190,7 +190,7 @@ class HybridIntegrator:
         return self._equations.rates(full, self._mode, along=False)
 
     def _completed(self, core: Floats, rows: Index, length: float) -> Floats:
-        """Coefficients of all rows: after the core the quadratures, those of the angles first.
+        """Return coefficients of all rows: the core, the quadratures of angles, the others.
 
         Only the place of the contact needs the angles before it; it and the works are left out
         where the contact locus is not asked for.
@@ -221,7 +221,7 @@ class HybridIntegrator:
         return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
 
     def _guess(self, length: float) -> Floats:
-        """Guess the change in a step: straight on."""
+        """Return a guess of the change in a step: the last step continued, or linear in time."""
         c = length * points()
         last = self._pieces[-1] if self._pieces else None
         now = self._now
@@ -236,7 +236,7 @@ class HybridIntegrator:
         return straight_on(self._equations, self._y, now, c)
 
     def _see(self, piece: Segment) -> None:
-        """Report a step, up to the first thing that ends it, and go on from there."""
+        """Report a step up to its first event, and continue from there."""
         cut, ending = 1.0, None
         for event in events(piece, self._equations, self.watch.t_end):
             if event.what in EXTREMA:
@@ -257,7 +257,7 @@ class HybridIntegrator:
             self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
 
     def _switch(self, event: Event | None) -> None:
-        """Change the law, or end, at what happened."""
+        """Change the law or end the motion, at an event."""
         if event is not None and event.what in ENDINGS:
             self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
         elif event is not None and event.what is EventKind.SLIPS:
@@ -273,7 +273,7 @@ class HybridIntegrator:
             self._halt()
 
     def _halt(self) -> None:
-        """Hold what has all but stopped, if it may be held."""
+        """Hold a slip or rolling that has stopped but for round-off, if friction can hold it."""
         before = float(self._y[W2])
         self._y, mode = halted(self._equations, self._y, self._mode)
         if mode != self._mode:
@@ -293,7 +293,7 @@ class HybridIntegrator:
             self.watch.extremum(float(self._y[TIME]), snapshot_of(self._y), maximum=maximum)
 
     def _go_on(self, now: ModeTransition) -> None:
-        """Go on as it begins, or end."""
+        """Continue with a transition, or end the motion."""
         self._now = now
         if now.at_once:
             self._length = min(self._length, FIRST)

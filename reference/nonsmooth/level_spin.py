@@ -1,8 +1,8 @@
-"""The level part of the angular velocity: the turning that rolling resistance opposes.
+"""The horizontal part of the angular velocity, which rolling resistance opposes.
 
-Of w it is what is left without the part about the vertical, (C w1 - S w3, w2) along (cos psi, sin
-psi, 0) and (-sin psi, cos psi, 0). It is zero of a can at rest, and of one that turns about the
-vertical through its contact alone: theta' = phi' = 0.
+The angular velocity w without its part about the vertical is (C w1 - S w3, w2) along (cos psi, sin
+psi, 0) and (-sin psi, cos psi, 0). This part is zero for a can at rest, and for a can that turns
+only about the vertical through its contact: theta' = phi' = 0.
 """
 
 import numpy as np
@@ -21,17 +21,17 @@ STILL = 1e-14
 
 
 def level_turning(y: Floats) -> Floats:
-    """Return the level part, shape (2, n), of states (13, n)."""
+    """Return the horizontal part, shape (2, n), of states (13, n)."""
     return to_level(y[TURN], Angles.of(y[LEAN]))[:2]
 
 
 def stands(y: Floats) -> Floats:
-    """Return whether it is zero, but for round-off, shape (n,), bool."""
+    """Return whether the horizontal part is zero but for round-off, shape (n,), bool."""
     return np.asarray(np.hypot(*level_turning(y)) <= STILL * np.abs(y[TURN]).max(axis=0))
 
 
 def with_level(y: Floats, level: Floats) -> Floats:
-    """Return states (13, n) with another level part, shape (2, n)."""
+    """Return states (13, n) with the given horizontal part, shape (2, n)."""
     at = Angles.of(y[LEAN])
     vertical = to_level(y[TURN], at)[2]
     columns = y.copy()
@@ -40,6 +40,6 @@ def with_level(y: Floats, level: Floats) -> Floats:
 
 
 def rolled(y: Floats, direction: Floats) -> Floats:
-    """Return states that roll hardly, in the given directions of shape (2, n)."""
+    """Return states that roll infinitely slowly, in the given directions, shape (2, n)."""
     vertical = np.abs(to_level(y[TURN], Angles.of(y[LEAN]))[2])
     return with_level(y, (HARDLY + BESIDE * vertical) * direction)

@@ -60,7 +60,7 @@ def with_start() -> Floats:
 
 @lru_cache(maxsize=1)
 def integrator() -> Floats:
-    """Matrix from values at the points to the integral from 0 to each, shape (s, s)."""
+    """Return the matrix from values at the points to the integral from 0 to each, shape (s, s)."""
     x = 2 * points() - 1
     values = legendre.legvander(x, STAGES - 1)
     primitives = np.stack(
@@ -76,7 +76,7 @@ def to_coefficients() -> Floats:
 
 
 def basis(c: Floats) -> Floats:
-    """Chebyshev polynomials on [0, 1] less their values at 0, shape (n, STAGES + 1).
+    """Return the Chebyshev polynomials on [0, 1] less their values at 0, shape (n, STAGES + 1).
 
     What they are a basis of is a change: nothing at the start, not even round-off.
     """
@@ -85,7 +85,7 @@ def basis(c: Floats) -> Floats:
 
 @lru_cache(maxsize=8)
 def basis_at(c: tuple[float, ...]) -> Floats:
-    """Return the basis at places that are asked for again and again."""
+    """Return the basis at given places, cached."""
     return basis(np.array(c))
 
 
@@ -106,7 +106,7 @@ class Step:
 
 
 def coefficients(change: Floats) -> Floats:
-    """Chebyshev coefficients of a change that starts at zero, shape (n, STAGES + 1)."""
+    """Return Chebyshev coefficients of a change that starts at zero, shape (n, STAGES + 1)."""
     return change @ to_coefficients()[:, 1:].T
 
 
@@ -162,7 +162,7 @@ def step(
 
 
 def _linearised(field: Field, y: Floats, size: Floats) -> tuple[Floats, Floats]:
-    """Rates (n, s), and their derivatives (n, n, s), along imaginary steps.
+    """Return rates (n, s), and their derivatives (n, n, s), along imaginary steps.
 
     Those subtract nothing. Differences would: what a slip changes in a force is its direction, and
     beside a slip that has just begun the round-off of the force is a change of any direction.

@@ -1,4 +1,4 @@
-"""A motion in pieces, each a polynomial in the time of the rim, known at every instant."""
+"""Dense output of the hybrid integrator: pieces, each a polynomial in the time of the rim."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ LOOKS = (0.0, 0.25, 0.5, 0.75)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Segment:
-    """One step, up to where it was cut.
+    """One step, up to the event at which it was cut.
 
     Attributes
     ----------
@@ -60,23 +60,23 @@ class Segment:
     mode: Mode
 
     def at(self, c: Floats) -> Floats:
-        """State, shape (13, n)."""
+        """Return the state, shape (13, n)."""
         return self.start[:, None] + self.coefficients @ basis(c).T
 
     @property
     def end(self) -> Floats:
-        """State at the cut, shape (13,)."""
+        """Return the state at the cut, shape (13,)."""
         if self.cut == 1.0:
             return self.looked_at((1.0,))[:, 0]
         return self.at(np.array([self.cut]))[:, 0]
 
     def looked_at(self, c: tuple[float, ...]) -> Floats:
-        """State at places that every piece is looked at, shape (13, n)."""
+        """Return the state at the places at which events are sampled, shape (13, n)."""
         return self.start[:, None] + self.coefficients @ basis_at(c).T
 
 
 class SegmentsPath:
-    """Pieces one after the other, which know the contact's place and the works, or do not."""
+    """A sequence of pieces, with or without the contact point and the works."""
 
     def __init__(self, pieces: Sequence[Segment], equations: Equations, *, locus: bool) -> None:
         self.pieces = tuple(pieces)
@@ -99,12 +99,12 @@ class SegmentsPath:
         return self._rows(number, self._instant(number, times)), number
 
     def at(self, times: Floats) -> States:
-        """States at the given times, shape (n,)."""
+        """Return states at the given times, shape (n,)."""
         y, number = self.rows(np.asarray(times, dtype=float))
         return self._states(y, number)
 
     def lost(self, times: Floats) -> Floats:
-        """Return the energy that is gone, less what was supplied, since the release, shape (n,)."""
+        """Return the energy dissipated since the release, less the energy supplied, shape (n,)."""
         if not self._locus:
             raise ValueError("the works were not asked for: they come with the contact locus")
         y, _ = self.rows(np.asarray(times, dtype=float))
@@ -119,7 +119,7 @@ class SegmentsPath:
         return y[TIME][keep], self._states(y[:, keep], number[keep])
 
     def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:
-        """Where in its piece each time is: time grows, so halving finds it, and Newton sooner."""
+        """Return the place of each time in its piece, by Newton's method within a bisection."""
         target = times - self._starts[number, TIME]
         series = self._coefficients[number, TIME]
         noise = 2 * np.finfo(float).eps * np.abs(series).sum(axis=1)
@@ -173,7 +173,7 @@ class SegmentsPath:
         )
 
     def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:
-        """Give what begins at this instant the direction that it is about to take."""
+        """Return states with the direction of a slip or rolling that begins at this instant."""
         if self._equations.resistance and not mode.rests and (resting := stands(y)).any():
             ahead = self._coefficients[number[resting]] @ basis(np.array([AHEAD]))[0]
             level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]

@@ -1,4 +1,4 @@
-"""In which directions a contact at rest begins to slip, or to roll against resistance.
+"""Directions in which a contact at rest begins to slip, or to roll against resistance.
 
 A rim at rest that cannot be held there slips in a direction e, with the friction -mu N e. By
 linearity (`reference.equations.newton_euler`; D is the mobility of the contact, what is held
@@ -74,20 +74,20 @@ BEYOND = 2e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlipOnset:
-    """How slip or rolling begins: u = size sigma (cos angle, sin angle)."""
+    """Onset of a slip or of rolling: u = size sigma (cos angle, sin angle)."""
 
     angle: float
     size: float
 
     @property
     def direction(self) -> Floats:
-        """A unit vector, shape (2,)."""
+        """Return the unit vector of the direction, shape (2,)."""
         return np.array([np.cos(self.angle), np.sin(self.angle)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnilateralHold:
-    """What may be held at rest by a reaction within a cone.
+    """A motion that a reaction within a cone can hold at rest.
 
     Attributes
     ----------
@@ -134,19 +134,19 @@ LEAN_OF_CAN = UnilateralHold(
 
 
 def slack(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
-    """How much of the cone a contact that holds leaves, (mu N - |F|) sin phi, shape (n,)."""
+    """Return the unused part of the cone of a contact at rest, (mu N - |F|) sin phi, shape (n,)."""
     reaction, limit = rest.reaction(equations, contact)
     return np.asarray(limit - np.hypot(*reaction))
 
 
 def reserve(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
-    """How much is left until what is held lets go, `BEYOND` its cone, times sin phi, shape (n,)."""
+    """Return the margin to the end of a hold, `BEYOND` its cone, times sin phi, shape (n,)."""
     reaction, limit = rest.reaction(equations, contact)
     return np.asarray((1 + BEYOND) * limit - np.hypot(*reaction))
 
 
 def holding(equations: Equations, contact: Contact) -> Floats:
-    """How much is left until turning about the normal is let go, likewise, shape (n,)."""
+    """Return the same margin of the hold of turning about the normal, shape (n,)."""
     limit = (1 + BEYOND) * equations.drilling * contact.force[2]
     return np.asarray(limit - np.abs(contact.moment[2]))
 
@@ -154,7 +154,7 @@ def holding(equations: Equations, contact: Contact) -> Floats:
 def onset(
     equations: Equations, y: Floats, mode: Mode, rest: UnilateralHold = RIM
 ) -> SlipOnset | Outcome:
-    """Return the only direction in which what is at rest begins to move, or why there is not one.
+    """Return the only admissible direction, or the outcome that says why there is not one.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def admissible(
 def _growing(
     equations: Equations, y: Floats, mode: Mode, rest: UnilateralHold
 ) -> tuple[tuple[SlipOnset, ...], int, bool]:
-    """Return the directions, how many there are but for G < 0, and whether n < 0."""
+    """Return the directions, their number without the condition G > 0, and whether n < 0."""
     steps = np.arange(SAMPLES) / SAMPLES
     _, across, contact = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
     angles = ASIDE + _roots(across)

@@ -1,7 +1,7 @@
-"""How far it is to where a slip, or a rolling that meets resistance, comes to rest, or jams.
+"""Distance to the instant at which a slip, or a rolling against resistance, stops or jams.
 
-Friction stops what it is against in a finite time, at which its direction is lost: a step ends
-before, and what round-off would be left of is held.
+Friction stops a motion in a finite time, at which its direction is lost: a step ends before that
+instant, and a motion as small as its round-off is held.
 """
 
 from dataclasses import replace
@@ -49,7 +49,7 @@ def left_to_jam(equations: Equations, piece: Segment) -> float:
 
 
 def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
-    """Return sigma until the level turning stops; inf if nothing resists it, or it never does."""
+    """Return sigma until the horizontal turning stops; inf if it is not resisted or never stops."""
     if not equations.resistance or mode.rests:
         return np.inf
     column = y[:, None]
@@ -58,7 +58,7 @@ def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
 
 
 def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
-    """Return a state without what has all but stopped, and the mode that holds it."""
+    """Return a state without a slip or rolling that has stopped, and the mode that holds it."""
     left = left_of_slip(equations, y, mode)
     if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
         y, mode = y.copy(), replace(mode, slips=False)
@@ -74,7 +74,7 @@ def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
 
 
 def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
-    """Return a state without level turning, of which there was only round-off, that is held."""
+    """Return a held state without horizontal turning, of which there was only round-off."""
     return with_level(y[:, None], np.zeros((2, 1)))[:, 0], replace(mode, rests=True)
 
 

@@ -1,12 +1,12 @@
-"""What a contact begins to do where a law changes: what holds, and what gives way and how.
+"""Transitions between modes of the contact where a law changes.
 
-Everything at rest is held first. What asks for more than its limit is let go, and begins in the
-direction of its own acceleration (`reference.nonsmooth.slip_onset`); as that changes what the
-others ask for they are looked at again, until all agree: the level turning first, then the turning
-about the normal, then the slip; the slip first where holding would take a pull, which no friction
-goes with.
+Every motion at rest is held first. A motion that needs more than its limit is released, and begins
+in the direction of its own acceleration (`reference.nonsmooth.slip_onset`). A release changes what
+the other holds need, so that they are checked again until all agree: first the horizontal turning,
+then the turning about the normal, then the slip; but the slip first where holding needs a pull, for
+there is no friction with a pull.
 
-What has begun must have N > 0 and a positive normal mobility
+A motion that has begun must have N > 0 and a positive normal mobility
 (`reference.equations.contact_laws.Contact.normal_mobility`). A rim that is released slipping has
 the direction of its slip, and with it
 
@@ -48,7 +48,7 @@ LATER = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModeTransition:
-    """What happens from an instant on.
+    """Mode and motion from an instant on.
 
     Attributes
     ----------
@@ -66,11 +66,11 @@ class ModeTransition:
 
     @property
     def at_once(self) -> bool:
-        """Whether something begins from nothing."""
+        """Return whether a slip or a rolling begins from rest."""
         return self.slip is not None or self.roll is not None
 
     def infinitesimal(self, y: Floats) -> Floats:
-        """Return a state, shape (13, 1), in which all that begins has begun hardly."""
+        """Return the state, shape (13, 1), in which each beginning motion is infinitely slow."""
         column = y[:, None]
         if self.roll is not None:
             column = LEAN_OF_CAN.infinitesimal(column, self.roll.direction[:, None])
@@ -80,7 +80,7 @@ class ModeTransition:
 
 
 def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
-    """Return how a motion goes on.
+    """Return the transition with which a motion continues.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
 
 
 def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Let go of what is held beyond its limit, until all the rest holds, if a plane can push so."""
+    """Release holds beyond their limits until the others hold, if the plane can push so."""
     while now.ending is None:
         then = _give_way(equations, y, now)
         if then == now:
@@ -110,7 +110,7 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
 
 
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Let the rim slip, in the only direction that it has."""
+    """Release the slip of the rim, in its only admissible direction."""
     free = RIM.freed(now.mode)
     slip = onset(equations, now.infinitesimal(y)[:, 0], free)
     if isinstance(slip, Outcome):
@@ -119,7 +119,7 @@ def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 
 
 def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Let the can roll, in the only direction that it has."""
+    """Release the rolling of the can, in its only admissible direction."""
     free = LEAN_OF_CAN.freed(now.mode)
     roll = onset(equations, now.infinitesimal(y)[:, 0], free, LEAN_OF_CAN)
     if isinstance(roll, Outcome):
@@ -128,7 +128,7 @@ def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 
 
 def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
-    """Guess the change of a state, shape (13, n), so much later, shape (n,) in sigma."""
+    """Return a linear guess of the change of a state, shape (13, n), after sigma, shape (n,)."""
     column = replace(now, slip=None).infinitesimal(y)
     sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
     guess = equations.rates(column, sticking) * ahead
@@ -151,7 +151,7 @@ def _grown(
     *,
     ahead: Floats,
 ) -> Floats:
-    """Guess a slip or a rolling so much later, shape (2, n), at the points of a step.
+    """Return a guess of a slip or a rolling at the points of a step, shape (2, n).
 
     On the edge of its cone the acceleration with which it begins is next to nothing, and soon no
     measure of what it becomes: that follows from what would hold it, were it held further on.
@@ -171,7 +171,7 @@ def _grown(
 
 
 def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
-    """Return the mode in which turning about the normal goes on, or is held."""
+    """Return the mode in which turning about the normal continues, or is held."""
     if not equations.drilling:
         return mode
     about = float(equations.turning(column)[0])
@@ -187,7 +187,7 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
 
 
 def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Let go of one thing that is held beyond its limit."""
+    """Release one motion that is held beyond its limit."""
     contact = equations.contact(now.infinitesimal(y), now.mode)
     may_slip = not now.mode.slips and np.isfinite(equations.mu)
     if may_slip and contact.force[2, 0] <= 0:
@@ -204,7 +204,7 @@ def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTrans
 
 
 def _agree(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Find the directions of a slip and a rolling that begin together."""
+    """Return the directions of a slip and a rolling that begin together."""
     for _ in range(ROUNDS):
         before = now
         now = begin_roll(equations, y, replace(now, roll=None, mode=replace(now.mode, rests=True)))
@@ -218,13 +218,13 @@ def _agree(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransiti
 
 
 def _apart(one: ModeTransition, other: ModeTransition) -> float:
-    """How much two beginnings differ in their directions."""
+    """Return the difference of the directions of two transitions."""
     pairs = ((one.slip, other.slip), (one.roll, other.roll))
     return max(float(np.abs(a.direction - b.direction).max()) for a, b in pairs if a and b)
 
 
 def _impossible(normal: float, mobility: float) -> Outcome | None:
-    """Return why a contact cannot go on, if it cannot."""
+    """Return the outcome of a contact that cannot continue, or None."""
     if mobility > 0:
         return None if normal > 0 else Outcome.LIFTED
     return Outcome.INDETERMINATE if normal > 0 else Outcome.INCONSISTENT

@@ -1,1 +1,1 @@
-"""What is solved: the can, its effects, the release, the states and how a motion can end."""
+"""The problem: the can, its effects, its release, its states and the outcomes of a motion."""

@@ -1,4 +1,4 @@
-"""What a problem adds to the ideal can, dimensionless; what is left out is the ideal limit.
+"""Effects that a problem adds to the ideal can, dimensionless; one left out is its ideal limit.
 
 Lengths are in R, times in sqrt(R/g), masses in that of the can, accelerations in g. The world is
 the frame of the plane, z along its normal: a tilted plane is a tilted gravity, a shaken plane a
@@ -94,16 +94,16 @@ class Gravity:
 
     @property
     def tilted(self) -> bool:
-        """Whether it pulls along the plane."""
+        """Return whether gravity has a part along the plane."""
         return self.constant[:2] != (0.0, 0.0)
 
     @property
     def shaken(self) -> bool:
-        """Whether it changes with time."""
+        """Return whether gravity changes with time."""
         return self.amplitude != (0.0, 0.0, 0.0)
 
     def shaking(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return what the shaking adds, shape (3, n)."""
+        """Return the part of the shaking, shape (3, n)."""
         wave = np.sin(self.rate * np.asarray(times) + self.phase)
         return np.asarray(self.amplitude)[:, None] * wave
 
@@ -160,7 +160,7 @@ class Effects:
         require(EffectError, "mass", self.mass, "a Mass or None", when=fits)
 
     def declared(self) -> tuple[str, ...]:
-        """Return the names of the effects that are there."""
+        """Return the names of the declared effects."""
         present = {
             "slip": self.mu is not None,
             "drilling": self.drilling > 0,

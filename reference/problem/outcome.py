@@ -1,10 +1,10 @@
-"""How a motion can end."""
+"""Outcomes of a motion."""
 
 from enum import Enum
 
 
 class Outcome(Enum):
-    """How a solution ended; the value is a sentence for a person."""
+    """Outcome of a solution; the value is a sentence for a person."""
 
     FINISHED = "The solution reached the horizon it was asked for."
     OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."

@@ -1,4 +1,4 @@
-"""What is to be solved: a can, its release, and how long to follow it.
+"""A problem: a can, its release, and the horizon.
 
 Everything is dimensionless: angles in rad, times in sqrt(R/g), rates in sqrt(g/R).
 """
@@ -18,7 +18,7 @@ from reference.problem.validation import (
 )
 
 LEAST = 1e-150
-"""Of phi, and over the rates: the squares of smaller ones underflow, those of greater overflow."""
+"""Least phi, and the reciprocal of the largest rate: beyond them squares leave the doubles."""
 
 
 class ProblemError(ValueError):

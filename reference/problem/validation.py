@@ -1,4 +1,4 @@
-"""What the numbers of a problem may be: checks that name the field, what it may be, and its value.
+"""Checks of the numbers of a problem, which name the field, its allowed values, and its value.
 
 Each function raises the error it is given where a value is not allowed, and returns nothing: a
 value is taken as it is or refused.
@@ -14,7 +14,7 @@ NOT_NEGATIVE = "a finite number, zero or greater"
 
 
 def is_finite(value: object) -> bool:
-    """Whether a value is a real number (of Python or NumPy, no bool) that a double can hold."""
+    """Return whether a value is a real number (no bool) that a double can hold."""
     if isinstance(value, bool) or not isinstance(value, Real):
         return False
     try:
@@ -55,5 +55,5 @@ def require_vector(error: type[ValueError], name: str, value: object, length: in
 
 
 def is_whole(value: object) -> bool:
-    """Whether a value is an integer, of Python or NumPy, and no bool."""
+    """Return whether a value is an integer, of Python or NumPy, and no bool."""
     return isinstance(value, Integral) and not isinstance(value, bool)

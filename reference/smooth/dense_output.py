@@ -34,14 +34,14 @@ class Piece:
     values: Floats
 
     def at(self, x: float) -> list[float]:
-        """All quantities at x in [-1, 1]."""
+        """Return all quantities at x in [-1, 1]."""
         n = self.values.shape[1]
         waves = to_coefficients(n).T @ np.cos(np.arange(n) * np.arccos(x))
         column: list[float] = (self.values @ waves).tolist()
         return column
 
     def root(self, row: int, level: float, node: int) -> float:
-        """Where a quantity takes a value, between two neighbouring nodes."""
+        """Return where a quantity takes a value, between two neighbouring nodes."""
         n = self.values.shape[1]
         coefficients = (to_coefficients(n) @ self.values[row]).tolist()
         coefficients[0] -= level
@@ -62,7 +62,7 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ElementsPath:
-    """All steps of a march.
+    """All steps of an integration.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class ElementsPath:
 
     @classmethod
     def of(cls, pieces: Sequence[Piece], release: States) -> "ElementsPath":
-        """Gather the steps; without any the path is its release."""
+        """Return the path of steps; without a step it is the release."""
         if not pieces:
             return cls(values=np.empty((8, 0, 2)), release=release)
         return cls(values=np.stack([piece.values for piece in pieces], axis=1), release=release)
@@ -139,7 +139,7 @@ def _instant(coefficients: Floats, slope: Floats, node_times: Floats, times: Flo
 
 
 def _series(coefficients: Floats, x: Floats) -> Floats:
-    """Values of Chebyshev series at n places, coefficients of shape (terms, ..., n)."""
+    """Return values of Chebyshev series at n places, coefficients of shape (terms, ..., n)."""
     if x.size > FEW:
         return clenshaw(coefficients, x)
     return np.asarray(np.einsum("k...n,kn->...n", coefficients, waves(coefficients.shape[0], x)))

@@ -1,9 +1,7 @@
-"""Following a motion while it is computed: extrema of phi, and when to stop.
+"""Extrema of phi during an integration, and the decision to stop.
 
-Every integrator reports what happens to phi; here it is decided what counts as a maximum, a
-bounce, an ending.
-
-What an integrator hands over: the path, and what was seen on it.
+Every integrator reports extrema of phi; this module decides which of them count as a maximum, as a
+bounce and as an ending. The result of an integrator is a `Run`: its path and its extrema.
 """
 
 from dataclasses import dataclass
@@ -31,7 +29,7 @@ PULLED = 4.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Extrema:
-    """What was seen on the way.
+    """Extrema of phi and the ending of an integration.
 
     Attributes
     ----------
@@ -95,7 +93,7 @@ class ExtremumRecorder:
 
     @property
     def last_is_prominent_maximum(self) -> bool:
-        """Whether the extremum seen last is a maximum that stands out."""
+        """Return whether the last extremum is a maximum that stands out."""
         return bool(self._extrema) and self._extrema[-1][2] and self._ripples == 0
 
     def extremum(self, time: float, snapshot: Snapshot, *, maximum: bool) -> None:
@@ -122,7 +120,7 @@ class ExtremumRecorder:
                 self.end(time, Outcome.FINISHED)
 
     def advance(self, time: float, phi: float) -> None:
-        """Report that the motion was followed up to `time`, and where phi is there."""
+        """Report that the motion is integrated up to `time`, and phi there."""
         since, place = self._seen
         if abs(phi - place) > PROMINENCE * max(phi, place):
             self._seen = (time, phi)
@@ -130,11 +128,11 @@ class ExtremumRecorder:
             self.end(time, Outcome.STEADY)
 
     def ended(self) -> bool:
-        """Whether the motion has come to its end."""
+        """Return whether the motion has ended."""
         return self._outcome is not None
 
     def end(self, time: float, outcome: Outcome) -> None:
-        """Stop at `time`; what ended first stays."""
+        """End the motion at `time`, unless it has ended before."""
         if self._outcome is None:
             self.t_end = time
             self._outcome = outcome

@@ -70,14 +70,14 @@ class Element:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refused:
-    """A step that was too long: by how much to shorten it, and what it cost."""
+    """A step that was too long: the factor by which to shorten it, and its cost."""
 
     shrink: float
     evaluations: int
 
 
 def scales(equations: RegularEquations, values: Floats, length: float) -> Floats:
-    """Magnitudes against which (T, Phi, b, s, d) are judged, shape (5, 1)."""
+    """Return the magnitudes against which (T, Phi, b, s, d) are judged, shape (5, 1)."""
     tangent, rate, sweep, spin, rise = np.abs(values).max(axis=1).tolist()
     tiny = float(np.finfo(float).tiny)
     # an iteration that diverges may have fallen through the plane
@@ -155,13 +155,13 @@ def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> F
 
 
 def harmonics_present(values: Floats, scale: Floats) -> int:
-    """Index of the last Chebyshev coefficient that stands out of round-off."""
+    """Return the index of the last Chebyshev coefficient that stands out of round-off."""
     present = np.asarray((np.abs(values @ to_coefficients(NODES).T) > RESOLVED * scale).any(axis=0))
     return int(np.flatnonzero(present)[-1])
 
 
 def integral(length: float, integrand: Floats) -> Floats:
-    """Integral from the start of a step to each node, shape of `integrand`."""
+    """Return the integral from the start of a step to each node, shape of `integrand`."""
     return np.asarray(integrand @ integrator(NODES).T * (length / 2))
 
 

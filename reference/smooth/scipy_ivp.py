@@ -1,8 +1,8 @@
 """Rolling, stepped in time by scipy in the raw variables.
 
-State y = (phi, phi', psi', theta', psi, theta[, x, y]). The plain route: nothing is done about the
-singularity at phi = 0 but to follow it, so each bounce costs hundreds of steps. It is kept as the
-yardstick, and because scipy's methods are the ones everybody knows.
+State y = (phi, phi', psi', theta', psi, theta[, x, y]). Nothing is done about the
+singularity at phi = 0, so that each bounce costs hundreds of steps. The module is the yardstick for
+the other methods, by methods that are widely known.
 """
 
 from collections.abc import Callable
@@ -72,7 +72,7 @@ class StepsPath:
 
 
 def states_from(y: Floats) -> States:
-    """States from the raw variables, shape (6, n) or (8, n)."""
+    """Return states from the raw variables, shape (6, n) or (8, n)."""
     phi, Phi, Psi, Theta, psi, theta = y[:6]
     x, locus_y = (y[6], y[7]) if len(y) > 6 else (None, None)  # noqa: PLR2004 - six, or eight
     return States(
@@ -89,7 +89,7 @@ def states_from(y: Floats) -> States:
 
 
 def right_hand_side(parameters: Parameters, *, locus: bool) -> RightHandSide:
-    """Y' of eq01:non_dimensionalised_eom as printed, for a scalar state; fast, not vectorised."""
+    """Return y' of eq01:non_dimensionalised_eom as printed, for one state; fast, not vectorised."""
     p = parameters
     a_p, c_p, k, h = p.a_p, p.c_p, p.k, p.h
     kc, hk = k * c_p, h * k
@@ -183,7 +183,7 @@ def follow(
 def _first_lift(
     parameters: Parameters, field: RightHandSide, piece: DenseOutput, left: float, right: float
 ) -> float | None:
-    """Return where the normal force first is not positive within one step, if it is."""
+    """Return the first time within a step at which the normal force is not positive, or None."""
     h = parameters.h
 
     def normal(t: float) -> float:

@@ -1,10 +1,9 @@
-"""Marching through the rolling equations: long steps through smooth bounces.
+"""Integration of the rolling equations by long Picard-Chebyshev steps.
 
-The regular equations (`reference.equations.regularised`) are marched by collocation
-(`reference.smooth.picard_chebyshev`). A
-bounce costs some eight steps however hard it is. Since steps may be given a guess, and a rocking
-can comes back to where it was, the steps of each bounce guess those of the next; what is found is
-judged by its own residual and owes nothing to the guess.
+The regularised equations (`reference.equations.regularised`) are integrated by collocation
+(`reference.smooth.picard_chebyshev`). A bounce costs about eight steps however hard it is. Since a
+step may start from a guess and a rocking can repeats its motion, the steps of each bounce are the
+guesses of the next; a step is accepted by its own residual, which does not depend on the guess.
 """
 
 from dataclasses import dataclass, field
@@ -50,7 +49,7 @@ SHORTEST = 1e-9
 
 @dataclass(slots=True, kw_only=True)
 class _March:
-    """Where the march stands."""
+    """State of an integration between two steps."""
 
     y: Floats
     time: float
@@ -145,7 +144,7 @@ def _step(
 
 
 def _fastest(equations: RegularEquations, y: Floats) -> float:
-    """Fastest rate at a state, in 1/sigma."""
+    """Return the fastest rate at a state, in 1/sigma."""
     T, Phi, b, s, rise = y.tolist()
     sine = 2 * T / (1 + T * T)
     # the force on phi, in plain numbers: for one state they are faster than arrays
@@ -156,7 +155,7 @@ def _fastest(equations: RegularEquations, y: Floats) -> float:
 
 
 def _guess(state: _March) -> Element | None:
-    """Return the step of the bounce before that started here, if it did."""
+    """Return the step of the previous bounce that started at this state, or None."""
     place = len(state.cycle)
     if place >= len(state.guesses):
         return None
@@ -173,7 +172,7 @@ def _following(element: Element) -> float:
 
 
 def _onto_extremum(equations: RegularEquations, state: _March, element: Element) -> Element:
-    """Stretch a step that ends a hair before or behind an extremum of phi so that it ends on it.
+    """Stretch a step that ends just before or behind an extremum of phi so that it ends there.
 
     So the steps of one bounce, which ended on a maximum, end on the maximum of the next.
     """
@@ -190,7 +189,7 @@ def _onto_extremum(equations: RegularEquations, state: _March, element: Element)
 
 
 def _piece(state: _March, element: Element) -> Piece:
-    """Quadratures over a step: time, precession, precession plus rotation, contact point."""
+    """Return quadratures over a step: time, precession, precession plus rotation, contact point."""
     T, _, b, s, _ = element.values
     S = sine_of(T)
     q = b / S
@@ -251,7 +250,7 @@ def _cut_at_events(
 
 
 def _ending(watch: ExtremumRecorder, piece: Piece) -> tuple[float, Outcome] | None:
-    """Where within a step the motion ends, on [-1, 1], and how."""
+    """Return the place within a step, on [-1, 1], at which the motion ends, and the outcome."""
     T, end = piece.values[TANGENT], piece.values[TIME, -1]
     if end < watch.t_end and T.max() < 1 and T[-1] > FLAT:
         return None
@@ -269,7 +268,7 @@ def _ending(watch: ExtremumRecorder, piece: Piece) -> tuple[float, Outcome] | No
 
 
 def snapshot(column: list[float]) -> Snapshot:
-    """State from the values (T, Phi, b, s, d, t, psi, psi + theta)."""
+    """Return the state from the values (T, Phi, b, s, d, t, psi, psi + theta)."""
     T, Phi, b, s, _, _, psi, total = column[:8]
     phi = 2 * atan(T)
     psi_dot = b / sin(phi) ** 2

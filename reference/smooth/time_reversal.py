@@ -7,12 +7,11 @@ image,
     phi(t_e + t) = phi(t_e - t),        psi(t_e + t) - psi(t_e) = psi(t_e) - psi(t_e - t),
 
 and with it theta; the path of the contact point is reflected in the line through it along psi. A
-can that has gone from one extremum to the next has shown its whole motion. What is integrated
-(`reference.smooth.stepping`) runs from the release to the extremum ahead and, of a moving release,
-to the
-one behind: nothing ever comes back to a height where round-off of the energy would have been
-amplified. One that meets a single extremum goes back on its own way as well; a motion without any
-is marched as it is.
+motion from one extremum to the next therefore determines all of it. The integration
+(`reference.smooth.stepping`) runs from the release to the next extremum and, of a moving release,
+back to the previous one: it never returns to a height at which round-off of the energy would have
+been amplified. A motion with a single extremum is mirrored at it as well; a motion without any is
+integrated to its end.
 """
 
 from dataclasses import dataclass, replace

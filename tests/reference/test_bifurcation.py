@@ -71,7 +71,7 @@ def test_the_potential_is_the_energy_at_rest_in_phi(can: Parameters) -> None:
         spin=psi_dot + theta_dot,
     )
     # round-off of the sum of a few terms
-    assert level.energy == pytest.approx(energy(states, can), rel=1e-14)
+    assert level.energy == pytest.approx(energy(states, can), rel=1e-14, abs=0)
     for i in range(3):
         assert potential(can, phi[i : i + 1], level, i) == pytest.approx(level.energy[i], rel=1e-12)
 

@@ -81,12 +81,12 @@ def test_printed_expansions() -> None:
     zero = [known.psi_zero.coefficient(n) for n in range(4)]
     gamma = 2 + k
     printed = [1, kh / 3, (kh**2 + 3 * gamma) / 24, kh * (kh**2 + 11 * gamma) / 360]
-    assert zero == pytest.approx(printed, rel=1e-13)
+    assert zero == pytest.approx(printed, rel=1e-13, abs=0)
     two = known.psi_minus_two
-    assert two.coefficient(-1) == pytest.approx(-kh, rel=1e-13)
-    assert two.coefficient(1) == pytest.approx(-kh * (4 + 5 * k - 2 * kh**2) / 9, rel=1e-12)
-    assert two.coefficient(0, 1) == pytest.approx(-(kh**2 - k) / 2, rel=1e-13)
-    assert two.coefficient(1, 1) == pytest.approx(-kh * (kh**2 - k) / 6, rel=1e-12)
+    assert two.coefficient(-1) == pytest.approx(-kh, rel=1e-13, abs=0)
+    assert two.coefficient(1) == pytest.approx(-kh * (4 + 5 * k - 2 * kh**2) / 9, rel=1e-12, abs=0)
+    assert two.coefficient(0, 1) == pytest.approx(-(kh**2 - k) / 2, rel=1e-13, abs=0)
+    assert two.coefficient(1, 1) == pytest.approx(-kh * (kh**2 - k) / 6, rel=1e-12, abs=0)
     theta_00 = known.spin_minus_two.coefficient(0) - two.coefficient(0)
     appendix = (3 * k * (cp + 1) - 4 - 9 * kh**2) / (6 * k * cp)
     in_text = (k * (4 * cp + 3) - 4 - 9 * kh**2) / (6 * k * cp)

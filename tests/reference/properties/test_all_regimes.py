@@ -137,9 +137,12 @@ def test_formula_and_integration_agree_in_every_regime(problem: Problem) -> None
     caveat = formula.caveat
     allowed = float(caveat.split("up to ")[1].split()[0]) if "up to " in caveat else 0.0
     allowed = max(allowed, ALLOWED)
-    for one, other in zip(formula.bounces, integrated.bounces, strict=True):
-        assert one.time == pytest.approx(other.time, rel=allowed)
-        assert one.phi_min == pytest.approx(other.phi_min, rel=allowed)
+    periods = np.diff(integrated.maxima)[: len(integrated.bounces)].tolist()
+    for one, other, period in zip(formula.bounces, integrated.bounces, periods, strict=True):
+        # a release may be as near to the minimum as one likes: times are known to a share of a
+        # period, as `reference.differences` takes them
+        assert one.time == pytest.approx(other.time, rel=allowed, abs=allowed * period)
+        assert one.phi_min == pytest.approx(other.phi_min, rel=allowed, abs=0)
         assert one.angle_of_turn == pytest.approx(other.angle_of_turn, rel=allowed, abs=allowed)
         assert one.rotation_turn == pytest.approx(other.rotation_turn, rel=allowed, abs=allowed)
 
@@ -150,7 +153,7 @@ def test_formula_and_integration_agree(problem: Problem) -> None:
     assert formula.outcome is integrated.outcome is Outcome.FINISHED
     (one,), (other,) = formula.bounces, integrated.bounces
     assert formula.t_end == pytest.approx(integrated.t_end, rel=ALLOWED)
-    assert one.phi_min == pytest.approx(other.phi_min, rel=ALLOWED)
+    assert one.phi_min == pytest.approx(other.phi_min, rel=ALLOWED, abs=0)
     assert one.angle_of_turn == pytest.approx(other.angle_of_turn, rel=ALLOWED, abs=ALLOWED)
     assert one.rotation_turn == pytest.approx(other.rotation_turn, rel=ALLOWED, abs=ALLOWED)
     assert one.peak_psi_dot == pytest.approx(other.peak_psi_dot, rel=ALLOWED)
