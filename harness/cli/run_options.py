@@ -62,6 +62,18 @@ _GIB = 2.0**30
 
 _PANEL = "Running and resuming"
 
+Jobs = Annotated[
+    int | None,
+    typer.Option(min=1, help="Processes; one a core if left out.", rich_help_panel=_PANEL),
+]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Run on a Dask cluster: its scheduler, such as tcp://host:8786.",
+        rich_help_panel=_PANEL,
+    ),
+]
 TimeLimit = Annotated[
     float | None,
     typer.Option(
@@ -152,18 +164,8 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _running(  # noqa: PLR0917 - a parameter an option
-    jobs: Annotated[
-        int | None,
-        typer.Option(min=1, help="Processes; one a core if left out.", rich_help_panel=_PANEL),
-    ] = None,
-    on: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Run on a Dask cluster: its scheduler, such as tcp://host:8786.",
-            rich_help_panel=_PANEL,
-        ),
-    ] = None,
+    jobs: Jobs = None,
+    on: Cluster = None,
     store: Annotated[
         Path | None,
         typer.Option(

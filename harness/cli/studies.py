@@ -27,7 +27,6 @@ from harness.cli.study_command import (
     ReportFolder,
     run_command,
     shown,
-    tables_answer,
 )
 from harness.cli.terminal import write_text
 from harness.core.case import Case
@@ -39,7 +38,7 @@ from harness.studies.attribution.study import AttributionStudy
 from harness.studies.cost.design import plan_cost
 from harness.studies.cost.prices import CHOICES, FIXED, FOLLOWING, TARGETS, Cost
 from harness.studies.cost.study import CostStudy
-from harness.studies.cost.tables import price_rows
+from harness.studies.cost.tables import prices
 from harness.studies.effects.changes import EffectStatus
 from harness.studies.effects.plan import plan_effects
 from harness.studies.effects.study import EffectsStudy
@@ -217,14 +216,7 @@ def stability(
     study = StabilityStudy(suite=SUITES[suite], engines=engines)
     names = {"largest-timesteps": (), "random-scenes": (), "summary": ()}
     show = shown(names | {f"verdict-{name}": () for name in engines})
-    done = run_command(
-        study,
-        running,
-        out=out,
-        json=json,
-        answer=lambda done: tables_answer(study.report(done)),
-        show=show,
-    )
+    done = run_command(study, running, out=out, json=json, show=show)
     if any(check.failure for checks in study.checks(done) for check in checks):
         raise typer.Exit(1)
 
@@ -242,19 +234,6 @@ _TUNING = ("gentle-rock", "paper-release")
 
 _HARD = "paper-release"
 """Whose spin is turned up: the paper's own bounce is the hardest."""
-
-_PRICES = (
-    "target_deg",
-    "engine",
-    "verdict",
-    "settings",
-    "tied_with",
-    "timestep_s",
-    "error_deg",
-    "cost_s_s",
-    "relative_cost",
-    "relative_to_engines",
-)
 
 
 @with_run_options
@@ -294,31 +273,26 @@ def cost(  # noqa: PLR0917 - a parameter an option
     for hard in plan.hardness:
         (out / "scenes").mkdir(parents=True, exist_ok=True)
         write_text(write_scene(hard.scene), out / "scenes" / f"{hard.scene.name}.toml")
-    study, targets = CostStudy(plan=plan), (target,) if target else TARGETS
+    study = CostStudy(plan=plan, targets=(target,) if target else TARGETS)
 
     def show(done: Results, artefacts: Sequence[Artefact]) -> None:
         found, console = study.findings(done), terminal.stdout_console()
+        listed = prices(found, study.targets)
+        columns = [name for name in listed.shown if name not in {"choice", "case"}]
         for choice in CHOICES:
-            rows = [row for one in targets for row in price_rows(found, choice, one)]
             title = f"{chosen.name}: {choice}"
             if choice in {FIXED, FOLLOWING}:
                 title += f" (on {other.name})"
-            lines = [[row.get(name) for name in _PRICES] for row in rows]
-            console.print(terminal.table(title, _PRICES, lines))
+            own = listed.frame[listed.frame["choice"] == choice]
+            part = replace(listed, title=title, frame=own)
+            console.print(terminal.table_artefact(part, columns))
         shown({"-overhead": ("engine", "loop", "step_us")})(done, artefacts)
         if target is None:
             console.print("The rules: the fairness contract in the report. To paste: --target DEG.")
         else:
             _print_settings(found, target)
 
-    run_command(
-        study,
-        running,
-        out=out / chosen.name,
-        json=json,
-        answer=lambda done: study.answer(done, targets),
-        show=show,
-    )
+    run_command(study, running, out=out / chosen.name, json=json, answer=study.answer, show=show)
 
 
 def _print_settings(found: Cost, target: float) -> None:

@@ -64,7 +64,7 @@ def run_command(
     *,
     out: Path | None,
     json: bool,
-    answer: Callable[[Results], Mapping[str, Any]],
+    answer: Callable[[Results], Mapping[str, Any]] | None = None,
     show: Callable[[Results, Sequence[Artefact]], None],
 ) -> Results:
     """Run a study, write its report, and print what it says, or one JSON object.
@@ -76,8 +76,8 @@ def run_command(
     out : Path, optional
         Folder of the report; none is written if left out.
     json : bool
-    answer : callable
-        Returns what `--json` prints.
+    answer : callable, optional
+        Returns what `--json` prints; all tables by name, row by row, if left out.
     show : callable
         Prints what a person reads.
     """
@@ -93,7 +93,8 @@ def run_command(
         provenance=provenance(),
     )
     if json:
-        typer.echo(to_json(answer(done)))
+        tables = (a for a in artefacts if isinstance(a, Table))
+        typer.echo(to_json(answer(done) if answer else {a.name: records(a) for a in tables}))
         return done
     show(done, artefacts)
     if page is not None:
@@ -122,8 +123,3 @@ def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
                 console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")
 
     return show
-
-
-def tables_answer(artefacts: Sequence[Artefact]) -> dict[str, Any]:
-    """Return the tables of a report as `--json` prints them: rows by the name of the table."""
-    return {a.name: records(a) for a in artefacts if isinstance(a, Table)}

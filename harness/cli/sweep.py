@@ -13,7 +13,9 @@ from rich.markup import escape
 
 from harness.cli import terminal
 from harness.cli.run_options import (
+    Cluster,
     EngineName,
+    Jobs,
     Json,
     MemoryLimit,
     Profile,
@@ -69,12 +71,8 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     against: Annotated[
         str | None, typer.Option(help="A quantity to draw the others against, such as epsilon.")
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes or threads; one a core if left out.")
-    ] = None,
-    on: Annotated[
-        str | None, typer.Option(help="Run on a Dask cluster, such as tcp://host:8786.")
-    ] = None,
+    jobs: Jobs = None,
+    on: Cluster = None,
     time_limit: TimeLimit = None,
     memory_limit: MemoryLimit = None,
     json: Json = False,  # noqa: FBT002 - a switch of the command line

@@ -5,7 +5,7 @@ that draws it.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import pandas as pd
@@ -169,8 +169,9 @@ class Column:
     meaning : str
         One sentence for the dictionary of columns.
     value : str or callable, optional
-        From the record of a row to its cell: a function, or the path to an attribute, such as
-        "limit.value", which is None where a part of it is None; the path `name` if left out.
+        From the record of a row to its cell: a function, or the path to an attribute or a method
+        without parameters, such as "limit.value", which is None where a part of it is None; the
+        path `name` if left out. A record that is a mapping with the key `name` gives the cell.
     shown : bool
         Whether the page and the terminal show it; files have every column.
     verdict, case : str
@@ -185,8 +186,14 @@ class Column:
     verdict: str = ""
     case: str = ""
 
+    def of(self, value: str | Callable[[Any], object]) -> "Column":
+        """Return the column for records whose cell is found elsewhere."""
+        return replace(self, value=value)
+
     def cell(self, record: object) -> object:
         """Return the cell of a record; None if a mapping has no such key."""
+        if isinstance(record, Mapping) and self.name in record:
+            return record[self.name]
         if callable(self.value):
             return self.value(record)
         value: object = record
@@ -194,7 +201,7 @@ class Column:
             value = value.get(part) if isinstance(value, Mapping) else getattr(value, part)
             if value is None:
                 return None
-        return value
+        return value() if callable(value) else value
 
 
 def table_of(

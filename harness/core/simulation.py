@@ -86,6 +86,11 @@ class Simulation:
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
 
     @property
+    def digest(self) -> str:
+        """Return the digest of the case in this version of its engine."""
+        return self.case.digest(self.engine_version)
+
+    @property
     def ending(self) -> str:
         """Return the outcome's sentence, and the note if there is one."""
         return self.outcome.value + (f" ({self.note})" if self.note else "")

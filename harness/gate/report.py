@@ -61,9 +61,9 @@ class Wording:
     def columns(self) -> tuple[Column, ...]:
         """Return the columns of a table of differences."""
         return (
-            Column("scene", SCENE.meaning, lambda one: one.identity.scene),
-            Column("engine", ENGINE.meaning, lambda one: one.identity.engine),
-            Column("profile", PROFILE.meaning, lambda one: one.identity.profile),
+            SCENE.of("identity.scene"),
+            ENGINE.of("identity.engine"),
+            PROFILE.of("identity.profile"),
             Column(
                 "timestep_s",
                 "Timestep that was asked for; empty for the profile's own.",
@@ -72,12 +72,12 @@ class Wording:
             Column(
                 "options",
                 "Settings of the suite on top of the profile.",
-                lambda one: one.identity.options,
+                "identity.options",
                 shown=False,
             ),
             Column("quantity", "A column of the table of results, or the outcome."),
-            Column(self.first, "Its magnitude there.", lambda one: one.first),
-            Column(self.second, "Its magnitude here.", lambda one: one.second),
+            Column(self.first, "Its magnitude there.", "first"),
+            Column(self.second, "Its magnitude here.", "second"),
             Column(
                 "spread",
                 "Largest departure among releases that differ by 1e-9 or less.",
@@ -92,7 +92,7 @@ class Wording:
                 "verdict", f"Judged by the tolerance and by a factor of {FACTOR:g}.", self.verdict
             ),
             Column("note", "What the numbers do not say."),
-            Column("case", "Digest of the case that made the number.", lambda one: one.digest),
+            Column("case", "Digest of the case that made the number.", "digest"),
         )
 
 

@@ -233,12 +233,8 @@ _LETTER = re.compile(r"\s*([A-Za-z])\s*")
 _STYLES = re.compile(r'(?<= style=")[^"]*')
 _STYLE_SIGN = re.compile(r"([:;])\s+")
 _NAME = re.compile(r' id="([^"]*)"')
-_TICK = re.compile(r'<path id="([\w-]+)" d="M[-\d. ]+L[-\d. ]+" style="stroke:[^"]*"/>')
-"""A line of two points, which has nothing to fill, with a colour and a width of its own."""
-
 _LINK = re.compile(r'((?:href="|url\()#)([\w-]+)')
 _WHOLE_STYLES = re.compile(r' style="([^"<>&]*)"')
-_USE = re.compile(r'(<use xlink:href="#([\w-]+)"[^>]*?) style="[^"]*"')
 
 _PLAIN = " !$()*+,-./:;=?@[]_|~"
 """Signs that need no escape, neither in an address nor in an attribute of HTML."""
@@ -261,21 +257,12 @@ def _short(svg: str) -> str:
     text = _in_tags(_STYLES, lambda found: _STYLE_SIGN.sub(r"\1", found[0]), text)
     named = {name for _, name in _LINK.findall(text)}
     text = _in_tags(_NAME, lambda found: found[0] if found[1] in named else "", text)
-    ticks = set(_TICK.findall(text))
-    text = _in_tags(_USE, lambda found: found[1] if found[2] in ticks else found[0], text)
-    return _classed(_renamed(text, sorted(named)))
+    return _classed(text)
 
 
 def _in_tags(pattern: re.Pattern[str], change: Callable[[re.Match[str]], str], text: str) -> str:
     """Return a text with its tags changed: the words of a figure may look like attributes."""
     return _TAG.sub(lambda tag: pattern.sub(change, tag[0]), text)
-
-
-def _renamed(text: str, names: Sequence[str]) -> str:
-    """Return a picture with names of a few letters."""
-    brief = {name: f"n{number}" for number, name in enumerate(names)}
-    text = _in_tags(_NAME, lambda found: f' id="{brief[found[1]]}"', text)
-    return _in_tags(_LINK, lambda found: f"{found[1]}{brief[found[2]]}", text)
 
 
 def _classed(text: str) -> str:

@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 
 from harness.core.plain_json import is_missing
 from harness.core.report_model import Table
-from harness.core.verdict import Status, Verdict
+from harness.core.verdict import Verdict
 from harness.report.number_format import heading, is_number, readable, slug
 
 if TYPE_CHECKING:
@@ -162,32 +162,13 @@ COMMAND = "command"  # the column with what runs a row again
 _MOST = 400  # rows; a page of all studies stays below 12 MB, and no reader goes through more
 _LONG = 36  # letters; longer texts break into lines
 _JUDGED = ("verdict", "outcome")
-_STATUS_TONES: dict[Status, Tone] = {
-    Status.AGREES: "good",
-    Status.BETTER: "good",
-    Status.DEVIATES: "fair",
-    Status.FAILED: "bad",
-    Status.WORSE: "bad",
-    Status.UNSUPPORTED: "none",
-    Status.UNDECIDABLE: "none",
-    Status.NOT_MEASURED: "none",
-    Status.NOT_REACHED: "none",
-    Status.NOT_JUDGED: "none",
+_TONES: dict[Tone, str] = {
+    "good": "agrees better equal finished passed",
+    "fair": "deviates imposed",
+    "bad": "failed worse timed flat overturned diverged mismatch",
+    "none": "unsupported undecidable not",
 }
-_WORD_TONES: dict[str, Tone] = {
-    "equal": "good",
-    "finished": "good",
-    "passed": "good",
-    "imposed": "fair",
-    "timed": "bad",
-    "flat": "bad",
-    "overturned": "bad",
-    "diverged": "bad",
-    "mismatch": "bad",
-    "failed": "bad",
-    "unsupported": "none",
-    "undecidable": "none",
-}  # by the first word of an outcome, and of what is judged in a word
+"""By tone the first words of statuses, of outcomes, and of what is judged in a word."""
 
 
 def grid(name: str, table: Table, digests: Collection[str]) -> dict[str, Any]:
@@ -268,7 +249,6 @@ def _cell(
 
 def tone(judged: object) -> Tone:
     """Return how a verdict or an outcome is coloured, which repeats what it says."""
-    if isinstance(judged, Verdict):
-        return _STATUS_TONES.get(judged.status, "")
-    word, *_ = str(judged).lower().split() or [""]
-    return _WORD_TONES.get(word.strip(":,.;"), "")
+    text = judged.status.value if isinstance(judged, Verdict) else str(judged).lower()
+    word, *_ = text.split() or [""]
+    return next((t for t, words in _TONES.items() if word.strip(":,.;") in words.split()), "")

@@ -296,7 +296,7 @@ def case_record(simulation: Simulation) -> Record:
     """Return the entry of a run in the manifest of a report."""
     case = simulation.case
     return {
-        "digest": case.digest(simulation.engine_version),
+        "digest": simulation.digest,
         "label": case.label(),
         "command": case.command(),
         "engine": case.engine,

@@ -31,16 +31,8 @@ from harness.metrics.quantities import (
     recorded_turn_error,
     turn_error,
 )
+from harness.studies.shared import run_columns
 from harness.studies.shared.ablation import AblationPath, Account, account, total
-from harness.studies.shared.run_columns import (
-    CASE,
-    COMMAND,
-    ENGINE,
-    OUTCOME,
-    SCENE,
-    run_cells,
-    without,
-)
 from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
 
 ATTRIBUTED = tuple(
@@ -136,7 +128,7 @@ class Attribution:
         return table_of(
             f"{path.scene.name}-{path.engine}-{name}",
             f"{title}: {path.engine}",
-            without(columns, *hidden),
+            run_columns.without(columns, *hidden),
             records,
             scene=path.scene.name,
         )
@@ -166,10 +158,12 @@ class Attribution:
 
     def _run_rows(self) -> list[dict[str, Any]]:
         """Return every run, with what it takes away and the command that reproduces it."""
-        names, rows = self.path.names, []
+        names = self.path.names
+        rows: list[dict[str, Any]] = []
         for step in self.path.steps():
             e = self.evaluations[self.path.case(step.closed)]
-            row = run_cells(e.simulation) | {
+            row: dict[str, Any] = {
+                "simulation": e.simulation,
                 "step": step.step,
                 "gap": step.gap,
                 "closed": ", ".join(name for name in names if name in step.closed),
@@ -212,8 +206,8 @@ _QUANTITY = Column("quantity", "Which discrepancy; the unit is its suffix.")
 _GAP = Column("gap", "Name of the gap.")
 
 _GAPS = (
-    SCENE,
-    ENGINE,
+    run_columns.SCENE,
+    run_columns.ENGINE,
     Column("place", "Place of the gap in the order of closing, from 1."),
     _GAP,
     _QUANTITY,
@@ -227,9 +221,9 @@ _GAPS = (
 )
 
 _INTERACTIONS = (
-    Column("scene", SCENE.meaning, "path.scene.name"),
-    Column("engine", ENGINE.meaning, "path.engine"),
-    Column("quantity", _QUANTITY.meaning, "quantity.key"),
+    run_columns.SCENE.of("path.scene.name"),
+    run_columns.ENGINE.of("path.engine"),
+    _QUANTITY.of("quantity.key"),
     Column("as_shipped", "Discrepancy with all gaps open."),
     Column("remains", "Discrepancy with all gaps closed: profile matched."),
     Column("whole", "As shipped less what remains."),
@@ -249,8 +243,8 @@ _INTERACTIONS = (
 )
 
 _RUNS = (
-    SCENE,
-    ENGINE,
+    run_columns.SCENE,
+    run_columns.ENGINE,
     Column(
         "step",
         "As shipped; in order: this gap and those before it closed; alone: only it closed; "
@@ -258,14 +252,14 @@ _RUNS = (
     ),
     _GAP,
     Column("closed", "Gaps closed in this run."),
-    Column("timestep_s", "Timestep of the engine, s."),
+    run_columns.TIMESTEP,
     *(Column(q.key, q.meaning) for q in ATTRIBUTED),
     Column("turn_error_seen_deg", "Error of the turn as recorded, up to whole turns."),
     Column("turn_resolved", "Whether the record is dense enough to count the turns of psi."),
     *(Column(f"takes_away_{q.key}", f"What this step takes away of {q.key}.") for q in ATTRIBUTED),
-    OUTCOME,
-    CASE,
-    COMMAND,
+    run_columns.OUTCOME,
+    run_columns.CASE,
+    run_columns.COMMAND,
 )
 
 

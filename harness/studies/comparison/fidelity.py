@@ -15,9 +15,9 @@ from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.metrics.motion import Motion
 from harness.metrics.quantities import QUANTITIES, recorded_turn_error, turn_error
-from harness.studies.comparison.selection import RUN, ended, finest
+from harness.studies.comparison.selection import ended, finest
 from harness.studies.comparison.suite import Unsupported
-from harness.studies.shared.run_columns import COMMAND, run_cells, without
+from harness.studies.shared import run_columns
 
 AGREES_TURN = 0.1
 """deg: what a protractor on the table would not show."""
@@ -79,7 +79,7 @@ _TOO_COARSE = Verdict(Status.DEVIATES, "deviates: too coarse to count the turns"
 
 
 _FIDELITY = (
-    *RUN,
+    *run_columns.RUN,
     Column("quantity", "What was compared; the unit is its suffix."),
     Column(
         "value", "Engine minus truth, or how far the contact is from the ideal one, which has zero."
@@ -89,8 +89,8 @@ _FIDELITY = (
         "verdict",
         "In words: agrees; deviates, by what factor; failed; unsupported; or not decidable.",
     ),
-    Column("case", "Digest of the run; its command is in the list of cases."),
-    *without((COMMAND,), "command"),
+    Column("case", "Digest of the run; its command is in the list of cases.", "simulation.digest"),
+    *run_columns.without((run_columns.COMMAND,), "command"),
 )
 
 _SEEN = 0.01
@@ -126,8 +126,8 @@ class FidelityQuantity:
 def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
     """Return the verdicts on each profile of each engine, at its smallest timestep."""
     rows = [
-        run_cells(e.simulation)
-        | {
+        {
+            "simulation": e.simulation,
             "quantity": quantity.key,
             "value": quantity.value(e),
             "allowed": _allowed(quantity, e),

@@ -9,20 +9,11 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
-from harness.core.report_model import Column, Series
+from harness.core.report_model import Series
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Floats
 from harness.core.verdict import Status, Verdict
 from harness.evaluation.evaluation import Evaluation
-from harness.studies.shared.run_columns import ENGINE, PROFILE, SCENE
-
-RUN = (
-    SCENE,
-    ENGINE,
-    PROFILE,
-    Column("timestep_s", "Timestep of the engine, s; the largest of an adaptive run."),
-)
-"""Columns that say which run a row is of."""
 
 MS = 1e3
 """Milliseconds in a second."""
@@ -71,7 +62,7 @@ def label(e: Evaluation) -> str:
 
 def digests(drawn: Sequence[Evaluation]) -> tuple[str, ...]:
     """Return the names of the cases that are drawn."""
-    return tuple(e.simulation.case.digest(e.simulation.engine_version) for e in drawn)
+    return tuple(e.simulation.digest for e in drawn)
 
 
 def longest(drawn: Sequence[Evaluation]) -> Evaluation:

@@ -9,20 +9,13 @@ from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
 from harness.metrics.quantities import QUANTITIES, turn_error
 from harness.studies.comparison.fidelity import excess, scorecard_verdict, undecided
-from harness.studies.comparison.selection import RUN, by_case
+from harness.studies.comparison.selection import by_case
 from harness.studies.comparison.suite import Unsupported
-from harness.studies.shared.run_columns import (
-    COMMAND,
-    ENGINE,
-    LINK,
-    OUTCOME,
-    SCENE,
-    run_cells,
-)
+from harness.studies.shared import run_columns
 
 _SCORECARD = (
-    SCENE,
-    ENGINE,
+    run_columns.SCENE,
+    run_columns.ENGINE,
     Column(
         "shipped_verdict",
         "As it ships: agrees, deviates, failed, unsupported, or not decidable.",
@@ -33,7 +26,7 @@ _SCORECARD = (
     Column("best_turn_error_deg", "First angle of turn, engine minus truth, of the best run."),
     Column("best_phi_rms_rad", "Root mean square error of phi of the best run."),
     Column("best_run", "Profile and timestep of the best run."),
-    Column("case", "Digest of the best run; its command is in the list of cases."),
+    Column("case", "Digest of the best run; its command is in the list of cases.", "best.digest"),
 )
 
 
@@ -53,8 +46,8 @@ def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupport
                     f"{prefix}_turn_error_deg": turn_error(e),
                 }
         if best is not None:
-            profile, step = best.simulation.case.profile, best.simulation.timestep
-            row |= run_cells(best.simulation) | {"best_run": f"{profile}, {step:.2g} s"}
+            run = best.simulation
+            row |= {"best": run, "best_run": f"{run.case.profile}, {run.timestep:.2g} s"}
         rows.append(row)
     rows += [
         {
@@ -73,92 +66,87 @@ def _badness(e: Evaluation) -> tuple[bool, float, float]:
     return undecided(e) is not None, excess(e), -(math.inf if e.parts_at is None else e.parts_at)
 
 
-def _quantity(key: str, *, shown: bool = True) -> Column:
-    return Column(key, QUANTITIES[key].meaning, shown=shown)
-
-
 _RESULTS = (
-    *RUN,
-    OUTCOME,
-    _quantity("angle_of_turn_deg"),
-    _quantity("angle_of_turn_error_deg"),
+    *run_columns.RUN,
+    run_columns.OUTCOME.of("simulation.ending"),
+    run_columns.quantity_column("angle_of_turn_deg"),
+    run_columns.quantity_column("angle_of_turn_error_deg"),
     Column(
         "turn_resolved",
         "Whether the record is dense enough to count the turns of psi.",
+        lambda e: e.bounces[0].resolved if e.bounces else None,
         shown=False,
     ),
-    _quantity("bounce_time_error_s"),
-    _quantity("phi_min_rad", shown=False),
-    _quantity("peak_friction_ratio", shown=False),
-    _quantity("peak_friction_ratio_error"),
-    _quantity("phi_rms_rad"),
-    _quantity("phi_rms_before_rad", shown=False),
-    _quantity("phi_rms_after_rad", shown=False),
-    _quantity("phi_max_rad", shown=False),
-    _quantity("rotation_rms_rad", shown=False),
-    _quantity("psi_rms_rad", shown=False),
-    _quantity("theta_rms_rad", shown=False),
-    _quantity("contact_locus_rms_m"),
-    _quantity("contact_locus_hausdorff_m", shown=False),
+    run_columns.quantity_column("bounce_time_error_s"),
+    run_columns.quantity_column("phi_min_rad", shown=False),
+    run_columns.quantity_column("peak_friction_ratio", shown=False),
+    run_columns.quantity_column("peak_friction_ratio_error"),
+    run_columns.quantity_column("phi_rms_rad"),
+    run_columns.quantity_column("phi_rms_before_rad", shown=False),
+    run_columns.quantity_column("phi_rms_after_rad", shown=False),
+    run_columns.quantity_column("phi_max_rad", shown=False),
+    run_columns.quantity_column("rotation_rms_rad", shown=False),
+    run_columns.quantity_column("psi_rms_rad", shown=False),
+    run_columns.quantity_column("theta_rms_rad", shown=False),
+    run_columns.quantity_column("contact_locus_rms_m"),
+    run_columns.quantity_column("contact_locus_hausdorff_m", shown=False),
     Column(
         "parts_at_s",
         "When the orientation is first 0.1 rad from the truth's; empty if it never is.",
+        "parts_at",
         shown=False,
     ),
-    _quantity("energy_drift"),
-    _quantity("max_penetration_m"),
-    _quantity("max_slip_m_s"),
-    _quantity("lift_off_fraction", shown=False),
-    _quantity("multi_contact_fraction", shown=False),
-    Column("static_penetration_m", "Depth at which the can was released.", shown=False),
-    Column("simulated_s", "Length of the run.", shown=False),
-    _quantity("steps"),
-    _quantity("constraint_rows", shown=False),
-    _quantity("setup_s", shown=False),
-    _quantity("wall_s"),
-    _quantity("cpu_s", shown=False),
+    run_columns.quantity_column("energy_drift"),
+    run_columns.quantity_column("max_penetration_m"),
+    run_columns.quantity_column("max_slip_m_s"),
+    run_columns.quantity_column("lift_off_fraction", shown=False),
+    run_columns.quantity_column("multi_contact_fraction", shown=False),
+    Column(
+        "static_penetration_m",
+        "Depth at which the can was released.",
+        "simulation.static_penetration",
+        shown=False,
+    ),
+    Column(
+        "simulated_s",
+        "Length of the run.",
+        lambda e: None if e.motion is None else float(e.motion.time[-1]),
+        shown=False,
+    ),
+    run_columns.quantity_column("steps"),
+    run_columns.quantity_column("constraint_rows", shown=False),
+    run_columns.quantity_column("setup_s", shown=False),
+    run_columns.quantity_column("wall_s"),
+    run_columns.quantity_column("cpu_s", shown=False),
     Column(
         "truth_pulls",
         "Whether the exact motion asks the plane to pull, which no engine's can.",
         shown=False,
     ),
-    Column("digest", "Names the case in this version of its engine.", shown=False),
-    Column("command", COMMAND.meaning, shown=False),
+    Column(
+        "digest", "Names the case in this version of its engine.", "simulation.digest", shown=False
+    ),
+    *run_columns.without((run_columns.COMMAND,), "command"),
 )
 
 
 def results(evaluations: Sequence[Evaluation]) -> Table:
     """Return the table of all cases, with everything that was measured of them."""
-    keys = [column.name for column in _RESULTS if column.name in QUANTITIES]
-    rows = []
-    for e in evaluations:
-        run = run_cells(e.simulation)
-        row = run | {key: QUANTITIES[key].of_run(e) for key in keys}
-        row |= {
-            "outcome": e.simulation.ending,
-            "turn_resolved": e.bounces[0].resolved if e.bounces else None,
-            "parts_at_s": e.parts_at,
-            "static_penetration_m": e.simulation.static_penetration,
-            "simulated_s": None if e.motion is None else float(e.motion.time[-1]),
-            "truth_pulls": e.truth_pulls,
-            "digest": run["case"],
-        }
-        rows.append(row)
-    return table_of("results", "All cases", _RESULTS, rows)
+    return table_of("results", "All cases", _RESULTS, evaluations)
 
 
 _BOUNCES = (
-    *RUN,
+    *run_columns.RUN,
     Column("bounce", "Number of the bounce, from 1."),
     Column("time_s", "Time of the minimum of phi."),
     Column("phi_min_rad", "Smallest phi."),
     Column("angle_of_turn_deg", "Change of psi between the maxima of phi on either side."),
     Column("angle_of_turn_true_deg", "The same of the exact motion."),
-    _quantity("rotation_turn_deg"),
+    run_columns.quantity_column("rotation_turn_deg"),
     Column("peak_psi_dot_rad_s", "Precession rate of largest magnitude."),
     Column("peak_friction_ratio", "Largest |F|/N."),
     Column("resolved", "Whether the record is dense enough to count the turns of psi."),
-    LINK,
+    run_columns.LINK,
 )
 
 
@@ -168,21 +156,20 @@ def bounces(evaluations: Sequence[Evaluation]) -> Table:
     turn = QUANTITIES["angle_of_turn_deg"].of_bounce
     rows = []
     for e in evaluations:
-        run = run_cells(e.simulation)
         for place, bounce in enumerate(e.bounces):
-            row = run | {quantity.key: quantity.of_bounce(bounce) for quantity in quantities}
-            row |= {
+            row: dict[str, object] = {
+                "simulation": e.simulation,
                 "bounce": place + 1,
                 "time_s": QUANTITIES["bounce_time_s"].of_bounce(bounce),
                 "angle_of_turn_true_deg": next(map(turn, e.true_bounces[place:]), None),
                 "resolved": bounce.resolved,
             }
-            rows.append(row)
+            rows.append(row | {q.key: q.of_bounce(bounce) for q in quantities})
     return table_of("bounces", "All bounces", _BOUNCES, rows)
 
 
 _PARITY = (
-    *RUN,
+    *run_columns.RUN,
     Column("quantity", "Property of the model."),
     Column("unit", "Its unit."),
     Column("declared", "What the scene declares."),
@@ -192,7 +179,7 @@ _PARITY = (
         "equal; imposed: the profile is known to differ here; mismatch: the run stopped.",
     ),
     Column("how", "How it was read or probed."),
-    LINK,
+    run_columns.LINK,
 )
 
 
@@ -205,20 +192,24 @@ def parity(evaluations: Sequence[Evaluation]) -> Table:
         model = (case.scene.name, case.engine, case.profile)
         differs = any(row.verdict == "mismatch" for row in e.simulation.parity)
         if model not in seen or differs:
-            rows += [run_cells(e.simulation) | asdict(row) for row in e.simulation.parity]
+            rows += [{"simulation": e.simulation, **asdict(row)} for row in e.simulation.parity]
         seen.add(model)
     return table_of("parity", "Model parity: the can that each engine compiled", _PARITY, rows)
 
 
 _ORDERS = (
-    SCENE,
-    ENGINE,
+    run_columns.SCENE,
+    run_columns.ENGINE,
     Column("quantity", "Which error."),
-    Column("observed_order", "Slope of log error against log timestep, profile matched."),
-    Column("spread", "Half the range of the slopes between neighbouring timesteps."),
-    Column("timesteps", "How many timesteps it rests on."),
+    Column(
+        "observed_order", "Slope of log error against log timestep, profile matched.", "order.order"
+    ),
+    Column(
+        "spread", "Half the range of the slopes between neighbouring timesteps.", "order.spread"
+    ),
+    Column("timesteps", "How many timesteps it rests on.", "order.points"),
     Column("smallest_error", "Error at the smallest timestep, in the quantity's unit."),
-    LINK,
+    run_columns.LINK,
 )
 
 _ROUND_OFF = 1e-12
@@ -232,7 +223,7 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
         "angle_of_turn_deg": turn_error,
     }
     known = [e for e in evaluations if e.errors is not None and e.simulation.timestep]
-    rows = []
+    rows: list[dict[str, object]] = []
     for (_, _, profile), ladder in by_case(known, "scene", "engine", "profile").items():
         for quantity, read in reads.items() if profile == "matched" else ():
             steps = [e.simulation.timestep or math.nan for e in ladder]
@@ -241,12 +232,10 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
             finest = steps.index(min(steps))
             if order.points > 1:
                 rows.append(
-                    run_cells(ladder[finest].simulation)
-                    | {
+                    {
+                        "simulation": ladder[finest].simulation,
                         "quantity": quantity,
-                        "observed_order": order.order,
-                        "spread": order.spread,
-                        "timesteps": order.points,
+                        "order": order,
                         "smallest_error": errors[finest],
                     }
                 )

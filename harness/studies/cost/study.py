@@ -4,6 +4,7 @@ The fairness contract is the rules that every price was measured under, publishe
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import median_high
 from typing import Any
@@ -28,7 +29,6 @@ from harness.studies.cost.points import (
     Point,
 )
 from harness.studies.cost.prices import (
-    CHOICES,
     COSTS,
     FIXED,
     FOLLOWING,
@@ -46,7 +46,6 @@ from harness.studies.cost.tables import (
     orders,
     overhead,
     points,
-    price_rows,
     prices,
 )
 from harness.studies.study import Job, Results
@@ -60,9 +59,12 @@ class CostStudy:
     ----------
     plan : CostPlan
         From `harness.studies.cost.design.plan_cost`.
+    targets : tuple of float
+        Of the price list that is printed, degrees; a report has all of `TARGETS`.
     """
 
     plan: CostPlan
+    targets: tuple[float, ...] = TARGETS
 
     @property
     def name(self) -> str:
@@ -107,11 +109,11 @@ class CostStudy:
         """Return words, the fairness contract, figures and tables."""
         return cost_report(self.findings(done))
 
-    def answer(self, done: Results, targets: tuple[float, ...] = TARGETS) -> dict[str, Any]:
+    def answer(self, done: Results) -> dict[str, Any]:
         """Return the price list as `--json` prints it."""
         found = self.findings(done)
 
-        def paste(row: dict[str, Any]) -> str | None:
+        def paste(row: Mapping[Any, Any]) -> str | None:
             price = found.price(row["engine"], row["choice"], row["target_deg"])
             return export_settings(price.winners[0].point.case) if price.winners else None
 
@@ -121,9 +123,7 @@ class CostStudy:
             "tuned": {f"{name}, {choice}": own for (name, choice), own in found.tuned.items()},
             "prices": [
                 row | {"paste": paste(row)}
-                for choice in CHOICES
-                for target in targets
-                for row in price_rows(found, choice, target)
+                for row in prices(found, self.targets).frame.to_dict("records")
             ],
         }
 
@@ -186,63 +186,53 @@ def contract(cost: Cost) -> Prose:
         or "none"
     )
     sizes = ", ".join(f"{len(priced(engine, plan.suite))} of {engine}" for engine in plan.engines)
-    lines = (
-        (
-            f"The scene. Every engine runs {plan.scene.name}: the same can, release and horizon, "
-            "checked in the compiled engine before the run."
-        ),
-        (
-            "The ladder. Every fixed-step setting of every engine runs the same timesteps, over "
-            "two decades or more; an engine as it ships runs its own timestep as well."
-        ),
-        (
-            f"The settings. {sizes}. Those of an engine as it ships and those tuned have rows of "
-            f"their own. Tuned settings were chosen on {plan.tuning_scene.name}, not on the scene "
-            f"scored ({chosen}); the timestep is the buyer's. What is best of all on this very "
-            "scene is listed apart, since whoever chooses after the race wins it."
-        ),
-        (
-            "Error runs and timing runs are apart. Errors are read in runs that are not timed for "
-            "the tables, and may run beside each other; times are taken in runs that nothing is "
-            "read from."
-        ),
-        (
-            "Alone. Timing runs go one after the other, in a process with one thread for linear "
-            "algebra, under a lock on the machine so that no two studies time at once."
-        ),
-        (
-            "Warm-up. The beginning of each case is run first and not counted. Compiling, parity "
-            "and settling are set-up, reported in a column of their own."
-        ),
-        (
-            f"Repeats. Each case is timed {min(repeats, default=FEWEST)} to "
-            f"{max(repeats, default=FEWEST)} times; the price is the least processor time over "
-            f"simulated time, the median stands beside it. Half of the medians lie within "
-            f"{100 * middle:.0f} % of their minimum; by the clock a run took {clock:.2g} times its "
-            "processor time, which says how busy the machine was."
-        ),
-        (
-            f"Ties. Costs that differ by less than {100 * NOISE:.0f} % each, or by more where the "
-            "two least of its repeats do, are tied and listed together."
-        ),
-        "No luck. A timestep reaches a target only if all finer ones on its ladder do.",
-        (
-            "What is paid for. An engine's cost holds its stepping and the harness's reading of "
-            "each state, which the overhead row tells apart; the reference's cost is that of the "
-            "motion known at any instant. The reference knows this one problem; engines know all. "
-            "The truth is its fast integrator, which tests hold to forty digits: its own error "
-            "reads zero."
-        ),
-        (
-            f"Failures. {failed} of {len(points)} runs did not reach the horizon and in "
-            f"{uncounted} that did the error is not known; they are rows like all others."
-        ),
-        f"Versions: {versions}. Processor, platform and commit are in the provenance.",
-    )
+    ties = f"{100 * NOISE:.0f} %"
+    text = f"""
+        The scene. Every engine runs {plan.scene.name}: the same can, release and horizon, checked
+        in the compiled engine before the run.
+
+        The ladder. Every fixed-step setting of every engine runs the same timesteps, over two
+        decades or more; an engine as it ships runs its own timestep as well.
+
+        The settings. {sizes}. Those of an engine as it ships and those tuned have rows of their
+        own. Tuned settings were chosen on {plan.tuning_scene.name}, not on the scene scored
+        ({chosen}); the timestep is the buyer's. What is best of all on this very scene is listed
+        apart, since whoever chooses after the race wins it.
+
+        Error runs and timing runs are apart. Errors are read in runs that are not timed for the
+        tables, and may run beside each other; times are taken in runs that nothing is read from.
+
+        Alone. Timing runs go one after the other, in a process with one thread for linear algebra,
+        under a lock on the machine so that no two studies time at once.
+
+        Warm-up. The beginning of each case is run first and not counted. Compiling, parity and
+        settling are set-up, reported in a column of their own.
+
+        Repeats. Each case is timed {min(repeats, default=FEWEST)} to
+        {max(repeats, default=FEWEST)} times; the price is the least processor time over simulated
+        time, the median stands beside it. Half of the medians lie within {100 * middle:.0f} % of
+        their minimum; by the clock a run took {clock:.2g} times its processor time, which says how
+        busy the machine was.
+
+        Ties. Costs that differ by less than {ties} each, or by more where the two least of its
+        repeats do, are tied and listed together.
+
+        No luck. A timestep reaches a target only if all finer ones on its ladder do.
+
+        What is paid for. An engine's cost holds its stepping and the harness's reading of each
+        state, which the overhead row tells apart; the reference's cost is that of the motion known
+        at any instant. The reference knows this one problem; engines know all. The truth is its
+        fast integrator, which tests hold to forty digits: its own error reads zero.
+
+        Failures. {failed} of {len(points)} runs did not reach the horizon and in {uncounted} that
+        did the error is not known; they are rows like all others.
+
+        Versions: {versions}. Processor, platform and commit are in the provenance.
+    """
     return Prose(
         name=f"{plan.scene.name}-contract",
         title="Fairness contract",
-        text="\n\n".join(lines),
+        text="\n\n".join(" ".join(part.split()) for part in text.split("\n\n")),
         scene=plan.scene.name,
     )
 

@@ -7,7 +7,7 @@ finest timestep: the one to blame is the gap that by itself, all others closed, 
 
 import statistics
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 from harness.core.report_model import Column, Table, table_of
 from harness.core.simulation import Outcome
@@ -15,8 +15,6 @@ from harness.core.verdict import Status, Verdict
 from harness.engines.registry import engine
 from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import (
-    AsymptoticOrder,
-    Plateau,
     asymptotic_order,
     pareto_front,
     plateau,
@@ -35,8 +33,8 @@ from harness.studies.cost.prices import (
     offers,
     tied,
 )
+from harness.studies.shared import run_columns
 from harness.studies.shared.ablation import AblationPath
-from harness.studies.shared.run_columns import COMMAND, ENGINE, OUTCOME, without
 
 _SETTINGS = Column("settings", "Name of the settings.")
 _CASE = Column("case", "Digest of the case; its command is in the list of cases.")
@@ -47,7 +45,7 @@ _STEPS = Column("steps", "Fixed, or following the motion.")
 _PRICES = (
     Column("choice", "Where settings come from: shipped, tuned on another scene, or best here."),
     Column("target_deg", "Error asked for, of the turn; of the orientation if no bounce."),
-    ENGINE,
+    run_columns.ENGINE,
     Column("verdict", "cheapest: of all; tied: with it, within the noise; dearer; not reached."),
     Column("settings", "Name of the cheapest settings of this engine."),
     Column("tied_with", "Other settings of this engine that cost the same within the noise."),
@@ -58,16 +56,16 @@ _PRICES = (
     Column("relative_cost", "Cost over that of the cheapest at this target, reference included."),
     Column("relative_to_engines", "Cost over that of the cheapest stepping engine at this target."),
     _CASE,
-    COMMAND,
+    run_columns.COMMAND,
 )
 
 
-def prices(cost: Cost) -> Table:
-    """Return the price list."""
-    rows = [
-        row for choice in CHOICES for target in TARGETS for row in price_rows(cost, choice, target)
-    ]
-    columns = without(_PRICES, "command", "cost_median_s_s")
+def prices(cost: Cost, targets: Sequence[float] = TARGETS) -> Table:
+    """Return the price list of some targets, in degrees."""
+    columns = run_columns.without(_PRICES, "command", "cost_median_s_s")
+    rows = (
+        row for choice in CHOICES for target in targets for row in price_rows(cost, choice, target)
+    )
     return _table(cost, "prices", "What accuracy costs", columns, rows)
 
 
@@ -86,19 +84,19 @@ def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]
     stepping = [o.point.cost for o in firsts if o.point.timestep is not None]
     rows = []
     for name, entry in entries.items():
-        row: dict[str, object] = {"choice": choice, "target_deg": target, "engine": name}
         offer = entry.winners[0] if entry.winners else entry.best
+        own = [p for p in cost.points if p.case.engine == name]
+        if offer is None and choice == SHIPPED and all(p.timestep is None for p in own):
+            continue  # what chooses its own steps ships with one accuracy
+        words = "no run has this error" if offer is None else f"best is {offer.error:.2g} degrees"
+        row: dict[str, object] = {
+            "choice": choice,
+            "target_deg": target,
+            "engine": name,
+            "verdict": Verdict(Status.NOT_REACHED, f"not reached: {words}"),
+        }
         if offer is not None:
-            point = offer.point
-            row |= {
-                "settings": point.variant.name,
-                "timestep_s": point.timestep,
-                "error_deg": offer.error,
-                "cost_s_s": finite(point.cost),
-                "cost_median_s_s": finite(point.median),
-                "case": point.digest,
-                "command": point.run["command"],
-            }
+            row |= _cells(offer.point) | {"error_deg": offer.error}
         if offer is not None and entry.winners and cheapest is not None:
             names = dict.fromkeys(winner.point.variant.name for winner in entry.winners)
             row |= {
@@ -109,17 +107,20 @@ def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]
                 if offer.point.timestep is None
                 else offer.point.cost / min(stepping),
             }
-        elif offer is not None:
-            words = f"not reached: best is {offer.error:.2g} degrees"
-            row["verdict"] = Verdict(Status.NOT_REACHED, words)
-        elif choice == SHIPPED and all(
-            p.timestep is None for p in cost.points if p.case.engine == name
-        ):
-            continue  # what chooses its own steps ships with one accuracy
-        else:
-            row["verdict"] = Verdict(Status.NOT_REACHED, "not reached: no run has this error")
         rows.append(row)
     return rows
+
+
+def _cells(point: Point) -> dict[str, object]:
+    """Return the cells that the price list and the list of all points share."""
+    return {
+        "settings": point.variant.name,
+        "timestep_s": point.timestep,
+        "cost_s_s": finite(point.cost),
+        "cost_median_s_s": finite(point.median),
+        "case": point.digest,
+        "command": point.run["command"],
+    }
 
 
 def _verdict(cheapest: Offer, own: Offer, others: Iterable[Offer]) -> str:
@@ -130,11 +131,11 @@ def _verdict(cheapest: Offer, own: Offer, others: Iterable[Offer]) -> str:
 
 
 _POINTS = (
-    ENGINE,
+    run_columns.ENGINE,
     _SETTINGS,
-    Column("profile", "default: as it ships; matched: as the scene declares; adaptive: own steps."),
+    run_columns.PROFILE,
     Column("timestep_s", "Timestep, s; the largest of an adaptive run; none if solver's choice."),
-    OUTCOME,
+    run_columns.OUTCOME,
     *(Column(key, quantity.meaning) for key, quantity in RECORDED.items()),
     _COST,
     _MEDIAN,
@@ -150,7 +151,7 @@ _POINTS = (
     Column("on_front", "Whether no other point is both cheaper and nearer in the target error."),
     Column("imposes", "What the settings make of the can that the scene does not declare."),
     _CASE,
-    COMMAND,
+    run_columns.COMMAND,
 )
 
 _POINTS_SHOWN = (
@@ -176,97 +177,66 @@ def points(cost: Cost) -> Table:
     target, known = cost.plan.target, cost.points
     front = set(pareto_front([p.cost for p in known], [p.error(target) for p in known]))
     hidden = [c.name for c in _POINTS if c.name not in {*_POINTS_SHOWN, target}]
-    rows = [_point(p) | {"on_front": place in front} for place, p in enumerate(known)]
     title = "Every run: what it costs and what it errs"
-    return _table(cost, "points", title, without(_POINTS, *hidden), rows)
-
-
-def _point(p: Point) -> dict[str, object]:
-    errors: dict[str, object] = p.run["errors"]
-    return (
-        errors
+    rows = (
+        p.run["errors"]
         | p.run
+        | _cells(p)
         | {
             "engine": p.case.engine,
-            "settings": p.variant.name,
             "profile": p.case.profile,
             "outcome": p.outcome.value + (f" ({p.run['note']})" if p.run["note"] else ""),
-            "cost_s_s": finite(p.cost),
-            "cost_median_s_s": finite(p.median),
             "repeats": len(p.times["cpu_s"]),
             "clock_over_processor": p.waiting,
             "setup_s": p.times["setup_s"],
+            "on_front": place in front,
             "imposes": p.variant.imposes,
-            "case": p.digest,
         }
+        for place, p in enumerate(known)
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Fall:
-    """How the error of a ladder falls, and where it stops.
-
-    Parameters
-    ----------
-    family : Family
-    quantity : str
-    order : AsymptoticOrder or None
-    plateau : Plateau or None
-    cause : str
-        A sentence; empty without a plateau.
-    """
-
-    family: Family
-    quantity: str
-    order: AsymptoticOrder | None
-    plateau: Plateau | None
-    cause: str
+    return _table(cost, "points", title, run_columns.without(_POINTS, *hidden), rows)
 
 
 _FALLS = (
-    Column("engine", ENGINE.meaning, "family.engine"),
-    Column("settings", _SETTINGS.meaning, "family.name"),
+    run_columns.ENGINE.of("family.engine"),
+    _SETTINGS.of("family.name"),
     Column("quantity", "Which error."),
-    Column("order", "Slope of log error above the plateau against log timestep.", "order.order"),
-    Column("confidence", "Half-width of its 95 % interval.", "order.confidence"),
-    Column("coarsest_s", "Coarsest timestep of the asymptotic range.", "order.coarsest"),
-    Column("finest_s", "Finest timestep of it.", "order.finest"),
-    Column("rungs", "Timesteps in it.", "order.points"),
+    Column("order", "Slope of log error above the plateau against log timestep.", "fit.order"),
+    Column("confidence", "Half-width of its 95 % interval.", "fit.confidence"),
+    Column("coarsest_s", "Coarsest timestep of the asymptotic range.", "fit.coarsest"),
+    Column("finest_s", "Finest timestep of it.", "fit.finest"),
+    Column("rungs", "Timesteps in it.", "fit.points"),
     Column(
         "plateau",
         "Error that is left as the timestep goes to zero, in the unit of the quantity.",
-        lambda fall: fall.plateau and abs(fall.plateau.level),
+        lambda row: row["level"] and abs(row["level"].level),
     ),
-    Column("plateau_below_s", "Timestep below which it outweighs the rest.", "plateau.timestep"),
-    Column("erratic", "Whether the ladder is flat, but follows no power.", "plateau.erratic"),
+    Column("plateau_below_s", "Timestep below which it outweighs the rest.", "level.timestep"),
+    Column("erratic", "Whether the ladder is flat, but follows no power.", "level.erratic"),
     Column("cause", "What the plateau comes from."),
 )
 
 
 def orders(cost: Cost, quantities: Sequence[str]) -> Table:
-    """Return the orders and plateaus."""
-    title = "How errors fall with the timestep, and where they stop"
-    return _table(cost, "orders", title, _FALLS, falls(cost, quantities))
-
-
-def falls(cost: Cost, quantities: Sequence[str]) -> list[Fall]:
-    """Return how each ladder of timesteps falls, in each quantity."""
-    found = []
+    """Return the order and the plateau of each ladder of timesteps, in each quantity."""
+    rows = []
     for family, ladder in cost.ladders:
         for quantity in quantities if family.steps else ():
             steps = [point.timestep or 0.0 for point in ladder]
             errors = [point.signed_error(quantity) for point in ladder]
             level = plateau(steps, errors)
-            found.append(
-                Fall(
-                    family=family,
-                    quantity=quantity,
-                    order=asymptotic_order(steps, errors, 0.0 if level is None else level.level),
-                    plateau=level,
-                    cause="" if level is None else _cause(cost, family, quantity, abs(level.level)),
-                )
+            size = 0.0 if level is None else level.level
+            rows.append(
+                {
+                    "family": family,
+                    "quantity": quantity,
+                    "fit": asymptotic_order(steps, errors, size),
+                    "level": level,
+                    "cause": _cause(cost, family, quantity, abs(size)) if level else "",
+                }
             )
-    return found
+    title = "How errors fall with the timestep, and where they stop"
+    return _table(cost, "orders", title, _FALLS, rows)
 
 
 _MOST = 0.5
@@ -312,7 +282,7 @@ def _from_gaps(path: AblationPath, cost: Cost, quantity: str, level: float) -> s
 
 
 _OVERHEAD = (
-    ENGINE,
+    run_columns.ENGINE,
     Column("loop", "Who loops over the steps, and whether states are read."),
     Column("step_us", "Processor time of a step of one free body aloft, least of the repeats."),
     Column("step_median_us", "The same, median."),
@@ -335,7 +305,7 @@ def overhead(cost: Cost) -> Table:
 
 
 _HARD = (
-    ENGINE,
+    run_columns.ENGINE,
     _STEPS,
     Column("epsilon", "B_{-2}^2 (a_p + 1) of the exact motion: 1.4e-10 at the paper's release."),
     Column("cost_s_s", "Processor seconds per simulated second for one degree, between rungs."),
@@ -345,7 +315,7 @@ _HARD = (
 )
 
 _EXPONENTS = (
-    ENGINE,
+    run_columns.ENGINE,
     _STEPS,
     Column("exponent", "Of the cost of one degree against epsilon: -1/2 doubles it for a quarter."),
     Column("confidence", "Half-width of its 95 % interval; empty for two points."),

@@ -1,13 +1,13 @@
 """What effects change and cost in the runs of a plan, and what each effect therefore is."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import Enum
 from functools import cached_property
 from typing import Any
 
 from harness.core.case import Case
-from harness.core.simulation import Outcome
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.registry import engine
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES, Number, less
@@ -51,8 +51,12 @@ class Effect:
 
     Parameters
     ----------
-    engine, name : str
+    scene, engine, name : str
     declared : bool
+    strength : str
+        Constants of its law as `--assume` and a scene file know them.
+    run : Simulation or None
+        Of the scene with it; None if the engine cannot represent that.
     verdict : EffectStatus
     why : str
         A sentence with the number behind the verdict.
@@ -68,9 +72,12 @@ class Effect:
         smallest processor time of the repeats, of the noisier of the two runs.
     """
 
+    scene: str
     engine: str
     name: str
     declared: bool
+    strength: str
+    run: Simulation | None
     verdict: EffectStatus
     why: str
     changes: Mapping[str, Number]
@@ -132,10 +139,14 @@ class EffectsResults:
             alone = self._changes(engine_name, frozenset((name,)), frozenset())
             mean = self._mean(engine_name, name) if self.plan.factorial else {}
         verdict, why = self._verdict(engine_name, name, changes)
+        run = self.evaluation(engine_name, with_it)
         return Effect(
+            scene=self.plan.scene.name,
             engine=engine_name,
             name=name,
             declared=name in declared,
+            strength=_strength(self.plan.strengths[name]),
+            run=None if run is None else run.simulation,
             verdict=verdict,
             why=why,
             changes=changes,
@@ -224,6 +235,12 @@ class EffectsResults:
                     f"what counts is {least:.2g}."
                 )
         return (matters if over > 1.0 else EffectStatus.HARMLESS), worst
+
+
+def _strength(law: Any) -> str:  # noqa: ANN401 - a dataclass of `models.effects`
+    """Return the constants of the law of an effect that are not zero."""
+    constants = ((field.name, getattr(law, field.name)) for field in fields(law))
+    return ", ".join(f"{key} = {value:g}" for key, value in constants if value != 0.0)
 
 
 def _ratio(runs: Sequence[Evaluation], amounts: Sequence[Number]) -> Number:

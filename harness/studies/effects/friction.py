@@ -18,16 +18,7 @@ from harness.core.trajectory import Floats
 from harness.engines.registry import check_effects
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES
-from harness.studies.shared.run_columns import (
-    CASE,
-    ENGINE,
-    MODEL,
-    NOTE,
-    OUTCOME,
-    SCENE,
-    run_cells,
-    without,
-)
+from harness.studies.shared import run_columns
 from models.contact_effects import Slip
 from models.errors import ModelError
 from models.scene import Scene
@@ -40,16 +31,16 @@ _SLIDES = 1e-6
 far below any slip that moves the can."""
 
 _COLUMNS = (
-    SCENE,
-    ENGINE,
-    MODEL,
+    run_columns.SCENE,
+    run_columns.ENGINE,
+    run_columns.MODEL,
     Column("mu", "Coefficient of friction."),
     Column("turn_deg", "First angle of turn, where the record can count it."),
     Column("slipping_share", "Share of the time in which the rim slides, by the motion itself."),
     Column("slip_phases", "Phases of slip; of the reference alone, whose contact has no creep."),
-    OUTCOME,
-    NOTE,
-    CASE,
+    run_columns.OUTCOME,
+    run_columns.NOTE,
+    run_columns.CASE,
 )
 
 
@@ -81,7 +72,7 @@ def friction(
     table = table_of(
         f"{scene}-friction-runs",
         "Every run of the ladder of friction",
-        without(_COLUMNS, "scene", "case"),
+        run_columns.without(_COLUMNS, "scene", "case"),
         _rows(ladder, runs),
         scene=scene,
     )
@@ -145,12 +136,15 @@ def _phases(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> tuple[Se
 
 def _rows(ladder: FrictionLadder, runs: Mapping[Case, Evaluation]) -> list[dict[str, object]]:
     """Return every run in a row."""
-    rows = []
+    rows: list[dict[str, object]] = []
     for name, rungs in ladder.items():
         for mu, case in rungs.items():
             e = runs[case]
-            row = run_cells(e.simulation)
-            row |= {"mu": mu, "turn_deg": QUANTITIES["turn_deg"].of_run(e)}
+            row: dict[str, object] = {
+                "simulation": e.simulation,
+                "mu": mu,
+                "turn_deg": QUANTITIES["turn_deg"].of_run(e),
+            }
             time, slides = _sliding(e)
             if name == "reference" and len(time) > 1:
                 row["slipping_share"] = float(np.sum(np.diff(time) * slides[1:]) / time[-1])

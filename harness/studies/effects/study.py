@@ -1,7 +1,7 @@
 """The effects study: which effects a scene needs, what each costs, what an engine adds unasked."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,17 +13,7 @@ from harness.evaluation.timing import untimed
 from harness.studies.effects.changes import CHANGED, Effect, EffectsResults, EffectStatus
 from harness.studies.effects.friction import friction
 from harness.studies.effects.plan import EffectsPlan
-from harness.studies.shared.run_columns import (
-    CASE,
-    COMMAND,
-    ENGINE,
-    MODEL,
-    NOTE,
-    OUTCOME,
-    SCENE,
-    run_cells,
-    without,
-)
+from harness.studies.shared import run_columns
 from harness.studies.study import EVALUATION, TIMING, Job, Results, evaluation_jobs
 from models.effects import KINDS
 
@@ -33,39 +23,50 @@ _KNOWN = _COUNTS | {EffectStatus.HARMLESS}
 _LEAST = 1e-6
 """Change over what counts below which a bar would be longer than the axis is worth."""
 
-_RATIOS = ("steps_ratio", "constraint_rows_ratio", "cpu_ratio")
+_COSTS = {
+    "steps_ratio": "Steps per simulated second with it over those without it.",
+    "constraint_rows_ratio": "Constraint rows per simulated second, likewise.",
+    "cpu_ratio": "Processor time per simulated second, likewise; least of repeats.",
+    "cpu_spread": "Longest over shortest processor time of repeats of the noisier run.",
+}
 
 _EFFECT = Column("effect", "Name of the effect, its key in a scene file.")
 
 _EFFECTS = (
-    SCENE,
-    ENGINE,
-    _EFFECT,
+    run_columns.SCENE.of("scene"),
+    run_columns.ENGINE.of("engine"),
+    _EFFECT.of("name"),
     Column("declared", "Whether the scene declares it."),
-    Column("simulated", "Whether the engine simulates it in this scene."),
+    Column(
+        "simulated",
+        "Whether the engine simulates it in this scene.",
+        lambda effect: effect.declared and effect.run is not None,
+    ),
     Column(
         "verdict",
         "Needed: declared, and it changes the outcome; harmless: it does not; missing: not "
         "declared, though at the assumed strength it would; imposed by the engine: it cannot be "
         "removed; unsupported: the engine cannot represent it.",
+        "verdict.value",
     ),
     Column("why", "The number behind the verdict."),
     Column("strength", "Constants of its law, SI units: as declared, or as assumed."),
-    Column("steps_ratio", "Steps per simulated second with it over those without it."),
-    Column("constraint_rows_ratio", "Constraint rows per simulated second, likewise."),
-    Column("cpu_ratio", "Processor time per simulated second, likewise; least of repeats."),
-    Column("cpu_spread", "Longest over shortest processor time of repeats of the noisier run."),
+    *(Column(key, meaning, f"cost.{key}") for key, meaning in _COSTS.items()),
     *(
-        Column(f"change_{q.key}", f"{q.meaning} With the effect less without, others as declared.")
+        Column(
+            f"change_{q.key}",
+            f"{q.meaning} With the effect less without, others as declared.",
+            f"changes.{q.key}",
+        )
         for q in CHANGED
     ),
-    CASE,
-    COMMAND,
+    run_columns.CASE.of("run.digest"),
+    run_columns.COMMAND.of("run.case.command"),
 )
 
 _FACTORS = (
-    SCENE,
-    ENGINE,
+    run_columns.SCENE,
+    run_columns.ENGINE,
     _EFFECT,
     Column("quantity", "What changes; the unit is its suffix."),
     Column("from_ideal", "Change when the effect is added to the ideal can."),
@@ -75,49 +76,21 @@ _FACTORS = (
 )
 
 _RUNS = (
-    SCENE,
-    ENGINE,
-    MODEL,
+    run_columns.SCENE,
+    run_columns.ENGINE,
+    run_columns.MODEL,
     Column("effects", "Effects in force."),
     *(Column(q.key, q.meaning) for q in CHANGED),
-    Column("steps", "Steps of the run."),
-    Column("constraint_rows", "Constraint rows, summed over the steps."),
-    OUTCOME,
-    NOTE,
-    CASE,
+    Column("steps", "Steps of the run.", "simulation.steps"),
+    Column(
+        "constraint_rows",
+        "Constraint rows, summed over the steps.",
+        "simulation.constraint_rows",
+    ),
+    run_columns.OUTCOME,
+    run_columns.NOTE,
+    run_columns.CASE,
 )
-
-
-def effect_rows(found: EffectsResults) -> list[dict[str, Any]]:
-    """Return what each effect does, a row an engine and effect."""
-    rows = []
-    for effect in found.effects:
-        case = found.plan.case(effect.engine, found.plan.declared | {effect.name})
-        run = {} if case is None else run_cells(found.evaluations[case].simulation)
-        rows.append(
-            {
-                "scene": found.plan.scene.name,
-                "engine": effect.engine,
-                "effect": effect.name,
-                "declared": effect.declared,
-                "simulated": effect.declared and case is not None,
-                "verdict": effect.verdict.value,
-                "why": effect.why,
-                "strength": _strength(found.plan, effect.name),
-                **effect.cost,
-                **{f"change_{key}": change for key, change in effect.changes.items()},
-                "case": run.get("case", ""),
-                "command": run.get("command", ""),
-            }
-        )
-    return rows
-
-
-def _strength(plan: EffectsPlan, name: str) -> str:
-    """Return the constants of an effect as `--assume` and a scene file know them."""
-    law = plan.strengths[name]
-    constants = ((field.name, getattr(law, field.name)) for field in fields(law))
-    return ", ".join(f"{key} = {value:g}" for key, value in constants if value != 0.0)
 
 
 def _factor_rows(found: EffectsResults) -> list[dict[str, Any]]:
@@ -142,11 +115,8 @@ def _factor_rows(found: EffectsResults) -> list[dict[str, Any]]:
 def _run_rows(found: EffectsResults) -> list[dict[str, Any]]:
     """Return every run of the plan."""
     return [
-        run_cells(e.simulation)
-        | {
-            "effects": ", ".join(sorted(subset)) or "none",
-            **{q.key: q.of_run(e) for q in CHANGED},
-        }
+        {"simulation": e.simulation, "effects": ", ".join(sorted(subset)) or "none"}
+        | {q.key: q.of_run(e) for q in CHANGED}
         for engine in found.plan.engines
         for subset in dict.fromkeys(found.plan.subsets())
         if (e := found.evaluation(engine, subset)) is not None
@@ -255,7 +225,7 @@ def effects_report(found: EffectsResults) -> tuple[Artefact, ...]:
     """Return words, figure, tables."""
     scene = found.plan.scene.name
     tables = (
-        ("effects", "What each effect does", _EFFECTS, effect_rows(found)),
+        ("effects", "What each effect does", _EFFECTS, found.effects),
         ("factors", "How the declared effects act together", _FACTORS, _factor_rows(found)),
         ("runs", "Every run of the study", _RUNS, _run_rows(found)),
     )
@@ -271,7 +241,7 @@ def effects_report(found: EffectsResults) -> tuple[Artefact, ...]:
             table_of(
                 f"{scene}-{name}",
                 title,
-                without(columns, "scene", "case", "command"),
+                run_columns.without(columns, "scene", "case", "command"),
                 rows,
                 scene=scene,
             )
@@ -333,7 +303,7 @@ class EffectsStudy:
                         "verdict": effect.verdict.value,
                         "why": effect.why,
                         "changes": dict(effect.changes),
-                        **{key: effect.cost.get(key) for key in _RATIOS},
+                        **{key: effect.cost.get(key) for key in _COSTS if key != "cpu_spread"},
                     }
                     for effect in found.of_engine(engine)
                 }

@@ -28,17 +28,8 @@ from harness.metrics.quantities import Number, Quantity, less
 from harness.studies.errors.extrapolation import limit
 from harness.studies.errors.plan import ErrorsPlan, ThreeErrors, Way
 from harness.studies.errors.split import Split, spread
+from harness.studies.shared import run_columns
 from harness.studies.shared.perturbation import MEMBERS, SIZES
-from harness.studies.shared.run_columns import (
-    CASE,
-    COMMAND,
-    ENGINE,
-    OUTCOME,
-    SCENE,
-    TIMESTEP,
-    run_cells,
-    without,
-)
 from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
 
 
@@ -119,15 +110,15 @@ class ErrorsStudy:
         }
 
 
-_PROFILE = Column("profile", "Where the settings start from.")
-_HEAD = (SCENE, ENGINE, _PROFILE)
+_PROFILE = Column("profile", "Where the settings start from.", "simulation.case.profile")
+_HEAD = (run_columns.SCENE, run_columns.ENGINE, _PROFILE)
 _WAY = Column("way", "How the timestep is shrunk.")
 _QUANTITY = Column("quantity", "Which number; the unit is its suffix.")
 
 _SPLIT = (
-    Column("scene", SCENE.meaning, "case.scene.name"),
-    Column("engine", ENGINE.meaning, "case.engine"),
-    Column("profile", _PROFILE.meaning, "case.profile"),
+    run_columns.SCENE.of("case.scene.name"),
+    run_columns.ENGINE.of("case.engine"),
+    _PROFILE.of("case.profile"),
     _WAY,
     _QUANTITY,
     Column("timestep_s", "Timestep at which the error is split, s.", "case.timestep"),
@@ -148,39 +139,39 @@ _SPLIT = (
         "band and uncertainty; model error: it stands out.",
         "verdict.value",
     ),
-    Column("command", COMMAND.meaning, lambda split: split.case.command()),
+    run_columns.COMMAND.of("case.command"),
 )
 
 _LADDER = (
     *_HEAD,
     _WAY,
     _QUANTITY,
-    TIMESTEP,
+    run_columns.TIMESTEP,
     Column("value", "Of the engine, solver converged."),
     Column("off_true", "Value less that of the exact motion."),
     Column("off_limit", "Value less the engine's own limit: discretisation."),
-    OUTCOME,
-    CASE,
-    COMMAND,
+    run_columns.OUTCOME,
+    run_columns.CASE,
+    run_columns.COMMAND,
 )
 
 _EFFORTS = (
     *_HEAD,
     _WAY,
     _QUANTITY,
-    TIMESTEP,
+    run_columns.TIMESTEP,
     Column("effort", "How hard the solver tries."),
     Column("value", "Of the engine."),
     Column("off_converged", "Value less that with the solver converged."),
-    OUTCOME,
-    CASE,
-    COMMAND,
+    run_columns.OUTCOME,
+    run_columns.CASE,
+    run_columns.COMMAND,
 )
 
 _ENSEMBLE = (
     *_HEAD,
     _QUANTITY,
-    TIMESTEP,
+    run_columns.TIMESTEP,
     Column("relative_size", "Of the perturbations of phi, psi' and theta' at release."),
     Column(
         "spread_of_engine",
@@ -219,7 +210,7 @@ def _table(
     return table_of(
         f"{plan.scene.name}-{plan.engine}-{plan.profile}-{name}",
         f"{title}: {plan.engine}, {plan.profile}",
-        without(columns, "scene", "engine", "profile"),
+        run_columns.without(columns, "scene", "engine", "profile"),
         records,
         scene=plan.scene.name,
     )
@@ -229,7 +220,8 @@ def _run(found: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict[s
     """Return the cells of a run that is read for one quantity."""
     e, split = found.evaluations[case], found.splits[way.name, quantity.key]
     value = quantity.of_run(e)
-    return run_cells(e.simulation) | {
+    return {
+        "simulation": e.simulation,
         "timestep_s": case.timestep,
         "way": way.name,
         "quantity": quantity.key,

@@ -7,7 +7,7 @@ import pytest
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus, Symptom
-from harness.studies.stability.report import engine_page, seen
+from harness.studies.stability.study import engine_page, seen
 from models import load
 
 
