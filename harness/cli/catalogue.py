@@ -260,7 +260,7 @@ def list_(folder: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - 
         typer.echo(terminal.to_json(told))
         return
     listed = table_of("store", f"The store '{kept.folder}'", _STORED, entries)
-    terminal.stdout_console().print(terminal.table_artefact(listed, listed.shown))
+    terminal.stdout_console().print(terminal.table_artefact(listed))
     size = sum(entry.size for entry in entries)
     typer.echo(f"{len(entries)} entries, {size / 1e6:.1f} MB")
 

@@ -69,9 +69,7 @@ def show_changes(artefacts: Sequence[Artefact]) -> None:
             moved = artefact.frame[[v.status not in _QUIET for v in artefact.frame["verdict"]]]
             if len(moved):
                 top = replace(artefact, title="What has changed", frame=moved.head(_ROWS))
-                console.print(
-                    terminal.table_artefact(top, [name for name in top.shown if name != "case"])
-                )
+                console.print(terminal.table_artefact(top, {"case"}))
             if len(moved) > _ROWS:
                 console.print(f"... and {len(moved) - _ROWS} more")
     for artefact in artefacts:

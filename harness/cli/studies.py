@@ -73,24 +73,9 @@ def attribute(  # noqa: PLR0917 - a parameter an option
     For example: rockingcan attribute gentle-rock --engine mujoco
     """
     study = AttributionStudy(path=ablation_path(load(scene), engine, timestep, first or ()))
-    gaps = ("place", "gap", "quantity", "in_order", "alone", "left_open", "interaction")
-    show = shown({"-gaps": gaps, "-interactions": (), "-attribution": ()})
+    left_out = {"share_of_whole", "what_it_does", "settings"}
+    show = shown({"-gaps": left_out, "-interactions": (), "-attribution": ()})
     run_command(study, running, out=out, json=json, answer=study.answer, show=show)
-
-
-_SPLIT = (
-    "way",
-    "quantity",
-    "limit_uncertainty",
-    "model_form",
-    "discretisation",
-    "solver",
-    "total",
-    "observed_order",
-    "not_decidable_within",
-    "verdict",
-)
-_SPREADS = ("quantity", "relative_size", "spread_of_engine", "spread_of_truth")
 
 
 @with_run_options
@@ -118,7 +103,9 @@ def errors(  # noqa: PLR0917 - a parameter an option
     options = parse_settings(set_ or [])
     plan = plan_errors(load(scene), engine, profile, timestep=timestep, options=options)
     study = ErrorsStudy(plan=plan)
-    show = shown({"-split": _SPLIT, "-spreads": _SPREADS, "-three-errors": ()})
+    of_split = {"timestep_s", "true", "value", "limit", "order_spread", "command"}
+    of_spreads = {"timestep_s", "spread_of_error", "members"}
+    show = shown({"-split": of_split, "-spreads": of_spreads, "-three-errors": ()})
     run_command(study, running, out=out, json=json, answer=study.answer, show=show)
 
 
@@ -174,12 +161,14 @@ def effects(  # noqa: PLR0917 - a parameter an option
 def _show_effects(done: Results, artefacts: Sequence[Artefact]) -> None:
     """Print the effects that engines can represent, and the words."""
     known = [
-        replace(a, frame=a.frame[a.frame["verdict"] != EffectStatus.UNSUPPORTED.value])
+        replace(
+            a, shown=_EFFECTS, frame=a.frame[a.frame["verdict"] != EffectStatus.UNSUPPORTED.value]
+        )
         if isinstance(a, Table) and "verdict" in a.columns
         else a
         for a in artefacts
     ]
-    shown({"-effects": _EFFECTS, "-effects-words": ()})(done, known)
+    shown({"-effects": (), "-effects-words": ()})(done, known)
 
 
 def _assumption(word: str) -> tuple[str, float]:
@@ -278,15 +267,14 @@ def cost(  # noqa: PLR0917 - a parameter an option
     def show(done: Results, artefacts: Sequence[Artefact]) -> None:
         found, console = study.findings(done), terminal.stdout_console()
         listed = prices(found, study.targets)
-        columns = [name for name in listed.shown if name not in {"choice", "case"}]
         for choice in CHOICES:
             title = f"{chosen.name}: {choice}"
             if choice in {FIXED, FOLLOWING}:
                 title += f" (on {other.name})"
             own = listed.frame[listed.frame["choice"] == choice]
             part = replace(listed, title=title, frame=own)
-            console.print(terminal.table_artefact(part, columns))
-        shown({"-overhead": ("engine", "loop", "step_us")})(done, artefacts)
+            console.print(terminal.table_artefact(part, {"choice", "case"}))
+        shown({"-overhead": {"step_median_us"}})(done, artefacts)
         if target is None:
             console.print("The rules: the fairness contract in the report. To paste: --target DEG.")
         else:

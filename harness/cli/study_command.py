@@ -1,6 +1,6 @@
 """What the commands of studies share: options, running with progress, the report, the answer."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,8 +24,8 @@ EngineNames = Annotated[
 ]
 ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
 
-Shown = Mapping[str, Sequence[str]]
-"""Artefacts that the terminal shows, by the end of their names; of tables the columns, () all."""
+Shown = Mapping[str, Collection[str]]
+"""Artefacts that the terminal shows, by the end of their names, and columns of tables left out."""
 
 
 def run_with_progress(study: Study, running: RunOptions) -> Results:
@@ -117,8 +117,7 @@ def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
         for artefact in artefacts:
             ending = next((end for end in names if artefact.name.endswith(end)), None)
             if ending is not None and isinstance(artefact, Table):
-                columns = names[ending] or artefact.shown or tuple(artefact.columns)
-                console.print(terminal.table_artefact(artefact, columns))
+                console.print(terminal.table_artefact(artefact, names[ending]))
             elif ending is not None and isinstance(artefact, Prose):
                 console.print(f"\n[bold]{escape(artefact.title)}[/]\n{escape(artefact.text)}")
 

@@ -120,7 +120,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     console = terminal.stdout_console()
     for artefact in sweep_report(found):
         if isinstance(artefact, Table):
-            console.print(terminal.table_artefact(artefact, tuple(artefact.columns)))
+            console.print(terminal.table_artefact(artefact))
     console.print(escape(f"\nThe table: {folder.parts}\nThe report: {page}"))
 
 

@@ -5,7 +5,7 @@ A file is written whole or not at all, and never over a folder.
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from harness.core.report_model import Table as Data
 from harness.core.simulation import ParityRow
 from harness.core.verdict import Verdict
 from harness.execution.atomic_write import write_atomically
-from harness.report.tables import records
+from harness.report.tables import records, shown
 
 _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
 
@@ -79,8 +79,9 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
     return made
 
 
-def table_artefact(artefact: Data, columns: Sequence[str]) -> Table:
-    """Return some columns of an artefact's table for the terminal."""
+def table_artefact(artefact: Data, left_out: Collection[str] = ()) -> Table:
+    """Return for the terminal the columns of a table that the page shows, but those left out."""
+    columns = [name for name in shown(artefact) if name not in left_out]
     rows = [[row[name] for name in columns] for row in records(artefact)]
     return table(artefact.title, columns, rows)
 

@@ -77,14 +77,11 @@ class ProgressListener(Generic[T, R]):
     kept : callable
         Called before anything runs with the number of stored results and that of tasks.
     done : callable
-        Called with each task and its result; for stored ones `read` is called if given.
-    read : callable, optional
-        Called with each task whose result was stored before, and the result.
+        Called with each task and its result, stored ones too.
     """
 
     kept: Callable[[int, int], None] = field(default=lambda *_: None)
     done: Callable[[T, R], None] = field(default=lambda *_: None)
-    read: Callable[[T, R], None] | None = None
 
 
 def run_queue(
@@ -225,7 +222,7 @@ class _Run(Generic[T, R]):
                 return True
             self.safe += 1
         self.results[index] = result
-        (self.listener.read or self.listener.done)(self.tasks[index], result)
+        self.listener.done(self.tasks[index], result)
         return True
 
     def take(self, index: int, future: Future[R]) -> None:

@@ -4,12 +4,12 @@ A study is an object that any caller runs: Python, the command line, a gate, a t
 and reads results; `run_study` alone runs, keeps and resumes them.
 """
 
-import time
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from hashlib import sha256
+from itertools import count
 from typing import Any, Generic, Protocol, TypeVar
 
 from harness.core.case import Case
@@ -51,7 +51,7 @@ class Work(Generic[Task, Result]):
         Nothing else may run on this machine meanwhile, for times are measured.
     effort : callable, optional
         Returns how much work a task is, in a unit that all tasks of this kind share: the longest
-        begins first, and the time that is left is estimated. All tasks count alike if left out.
+        begins first. All tasks count alike if left out.
     manifest : callable, optional
         Returns the entry of a run in the manifest of a report; no entry if left out.
     """
@@ -63,7 +63,7 @@ class Work(Generic[Task, Result]):
     cache: Callable[[CacheFolder], ResultCache[Task, Result]] | None = None
     check: Callable[[Task], None] = lambda _: None
     alone: bool = False
-    effort: Callable[[Task], float] | None = None
+    effort: Callable[[Task], float] = lambda _: 1.0
     manifest: Callable[[Task, Result], Mapping[str, Any]] | None = None
 
 
@@ -171,8 +171,6 @@ class StudyProgress:
     done, total : int
     kept : int
         How many results were there before.
-    remaining_s : float or None
-        Estimate of what the rest will take, s; None before the first task was run.
     """
 
     work: str
@@ -180,7 +178,6 @@ class StudyProgress:
     done: int
     total: int
     kept: int
-    remaining_s: float | None
 
 
 Listener = Callable[[StudyProgress], None]
@@ -221,13 +218,14 @@ def run_study(
     """
     results = Results()
     usual = SerialExecutor() if executor is None else executor
+    listen = on_progress or (lambda _: None)
     while wanted := [j for j in dict.fromkeys(study.next_jobs(results)) if j not in results]:
         for job in wanted:
             job.work.check(job.task)
         for work in dict.fromkeys(job.work for job in wanted):
             tasks = [job.task for job in wanted if job.work is work]
             with timer() if work.alone else nullcontext(usual) as chosen:
-                results = results.joined(work, _done(work, tasks, chosen, cache, on_progress))
+                results = results.joined(work, _done(work, tasks, chosen, cache, listen))
     return results
 
 
@@ -236,60 +234,32 @@ def _done(
     tasks: Sequence[Task],
     executor: Executor,
     cache: CacheFolder | None,
-    on_progress: Listener | None,
+    listen: Listener,
 ) -> dict[Task, Result]:
     """Return the results of tasks of one kind, in their order."""
-    progress = _Progress(work, tasks, on_progress or (lambda _: None))
     # the longest first, so that no worker is left with it at the end
-    order = sorted(tasks, key=progress.efforts.__getitem__, reverse=True)
+    order = sorted(tasks, key=work.effort, reverse=True)
+    kept, done = 0, count()
+
+    def tell(label: str) -> None:
+        now, total = next(done), len(tasks)
+        listen(StudyProgress(work=work.name, label=label, done=now, total=total, kept=kept))
+
+    def begin(stored: int, _: int) -> None:
+        nonlocal kept
+        kept = stored
+        tell("")
+
     found = run_tasks(
         order,
         work.call,
         executor,
         lost=work.lost,
         cache=None if cache is None or work.cache is None else work.cache(cache),
-        listener=ProgressListener(kept=progress.begin, done=progress.step, read=progress.read),
+        listener=ProgressListener(kept=begin, done=lambda task, _: tell(work.label(task))),
     )
     results = dict(zip(order, found, strict=True))
     return {task: results[task] for task in tasks}
-
-
-class _Progress(Generic[Task, Result]):
-    """Counts what is done, and estimates what is left from what as much work took so far."""
-
-    def __init__(self, work: Work[Task, Result], tasks: Sequence[Task], listener: Listener) -> None:
-        self.efforts = {task: 1.0 if work.effort is None else work.effort(task) for task in tasks}
-        self._work, self._listener, self._total = work, listener, len(tasks)
-        self._left, self._spent = sum(self.efforts.values()), 0.0
-        self._kept = self._done = 0
-        self._began = time.perf_counter()
-
-    def begin(self, kept: int, _: int) -> None:
-        self._kept = kept
-        self._tell("")
-
-    def read(self, task: Task, _: Result) -> None:
-        self._left -= self.efforts[task]
-        self._done += 1
-        self._tell(self._work.label(task))
-
-    def step(self, task: Task, result: Result) -> None:
-        self._spent += self.efforts[task]
-        self.read(task, result)
-
-    def _tell(self, label: str) -> None:
-        elapsed = time.perf_counter() - self._began
-        remaining_s = max(self._left, 0.0) * elapsed / self._spent if self._spent else None
-        self._listener(
-            StudyProgress(
-                work=self._work.name,
-                label=label,
-                done=self._done,
-                total=self._total,
-                kept=self._kept,
-                remaining_s=remaining_s,
-            )
-        )
 
 
 def case_record(simulation: Simulation) -> Record:

@@ -23,6 +23,7 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.stepping.horizon import natural_time
+from harness.evaluation.case_record import LOST
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.metrics.error import rotation_between
@@ -71,7 +72,7 @@ SOUND = frozenset({StabilityStatus.ACCURATE, StabilityStatus.STABLE, StabilitySt
 """Verdicts of a run in which nothing failed."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Symptom:
     """Something that was seen in a run.
 
@@ -142,15 +143,8 @@ ACCURATE_TURN = math.radians(2.0)
 _SEEN = 0.98
 """Of the length of the exact motion: a bounce that ends later may be missing in a record."""
 
-_UNFIT = {
-    Outcome.MISMATCH,
-    Outcome.BROKEN,
-    Outcome.NO_SOLUTION,
-    Outcome.CRASHED,
-    Outcome.HUNG,
-    Outcome.OUT_OF_MEMORY,
-    Outcome.STOPPED,
-}
+_UNFIT = {Outcome.MISMATCH, Outcome.NO_SOLUTION, *(Outcome[name] for name in LOST)}
+"""Endings of runs that say nothing of a motion."""
 
 
 def classify(e: Evaluation) -> ClassifiedRun:
@@ -165,7 +159,7 @@ def _verdict(e: Evaluation) -> tuple[StabilityStatus, Symptom]:
     scene, outcome = e.simulation.case.scene, e.simulation.outcome
     if outcome in _UNFIT:
         words = e.simulation.note or outcome.value
-        return StabilityStatus.REFUSED, Symptom(time=0.0, number=math.nan, words=words)
+        return StabilityStatus.REFUSED, Symptom(0.0, math.nan, words)
     truth = None if e.truth_pulls else e.truth
     # an impact or a rim that slides may lose energy: it is kept where the exact motion is known
     keeps = math.inf if scene.gravity == 0.0 else 0.0 if truth is None else float(truth.time[-1])
@@ -186,7 +180,7 @@ def _verdict(e: Evaluation) -> tuple[StabilityStatus, Symptom]:
         if symptom is not None:
             return verdict, symptom
     if e.motion is None or outcome is Outcome.TOO_SLOW:
-        return StabilityStatus.UNRESOLVED, Symptom(time=0.0, number=math.nan, words=outcome.value)
+        return StabilityStatus.UNRESOLVED, Symptom(0.0, math.nan, outcome.value)
     return _accuracy(e, e.motion, truth)
 
 
@@ -199,7 +193,7 @@ def _accuracy(e: Evaluation, own: Motion, truth: Motion | None) -> tuple[Stabili
     else:
         end = float(own.time[-1])
         words = "no exact motion; the run reached this time, s"
-        return StabilityStatus.STABLE, Symptom(time=end, number=end, words=words)
+        return StabilityStatus.STABLE, Symptom(end, end, words)
     worst, allowed = max(errors, key=lambda pair: pair[0].number / pair[1])
     good = worst.number <= allowed  # false for what is no number
     return StabilityStatus.ACCURATE if good else StabilityStatus.INACCURATE, worst
@@ -211,8 +205,7 @@ def _phi_error(own: Motion, truth: Motion) -> tuple[Symptom, float]:
     off = own.angles.phi[: len(phi)] - phi
     share = math.sqrt(float(np.sum(shares(truth.time) * off**2))) / float(phi.max())
     worst = float(truth.time[np.argmax(np.abs(off))])
-    words = "error of phi over its largest, rms"
-    return Symptom(time=worst, number=share, words=words), ACCURATE_PHI
+    return Symptom(worst, share, "error of phi over its largest, rms"), ACCURATE_PHI
 
 
 def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
@@ -222,9 +215,8 @@ def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
     known = [bounce for bounce in e.true_bounces if bounce.phi_min < low]
     due = [bounce for bounce in known if bounce.end < _SEEN * float(truth.time[-1])]
     if len(e.bounces) < len(due):
-        missing = due[len(e.bounces)].time
-        number, words = float(len(due) - len(e.bounces)), "bounces missing"
-        return [(Symptom(time=missing, number=number, words=words), 0.5)]
+        number = float(len(due) - len(e.bounces))
+        return [(Symptom(due[len(e.bounces)].time, number, "bounces missing"), 0.5)]
     pairs = [
         (abs(found.angle_of_turn - true.angle_of_turn), true.time)
         for found, true in zip(e.bounces, known, strict=False)
@@ -232,7 +224,7 @@ def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
     if not pairs:
         return []
     error, time = max(pairs)
-    return [(Symptom(time=time, number=error, words="error of a turn, rad"), ACCURATE_TURN)]
+    return [(Symptom(time, error, "error of a turn, rad"), ACCURATE_TURN)]
 
 
 def _orientation_error(e: Evaluation, own: Trajectory) -> tuple[Symptom, float]:
@@ -240,8 +232,7 @@ def _orientation_error(e: Evaluation, own: Trajectory) -> tuple[Symptom, float]:
     off = rotation_between(own.quaternion, free_rotation(own, e.simulation.case.scene))
     worst = int(np.argmax(off))
     words = "error of the orientation, rad"
-    symptom = Symptom(time=float(own.time[worst]), number=float(off[worst]), words=words)
-    return symptom, ACCURATE_TURN
+    return Symptom(float(own.time[worst]), float(off[worst]), words), ACCURATE_TURN
 
 
 def free_rotation(trajectory: Trajectory, scene: Scene) -> Floats:
@@ -307,11 +298,9 @@ def diverged(e: Evaluation) -> Symptom | None:
         return None
     trajectory = e.simulation.trajectory
     if trajectory is None:
-        return Symptom(time=0.0, number=math.nan, words="no numbers in the first step")
+        return Symptom(0.0, math.nan, "no numbers in the first step")
     speed = np.linalg.norm(trajectory.velocity, axis=1)
-    return Symptom(
-        time=float(trajectory.time[-1]), number=float(speed.max()), words="speed reached, m/s"
-    )
+    return Symptom(float(trajectory.time[-1]), float(speed.max()), "speed reached, m/s")
 
 
 def tunnelled(e: Evaluation) -> Symptom | None:
@@ -354,8 +343,8 @@ def stuck_flat(e: Evaluation, truth: Motion | None) -> Symptom | None:
         flat = float(time[-1]) - since > natural_time(scene)
     else:
         flat = bool((truth.angles.phi[truth.time >= since] > HIGH * largest).any())
-    words = "largest phi since, rad"
-    return Symptom(time=since, number=float(phi[first:].max()), words=words) if flat else None
+    largest_since = Symptom(since, float(phi[first:].max()), "largest phi since, rad")
+    return largest_since if flat else None
 
 
 def unresolved(e: Evaluation) -> Symptom | None:
@@ -366,7 +355,7 @@ def unresolved(e: Evaluation) -> Symptom | None:
         if not bounce.resolved:
             inside = (e.motion.time >= bounce.start) & (e.motion.time <= bounce.end)
             step = float(np.abs(np.diff(e.motion.angles.psi[inside])).max())
-            return Symptom(time=bounce.time, number=step, words="change of psi in a step, rad")
+            return Symptom(bounce.time, step, "change of psi in a step, rad")
     return None
 
 
@@ -387,4 +376,4 @@ def _first(time: Floats, values: Floats, limit: float, words: str) -> Symptom | 
     beyond = np.flatnonzero(values > limit)
     if len(beyond) == 0:
         return None
-    return Symptom(time=float(time[beyond[0]]), number=float(values.max()), words=words)
+    return Symptom(float(time[beyond[0]]), float(values.max()), words)
