@@ -116,8 +116,13 @@ def check(
     failed = any(verdict.result is ClauseStatus.FAILED for verdict in verdicts)
     checks = [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts]
     if json:
-        told = {"engine": name, "version": chosen.version, "conforms": not failed, "checks": checks}
-        typer.echo(terminal.to_json(told))
+        answer = {
+            "engine": name,
+            "version": chosen.version,
+            "conforms": not failed,
+            "checks": checks,
+        }
+        typer.echo(terminal.to_json(answer))
     else:
         rows = [
             (
@@ -138,19 +143,19 @@ def _measure(name: str, profile: str, timestep: float | None, *, json: bool) -> 
     """Print what an engine adds of its own accord."""
     # the can and the gravity of this scene are probed; the release is each probe's own
     scene = load("gentle-rock")
-    found = measure(Case(scene=scene, engine=name, profile=profile, timestep=timestep))
-    findings = [asdict(finding) for finding in found.findings]
+    measured = measure(Case(scene=scene, engine=name, profile=profile, timestep=timestep))
+    findings = [asdict(finding) for finding in measured.findings]
     if json:
-        told = {
+        answer = {
             "engine": name,
-            "version": found.engine_version,
+            "version": measured.engine_version,
             "profile": profile,
-            "timestep_s": found.timestep,
+            "timestep_s": measured.timestep,
             "findings": findings,
         }
-        typer.echo(terminal.to_json(told))
+        typer.echo(terminal.to_json(answer))
     else:
-        title = f"What '{name}' adds, profile {profile}, {found.timestep:g} s"
+        title = f"What '{name}' adds, profile {profile}, {measured.timestep:g} s"
         rows = [[finding[column] for column in _EFFECTS] for finding in findings]
         terminal.stdout_console().print(terminal.table(title, _EFFECTS, rows))
 
@@ -181,21 +186,21 @@ def engines(
 
 def engines_answer(name: str | None) -> dict[str, Any]:
     """Return all engines, or one, as `--json` says them."""
-    return {"engines": [_told(each) for each in ([name] if name else names())]}
+    return {"engines": [_engine_answer(each) for each in ([name] if name else names())]}
 
 
-def _told(name: str) -> dict[str, Any]:
+def _engine_answer(name: str) -> dict[str, Any]:
     """Return what there is to know of an engine; if it is missing, how to install it."""
     try:
-        found = engine(name)
+        adapter = engine(name)
     except MissingPackageError as error:
         return {"name": name, "installed": False, "message": str(error)}
     return {
         "name": name,
         "installed": True,
-        "version": found.version,
-        "honours": sorted(found.capabilities.honours),
-        "imposes": dict(found.capabilities.imposes),
+        "version": adapter.version,
+        "honours": sorted(adapter.capabilities.honours),
+        "imposes": dict(adapter.capabilities.imposes),
         "settings": [
             {
                 "name": setting.name,
@@ -204,18 +209,18 @@ def _told(name: str) -> dict[str, Any]:
                 "choices": list(setting.choices),
                 "meaning": setting.meaning,
             }
-            for setting in found.settings
+            for setting in adapter.settings
         ],
     }
 
 
-def _row(told: dict[str, Any]) -> tuple[str, ...]:
+def _row(answer: dict[str, Any]) -> tuple[str, ...]:
     """Return the row of an engine."""
-    if not told["installed"]:
-        return told["name"], "not installed", told["message"], ""
-    imposes = "; ".join(f"{effect}: {what}" for effect, what in told["imposes"].items())
-    honours = ", ".join(told["honours"])
-    return told["name"], told["version"], honours or "the ideal can only", imposes or "nothing"
+    if not answer["installed"]:
+        return answer["name"], "not installed", answer["message"], ""
+    imposes = "; ".join(f"{effect}: {what}" for effect, what in answer["imposes"].items())
+    honours = ", ".join(answer["honours"])
+    return answer["name"], answer["version"], honours or "the ideal can only", imposes or "nothing"
 
 
 def _matched(setting: Setting) -> object:
@@ -253,13 +258,13 @@ _STORED = (
 @store.command("list")
 def list_(folder: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - a switch
     """List what is kept."""
-    kept = _opened(folder)
-    entries = list(inspect_cache(kept, thoroughly=False))
+    cache = _opened(folder)
+    entries = list(inspect_cache(cache, thoroughly=False))
     if json:
-        told = {"store": str(kept.folder), "entries": rows_of(_STORED, entries)}
-        typer.echo(terminal.to_json(told))
+        answer = {"store": str(cache.folder), "entries": rows_of(_STORED, entries)}
+        typer.echo(terminal.to_json(answer))
         return
-    listed = table_of("store", f"The store '{kept.folder}'", _STORED, entries)
+    listed = table_of("store", f"The store '{cache.folder}'", _STORED, entries)
     terminal.stdout_console().print(terminal.table_artefact(listed))
     size = sum(entry.size for entry in entries)
     typer.echo(f"{len(entries)} entries, {size / 1e6:.1f} MB")
@@ -268,16 +273,16 @@ def list_(folder: Folder = None, json: Json = False) -> None:  # noqa: FBT002 - 
 @store.command()
 def verify(folder: Folder = None) -> None:
     """Read everything that is kept and check it; set aside what is broken. Leaves with 1 then."""
-    kept = _opened(folder)
+    cache = _opened(folder)
     count, broken = 0, []
-    for found in inspect_cache(kept, thoroughly=True):
+    for entry in inspect_cache(cache, thoroughly=True):
         count += 1
-        if found.state is EntryState.BROKEN:
-            broken.append(found)
-            typer.echo(f"broken: {found.kind} {found.key}: {found.reason}")
+        if entry.state is EntryState.BROKEN:
+            broken.append(entry)
+            typer.echo(f"broken: {entry.kind} {entry.key}: {entry.reason}")
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", CacheWarning)  # said already
-                kept.reject(found.kind, found.key, found.reason)
+                cache.reject(entry.kind, entry.key, entry.reason)
     typer.echo(f"{count - len(broken)} of {count} entries are whole")
     if broken:
         typer.echo("What is broken is set aside; it is run again when it is next asked for.")
@@ -292,9 +297,9 @@ def prune_(
     ] = False,
 ) -> None:
     """Remove what no run will read again: of other versions of the program, broken, left over."""
-    kept = _opened(folder)
-    removed, freed = prune_cache(kept, (lambda _: False) if everything else is_current)
-    typer.echo(f"removed {removed} entries from '{kept.folder}', {freed / 1e6:.1f} MB")
+    cache = _opened(folder)
+    removed, freed = prune_cache(cache, (lambda _: False) if everything else is_current)
+    typer.echo(f"removed {removed} entries from '{cache.folder}', {freed / 1e6:.1f} MB")
 
 
 def _opened(chosen: Path | None) -> CacheFolder:

@@ -137,8 +137,8 @@ class _Answers(io.FileIO):
             raise
         except OSError as error:
             self._failed = True
-            told = f"cannot write to standard output: {error.strerror or error}"
-            raise OutputError(told) from error
+            message = f"cannot write to standard output: {error.strerror or error}"
+            raise OutputError(message) from error
 
 
 def keep_for_answers() -> None:
@@ -215,12 +215,12 @@ def _code_of(arguments: list[str], program: typer.Typer, name: str) -> int:
 def _refused(error: Exception) -> int:
     """Say what was wrong with what was asked, and return the exit code."""
     if isinstance(error, TyperException):
-        return _complain(f"{_told(error)} (see: rockingcan --help)")
+        return _complain(f"{_own_message(error)} (see: rockingcan --help)")
     failed = isinstance(error, ParityError)
     # of which case it is, and what is done
     notes = " ".join(_notes(error))
-    told = f"{error}. {notes}" if notes else str(error)
-    return _complain(told, GATE_FAILED if failed else WRONG_USE)
+    message = f"{error}. {notes}" if notes else str(error)
+    return _complain(message, GATE_FAILED if failed else WRONG_USE)
 
 
 def _stopped(error: Interrupted, name: str, arguments: Sequence[str]) -> str:
@@ -228,8 +228,8 @@ def _stopped(error: Interrupted, name: str, arguments: Sequence[str]) -> str:
     # what --fresh was to replace is replaced as far as the run came
     again = shlex.join([*name.split(), *(word for word in arguments if word != "--fresh")])
     notes = _notes(error)
-    told = ["interrupted; nothing half-written is left behind.", *notes]
-    return " ".join([*told, f"To go on: {again}" if notes else f"To start again: {again}"])
+    sentences = ["interrupted; nothing half-written is left behind.", *notes]
+    return " ".join([*sentences, f"To go on: {again}" if notes else f"To start again: {again}"])
 
 
 def _notes(error: BaseException) -> list[str]:
@@ -251,7 +251,7 @@ def _shown(usual: Callable[..., None]) -> Callable[..., None]:
     return show
 
 
-def _told(error: TyperException) -> str:
+def _own_message(error: TyperException) -> str:
     """Return what the command line's own error says."""
     message = getattr(error, "format_message", None)
     return (str(message()) if callable(message) else str(error)).rstrip(".")

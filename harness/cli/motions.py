@@ -56,9 +56,9 @@ def reference(
     evaluation = evaluate_without_truth(case)
     simulation = evaluation.simulation
     known = simulation.trajectory is not None or simulation.outcome is Outcome.FINISHED
-    found = solve_case(case, again=False) if known else None
-    answer = reference_json(evaluation, found.bounces if found else ())
-    answer |= model_answer(evaluation, found, model)
+    truth = solve_case(case, again=False) if known else None
+    answer = reference_json(evaluation, truth.bounces if truth else ())
+    answer |= model_answer(evaluation, truth, model)
     if json:
         typer.echo(terminal.to_json(answer))
     else:
@@ -157,25 +157,25 @@ def run_json(e: Evaluation) -> Answer:
     }
 
 
-def divergence_json(found: Divergence | None) -> Answer | None:
+def divergence_json(divergence: Divergence | None) -> Answer | None:
     """Return how disturbed releases part; None of a scene that cannot be chaotic."""
-    if found is None:
+    if divergence is None:
         return None
     return {
-        "chaotic": found.chaotic,
-        "growth": found.growth,
-        "lyapunov_time_s": found.lyapunov_time,
-        "parted_s": found.parted,
+        "chaotic": divergence.chaotic,
+        "growth": divergence.growth,
+        "lyapunov_time_s": divergence.lyapunov_time,
+        "parted_s": divergence.parted,
     }
 
 
-def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
+def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
     """Return what goes into the answer of `reference` beside the motion in numbers.
 
     Parameters
     ----------
     e : Evaluation
-    found : Truth or None
+    truth : Truth or None
         None of a scene without a motion to show.
     asked : str
         The model that was asked for.
@@ -196,27 +196,27 @@ def model_answer(e: Evaluation, found: Truth | None, asked: str) -> Answer:
         "findings": [asdict(finding) for finding in e.findings],
         "divergence": divergence_json(e.divergence),
     }
-    if found is None:
+    if truth is None:
         if e.simulation.outcome is Outcome.BROKEN:
             raise TrajectoryError(f"{e.simulation.case.label()}: {e.simulation.note}")
         if refusal(e.simulation.case.scene):
             return answer
         # a model without a locus, of a motion that ends early: there is no trajectory, but a model
-        found = solve_case(e.simulation.case, again=False)
-    own = found.chosen if asked == "auto" else found.solved_as
+        truth = solve_case(e.simulation.case, again=False)
+    own = truth.chosen if asked == "auto" else truth.solved_as
     answer |= {
         "model": own.model,
         "equations": own.equations,
-        "why": _why(found, asked),
-        "method": found.solution.method,
-        "agreement": _agreement(found.solution.agreement),
+        "why": _why(truth, asked),
+        "method": truth.solution.method,
+        "agreement": _agreement(truth.solution.agreement),
         "phases": [
             {"kind": phase.kind.value, "start_s": phase.start, "end_s": phase.end}
-            for phase in found.phases
+            for phase in truth.phases
         ],
     }
     if e.simulation.trajectory is not None:
-        seen = check_assumptions(found)
+        seen = check_assumptions(truth)
         answer["findings"] = [asdict(finding) for finding in seen.findings]
         answer["guard"] = {
             "friction_ratio": seen.friction_ratio,
@@ -235,9 +235,9 @@ def _agreement(seen: Agreement | None) -> Answer | None:
     return {**asdict(seen), "holds": seen.holds, "resolved": seen.resolved}
 
 
-def _why(found: Truth, asked: str) -> str:
+def _why(truth: Truth, asked: str) -> str:
     """Return why this model; where nothing bounces the closed formula of a bounce has no answer."""
-    own, needed = found.solved_as, found.chosen
+    own, needed = truth.solved_as, truth.chosen
     if asked == "auto":
         return needed.why
     if asked != "exact" or own.model == asked:
@@ -295,10 +295,10 @@ def motion_tables(answer: Answer) -> Iterable[Table]:
 def chaos_sentences(answer: Answer) -> Iterable[str]:
     """Yield how fast disturbances of a chaotic motion grow, in words; nothing of any other."""
     if _chaotic(answer):
-        found = answer["divergence"]
+        chaos = answer["divergence"]
         yield (
-            f"Chaotic: a disturbance grows by e in {found['lyapunov_time_s']:.3g} s; one part in "
-            f"1e12 becomes {PARTED:g} rad at {found['parted_s']:.3g} s, and beyond nothing can be "
+            f"Chaotic: a disturbance grows by e in {chaos['lyapunov_time_s']:.3g} s; one part in "
+            f"1e12 becomes {PARTED:g} rad at {chaos['parted_s']:.3g} s, and beyond nothing can be "
             "compared."
         )
 

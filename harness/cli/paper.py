@@ -57,9 +57,9 @@ def audit(
     write_text(markdown(rows), out / "audit.md")
     write_text(csv_text(audit_table(rows)), out / "audit.csv")
     if page is not None:
-        told = (audit_words(rows), audit_table(rows))
+        artefacts = (audit_words(rows), audit_table(rows))
         title = "Audit of the paper"
-        write_report(told, page, title=title, cases=(), provenance=provenance())
+        write_report(artefacts, page, title=title, cases=(), provenance=provenance())
     numbers = [(status.value, number) for status, number in counts(rows).items()]
     console = terminal.stdout_console()
     console.print(terminal.table("Audit of the paper", ("verdict", "claims"), numbers))

@@ -102,12 +102,12 @@ def diff(
     spreads = None if baseline is None else read_baseline(baseline)
     if not set(first.scores) & set(second.scores):
         raise BaselineError(f"'{a}' and '{b}' have no case in common: there is nothing to compare")
-    found = differences(first, second, spreads=spreads)
+    compared = differences(first, second, spreads=spreads)
     if json:
-        told = sentences(found, first, second, SIDES, spreads)
-        rows = rows_of(SIDES.columns(), changed(found))
-        typer.echo(terminal.to_json({"differences": rows, "sentences": told}))
+        words = sentences(compared, first, second, SIDES, spreads)
+        rows = rows_of(SIDES.columns(), changed(compared))
+        typer.echo(terminal.to_json({"differences": rows, "sentences": words}))
     else:
-        show_changes(gate_report(found, first, second, SIDES, spreads))
-    if gate and regressions(found):
+        show_changes(gate_report(compared, first, second, SIDES, spreads))
+    if gate and regressions(compared):
         raise typer.Exit(1)

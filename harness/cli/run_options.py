@@ -208,15 +208,15 @@ def parse_settings(pairs: list[str]) -> tuple[tuple[str, Value], ...]:
     InvalidSettingError
         If one is not of the form KEY=VALUE, is given twice, or is not a number where it seems one.
     """
-    found: dict[str, Value] = {}
+    settings: dict[str, Value] = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals or not name:
             raise InvalidSettingError("--set", pair, "KEY=VALUE, such as impratio=10")
-        if name in found:
+        if name in settings:
             raise InvalidSettingError("--set", pair, f"each name once, but '{name}' comes twice")
-        found[name] = _value(name, text)
-    return tuple(found.items())
+        settings[name] = _value(name, text)
+    return tuple(settings.items())
 
 
 def _value(name: str, text: str) -> Value:
@@ -257,7 +257,7 @@ def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> dict[str, d
     InvalidSettingError
         If a pair names an engine that does not run, a setting that none has, or one twice.
     """
-    found: dict[str, dict[str, Value]] = {}
+    settings: dict[str, dict[str, Value]] = {}
     for words, value in parse_settings(list(pairs)):
         chosen, dot, name = words.rpartition(".")
         if dot and chosen not in engines:
@@ -268,10 +268,10 @@ def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> dict[str, d
             known = "; ".join(f"{one}: {', '.join(sorted(_names(one)))}" for one in engines)
             raise InvalidSettingError("--set", words, f"ENGINE.KEY=VALUE with one of {known}")
         for one in having:
-            if name in found.setdefault(one, {}):
+            if name in settings.setdefault(one, {}):
                 raise InvalidSettingError("--set", words, f"each once, but {one} has it twice")
-            found[one][name] = value
-    return found
+            settings[one][name] = value
+    return settings
 
 
 def settings_to_dict(chosen: Mapping[str, Mapping[str, Value]]) -> dict[str, str]:

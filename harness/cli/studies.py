@@ -265,8 +265,8 @@ def cost(  # noqa: PLR0917 - a parameter an option
     study = CostStudy(plan=plan, targets=(target,) if target else TARGETS)
 
     def show(done: Results, artefacts: Sequence[Artefact]) -> None:
-        found, console = study.findings(done), terminal.stdout_console()
-        listed = prices(found, study.targets)
+        costs, console = study.findings(done), terminal.stdout_console()
+        listed = prices(costs, study.targets)
         for choice in CHOICES:
             title = f"{chosen.name}: {choice}"
             if choice in {FIXED, FOLLOWING}:
@@ -278,17 +278,17 @@ def cost(  # noqa: PLR0917 - a parameter an option
         if target is None:
             console.print("The rules: the fairness contract in the report. To paste: --target DEG.")
         else:
-            _print_settings(found, target)
+            _print_settings(costs, target)
 
     run_command(study, running, out=out / chosen.name, json=json, answer=study.answer, show=show)
 
 
-def _print_settings(found: Cost, target: float) -> None:
+def _print_settings(costs: Cost, target: float) -> None:
     """Print the cheapest tuned case of each engine, at a fixed step and at steps of its own."""
     console, seen = terminal.stdout_console(), set()
-    for name in found.plan.engines:
+    for name in costs.plan.engines:
         for choice in (FIXED, FOLLOWING):
-            price = found.price(name, choice, target)
+            price = costs.price(name, choice, target)
             if price.winners:
                 point = price.winners[0].point
                 title = name if point.timestep is None else f"{name}, {choice}"

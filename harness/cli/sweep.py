@@ -106,19 +106,19 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     with opened(out, chosen) as folder:
         check_writable(out / REPORT)
         _complete(folder, workers, on, limits)
-        found = overview(chosen, folder.read(), against)
+        result = overview(chosen, folder.read(), against)
     page = write_report(
-        sweep_report(found),
+        sweep_report(result),
         out / REPORT,
         title=f"rockingcan, sweep of {chosen.base.scene.name}",
         cases=(),
         provenance=provenance(),
     )
     if json:
-        typer.echo(to_json(_answer(found, folder)))
+        typer.echo(to_json(_answer(result, folder)))
         return
     console = terminal.stdout_console()
-    for artefact in sweep_report(found):
+    for artefact in sweep_report(result):
         if isinstance(artefact, Table):
             console.print(terminal.table_artefact(artefact))
     console.print(escape(f"\nThe table: {folder.parts}\nThe report: {page}"))
@@ -171,19 +171,19 @@ def _executor(chosen: SweepPlan, jobs: int, on: str | None, limits: Limits) -> I
         yield made
 
 
-def _answer(found: Overview, folder: Folder) -> dict[str, Any]:
+def _answer(result: Overview, folder: Folder) -> dict[str, Any]:
     """Return a sweep as `--json` says it."""
     return {
-        "scene": found.plan.base.scene.name,
-        "engine": found.plan.base.engine,
-        "exact": found.plan.exact,
-        "over": [axis.text() for axis in found.plan.axes],
-        "scenes": found.plan.rows,
-        "partitions": found.plan.partitions,
-        "digest": found.plan.digest(),
+        "scene": result.plan.base.scene.name,
+        "engine": result.plan.base.engine,
+        "exact": result.plan.exact,
+        "over": [axis.text() for axis in result.plan.axes],
+        "scenes": result.plan.rows,
+        "partitions": result.plan.partitions,
+        "digest": result.plan.digest(),
         "parts": str(folder.parts),
-        "outcomes": dict(found.outcomes),
+        "outcomes": dict(result.outcomes),
         "quantities": {
-            row.pop("quantity"): row for row in rows_of(EXTENTS, found.extents.values())
+            row.pop("quantity"): row for row in rows_of(EXTENTS, result.extents.values())
         },
     }

@@ -124,8 +124,8 @@ def validate(  # noqa: PLR0917 - a parameter an option
     done = run_with_progress(study, running)
     evaluations, artefacts = study.evaluations(done), study.report(done)
     scores = _scores(study, evaluations, settings)
-    found = differences(gate.accepted, scores, expected=gate.owed) if gate else ()
-    changes = gate_report(found, gate.accepted, scores, GATE) if gate else ()
+    compared = differences(gate.accepted, scores, expected=gate.owed) if gate else ()
+    changes = gate_report(compared, gate.accepted, scores, GATE) if gate else ()
     comparison = Section(
         title=f"rockingcan, {study.name}",
         artefacts=(*changes, *artefacts),
@@ -149,7 +149,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
     wrong = [e for e in evaluations if e.simulation.outcome is Outcome.MISMATCH]
     for evaluation in wrong:
         console.print(terminal.parity(evaluation.simulation.parity))
-    if wrong or (regressions(found) and not accept):
+    if wrong or (regressions(compared) and not accept):
         raise typer.Exit(1)
 
 
@@ -207,13 +207,13 @@ def _accept(study: ComparisonStudy, scores: Scores, running: RunOptions, place: 
     own = list(scores.scores.values())
     with running.executor() as executor, terminal.progress_bar() as bar:
         task = bar.add_task("measuring the spread", total=count(study.designed, own))
-        found = measured(
+        with_spread = measured(
             study.designed,
             own,
             executor,
             lambda label: bar.update(task, advance=1, description=label),
         )
-    return write_baseline(replace(scores, scores={one.identity: one for one in found}), place)
+    return write_baseline(replace(scores, scores={one.identity: one for one in with_spread}), place)
 
 
 def _causes(names: Sequence[str], running: RunOptions) -> list[Section]:

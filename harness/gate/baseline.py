@@ -97,7 +97,7 @@ def read_baseline(folder: Path) -> Scores:
     """
     path = folder / FILE
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        stored = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise BaselineError(
             f"'{folder}' holds no accepted results ('{FILE}'); write some with: "
@@ -106,17 +106,17 @@ def read_baseline(folder: Path) -> Scores:
     except (OSError, ValueError) as error:
         raise BaselineError(f"accepted results '{path}' cannot be read: {error}") from error
     with _reading(f"accepted results '{path}' are damaged"):
-        if (told["format"], told["version"]) != (FORMAT, VERSION):
+        if (stored["format"], stored["version"]) != (FORMAT, VERSION):
             raise BaselineError(
                 f"'{path}' is no file of accepted results of version {VERSION}; write it anew with "
                 "--accept"
             )
-        scores = [_SCORE.validate_python({**case, "identity": case}) for case in told["cases"]]
+        scores = [_SCORE.validate_python({**case, "identity": case}) for case in stored["cases"]]
         return Scores(
-            suite=str(told["suite"]),
+            suite=str(stored["suite"]),
             scores={score.identity: score for score in scores},
-            versions=dict(told["versions"]),
-            made=dict(told["made"]),
+            versions=dict(stored["versions"]),
+            made=dict(stored["made"]),
             place=str(folder),
         )
 
@@ -144,7 +144,7 @@ def _text(scores: Scores) -> str:
         "perturbed_by": list(SIZES),
     }
     lines = [f" {json.dumps(key)}: {_json(value)},\n" for key, value in head.items()]
-    cases = ",\n".join(f"  {_json(_told(score))}" for score in scores.scores.values())
+    cases = ",\n".join(f"  {_json(_record(score))}" for score in scores.scores.values())
     return f'{{\n{"".join(lines)} "cases": [\n{cases}\n ]\n}}\n'
 
 
@@ -152,11 +152,11 @@ def _json(value: object) -> str:
     return json.dumps(value, allow_nan=False, ensure_ascii=False)
 
 
-def _told(score: Score) -> dict[str, Any]:
+def _record(score: Score) -> dict[str, Any]:
     """Return a case as one flat record: what names it, then its numbers."""
-    told = asdict(score)
-    told["spread"] = {name: _rounded_up(value) for name, value in score.spread.items()}
-    return {**told.pop("identity"), **told}
+    record = asdict(score)
+    record["spread"] = {name: _rounded_up(value) for name, value in score.spread.items()}
+    return {**record.pop("identity"), **record}
 
 
 def _rounded_up(spread: Number) -> Number:
@@ -211,38 +211,38 @@ def read_scores(folder: Path) -> Scores:
         manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         if manifest["format"] != REPORT_FORMAT:
             raise BaselineError(f"'{folder}' is no report of rockingcan")
-        told = {case["digest"]: case for case in manifest["cases"] if "identity" in case}
-        if not told or not (folder / RESULTS).is_file():
+        cases = {case["digest"]: case for case in manifest["cases"] if "identity" in case}
+        if not cases or not (folder / RESULTS).is_file():
             raise BaselineError(
                 f"'{folder}' is a report, but not of rockingcan validate, or of a version that "
                 "could not be compared yet; write it again"
             )
-        return _scores(folder, manifest, told)
+        return _scores(folder, manifest, cases)
 
 
 def _scores(
-    folder: Path, manifest: Mapping[str, Any], told: Mapping[str, Mapping[str, Any]]
+    folder: Path, manifest: Mapping[str, Any], cases: Mapping[str, Mapping[str, Any]]
 ) -> Scores:
     # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
     with pq.ParquetFile(folder / RESULTS, pre_buffer=False) as file:
         table = file.read(use_threads=False)
     rows = table.to_pandas(use_threads=False).to_dict("records")
-    found: dict[CaseIdentity, Score] = {}
+    scores: dict[CaseIdentity, Score] = {}
     versions = {"rockingcan": str(manifest["provenance"]["rockingcan"])}
     for row in rows:
-        case = told[str(row["digest"])]
+        case = cases[str(row["digest"])]
         name = _IDENTITY.validate_python(case["identity"])
         versions[name.engine] = str(case["engine_version"])
-        found[name] = score_of_row(
+        scores[name] = score_of_row(
             row,
             identity=name,
             scene=str(case["scene_digest"]),
             outcome=_OUTCOMES.get(str(case["outcome"]), str(case["outcome"])),
         )
-    any_case = next(iter(told.values()))
+    any_case = next(iter(cases.values()))
     return Scores(
         suite=str(any_case["suite"]),
-        scores=found,
+        scores=scores,
         versions=versions,
         made=dict(manifest["provenance"]),
         settings=dict(any_case["set_on_top"]),

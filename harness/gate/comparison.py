@@ -97,18 +97,18 @@ def differences(
     spreads : Scores, optional
         Whose spreads count too, where the two were measured without.
     """
-    found: list[Difference] = []
+    compared: list[Difference] = []
     for name, score in second.scores.items():
         accepted = first.scores.get(name)
         if accepted is None:
-            found.append(_of_outcome(score, Status.NEW))
+            compared.append(_of_outcome(score, Status.NEW))
         else:
             borrowed = None if spreads is None else spreads.scores.get(name)
             sides = [accepted, score] if borrowed is None else [accepted, score, borrowed]
-            found += _case(accepted, score, sides)
+            compared += _case(accepted, score, sides)
     due = first.scores if expected is None else expected
     missing = [first.scores[name] for name in due if name not in second.scores]
-    return (*found, *(_of_outcome(score, Status.MISSING) for score in missing))
+    return (*compared, *(_of_outcome(score, Status.MISSING) for score in missing))
 
 
 def _of_outcome(score: Score, status: Status, note: str = "") -> Difference:
@@ -130,14 +130,14 @@ def _case(first: Score, second: Score, sides: Sequence[Score]) -> Iterator[Diffe
     for quantity in QUANTITIES:
         a, b = (s.values.get(quantity.column) for s in (first, second))
         if a is not None or b is not None:
-            found = _quantity(second, quantity, a, b, [s.spread for s in sides if s.members])
+            difference = _quantity(second, quantity, a, b, [s.spread for s in sides if s.members])
             if quantity.kind is QuantityKind.TIME:
                 note = "machines are noisy: times are not judged"
-                found = replace(found, status=Status.NOT_JUDGED, note=note)
+                difference = replace(difference, status=Status.NOT_JUDGED, note=note)
             elif quantity.kind is QuantityKind.ERROR and (first.truth_pulls or second.truth_pulls):
                 note = "the exact motion asks the plane to pull: not judged"
-                found = replace(found, status=Status.NOT_JUDGED, note=note)
-            yield found
+                difference = replace(difference, status=Status.NOT_JUDGED, note=note)
+            yield difference
 
 
 def _ending(first: Score, second: Score, sides: Sequence[Score]) -> tuple[Status, str]:

@@ -54,9 +54,9 @@ class Wording:
         """Return what a status is called."""
         return self.words.get(status, status.value)
 
-    def verdict(self, found: Difference) -> Verdict:
+    def verdict(self, difference: Difference) -> Verdict:
         """Return the verdict on a difference."""
-        return Verdict(found.status, self.word(found.status))
+        return Verdict(difference.status, self.word(difference.status))
 
     def columns(self) -> tuple[Column, ...]:
         """Return the columns of a table of differences."""
@@ -116,40 +116,40 @@ _NAMED = 12
 """Cases that are named in words; a reader who needs more has the table."""
 
 
-def changed(found: Iterable[Difference]) -> tuple[Difference, ...]:
+def changed(differences: Iterable[Difference]) -> tuple[Difference, ...]:
     """Return what has changed, what got worse first, the largest factor first."""
     return tuple(
         sorted(
-            (one for one in found if one.status in _MOVED),
+            (one for one in differences if one.status in _MOVED),
             key=lambda one: (_MOVED.index(one.status), -one.severity, one.identity),
         )
     )
 
 
-def regressions(found: Iterable[Difference]) -> tuple[Difference, ...]:
+def regressions(differences: Iterable[Difference]) -> tuple[Difference, ...]:
     """Return what fails a gate: what got worse, or is gone."""
-    return tuple(one for one in changed(found) if one.status.failed)
+    return tuple(one for one in changed(differences) if one.status.failed)
 
 
 def sentences(
-    found: Sequence[Difference],
+    differences: Sequence[Difference],
     first: Scores,
     second: Scores,
     wording: Wording,
     spreads: Scores | None = None,
 ) -> tuple[str, ...]:
     """Return what was compared, how it came out, and what has changed most, case by case."""
-    cases = list(dict.fromkeys(one.identity for one in found))
-    told = [
+    cases = list(dict.fromkeys(one.identity for one in differences))
+    lines = [
         f"{len(cases)} cases of {second.place} ({second.suite} suite) were held against "
-        f"{first.place} ({first.suite} suite)" + _counts(found, wording) + ".",
+        f"{first.place} ({first.suite} suite)" + _counts(differences, wording) + ".",
         *_versions(first, second, wording),
         *_settings(first, second, wording),
     ]
     sides = [side for side in (first, second, spreads) if side is not None]
     if not any(score.members for side in sides for score in side.scores.values()):
-        told.append("No spread was measured: whatever differs by more than a tenth counts.")
-    for status, moved in groupby(changed(found), key=lambda one: one.status):
+        lines.append("No spread was measured: whatever differs by more than a tenth counts.")
+    for status, moved in groupby(changed(differences), key=lambda one: one.status):
         by_case: dict[CaseIdentity, list[Difference]] = {}
         for one in moved:
             by_case.setdefault(one.identity, []).append(one)
@@ -157,13 +157,13 @@ def sentences(
         more = len(by_case) - len(parts)
         parts += [f"and {more} more, in the table"] if more else []
         head = wording.word(status)
-        told.append(f"{head[:1].upper()}{head[1:]}: {'; '.join(parts)}.")
-    return tuple(told)
+        lines.append(f"{head[:1].upper()}{head[1:]}: {'; '.join(parts)}.")
+    return tuple(lines)
 
 
-def _counts(found: Sequence[Difference], wording: Wording) -> str:
+def _counts(differences: Sequence[Difference], wording: Wording) -> str:
     """Return how many quantities came out how."""
-    counts = Counter(one.status for one in found if one.status in _COUNTED)
+    counts = Counter(one.status for one in differences if one.status in _COUNTED)
     parts = [f"{counts[status]} {wording.word(status)}" for status in _COUNTED if counts[status]]
     return f": of {counts.total()} quantities {', '.join(parts)}" if parts else ""
 
@@ -213,16 +213,16 @@ def _change(one: Difference) -> str:
 
 
 def gate_report(
-    found: Sequence[Difference],
+    differences: Sequence[Difference],
     first: Scores,
     second: Scores,
     wording: Wording,
     spreads: Scores | None = None,
 ) -> tuple[Artefact, ...]:
     """Return the artefacts of a comparison; the text opens the report."""
-    text = "\n\n".join(sentences(found, first, second, wording, spreads))
-    figure = factors(found, wording)
-    moved = changed(found)
+    text = "\n\n".join(sentences(differences, first, second, wording, spreads))
+    figure = factors(differences, wording)
+    moved = changed(differences)
     return (
         Prose(name="summary", title="Against accepted results", text=text),
         *((figure,) if figure else ()),
@@ -230,14 +230,14 @@ def gate_report(
             "gate",
             "Quantity by quantity, what has changed first",
             wording.columns(),
-            (*moved, *(one for one in found if one.status not in _MOVED)),
+            (*moved, *(one for one in differences if one.status not in _MOVED)),
         ),
     )
 
 
-def factors(found: Sequence[Difference], wording: Wording) -> Figure | None:
+def factors(differences: Sequence[Difference], wording: Wording) -> Figure | None:
     """Return the figure of all factors, a panel an engine; None if nothing can be drawn."""
-    drawn = [one for one in found if one.status is not Status.NOT_JUDGED and _finite(one)]
+    drawn = [one for one in differences if one.status is not Status.NOT_JUDGED and _finite(one)]
     if not drawn:
         return None
     quantities = [q for q in QUANTITIES if q.kind is not QuantityKind.TIME]

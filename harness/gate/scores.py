@@ -73,8 +73,8 @@ def scene_digest(scene: Scene) -> str:
 
     Name and citation do not move the can.
     """
-    told = {k: v for k, v in scene.to_dict().items() if k not in {"name", "cite"}}
-    text = json.dumps(told, sort_keys=True, default=repr)
+    motion = {k: v for k, v in scene.to_dict().items() if k not in {"name", "cite"}}
+    text = json.dumps(motion, sort_keys=True, default=repr)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -44,9 +44,9 @@ def member(case: Case, number: int) -> Case:
     return replace(case, scene=replace(scene, release=replace(scene.release, psi=turned)))
 
 
-def spread(middle: Score, found: Sequence[Score]) -> Score:
+def spread(middle: Score, runs: Sequence[Score]) -> Score:
     """Return a score with the spread of its members about it: the largest departures."""
-    alike = [one for one in found if one.outcome == middle.outcome]
+    alike = [one for one in runs if one.outcome == middle.outcome]
     spreads: dict[str, float | None] = {}
     for quantity in (one for one in QUANTITIES if one.kind is not QuantityKind.TIME):
         own = middle.values.get(quantity.column)
@@ -58,9 +58,9 @@ def spread(middle: Score, found: Sequence[Score]) -> Score:
             spreads[quantity.column] = None
     return replace(
         middle,
-        members=len(found),
+        members=len(runs),
         spread=spreads,
-        endings=dict(Counter(one.outcome for one in (middle, *found))),
+        endings=dict(Counter(one.outcome for one in (middle, *runs))),
     )
 
 
@@ -77,7 +77,7 @@ def measured(
     designed: Sequence[Case],
     scores: Sequence[Score],
     executor: Executor,
-    told: Callable[[str], None] | None = None,
+    listener: Callable[[str], None] | None = None,
 ) -> tuple[Score, ...]:
     """Return the scores with the spread of their members.
 
@@ -87,18 +87,18 @@ def measured(
     scores : sequence of Score
         Of these cases, in their order.
     executor : Executor
-    told : callable, optional
+    listener : callable, optional
         Is told of each member that is done, by its label.
     """
-    found: list[list[Score]] = [[] for _ in scores]
+    by_case: list[list[Score]] = [[] for _ in scores]
     pending = _members(designed, scores)
     while batch := list(islice(pending, _AT_ONCE)):
         cases = [case for _, case in batch]
-        on_done = None if told is None else lambda e: told(e.simulation.case.label())
+        on_done = None if listener is None else lambda e: listener(e.simulation.case.label())
         evaluations = run_cases(cases, executor, on_done)
         for (number, _), one in zip(batch, scored(cases, evaluations), strict=True):
-            found[number].append(one)
-    return tuple(map(spread, scores, found))
+            by_case[number].append(one)
+    return tuple(map(spread, scores, by_case))
 
 
 def _members(designed: Sequence[Case], scores: Sequence[Score]) -> Iterator[tuple[int, Case]]:

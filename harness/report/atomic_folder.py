@@ -101,10 +101,10 @@ def _refuse_foreign(out: Path) -> None:
 
 def _is_report(folder: Path) -> bool:
     try:
-        told = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return False
-    return isinstance(told, dict) and told.get("format") == FORMAT
+    return isinstance(manifest, dict) and manifest.get("format") == FORMAT
 
 
 def _hidden(out: Path, purpose: str) -> str:

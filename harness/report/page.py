@@ -112,7 +112,7 @@ def page(report: Report) -> str:
         anchors=[f"part-{anchor}" for anchor in slugs(part.title for part in report.parts)],
         sections=report.parts,
         cases=report.cases,
-        provenance=_made(report.chapters, report.provenance),
+        provenance=_provenance_terms(report.chapters, report.provenance),
         written=report.provenance.written,
         face=_face(report.inks),
         style=_asset("report.css"),
@@ -122,29 +122,36 @@ def page(report: Report) -> str:
     )
 
 
-def _made(chapters: Sequence[Section], made: Provenance) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Return what made the page, and of each study what was another then."""
-    own = _told(made)
+Terms = list[tuple[str, str]]
+"""What is said of how something came about: a term, and what it is."""
+
+
+def _provenance_terms(
+    chapters: Sequence[Section], provenance: Provenance
+) -> list[tuple[str, Terms]]:
+    """Return the provenance of the page, and of each study the terms in which it differs."""
+    own = _terms(provenance)
     others = [
-        (chapter.title, [term for term in _told(chapter.provenance) if term not in own])
+        (chapter.title, [term for term in _terms(chapter.provenance) if term not in own])
         for chapter in chapters
     ]
     return [("This page", own), *((title, terms) for title, terms in others if terms)]
 
 
-def _told(made: Provenance) -> list[tuple[str, str]]:
+def _terms(provenance: Provenance) -> Terms:
     """Return provenance as terms and what they are."""
-    commit = "not run from a checkout"
-    if made.commit is not None:
-        commit = f"{made.commit.digest}{', with local changes' if made.commit.changed else ''}"
+    commit = provenance.commit
+    digest = "not run from a checkout"
+    if commit is not None:
+        digest = f"{commit.digest}{', with local changes' if commit.changed else ''}"
     return [
-        ("written", made.written),
-        ("rockingcan", made.rockingcan),
-        ("commit", commit),
-        ("python", made.python),
-        *made.packages.items(),
-        ("platform", made.platform),
-        ("processor", f"{made.processor}, {made.cores} cores"),
+        ("written", provenance.written),
+        ("rockingcan", provenance.rockingcan),
+        ("commit", digest),
+        ("python", provenance.python),
+        *provenance.packages.items(),
+        ("platform", provenance.platform),
+        ("processor", f"{provenance.processor}, {provenance.cores} cores"),
     ]
 
 

@@ -182,8 +182,8 @@ def _axis(
 
 def _together(panel: Panel, axis: str) -> Floats:
     """Return the finite numbers on one axis, of all series together."""
-    found = [plottable(series, panel)[0 if axis == "x" else 1] for series in panel.series]
-    numbers: Floats = np.concatenate([*found, np.empty(0)])
+    data = [plottable(series, panel)[0 if axis == "x" else 1] for series in panel.series]
+    numbers: Floats = np.concatenate([*data, np.empty(0)])
     finite: Floats = numbers[np.isfinite(numbers)]
     return finite
 

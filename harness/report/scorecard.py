@@ -55,19 +55,19 @@ def causes(verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
     tables : sequence of Table
         Of all studies.
     """
-    found = {
+    by_study = {
         table.name: records(table) for table in tables if table.name.endswith(("-gaps", "-runs"))
     }
     rows: list[Row] = []
     unknown: dict[str, Row] = {}
-    for told in verdicts:
-        deviates = status_of(told["verdict"]) is Status.DEVIATES and told["profile"] == "default"
-        if not deviates or told["quantity"] not in _ATTRIBUTED:
+    for row in verdicts:
+        deviates = status_of(row["verdict"]) is Status.DEVIATES and row["profile"] == "default"
+        if not deviates or row["quantity"] not in _ATTRIBUTED:
             continue
-        scene, engine = told["scene"], told["engine"]
+        scene, engine = row["scene"], row["engine"]
         study = f"{scene}-{engine}"
-        if f"{study}-gaps" in found:
-            rows += _of(told, found[f"{study}-gaps"], found.get(f"{study}-runs", []))
+        if f"{study}-gaps" in by_study:
+            rows += _of(row, by_study[f"{study}-gaps"], by_study.get(f"{study}-runs", []))
         else:  # once for a scene and engine: how the causes are found out
             command = f"rockingcan attribute {scene} --engine {engine}"
             unknown[study] = {
@@ -80,11 +80,11 @@ def causes(verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
     return table_of("causes", "Why engines deviate as they ship", _CAUSES, rows)
 
 
-def _of(told: Row, gaps: Sequence[Row], runs: Sequence[Row]) -> Iterator[Row]:
+def _of(row: Row, gaps: Sequence[Row], runs: Sequence[Row]) -> Iterator[Row]:
     """Yield the causes of one deviation, largest first."""
-    deviation = {key: told[key] for key in ("scene", "engine", "quantity")}
-    deviation["deviation"] = told["value"]
-    quantity = _ATTRIBUTED[told["quantity"]]
+    deviation = {key: row[key] for key in ("scene", "engine", "quantity")}
+    deviation["deviation"] = row["value"]
+    quantity = _ATTRIBUTED[row["quantity"]]
     known = [gap for gap in gaps if gap["quantity"] == quantity and gap["in_order"] is not None]
     known.sort(key=lambda gap: -abs(gap["in_order"]))
     if not known:
@@ -218,21 +218,22 @@ def _not_measured(command: str) -> Verdict:
 
 def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
     """Return a row for each engine and profile, with the numbers of a scene."""
-    found: dict[tuple[str, str], dict[str, Any]] = {}
-    for told in (told for told in verdicts if told["scene"] == scene):
-        row = {key: told[key] for key in ("engine", "profile", "timestep_s")}
-        row = found.setdefault((told["engine"], told["profile"]), row)
-        name, scale, _ = _QUANTITIES[told["quantity"]]
+    by_profile: dict[tuple[str, str], dict[str, Any]] = {}
+    for judged in (judged for judged in verdicts if judged["scene"] == scene):
+        row = {key: judged[key] for key in ("engine", "profile", "timestep_s")}
+        row = by_profile.setdefault((judged["engine"], judged["profile"]), row)
+        name, scale, _ = _QUANTITIES[judged["quantity"]]
         row |= {
-            name: None if told["value"] is None else scale * told["value"],
-            f"{name}_verdict": told["verdict"],
-            f"{name}_case": told["case"],
+            name: None if judged["value"] is None else scale * judged["value"],
+            f"{name}_verdict": judged["verdict"],
+            f"{name}_case": judged["case"],
         }
-    for row in found.values():
+    for row in by_profile.values():
         row["settings"] = _settings(row["profile"], row["timestep_s"])
     places = {profile: place for place, profile in enumerate(_PROFILES)}
     return sorted(
-        found.values(), key=lambda row: (row["engine"], places.get(row["profile"], len(places)))
+        by_profile.values(),
+        key=lambda row: (row["engine"], places.get(row["profile"], len(places))),
     )
 
 
@@ -248,15 +249,15 @@ def _settings(profile: str, timestep: object) -> str:
 def _stability(row: Row, hard: Sequence[Row]) -> Row:
     """Return how an engine's profile fares on the hard cases, at the smallest timestep tried."""
     own: dict[str, Row] = {}
-    for told in hard:
-        same = (told["engine"], told["profile"]) == (row["engine"], row["profile"])
-        if same and "." not in told["scene"]:  # a dot: a release perturbed from a hard case
-            finest = own.setdefault(told["scene"], told)
-            own[told["scene"]] = min(finest, told, key=lambda one: one["timestep_s"])
+    for run in hard:
+        same = (run["engine"], run["profile"]) == (row["engine"], row["profile"])
+        if same and "." not in run["scene"]:  # a dot: a release perturbed from a hard case
+            finest = own.setdefault(run["scene"], run)
+            own[run["scene"]] = min(finest, run, key=lambda one: one["timestep_s"])
     if not own:
         return {"stability_percent_verdict": _not_measured("stability")}
     sound = {verdict.value for verdict in SOUND}
-    failed = [told for told in own.values() if told["verdict"] not in sound]
+    failed = [run for run in own.values() if run["verdict"] not in sound]
     words = Verdict(Status.AGREES, f"agrees: all {len(own)} hard cases stay sound")
     if failed:
         text = f"deviates: {len(failed)} of {len(own)} hard cases fail"
@@ -273,14 +274,14 @@ def _price(row: Row, prices: Sequence[Row], scene: str) -> Row:
     if not prices:
         return {"price_s_s_verdict": _not_measured(f"cost {scene}")}
     _, choice = _PROFILES.get(row["profile"], ("", None))
-    for told in prices:
+    for price in prices:
         wanted = (row["engine"], _TARGET, choice)
-        if (told["engine"], told["target_deg"], told["choice"]) == wanted:
-            reached = status_of(told["verdict"]) is Status.REACHED
+        if (price["engine"], price["target_deg"], price["choice"]) == wanted:
+            reached = status_of(price["verdict"]) is Status.REACHED
             return {
-                "price_s_s": told["cost_s_s"] if reached else None,
-                "price_s_s_verdict": told["verdict"],
-                "price_s_s_case": told.get("case"),
+                "price_s_s": price["cost_s_s"] if reached else None,
+                "price_s_s_verdict": price["verdict"],
+                "price_s_s_case": price.get("case"),
             }
     text = "not decidable: the price list has no such settings"
     return {"price_s_s_verdict": Verdict(Status.UNDECIDABLE, text)}

@@ -33,8 +33,8 @@ _REPORT = TypeAdapter(StoredReport)
 
 def to_json(chapters: Sequence[Section]) -> str:
     """Return chapters as the text of `artefacts.json`."""
-    told = _REPORT.dump_python(StoredReport(chapters=tuple(chapters)), mode="json")
-    return json.dumps(told, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+    data = _REPORT.dump_python(StoredReport(chapters=tuple(chapters)), mode="json")
+    return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
 def read_report(folder: Path) -> tuple[Section, ...]:
@@ -47,13 +47,13 @@ def read_report(folder: Path) -> tuple[Section, ...]:
     """
     path = folder / ARTEFACTS
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        if told["version"] != VERSION:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if data["version"] != VERSION:
             raise ReportError(
-                f"cannot read '{path}': it is of version {told['version']}, this reads {VERSION}; "
+                f"cannot read '{path}': it is of version {data['version']}, this reads {VERSION}; "
                 "write the report again with the command that made it"
             )
-        return _REPORT.validate_python(told).chapters
+        return _REPORT.validate_python(data).chapters
     except OSError as error:
         raise ReportError(
             f"cannot read '{path}': {error.strerror or error}; name the folder of a report, "

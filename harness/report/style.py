@@ -119,14 +119,14 @@ class Entry:
 
 def entries(figure: Figure) -> tuple[Entry, ...]:
     """Return the legend of a figure, in the order of first appearance."""
-    found: dict[str, Entry] = {}
+    legend: dict[str, Entry] = {}
     for series in (series for panel in figure.panels for series in panel.series):
-        if series.label in found:
+        if series.label in legend:
             continue
-        kin = [entry for entry in found.values() if entry.kind == series.kind]
+        kin = [entry for entry in legend.values() if entry.kind == series.kind]
         styles = _DASHED if series.dashed else _SOLID
         alike = sum(entry.dashed == series.dashed for entry in kin)
-        found[series.label] = Entry(
+        legend[series.label] = Entry(
             label=series.label,
             kind=series.kind,
             line=series.mark in {"line", "both"},
@@ -136,7 +136,7 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
             dashes=styles[alike % len(styles)],
             rank=len(kin),
         )
-    return tuple(found.values())
+    return tuple(legend.values())
 
 
 Scale = tuple[tuple[float, str], ...]

@@ -44,8 +44,8 @@ def parquet_bytes(table: Table) -> bytes:
     fields, arrays = [], []
     for name in table.frame.columns:
         array = pa.array(_one_type(table.frame[name]), from_pandas=True)
-        told = {"description": table.columns.get(str(name), "")}
-        fields.append(pa.field(str(name), array.type, metadata=told))
+        meaning = {"description": table.columns.get(str(name), "")}
+        fields.append(pa.field(str(name), array.type, metadata=meaning))
         arrays.append(array)
     schema = pa.schema(fields, metadata={"title": table.title})
     sink = pa.BufferOutputStream()

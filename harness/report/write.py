@@ -50,14 +50,14 @@ def summary(report: Report) -> str:
 
 
 def _made_by(report: Report) -> str:
-    told = report.provenance
-    engines = (f"{n} {told.packages[n]}" for n in ("mujoco", "pybullet") if n in told.packages)
-    words = [f"rockingcan {told.rockingcan}", *engines, f"python {told.python}"]
-    if told.commit is not None:
+    made = report.provenance
+    engines = (f"{n} {made.packages[n]}" for n in ("mujoco", "pybullet") if n in made.packages)
+    words = [f"rockingcan {made.rockingcan}", *engines, f"python {made.python}"]
+    if made.commit is not None:
         words.append(
-            f"commit {told.commit.digest[:12]}{' + changes' if told.commit.changed else ''}"
+            f"commit {made.commit.digest[:12]}{' + changes' if made.commit.changed else ''}"
         )
-    return plain_text(", ".join([*words, told.processor, told.written]))
+    return plain_text(", ".join([*words, made.processor, made.written]))
 
 
 _ALIEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -130,8 +130,8 @@ def _add_case(suite: Element, row: dict[str, Any]) -> None:
     if verdict.status.failed:
         value = "no number" if row["value"] is None else readable(row["value"])
         allowed = "" if row["allowed"] is None else f", allowed {readable(row['allowed'])}"
-        told = {"message": verdict.text, "type": verdict.status.value}
-        failure = SubElement(case, "failure", told)
+        attributes = {"message": verdict.text, "type": verdict.status.value}
+        failure = SubElement(case, "failure", attributes)
         failure.text = f"{row['quantity']}: {value}{allowed}\n{row['command']}"
     elif not verdict.status.passed:
         SubElement(case, "skipped", message=verdict.text)
@@ -275,10 +275,10 @@ def _kinds(artefacts: Iterable[Artefact]) -> Iterable[str]:
 
 def _once(chapters: Sequence[Section]) -> tuple[Mapping[str, Any], ...]:
     """Return the cases of all chapters, each once: studies share some."""
-    found: dict[object, Mapping[str, Any]] = {}
+    cases: dict[object, Mapping[str, Any]] = {}
     for case in (case for chapter in chapters for case in chapter.cases):
-        found.setdefault(case.get("digest", id(case)), case)
-    return tuple(found.values())
+        cases.setdefault(case.get("digest", id(case)), case)
+    return tuple(cases.values())
 
 
 def _write_files(report: Report, folder: Path) -> None:

@@ -250,7 +250,7 @@ def _done(
         kept = stored
         tell("")
 
-    found = run_tasks(
+    computed = run_tasks(
         order,
         work.call,
         executor,
@@ -258,7 +258,7 @@ def _done(
         cache=None if cache is None or work.cache is None else work.cache(cache),
         listener=ProgressListener(kept=begin, done=lambda task, _: tell(work.label(task))),
     )
-    results = dict(zip(order, found, strict=True))
+    results = dict(zip(order, computed, strict=True))
     return {task: results[task] for task in tasks}
 
 

@@ -77,11 +77,11 @@ class Attribution:
     def sentences(self) -> tuple[str, str]:
         """Two sentences on the first quantity whose whole is known."""
         for quantity in ATTRIBUTED:
-            found = self.accounts[quantity.key]
-            if found.whole is not None:
+            own = self.accounts[quantity.key]
+            if own.whole is not None:
                 return (
-                    f"{found.in_order_sentence()}{self._doubt()}.",
-                    f"{found.interaction_sentence()}.",
+                    f"{own.in_order_sentence()}{self._doubt()}.",
+                    f"{own.interaction_sentence()}.",
                 )
         ends = sorted({e.simulation.outcome.name.lower() for e in self.evaluations.values()})
         nothing = (
@@ -94,12 +94,12 @@ class Attribution:
         """Return in how many runs the turn is not known, and what is known of it all the same."""
         if not self.uncounted:
             return ""
-        found = self.accounts[ATTRIBUTED[0].key]
-        known = found.by_gap(found.in_order)
+        turn = self.accounts[ATTRIBUTED[0].key]
+        known = turn.by_gap(turn.in_order)
         words = f" (the turn cannot be counted in {self.uncounted} of {len(self.evaluations)} runs"
-        if known and found.whole is None:
+        if known and turn.whole is None:
             name = max(known, key=lambda name: (abs(known[name]), name))
-            words += f"; where it can, most is taken away by {name}, {found.words(known[name])}"
+            words += f"; where it can, most is taken away by {name}, {turn.words(known[name])}"
         return words + ")"
 
     def artefacts(self) -> tuple[Artefact, ...]:
@@ -144,15 +144,15 @@ class Attribution:
                 "settings": ", ".join(gap.settings),
                 "what_it_does": gap.sentence,
                 "quantity": key,
-                "in_order": (in_order := found.in_order[place]),
-                "share_of_whole": in_order / found.whole
-                if in_order is not None and found.whole
+                "in_order": (in_order := own.in_order[place]),
+                "share_of_whole": in_order / own.whole
+                if in_order is not None and own.whole
                 else None,
-                "alone": found.alone[place],
-                "left_open": found.left_open[place],
-                "interaction": less(in_order, found.alone[place]),
+                "alone": own.alone[place],
+                "left_open": own.left_open[place],
+                "interaction": less(in_order, own.alone[place]),
             }
-            for key, found in self.accounts.items()
+            for key, own in self.accounts.items()
             for place, gap in enumerate(self.path.gaps)
         ]
 
@@ -171,10 +171,10 @@ class Attribution:
                 "turn_resolved": e.bounces[0].resolved if e.bounces else None,
             }
             for quantity in ATTRIBUTED:
-                found = self.accounts[quantity.key]
+                own = self.accounts[quantity.key]
                 row[quantity.key] = quantity.of_run(e)
                 if step.gap:
-                    parts = getattr(found, step.step.replace(" ", "_"))
+                    parts = getattr(own, step.step.replace(" ", "_"))
                     row[f"takes_away_{quantity.key}"] = parts[names.index(step.gap)]
             rows.append(row)
         return rows
@@ -301,14 +301,14 @@ class AttributionStudy:
 
     def answer(self, done: Results) -> dict[str, Any]:
         """Return the attribution as `--json` prints it."""
-        found = self.findings(done)
+        attribution = self.findings(done)
         wholes = ("as_shipped", "remains", "whole", "interaction")
         parts = ("gap", "in_order", "alone", "left_open")
         quantities: dict[str, dict[str, Any]] = {
             key: {name: getattr(own, name) for name in wholes} | {"gaps": []}
-            for key, own in found.accounts.items()
+            for key, own in attribution.accounts.items()
         }
-        for row in found.gap_rows():
+        for row in attribution.gap_rows():
             quantities[row["quantity"]]["gaps"].append({name: row[name] for name in parts})
         return {
             "scene": self.path.scene.name,
@@ -316,13 +316,13 @@ class AttributionStudy:
             "timestep_s": self.path.matched_timestep,
             "order": list(self.path.names),
             "quantities": quantities,
-            "sentences": list(found.sentences),
+            "sentences": list(attribution.sentences),
         }
 
 
-def _panel(found: Account) -> Panel:
+def _panel(own: Account) -> Panel:
     """Return the waterfall of one quantity."""
-    (word, scale), names = found.unit, found.path.names
+    (word, scale), names = own.unit, own.path.names
 
     def numbers(values: Sequence[Number]) -> Floats:
         return np.array([math.nan if value is None else value * scale for value in values])
@@ -330,21 +330,21 @@ def _panel(found: Account) -> Panel:
     def takes_away(values: Sequence[Number], words: str) -> tuple[str, ...]:
         return tuple(
             f"{name}{words}: "
-            + ("not known" if value is None else f"takes away {found.words(value)}")
+            + ("not known" if value is None else f"takes away {own.words(value)}")
             for name, value in zip(names, values, strict=True)
         )
 
-    levels, count = numbers(found.levels), len(names)
+    levels, count = numbers(own.levels), len(names)
     places = np.arange(1.0, count + 1.0)
     return Panel(
-        title=found.quantity.label.capitalize(),
+        title=own.quantity.label.capitalize(),
         x_label="gaps, closed from left to right",
         y_label=f"off by [{word}]" if word else "off by",
         x_names=("as shipped", *names, "matched"),
         series=(
             Series(
                 label="discrepancy",
-                kind=found.path.engine,
+                kind=own.path.engine,
                 x=np.array((0.0, count + 1.0)),
                 y=levels[[0, -1]],
                 base=np.zeros(2),
@@ -352,20 +352,20 @@ def _panel(found: Account) -> Panel:
             ),
             Series(
                 label="taken away by a gap, in this order",
-                kind=found.path.engine,
+                kind=own.path.engine,
                 x=places,
                 y=levels[1:],
                 base=levels[:-1],
                 mark="bars",
-                hover=takes_away(found.in_order, ""),
+                hover=takes_away(own.in_order, ""),
             ),
             Series(
                 label="where it would end if it took away as much as alone",
                 kind="reference",
                 x=places,
-                y=levels[:-1] - numbers(found.alone),
+                y=levels[:-1] - numbers(own.alone),
                 mark="points",
-                hover=takes_away(found.alone, ", alone"),
+                hover=takes_away(own.alone, ", alone"),
             ),
         ),
     )

@@ -174,10 +174,10 @@ def _turns(drawn: Sequence[Evaluation], turn: float) -> str:
         return "No run completes the bounce."
     nearest = f"Nearest is {_off(*turned[0])}"
     lost = len(drawn) - len(turned)
-    told = f"; {lost} of {len(drawn)} runs do not complete the bounce" if lost else ""
+    rest = f"; {lost} of {len(drawn)} runs do not complete the bounce" if lost else ""
     if len(turned) == 1:
-        return f"{nearest}{told}."
-    return f"{nearest}, farthest {_off(*turned[-1])}{told}."
+        return f"{nearest}{rest}."
+    return f"{nearest}, farthest {_off(*turned[-1])}{rest}."
 
 
 def _off(error: float, resolved: bool, name: str) -> str:  # noqa: FBT001 - a field of a bounce
@@ -315,10 +315,12 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
             ("Contact point", "distance [mm]", locus),
         )
     ]
-    return _figure(scene, "residuals", "Errors over time", drawn, panels, seen=_told(drawn))
+    return _figure(
+        scene, "residuals", "Errors over time", drawn, panels, seen=_residual_sizes(drawn)
+    )
 
 
-def _told(drawn: Sequence[Evaluation]) -> str:
+def _residual_sizes(drawn: Sequence[Evaluation]) -> str:
     """Return where the errors of the farthest run are made, and how small they can be."""
     known = [e for e in drawn if e.errors is not None]
     if not known:

@@ -118,16 +118,16 @@ def _followed(e: Evaluation) -> Verdict:
 
 def followed_best(evaluations: Sequence[Evaluation]) -> str:
     """Return two sentences on the runs of a chaotic scene; nothing of any other."""
-    found = [e for e in finest(evaluations) if chaotic(e)]
-    if not found or found[0].divergence is None:
+    runs = [e for e in finest(evaluations) if chaotic(e)]
+    if not runs or runs[0].divergence is None:
         return ""
-    chaos = found[0].divergence
+    chaos = runs[0].divergence
     first = (
         f"The scene is chaotic: a disturbance grows by e in {chaos.lyapunov_time:.2g} s, and one "
         f"of {_OWN_ERROR:g} is as large as the motion after "
         f"{chaos.decidable_until(_OWN_ERROR):.2g} s."
     )
-    parted = [(e.parts_at, label(e)) for e in found if e.parts_at is not None]
+    parted = [(e.parts_at, label(e)) for e in runs if e.parts_at is not None]
     if not parted:
         return f"{first} No run parts from the exact motion."
     (soon, one), (late, other) = min(parted), max(parted)

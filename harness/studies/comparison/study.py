@@ -154,9 +154,9 @@ def _supposed(own: Sequence[Evaluation]) -> str:
         else finding.sentence
         for finding in own[0].findings
     ]
-    kept = "The exact motion keeps to everything that its model assumes."
+    intact = "The exact motion keeps to everything that its model assumes."
     chosen = modelling_choices(own[0].simulation.case.scene.effects)
-    parts = (*chosen, *(broken or [kept]), followed_best(own))
+    parts = (*chosen, *(broken or [intact]), followed_best(own))
     return " ".join(part for part in parts if part)
 
 
@@ -210,8 +210,10 @@ def _endings(evaluations: Sequence[Evaluation]) -> str:
             ends.setdefault(e.simulation.outcome, []).append(e)
     if not ends:
         return "Every run reached its horizon."
-    told = (f"{outcome.name.lower().replace('_', ' ')}, {_runs(e)}" for outcome, e in ends.items())
-    return f"Before the horizon ended: {'; '.join(told)}."
+    endings = (
+        f"{outcome.name.lower().replace('_', ' ')}, {_runs(e)}" for outcome, e in ends.items()
+    )
+    return f"Before the horizon ended: {'; '.join(endings)}."
 
 
 def _runs(evaluations: Sequence[Evaluation]) -> str:
@@ -318,5 +320,5 @@ def _slow(time: Floats, scene: Scene) -> str:
 def _drawn(tilt: float, *, bounces: bool) -> str:
     larger = f"Its tilt is drawn {tilt:.0f} times as large as it is" if tilt > 1.0 else ""
     clocks = "every can is shown by the clock of its own first bounce" if bounces else ""
-    told = "; ".join(part for part in (larger, clocks) if part)
-    return f"{told[:1].upper()}{told[1:]}." if told else "All cans are shown at the same time."
+    notes = "; ".join(part for part in (larger, clocks) if part)
+    return f"{notes[:1].upper()}{notes[1:]}." if notes else "All cans are shown at the same time."

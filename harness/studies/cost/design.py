@@ -192,8 +192,8 @@ def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hard
     """Yield the scenes of the ladder of hardness that exist for this can."""
     for decade in DECADES[suite]:
         made = hardened(scene, 10.0**decade)
-        found = None if made is None else epsilon(made)
-        if made is None or found is None:
+        size = None if made is None else epsilon(made)
+        if made is None or size is None:
             continue
         rate = abs(truth(made).bounces[0].peak_psi_dot)
         steps = dict.fromkeys(min(LONGEST, turn / rate) for turn in _HARD_STEPS[suite])
@@ -206,7 +206,7 @@ def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hard
                 Family(variant=Variant(name="fixed step"), cases=fixed),
                 adaptive_family(made, name, COMMON[2], _HARD_SHARES[suite]),
             ]
-        yield Hardness(scene=made, epsilon=found, families=tuple(families))
+        yield Hardness(scene=made, epsilon=size, families=tuple(families))
 
 
 def epsilon(scene: Scene) -> float | None:
@@ -234,12 +234,12 @@ def hardened(scene: Scene, wanted: float) -> Scene | None:
     factor = math.sqrt(wanted / own)
     for _ in range(_ROUNDS):
         made = _spun(scene, factor, wanted)
-        found = epsilon(made)
-        if found is None or not 0.0 < found < math.inf:
+        size = epsilon(made)
+        if size is None or not 0.0 < size < math.inf:
             return None
-        if abs(found / wanted - 1.0) < _NEAR:
+        if abs(size / wanted - 1.0) < _NEAR:
             return made
-        factor *= math.sqrt(wanted / found)
+        factor *= math.sqrt(wanted / size)
     return None
 
 

@@ -263,8 +263,8 @@ def _tuned(ladders: Sequence[Ladder], target: str) -> str:
         reaching = [(p.winners[0].point.cost, name) for name, p in prices if p.winners]
         if reaching:
             return _first(reaching)
-    found = [(name, price(own, 0.0).best) for name, own in sold]
-    return _first([(best.error, name) for name, best in found if best is not None])
+    nearest = [(name, price(own, 0.0).best) for name, own in sold]
+    return _first([(best.error, name) for name, best in nearest if best is not None])
 
 
 def _first(ranked: list[tuple[float, str]]) -> str:
@@ -326,7 +326,7 @@ def hardness_figure(degree: Table, growth: Table) -> Figure:
         )
         for (name, steps), own in degree.frame.groupby(["engine", "steps"], sort=False)
     )
-    told = "; ".join(
+    exponents = "; ".join(
         f"{row.engine}, {row.steps}: {row.exponent:+.2f}" for row in growth.frame.itertuples()
     )
     return Figure(
@@ -334,7 +334,7 @@ def hardness_figure(degree: Table, growth: Table) -> Figure:
         title="What one degree costs as the bounce gets harder",
         seen=(
             "From right to left the bounce gets harder, down to the paper's. Exponents of the cost "
-            f"against epsilon: {told or 'none'}."
+            f"against epsilon: {exponents or 'none'}."
         ),
         panels=(
             Panel(

@@ -111,19 +111,19 @@ class CostStudy:
 
     def answer(self, done: Results) -> dict[str, Any]:
         """Return the price list as `--json` prints it."""
-        found = self.findings(done)
+        costs = self.findings(done)
 
         def paste(row: Mapping[Any, Any]) -> str | None:
-            price = found.price(row["engine"], row["choice"], row["target_deg"])
+            price = costs.price(row["engine"], row["choice"], row["target_deg"])
             return export_settings(price.winners[0].point.case) if price.winners else None
 
         return {
             "scene": self.plan.scene.name,
             "tuned_on": self.plan.tuning_scene.name,
-            "tuned": {f"{name}, {choice}": own for (name, choice), own in found.tuned.items()},
+            "tuned": {f"{name}, {choice}": own for (name, choice), own in costs.tuned.items()},
             "prices": [
                 row | {"paste": paste(row)}
-                for row in prices(found, self.targets).frame.to_dict("records")
+                for row in prices(costs, self.targets).frame.to_dict("records")
             ],
         }
 
@@ -141,8 +141,8 @@ def summary(cost: Cost) -> str:
     for name in plan.engines:
         steps = {f"{name}, {choice}": choice for choice in (FIXED, FOLLOWING)}
         own = {name: FIXED} if name == "reference" else steps
-        told = {label: _told(cost, name, choice) for label, choice in own.items()}
-        parts += [f"{label}: {words}." for label, words in told.items() if words]
+        by_steps = {label: _target_costs(cost, name, choice) for label, choice in own.items()}
+        parts += [f"{label}: {words}." for label, words in by_steps.items() if words]
     grown = [
         f"{row.engine} with {row.steps} {row.exponent:+.2f}"
         for row in growth(cost).frame.itertuples()
@@ -152,18 +152,18 @@ def summary(cost: Cost) -> str:
     return " ".join(parts)
 
 
-def _told(cost: Cost, engine: str, choice: str) -> str:
+def _target_costs(cost: Cost, engine: str, choice: str) -> str:
     """Return what each target costs an engine, per simulated second."""
-    told = []
+    parts = []
     for target in TARGETS:
         price = cost.price(engine, choice, target)
         if price.winners:
             point = price.winners[0].point
             name = point.variant.name
-            told.append(f"{target:g} degrees for {point.cost:.2g} s ({name})")
+            parts.append(f"{target:g} degrees for {point.cost:.2g} s ({name})")
         elif price.best is not None:
-            told.append(f"{target:g} degrees not reached, best is {price.best.error:.2g}")
-    return "; ".join(told)
+            parts.append(f"{target:g} degrees not reached, best is {price.best.error:.2g}")
+    return "; ".join(parts)
 
 
 def contract(cost: Cost) -> Prose:

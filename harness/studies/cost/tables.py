@@ -277,8 +277,8 @@ def _from_gaps(path: AblationPath, cost: Cost, quantity: str, level: float) -> s
     if sizes[first] >= _MOST * level:
         sentence = next(gap.sentence for gap in path.gaps if gap.name == first)
         return f"{first}: alone it leaves {sizes[first]:.2g}. {sentence}"
-    told = ", ".join(f"{name} ({sizes[name]:.2g} alone)" for name in ranked[:2])
-    return f"Several together; the largest are {told}."
+    largest = ", ".join(f"{name} ({sizes[name]:.2g} alone)" for name in ranked[:2])
+    return f"Several together; the largest are {largest}."
 
 
 _OVERHEAD = (
@@ -334,7 +334,7 @@ def hardness(cost: Cost) -> Table:
             sold = offers(ladder, "turn_deg", steps=True)
             degree, at_most = cost_of(sold, _ONE_DEGREE) or (None, None)
             within = [offer.point for offer in sold if offer.error <= _ONE_DEGREE]
-            told = ladder[-1] if degree is None else within[0]
+            point = ladder[-1] if degree is None else within[0]
             rows.append(
                 {
                     "engine": family.engine,
@@ -342,8 +342,8 @@ def hardness(cost: Cost) -> Table:
                     "epsilon": hard.epsilon,
                     "cost_s_s": degree,
                     "at_most": at_most,
-                    "case": told.digest,
-                    "command": hard_command(told.case),
+                    "case": point.digest,
+                    "command": hard_command(point.case),
                 }
             )
     title = "What one degree costs as the bounce gets harder"
@@ -361,8 +361,8 @@ def growth(cost: Cost) -> Table:
     for (name, steps), own in known.groupby(["engine", "steps"], sort=False):
         sure = own[~own["at_most"].astype(bool)]
         used = sure if len(sure) > 1 else own
-        found = exponent([*used["epsilon"]], [*used["cost_s_s"]])
-        if found is not None:
-            row = {"engine": name, "steps": steps, **asdict(found)}
-            rows.append(row | {"confidence": finite(found.confidence)})  # two points have none
+        fit = exponent([*used["epsilon"]], [*used["cost_s_s"]])
+        if fit is not None:
+            row = {"engine": name, "steps": steps, **asdict(fit)}
+            rows.append(row | {"confidence": finite(fit.confidence)})  # two points have none
     return _table(cost, "exponents", "How the cost of a degree grows", _EXPONENTS, rows)

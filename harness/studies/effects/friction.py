@@ -165,14 +165,14 @@ def _seen(frame: pd.DataFrame) -> str:
     if exact.empty:
         first = "The reference does not solve this scene with friction. "
     wide = frame.pivot_table(index="mu", columns="engine", values="turn_deg")
-    told = [
+    differences = [
         f"{name} by at most {off.max():.2g} degrees"
         for name in wide.columns
         if name != "reference" and "reference" in wide
         if len(off := (wide[name] - wide["reference"]).abs().dropna())
     ]
     return first + (
-        f"Engines differ from it: {', '.join(told)}."
-        if told
+        f"Engines differ from it: {', '.join(differences)}."
+        if differences
         else "No engine has a turn to compare."
     )

@@ -71,20 +71,20 @@ def replaced_strengths(can: Can, words: tuple[tuple[str, float], ...]) -> dict[s
     InvalidSettingError
         If there is no such effect or constant, or it cannot have that value.
     """
-    found = assumed_strengths(can)
+    strengths = assumed_strengths(can)
     for key, value in words:
         name, _, constant = key.partition(".")
         if name not in KINDS:
             raise InvalidSettingError("--assume", key, f"effects are {', '.join(KINDS)}")
-        constants = [field.name for field in fields(found[name])]
+        constants = [field.name for field in fields(strengths[name])]
         if constant not in constants:
             allowed = ", ".join(f"{name}.{known}" for known in constants)
             raise InvalidSettingError("--assume", key, allowed)
         try:
-            found[name] = replace(found[name], **{constant: value})
+            strengths[name] = replace(strengths[name], **{constant: value})
         except ModelError as error:
             raise InvalidSettingError("--assume", f"{key}={value}", str(error)) from None
-    return found
+    return strengths
 
 
 MOST_FACTORS = 3

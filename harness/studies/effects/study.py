@@ -93,11 +93,11 @@ _RUNS = (
 )
 
 
-def _factor_rows(found: EffectsResults) -> list[dict[str, Any]]:
+def _factor_rows(results: EffectsResults) -> list[dict[str, Any]]:
     """Return how the declared effects act together."""
     return [
         {
-            "scene": found.plan.scene.name,
+            "scene": results.plan.scene.name,
             "engine": effect.engine,
             "effect": effect.name,
             "quantity": q.key,
@@ -106,34 +106,34 @@ def _factor_rows(found: EffectsResults) -> list[dict[str, Any]]:
             "mean": effect.mean.get(q.key),
             "interaction": None if alone is None or late is None else late - alone,
         }
-        for effect in found.effects
+        for effect in results.effects
         if effect.declared
         for q in CHANGED
     ]
 
 
-def _run_rows(found: EffectsResults) -> list[dict[str, Any]]:
+def _run_rows(results: EffectsResults) -> list[dict[str, Any]]:
     """Return every run of the plan."""
     return [
         {"simulation": e.simulation, "effects": ", ".join(sorted(subset)) or "none"}
         | {q.key: q.of_run(e) for q in CHANGED}
-        for engine in found.plan.engines
-        for subset in dict.fromkeys(found.plan.subsets())
-        if (e := found.evaluation(engine, subset)) is not None
+        for engine in results.plan.engines
+        for subset in dict.fromkeys(results.plan.subsets())
+        if (e := results.evaluation(engine, subset)) is not None
     ]
 
 
-def sentences(found: EffectsResults) -> tuple[str, ...]:
+def sentences(results: EffectsResults) -> tuple[str, ...]:
     """Return a sentence on what is declared, one on what is not, and one for each engine."""
-    plan, said = found.plan, []
-    declared = [effect for effect in found.of_engine(plan.engines[0]) if effect.declared]
+    plan, said = results.plan, []
+    declared = [effect for effect in results.of_engine(plan.engines[0]) if effect.declared]
     if declared:
         words = "; ".join(f"{effect.name} is {effect.verdict.value}" for effect in declared)
         said.append(f"Of what {plan.scene.name} declares: {words}.")
     else:
         said.append(f"{plan.scene.name} declares no effect, and none is simulated.")
     known: dict[str, Effect] = {}  # of each effect what the first engine says that can tell
-    for effect in found.effects:
+    for effect in results.effects:
         if effect.verdict in _KNOWN:
             known.setdefault(effect.name, effect)
     missing = [
@@ -151,7 +151,7 @@ def sentences(found: EffectsResults) -> tuple[str, ...]:
     if nobody:
         said.append(f"None of these engines can tell what these would do: {', '.join(nobody)}.")
     for engine in plan.engines:
-        effects = found.of_engine(engine)
+        effects = results.of_engine(engine)
         own = [effect.name for effect in effects if effect.verdict is EffectStatus.IMPOSED]
         if own:
             names = ", ".join(own)
@@ -159,19 +159,19 @@ def sentences(found: EffectsResults) -> tuple[str, ...]:
     return tuple(said)
 
 
-def bars(found: EffectsResults) -> Figure:
+def bars(results: EffectsResults) -> Figure:
     """Return the largest change of each effect, in units of the change that counts."""
-    plan, names = found.plan, tuple(KINDS)
+    plan, names = results.plan, tuple(KINDS)
     series = []
     for place, engine in enumerate(plan.engines):
-        effects = found.of_engine(engine)
+        effects = results.of_engine(engine)
         shift = 0.8 * ((place + 0.5) / len(plan.engines) - 0.5)
         series.append(
             Series(
                 label=engine,
                 kind=engine,
                 x=np.arange(len(names), dtype=np.float64) + shift,
-                y=np.array([_height(found, effect) for effect in effects]),
+                y=np.array([_height(results, effect) for effect in effects]),
                 mark="points",
                 hover=tuple(f"{one.name}: {one.verdict.value}. {one.why}" for one in effects),
             )
@@ -185,7 +185,7 @@ def bars(found: EffectsResults) -> Figure:
             dashed=True,
         )
     )
-    first = found.of_engine(plan.engines[0])
+    first = results.of_engine(plan.engines[0])
     counts = [effect.name for effect in first if effect.verdict in _COUNTS]
     nothing = [effect.name for effect in first if effect.verdict is EffectStatus.HARMLESS]
     return Figure(
@@ -211,32 +211,32 @@ def bars(found: EffectsResults) -> Figure:
     )
 
 
-def _height(found: EffectsResults, effect: Effect) -> float:
+def _height(results: EffectsResults, effect: Effect) -> float:
     """Return the largest change of an effect over what counts; NaN where none is known."""
     shares = [
-        abs(value) / found.threshold(effect.engine, key)
+        abs(value) / results.threshold(effect.engine, key)
         for key, value in effect.changes.items()
         if value is not None
     ]
     return max(*shares, _LEAST) if shares else math.nan
 
 
-def effects_report(found: EffectsResults) -> tuple[Artefact, ...]:
+def effects_report(results: EffectsResults) -> tuple[Artefact, ...]:
     """Return words, figure, tables."""
-    scene = found.plan.scene.name
+    scene = results.plan.scene.name
     tables = (
-        ("effects", "What each effect does", _EFFECTS, found.effects),
-        ("factors", "How the declared effects act together", _FACTORS, _factor_rows(found)),
-        ("runs", "Every run of the study", _RUNS, _run_rows(found)),
+        ("effects", "What each effect does", _EFFECTS, results.effects),
+        ("factors", "How the declared effects act together", _FACTORS, _factor_rows(results)),
+        ("runs", "Every run of the study", _RUNS, _run_rows(results)),
     )
     return (
         Prose(
             name=f"{scene}-effects-words",
             title="Which effects the scene calls for",
-            text=" ".join(sentences(found)),
+            text=" ".join(sentences(results)),
             scene=scene,
         ),
-        bars(found),
+        bars(results),
         *(
             table_of(
                 f"{scene}-{name}",
@@ -291,7 +291,7 @@ class EffectsStudy:
 
     def answer(self, done: Results) -> dict[str, Any]:
         """Return the effects as `--json` prints them."""
-        found = self.findings(done)
+        results = self.findings(done)
         return {
             "scene": self.plan.scene.name,
             "declared": sorted(self.plan.declared),
@@ -305,9 +305,9 @@ class EffectsStudy:
                         "changes": dict(effect.changes),
                         **{key: effect.cost.get(key) for key in _COSTS if key != "cpu_spread"},
                     }
-                    for effect in found.of_engine(engine)
+                    for effect in results.of_engine(engine)
                 }
                 for engine in self.plan.engines
             },
-            "sentences": list(sentences(found)),
+            "sentences": list(sentences(results)),
         }

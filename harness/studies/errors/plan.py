@@ -179,8 +179,8 @@ def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
         if profile == "matched" and callable(setting.matched) and setting.name not in dict(options)
     ]
     if not tied:
-        told = ", ".join(f"{name} {_spelled(value)}" for name, value in options)
-        return (Way(name=f"{profile} with {told}" if told else profile, options=options),)
+        settings = ", ".join(f"{name} {_spelled(value)}" for name, value in options)
+        return (Way(name=f"{profile} with {settings}" if settings else profile, options=options),)
     names = ", ".join(setting.name for setting in tied)
     held = tuple((setting.name, setting.default) for setting in tied)
     return (
@@ -220,8 +220,8 @@ class ThreeErrors:
         for quantity in plan.quantities:
             splits = {way.name: self.splits[way.name, quantity.key] for way in plan.ways}
             if all(split.total is not None for split in splits.values()):
-                told = [_way(plan, name, quantity, split) for name, split in splits.items()]
-                return (*(one for pair in told for one in pair), self._undecidable(quantity))
+                pairs = [_way(plan, name, quantity, split) for name, split in splits.items()]
+                return (*(one for pair in pairs for one in pair), self._undecidable(quantity))
         nothing = (
             f"{plan.engine} completes no motion of {plan.scene.name} at {plan.probe:.2g} s that "
             "could be compared, so that its errors cannot be told apart."
@@ -249,23 +249,23 @@ _VERDICTS = {
 }
 
 
-def _way(plan: ErrorsPlan, name: str, quantity: Quantity, found: Split) -> tuple[str, str]:
+def _way(plan: ErrorsPlan, name: str, quantity: Quantity, split: Split) -> tuple[str, str]:
     """Return the three errors on one way, and what they come to."""
     known, approach = "", "no order is seen on the way to its limit"
-    if found.limit is not None:
-        known = f" (known to {_amount(quantity, found.limit.uncertainty, sign=False)})"
-        if found.limit.order is not None:
-            approach = f"it approaches its limit with order {found.limit.order:.2f}"
-            if found.limit.spread is not None:
-                approach += f", give or take {found.limit.spread:.2f}"
+    if split.limit is not None:
+        known = f" (known to {_amount(quantity, split.limit.uncertainty, sign=False)})"
+        if split.limit.order is not None:
+            approach = f"it approaches its limit with order {split.limit.order:.2f}"
+            if split.limit.spread is not None:
+                approach += f", give or take {split.limit.spread:.2f}"
     opening = (
         f"{plan.engine}, {name}, at a timestep of {plan.probe:.2g} s: the {quantity.label} of "
-        f"{plan.scene.name} is off by {_amount(quantity, found.total)}, of which "
-        f"model form {_amount(quantity, found.model_form)}{known}, "
-        f"discretisation {_amount(quantity, found.discretisation)}, "
-        f"solver {_amount(quantity, found.solver)}."
+        f"{plan.scene.name} is off by {_amount(quantity, split.total)}, of which "
+        f"model form {_amount(quantity, split.model_form)}{known}, "
+        f"discretisation {_amount(quantity, split.discretisation)}, "
+        f"solver {_amount(quantity, split.solver)}."
     )
-    return opening, _VERDICTS[found.verdict].format(approach)
+    return opening, _VERDICTS[split.verdict].format(approach)
 
 
 def _amount(quantity: Quantity, value: Number, *, sign: bool = True) -> str:

@@ -94,7 +94,7 @@ class ErrorsStudy:
 
     def answer(self, done: Results) -> dict[str, Any]:
         """Return the three errors as `--json` prints them."""
-        found = self.findings(done)
+        results = self.findings(done)
         left_out = ("scene", "engine", "profile", "timestep_s", "order_spread", "command")
         return {
             "scene": self.plan.scene.name,
@@ -104,9 +104,9 @@ class ErrorsStudy:
             "ladder_s": list(self.plan.timesteps),
             "errors": [
                 {key: value for key, value in row.items() if key not in left_out}
-                for row in rows_of(_SPLIT, found.splits.values())
+                for row in rows_of(_SPLIT, results.splits.values())
             ],
-            "sentences": list(found.sentences),
+            "sentences": list(results.sentences),
         }
 
 
@@ -184,23 +184,23 @@ _ENSEMBLE = (
 )
 
 
-def errors_report(found: ThreeErrors) -> tuple[Artefact, ...]:
+def errors_report(results: ThreeErrors) -> tuple[Artefact, ...]:
     """Return words, figures, tables."""
-    plan = found.plan
+    plan = results.plan
     return (
         Prose(
             name=f"{plan.scene.name}-{plan.engine}-three-errors",
             title=f"Three errors of {plan.engine}, never mixed",
-            text=" ".join(found.sentences),
+            text=" ".join(results.sentences),
             scene=plan.scene.name,
         ),
-        _ladder_figure(found),
-        *([_effort_figure(found)] if plan.efforts[:-1] else ()),
-        _ensemble_figure(found),
-        _table(plan, "split", "Three errors, never mixed", _SPLIT, found.splits.values()),
-        _table(plan, "ladder", "Every rung of the ladders", _LADDER, _ladder_rows(found)),
-        _table(plan, "efforts", "The solver at several efforts", _EFFORTS, _effort_rows(found)),
-        _table(plan, "spreads", "What is not decidable", _ENSEMBLE, _ensemble_rows(found)),
+        _ladder_figure(results),
+        *([_effort_figure(results)] if plan.efforts[:-1] else ()),
+        _ensemble_figure(results),
+        _table(plan, "split", "Three errors, never mixed", _SPLIT, results.splits.values()),
+        _table(plan, "ladder", "Every rung of the ladders", _LADDER, _ladder_rows(results)),
+        _table(plan, "efforts", "The solver at several efforts", _EFFORTS, _effort_rows(results)),
+        _table(plan, "spreads", "What is not decidable", _ENSEMBLE, _ensemble_rows(results)),
     )
 
 
@@ -216,9 +216,9 @@ def _table(
     )
 
 
-def _run(found: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict[str, Any]:
+def _run(results: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict[str, Any]:
     """Return the cells of a run that is read for one quantity."""
-    e, split = found.evaluations[case], found.splits[way.name, quantity.key]
+    e, split = results.evaluations[case], results.splits[way.name, quantity.key]
     value = quantity.of_run(e)
     return {
         "simulation": e.simulation,
@@ -228,26 +228,26 @@ def _run(found: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict[s
         "value": value,
         "off_true": less(value, split.true),
         "off_limit": less(value, split.limit_value),
-        "off_converged": less(value, split.converged) if found.plan.efforts else None,
+        "off_converged": less(value, split.converged) if results.plan.efforts else None,
     }
 
 
-def _ladder_rows(found: ThreeErrors) -> list[dict[str, Any]]:
+def _ladder_rows(results: ThreeErrors) -> list[dict[str, Any]]:
     """Return every rung of every ladder."""
-    plan = found.plan
+    plan = results.plan
     return [
-        _run(found, plan.on_ladder(way, step), way, quantity)
+        _run(results, plan.on_ladder(way, step), way, quantity)
         for way in plan.ways
         for quantity in plan.quantities
         for step in plan.timesteps
     ]
 
 
-def _effort_rows(found: ThreeErrors) -> list[dict[str, Any]]:
+def _effort_rows(results: ThreeErrors) -> list[dict[str, Any]]:
     """Return the solver at every effort, at one timestep."""
-    plan = found.plan
+    plan = results.plan
     return [
-        _run(found, plan.tried(way, effort), way, quantity)
+        _run(results, plan.tried(way, effort), way, quantity)
         | {"effort": "as set" if effort is None else effort.name}
         for way in plan.ways
         for quantity in plan.quantities
@@ -255,13 +255,13 @@ def _effort_rows(found: ThreeErrors) -> list[dict[str, Any]]:
     ]
 
 
-def _ensemble_rows(found: ThreeErrors) -> list[dict[str, Any]]:
+def _ensemble_rows(results: ThreeErrors) -> list[dict[str, Any]]:
     """Return how far perturbed releases spread."""
-    plan = found.plan
+    plan = results.plan
     head = {"scene": plan.scene.name, "engine": plan.engine, "profile": plan.profile}
     return [
         head | {"quantity": key, "timestep_s": plan.probe, "relative_size": size, "spread": spread}
-        for (key, size), spread in found.spreads.items()
+        for (key, size), spread in results.spreads.items()
     ]
 
 
@@ -296,21 +296,21 @@ def _figure(
     )
 
 
-def _ladder_figure(found: ThreeErrors) -> Figure:
+def _ladder_figure(results: ThreeErrors) -> Figure:
     """Return the errors against the timestep: from the truth, and from the engine's own limit."""
-    plan = found.plan
+    plan = results.plan
 
     def curves(quantity: Quantity) -> Iterator[Series]:
         for way in plan.ways:
-            split = found.splits[way.name, quantity.key]
-            for told, level in (("truth", split.true), ("limit", split.limit_value)):
+            split = results.splits[way.name, quantity.key]
+            for name, level in (("truth", split.true), ("limit", split.limit_value)):
                 yield Series(
-                    label=f"off {told}, {way.name}",
+                    label=f"off {name}, {way.name}",
                     kind=_kind(plan, way),
                     x=np.array(plan.timesteps),
                     y=_off(split.ladder, level),
                     mark="both",
-                    dashed=told == "limit",
+                    dashed=name == "limit",
                 )
 
     seen = (
@@ -322,14 +322,14 @@ def _ladder_figure(found: ThreeErrors) -> Figure:
     return _figure(plan, "errors", title, "timestep [s]", curves, seen=seen)
 
 
-def _effort_figure(found: ThreeErrors) -> Figure:
+def _effort_figure(results: ThreeErrors) -> Figure:
     """Return the solver error against the effort."""
-    plan, lesser = found.plan, found.plan.efforts[:-1]
+    plan, lesser = results.plan, results.plan.efforts[:-1]
 
     def curves(quantity: Quantity) -> Iterator[Series]:
         for way in plan.ways:
-            runs = [found.evaluations[plan.tried(way, effort)] for effort in lesser]
-            converged = found.splits[way.name, quantity.key].converged
+            runs = [results.evaluations[plan.tried(way, effort)] for effort in lesser]
+            converged = results.splits[way.name, quantity.key].converged
             yield Series(
                 label=way.name,
                 kind=_kind(plan, way),
@@ -347,12 +347,12 @@ def _effort_figure(found: ThreeErrors) -> Figure:
     return _figure(plan, "solver", "Solver error", x_label, curves, seen=seen, names=names)
 
 
-def _ensemble_figure(found: ThreeErrors) -> Figure:
+def _ensemble_figure(results: ThreeErrors) -> Figure:
     """Return how far slightly perturbed releases spread."""
-    plan = found.plan
+    plan = results.plan
 
     def curves(quantity: Quantity) -> Iterator[Series]:
-        own = [found.spreads[quantity.key, size] for size in SIZES]
+        own = [results.spreads[quantity.key, size] for size in SIZES]
         engine = f"{plan.engine}, {plan.profile}, {plan.probe:.2g} s"
         for label, kind, values in (
             ("exact motion", "reference", [one.of_truth for one in own]),

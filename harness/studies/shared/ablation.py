@@ -248,7 +248,7 @@ class Account:
         """Return what each gap takes away, largest first."""
         path, known = self.path, self.by_gap(self.in_order)
         least = _NOTHING * max(abs(value) for value in self.levels if value is not None)
-        told = "; ".join(
+        parts = "; ".join(
             f"{name} nothing"
             if abs(known.get(name, math.inf)) <= least
             else f"{name} {self.words(known.get(name), unit=False)}"
@@ -258,7 +258,7 @@ class Account:
             f"As it ships, {path.engine} is off by {self.words(self.as_shipped)} in the "
             f"{self.quantity.label} of {path.scene.name}, and matched, at a timestep of "
             f"{path.matched_timestep:.2g} s, by {self.words(self.remains)}; closing the gaps "
-            f"in the order {', '.join(path.names)} takes away, largest first: {told}"
+            f"in the order {', '.join(path.names)} takes away, largest first: {parts}"
         )
 
     def interaction_sentence(self) -> str:
@@ -276,15 +276,15 @@ class Account:
         )
         if abs(self.interaction) <= _HARDLY * abs(self.whole):
             return f"{opening}, the whole to within {_HARDLY:.0%}, so that they hardly interact"
-        told = (
+        sentence = (
             f"{opening}, where the whole is {self.words(self.whole)}: an interaction of "
             f"{self.words(self.interaction)}"
         )
         if not late:
-            return told
+            return sentence
         name = max(late, key=lambda name: (abs(late[name] - early[name]), name))
         return (
-            f"{told}, most of it in {name}, which takes away {self.words(early[name])} alone "
+            f"{sentence}, most of it in {name}, which takes away {self.words(early[name])} alone "
             f"and {self.words(late[name])} after those before it"
         )
 

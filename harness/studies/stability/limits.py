@@ -120,8 +120,8 @@ class TimestepLimit:
     def middle(self) -> float | None:
         """The median, s, of members with and without a limit; None if most have none."""
         ordered = sorted(-math.inf if step is None else step for step in self.usable)
-        found = ordered[(len(ordered) - 1) // 2]
-        return found if math.isfinite(found) else None
+        value = ordered[(len(ordered) - 1) // 2]
+        return value if math.isfinite(value) else None
 
     @property
     def spread(self) -> float | None:
@@ -136,12 +136,12 @@ Known = Mapping[tuple[Scene, str], Sequence[ClassifiedRun]]
 
 def by_scene(judged: Sequence[ClassifiedRun]) -> Known:
     """Return verdicts as a search looks for them."""
-    found: dict[tuple[Scene, str], list[ClassifiedRun]] = {}
+    groups: dict[tuple[Scene, str], list[ClassifiedRun]] = {}
     for one in judged:
         case = one.case
         if case.profile == PROFILE:
-            found.setdefault((case.scene, case.engine), []).append(one)
-    return found
+            groups.setdefault((case.scene, case.engine), []).append(one)
+    return groups
 
 
 def next_round(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case, ...]:

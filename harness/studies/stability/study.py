@@ -115,8 +115,10 @@ class StabilityStudy:
 
     def checks(self, done: Results) -> tuple[list[ReferenceCheck], list[ReferenceCheck]]:
         """Return how the reference fares on the hard cases and on random scenes."""
-        found = done.of(EXAMINING)
-        hard, random = ([check for part in own for check in found[part]] for own in self._parts())
+        examined = done.of(EXAMINING)
+        hard, random = (
+            [check for part in own for check in examined[part]] for own in self._parts()
+        )
         return hard, random
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
@@ -216,18 +218,18 @@ def _of(own: Sequence[ClassifiedRun], profile: str) -> list[ClassifiedRun]:
 def _counted(runs: Sequence[ClassifiedRun], words: str) -> str:
     """Return how the runs of a profile went, and an example of each failure."""
     by_verdict = {v: [run for run in runs if run.verdict is v] for v in StabilityStatus}
-    told = ", ".join(f"{v.value} {len(found)}" for v, found in by_verdict.items() if found)
+    counts = ", ".join(f"{v.value} {len(group)}" for v, group in by_verdict.items() if group)
     examples = []
-    for verdict, found in by_verdict.items():
-        if found and verdict not in SOUND:
+    for verdict, group in by_verdict.items():
+        if group and verdict not in SOUND:
             # at the finest timestep at which it happens, where it is least to be expected
-            run = min(found, key=lambda run: run.timestep)
+            run = min(group, key=lambda run: run.timestep)
             examples.append(
                 f"{_VERBS.get(verdict, verdict.value)} in {run.case.scene.name} down to "
                 f"a timestep of {run.timestep:.2g} s ({seen(run.symptom)})"
             )
     tail = f" It {'; it '.join(examples)}." if examples else ""
-    return f"{words}, {len(runs)} runs: {told}.{tail}"
+    return f"{words}, {len(runs)} runs: {counts}.{tail}"
 
 
 def seen(symptom: Symptom) -> str:
@@ -236,8 +238,8 @@ def seen(symptom: Symptom) -> str:
         return symptom.words
     words, _, unit = symptom.words.rpartition(", ")
     much = f"{symptom.number:.2g}"
-    told = f"{words} {much} {unit}" if words and unit in _UNITS else f"{symptom.words} {much}"
-    return f"{told}, at {symptom.time:.2g} s"
+    text = f"{words} {much} {unit}" if words and unit in _UNITS else f"{symptom.words} {much}"
+    return f"{text}, at {symptom.time:.2g} s"
 
 
 def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
