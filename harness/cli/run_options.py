@@ -263,14 +263,14 @@ def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> dict[str, d
         if dot and chosen not in engines:
             allowed = f"a setting of an engine that runs: {', '.join(engines)}"
             raise InvalidSettingError("--set", words, allowed)
-        having = [chosen] if dot else [one for one in engines if name in _names(one)]
+        having = [chosen] if dot else [each for each in engines if name in _names(each)]
         if not having:
-            known = "; ".join(f"{one}: {', '.join(sorted(_names(one)))}" for one in engines)
+            known = "; ".join(f"{each}: {', '.join(sorted(_names(each)))}" for each in engines)
             raise InvalidSettingError("--set", words, f"ENGINE.KEY=VALUE with one of {known}")
-        for one in having:
-            if name in settings.setdefault(one, {}):
-                raise InvalidSettingError("--set", words, f"each once, but {one} has it twice")
-            settings[one][name] = value
+        for each in having:
+            if name in settings.setdefault(each, {}):
+                raise InvalidSettingError("--set", words, f"each once, but {each} has it twice")
+            settings[each][name] = value
     return settings
 
 

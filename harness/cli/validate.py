@@ -195,7 +195,7 @@ def _scores(
     versions = {e.simulation.case.engine: e.simulation.engine_version for e in evaluations}
     return Scores(
         suite=study.suite,
-        scores={one.identity: one for one in scored(study.designed, evaluations)},
+        scores={score.identity: score for score in scored(study.designed, evaluations)},
         versions={"rockingcan": made.rockingcan, **versions},
         made=made.to_dict(),
         settings=settings,
@@ -213,7 +213,7 @@ def _accept(study: ComparisonStudy, scores: Scores, running: RunOptions, place: 
             executor,
             lambda label: bar.update(task, advance=1, description=label),
         )
-    return write_baseline(replace(scores, scores={one.identity: one for one in with_spread}), place)
+    return write_baseline(replace(scores, scores={s.identity: s for s in with_spread}), place)
 
 
 def _causes(names: Sequence[str], running: RunOptions) -> list[Section]:

@@ -67,7 +67,7 @@ class Wording:
             Column(
                 "timestep_s",
                 "Timestep that was asked for; empty for the profile's own.",
-                lambda one: one.identity.timestep or None,
+                lambda change: change.identity.timestep or None,
             ),
             Column(
                 "options",
@@ -120,15 +120,15 @@ def changed(differences: Iterable[Difference]) -> tuple[Difference, ...]:
     """Return what has changed, what got worse first, the largest factor first."""
     return tuple(
         sorted(
-            (one for one in differences if one.status in _MOVED),
-            key=lambda one: (_MOVED.index(one.status), -one.severity, one.identity),
+            (d for d in differences if d.status in _MOVED),
+            key=lambda d: (_MOVED.index(d.status), -d.severity, d.identity),
         )
     )
 
 
 def regressions(differences: Iterable[Difference]) -> tuple[Difference, ...]:
     """Return what fails a gate: what got worse, or is gone."""
-    return tuple(one for one in changed(differences) if one.status.failed)
+    return tuple(d for d in changed(differences) if d.status.failed)
 
 
 def sentences(
@@ -139,7 +139,7 @@ def sentences(
     spreads: Scores | None = None,
 ) -> tuple[str, ...]:
     """Return what was compared, how it came out, and what has changed most, case by case."""
-    cases = list(dict.fromkeys(one.identity for one in differences))
+    cases = list(dict.fromkeys(d.identity for d in differences))
     lines = [
         f"{len(cases)} cases of {second.place} ({second.suite} suite) were held against "
         f"{first.place} ({first.suite} suite)" + _counts(differences, wording) + ".",
@@ -149,10 +149,10 @@ def sentences(
     sides = [side for side in (first, second, spreads) if side is not None]
     if not any(score.members for side in sides for score in side.scores.values()):
         lines.append("No spread was measured: whatever differs by more than a tenth counts.")
-    for status, moved in groupby(changed(differences), key=lambda one: one.status):
+    for status, moved in groupby(changed(differences), key=lambda d: d.status):
         by_case: dict[CaseIdentity, list[Difference]] = {}
-        for one in moved:
-            by_case.setdefault(one.identity, []).append(one)
+        for d in moved:
+            by_case.setdefault(d.identity, []).append(d)
         parts = [_case(own) for own in list(by_case.values())[:_NAMED]]
         more = len(by_case) - len(parts)
         parts += [f"and {more} more, in the table"] if more else []
@@ -163,7 +163,7 @@ def sentences(
 
 def _counts(differences: Sequence[Difference], wording: Wording) -> str:
     """Return how many quantities came out how."""
-    counts = Counter(one.status for one in differences if one.status in _COUNTED)
+    counts = Counter(d.status for d in differences if d.status in _COUNTED)
     parts = [f"{counts[status]} {wording.word(status)}" for status in _COUNTED if counts[status]]
     return f": of {counts.total()} quantities {', '.join(parts)}" if parts else ""
 
@@ -200,16 +200,16 @@ def _case(own: Sequence[Difference]) -> str:
     return words + (f" and {len(own) - 1} more" if len(own) > 1 else "")
 
 
-def _change(one: Difference) -> str:
+def _change(change: Difference) -> str:
     """Return a change in words, with the factor where it is a number."""
-    if one.quantity == OUTCOME:
-        return f", {one.note}" if one.note else ""
-    quantity = BY_COLUMN[one.quantity]
+    if change.quantity == OUTCOME:
+        return f", {change.note}" if change.note else ""
+    quantity = BY_COLUMN[change.quantity]
     unit = f" {quantity.unit}" if quantity.unit else ""
-    if one.first is None or one.second is None:
-        return f", {quantity.words}: {one.note}"
-    times = f" ({one.factor:.3g} times)" if _finite(one) else ""
-    return f", {quantity.words} {one.first:.3g}{unit} -> {one.second:.3g}{unit}{times}"
+    if change.first is None or change.second is None:
+        return f", {quantity.words}: {change.note}"
+    times = f" ({change.factor:.3g} times)" if _finite(change) else ""
+    return f", {quantity.words} {change.first:.3g}{unit} -> {change.second:.3g}{unit}{times}"
 
 
 def gate_report(
@@ -230,14 +230,14 @@ def gate_report(
             "gate",
             "Quantity by quantity, what has changed first",
             wording.columns(),
-            (*moved, *(one for one in differences if one.status not in _MOVED)),
+            (*moved, *(d for d in differences if d.status not in _MOVED)),
         ),
     )
 
 
 def factors(differences: Sequence[Difference], wording: Wording) -> Figure | None:
     """Return the figure of all factors, a panel an engine; None if nothing can be drawn."""
-    drawn = [one for one in differences if one.status is not Status.NOT_JUDGED and _finite(one)]
+    drawn = [d for d in differences if d.status is not Status.NOT_JUDGED and _finite(d)]
     if not drawn:
         return None
     quantities = [q for q in QUANTITIES if q.kind is not QuantityKind.TIME]
@@ -246,14 +246,14 @@ def factors(differences: Sequence[Difference], wording: Wording) -> Figure | Non
             title=engine,
             x_label="quantity",
             y_label=f"{wording.second} over {wording.first}",
-            series=_points([one for one in drawn if one.identity.engine == engine], wording),
+            series=_points([d for d in drawn if d.identity.engine == engine], wording),
             log_y=True,
             x_names=tuple(q.words for q in quantities),
         )
-        for engine in dict.fromkeys(one.identity.engine for one in drawn)
+        for engine in dict.fromkeys(d.identity.engine for d in drawn)
     ]
-    moved = [one for one in drawn if one.status in _MOVED]
-    extreme = max(one.severity for one in drawn)
+    moved = [d for d in drawn if d.status in _MOVED]
+    extreme = max(d.severity for d in drawn)
     return Figure(
         name="gate-factors",
         title=f"Every quantity, {wording.second} over {wording.first}",
@@ -267,9 +267,9 @@ def factors(differences: Sequence[Difference], wording: Wording) -> Figure | Non
     )
 
 
-def _finite(one: Difference) -> bool:
+def _finite(change: Difference) -> bool:
     """Whether a difference has a factor that can be drawn."""
-    return one.factor is not None and 0.0 < one.factor < math.inf
+    return change.factor is not None and 0.0 < change.factor < math.inf
 
 
 def _points(own: Sequence[Difference], wording: Wording) -> tuple[Series, ...]:
@@ -277,17 +277,17 @@ def _points(own: Sequence[Difference], wording: Wording) -> tuple[Series, ...]:
     places = {quantity.column: float(place) for place, quantity in enumerate(QUANTITIES)}
     series = []
     for status in (Status.SAME, Status.UNDECIDABLE, Status.WORSE, Status.BETTER):
-        chosen = [one for one in own if one.status is status]
+        chosen = [d for d in own if d.status is status]
         if chosen:
             label = wording.word(status)
             series.append(
                 Series(
                     label=label,
                     kind=label if status in _MOVED else chosen[0].identity.engine,
-                    x=np.array([places[one.quantity] for one in chosen]),
-                    y=np.array([one.factor for one in chosen], dtype=np.float64),
+                    x=np.array([places[d.quantity] for d in chosen]),
+                    y=np.array([d.factor for d in chosen], dtype=np.float64),
                     mark="points",
-                    hover=tuple(one.identity.label() for one in chosen),
+                    hover=tuple(d.identity.label() for d in chosen),
                 )
             )
     return tuple(series)

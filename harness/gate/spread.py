@@ -46,11 +46,11 @@ def member(case: Case, number: int) -> Case:
 
 def spread(middle: Score, runs: Sequence[Score]) -> Score:
     """Return a score with the spread of its members about it: the largest departures."""
-    alike = [one for one in runs if one.outcome == middle.outcome]
+    alike = [run for run in runs if run.outcome == middle.outcome]
     spreads: dict[str, float | None] = {}
-    for quantity in (one for one in QUANTITIES if one.kind is not QuantityKind.TIME):
+    for quantity in (q for q in QUANTITIES if q.kind is not QuantityKind.TIME):
         own = middle.values.get(quantity.column)
-        values = [one.values.get(quantity.column) for one in alike]
+        values = [run.values.get(quantity.column) for run in alike]
         known = [value for value in values if value is not None]
         if own is not None and len(known) == len(values):
             spreads[quantity.column] = max((abs(value - own) for value in known), default=0.0)
@@ -60,7 +60,7 @@ def spread(middle: Score, runs: Sequence[Score]) -> Score:
         middle,
         members=len(runs),
         spread=spreads,
-        endings=dict(Counter(one.outcome for one in (middle, *runs))),
+        endings=dict(Counter(run.outcome for run in (middle, *runs))),
     )
 
 
@@ -96,8 +96,8 @@ def measured(
         cases = [case for _, case in batch]
         on_done = None if listener is None else lambda e: listener(e.simulation.case.label())
         evaluations = run_cases(cases, executor, on_done)
-        for (number, _), one in zip(batch, scored(cases, evaluations), strict=True):
-            by_case[number].append(one)
+        for (number, _), score in zip(batch, scored(cases, evaluations), strict=True):
+            by_case[number].append(score)
     return tuple(map(spread, scores, by_case))
 
 

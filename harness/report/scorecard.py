@@ -253,7 +253,7 @@ def _stability(row: Row, hard: Sequence[Row]) -> Row:
         same = (run["engine"], run["profile"]) == (row["engine"], row["profile"])
         if same and "." not in run["scene"]:  # a dot: a release perturbed from a hard case
             finest = own.setdefault(run["scene"], run)
-            own[run["scene"]] = min(finest, run, key=lambda one: one["timestep_s"])
+            own[run["scene"]] = min(finest, run, key=lambda row: row["timestep_s"])
     if not own:
         return {"stability_percent_verdict": _not_measured("stability")}
     sound = {verdict.value for verdict in SOUND}

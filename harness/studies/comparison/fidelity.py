@@ -138,13 +138,13 @@ def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupporte
     ]
     rows += [
         {
-            "scene": one.scene,
-            "engine": one.engine,
+            "scene": case.scene,
+            "engine": case.engine,
             "profile": "matched",
             "quantity": quantity.key,
-            "verdict": one.verdict,
+            "verdict": case.verdict,
         }
-        for one in unsupported
+        for case in unsupported
         for quantity in JUDGED
     ]
     return table_of("fidelity", "Every quantity and its verdict", _FIDELITY, rows)

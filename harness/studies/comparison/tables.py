@@ -51,12 +51,12 @@ def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupport
         rows.append(row)
     rows += [
         {
-            "scene": one.scene,
-            "engine": one.engine,
-            "shipped_verdict": one.verdict,
-            "best_verdict": one.verdict,
+            "scene": case.scene,
+            "engine": case.engine,
+            "shipped_verdict": case.verdict,
+            "best_verdict": case.verdict,
         }
-        for one in unsupported
+        for case in unsupported
     ]
     return table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows)
 

@@ -146,8 +146,8 @@ def plan_cost(
     """
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
-    for one in (scene, tuning_scene):
-        check_exact(one)
+    for needed in (scene, tuning_scene):
+        check_exact(needed)
     if tuning_scene.release == scene.release and tuning_scene.can == scene.can:
         raise InvalidSettingError("--tune", tuning_scene.name, "another scene than the one scored")
     priced_variants = {name: priced(name, suite) for name in engines}

@@ -172,7 +172,7 @@ class EffectsResults:
         each = [self._changes(engine_name, rest | {name}, rest) for rest in rests]
         means: dict[str, Number] = {}
         for key in COUNTS:
-            known = [value for one in each if (value := one.get(key)) is not None]
+            known = [value for changes in each if (value := changes.get(key)) is not None]
             means[key] = sum(known) / len(known) if len(known) == len(each) else None
         return means
 

@@ -137,9 +137,9 @@ def sentences(results: EffectsResults) -> tuple[str, ...]:
         if effect.verdict in _KNOWN:
             known.setdefault(effect.name, effect)
     missing = [
-        f"{one.name} (by {one.engine}: {one.why[0].lower()}{one.why[1:].rstrip('.')})"
-        for one in known.values()
-        if one.verdict is EffectStatus.MISSING
+        f"{effect.name} (by {effect.engine}: {effect.why[0].lower()}{effect.why[1:].rstrip('.')})"
+        for effect in known.values()
+        if effect.verdict is EffectStatus.MISSING
     ]
     said.append(
         "Not declared, though at the strength assumed they change the outcome: "
@@ -173,7 +173,9 @@ def bars(results: EffectsResults) -> Figure:
                 x=np.arange(len(names), dtype=np.float64) + shift,
                 y=np.array([_height(results, effect) for effect in effects]),
                 mark="points",
-                hover=tuple(f"{one.name}: {one.verdict.value}. {one.why}" for one in effects),
+                hover=tuple(
+                    f"{effect.name}: {effect.verdict.value}. {effect.why}" for effect in effects
+                ),
             )
         )
     series.append(

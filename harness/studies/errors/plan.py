@@ -11,6 +11,7 @@ its softness with it as it shrinks; held, it keeps it, and converges neatly to a
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
@@ -221,7 +222,7 @@ class ThreeErrors:
             splits = {way.name: self.splits[way.name, quantity.key] for way in plan.ways}
             if all(split.total is not None for split in splits.values()):
                 pairs = [_way(plan, name, quantity, split) for name, split in splits.items()]
-                return (*(one for pair in pairs for one in pair), self._undecidable(quantity))
+                return (*chain.from_iterable(pairs), self._undecidable(quantity))
         nothing = (
             f"{plan.engine} completes no motion of {plan.scene.name} at {plan.probe:.2g} s that "
             "could be compared, so that its errors cannot be told apart."

@@ -355,8 +355,8 @@ def _ensemble_figure(results: ThreeErrors) -> Figure:
         own = [results.spreads[quantity.key, size] for size in SIZES]
         engine = f"{plan.engine}, {plan.profile}, {plan.probe:.2g} s"
         for label, kind, values in (
-            ("exact motion", "reference", [one.of_truth for one in own]),
-            (engine, plan.engine, [one.of_engine for one in own]),
+            ("exact motion", "reference", [s.of_truth for s in own]),
+            (engine, plan.engine, [s.of_engine for s in own]),
         ):
             y = _off(values, 0.0)
             yield Series(label=label, kind=kind, x=np.array(SIZES), y=y, mark="both")

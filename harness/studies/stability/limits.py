@@ -137,10 +137,10 @@ Known = Mapping[tuple[Scene, str], Sequence[ClassifiedRun]]
 def by_scene(judged: Sequence[ClassifiedRun]) -> Known:
     """Return verdicts as a search looks for them."""
     groups: dict[tuple[Scene, str], list[ClassifiedRun]] = {}
-    for one in judged:
-        case = one.case
+    for run in judged:
+        case = run.case
         if case.profile == PROFILE:
-            groups.setdefault((case.scene, case.engine), []).append(one)
+            groups.setdefault((case.scene, case.engine), []).append(run)
     return groups
 
 
@@ -188,9 +188,9 @@ def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Timestep
 def _tried(known: Known, scene: Scene, engine: str, standard: str) -> dict[float, bool]:
     """Return which timesteps of a release were tried, s, and whether each was usable."""
     return {
-        one.case.timestep: getattr(one, standard)
-        for one in known.get((scene, engine), ())
-        if one.case.timestep is not None
+        run.case.timestep: getattr(run, standard)
+        for run in known.get((scene, engine), ())
+        if run.case.timestep is not None
     }
 
 
@@ -238,7 +238,7 @@ def limit_sentence(limits: Sequence[TimestepLimit]) -> str:
     (least, hardest), (most, easiest) = known[0], known[-1]
     return (
         f"Matched, the largest timestep that follows the exact motion lies between {least:.2g} s "
-        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have one."
+        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have run."
     )
 
 
