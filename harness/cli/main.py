@@ -189,24 +189,20 @@ def code_of(arguments: list[str], program: typer.Typer = app, name: str = "rocki
         for own in (CacheWarning, RenamedValueWarning):
             warnings.simplefilter("always", own)
         warnings.showwarning = _shown(warnings.showwarning)
-        return _code_of(arguments, program, name)
-
-
-def _code_of(arguments: list[str], program: typer.Typer, name: str) -> int:
-    try:
-        code = program(arguments, prog_name=name, standalone_mode=False)
-        sys.stdout.flush()  # what cannot be said is to be known before the code is
-    except Interrupted as error:
-        return _complain(_stopped(error, name, arguments), error.exit_code)
-    except (HarnessError, ModelError, TyperException) as error:
-        return _refused(error)
-    except typer.Exit as left:
-        return int(left.exit_code)
-    except (KeyboardInterrupt, typer.Abort):
-        code = INTERRUPTED
-    except BrokenPipeError:  # whoever reads our output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        try:
+            code = program(arguments, prog_name=name, standalone_mode=False)
+            sys.stdout.flush()  # what cannot be said is to be known before the code is
+        except Interrupted as error:
+            return _complain(_stopped(error, name, arguments), error.exit_code)
+        except (HarnessError, ModelError, TyperException) as error:
+            return _refused(error)
+        except typer.Exit as left:
+            return int(left.exit_code)
+        except (KeyboardInterrupt, typer.Abort):
+            code = INTERRUPTED
+        except BrokenPipeError:  # whoever reads our output has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
     if code == INTERRUPTED:
         return _complain("interrupted; nothing half-written is left behind", INTERRUPTED)
     return int(code or 0)
@@ -218,7 +214,7 @@ def _refused(error: Exception) -> int:
         return _complain(f"{_own_message(error)} (see: rockingcan --help)")
     failed = isinstance(error, ParityError)
     # of which case it is, and what is done
-    notes = " ".join(_notes(error))
+    notes = " ".join(getattr(error, "__notes__", ()))
     message = f"{error}. {notes}" if notes else str(error)
     return _complain(message, GATE_FAILED if failed else WRONG_USE)
 
@@ -227,14 +223,9 @@ def _stopped(error: Interrupted, name: str, arguments: Sequence[str]) -> str:
     """Return what is done when a run is stopped, and the command that goes on with it."""
     # what --fresh was to replace is replaced as far as the run came
     again = shlex.join([*name.split(), *(word for word in arguments if word != "--fresh")])
-    notes = _notes(error)
+    notes = getattr(error, "__notes__", ())
     sentences = ["interrupted; nothing half-written is left behind.", *notes]
     return " ".join([*sentences, f"To go on: {again}" if notes else f"To start again: {again}"])
-
-
-def _notes(error: BaseException) -> list[str]:
-    """Return what was added to an error on its way: how much is kept."""
-    return list(getattr(error, "__notes__", ()))
 
 
 def _shown(usual: Callable[..., None]) -> Callable[..., None]:

@@ -13,16 +13,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from harness.cli import terminal
-from harness.cli.run_options import (
-    EngineName,
-    Json,
-    Profile,
-    SceneName,
-    Settings,
-    Timestep,
-    parse_settings,
-)
+from harness.cli import run_options, terminal
 from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import OutputError, ParityError, TrajectoryError
@@ -42,13 +33,13 @@ Answer = dict[str, Any]
 
 
 def reference(
-    scene: SceneName,
+    scene: run_options.SceneName,
     model: Annotated[
         str, typer.Option(help="Which equations; auto takes the smallest that carries the scene.")
     ] = "auto",
     method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
     options = (("model", model), ("method", method), ("rtol", rtol))
@@ -66,15 +57,15 @@ def reference(
 
 
 def run(  # noqa: PLR0917 - a parameter an option
-    scene: SceneName,
-    engine: EngineName,
-    profile: Profile = "matched",
-    timestep: Timestep = None,
-    set_: Settings = None,
+    scene: run_options.SceneName,
+    engine: run_options.EngineName,
+    profile: run_options.Profile = "matched",
+    timestep: run_options.Timestep = None,
+    set_: run_options.Settings = None,
     out: Annotated[
         Path | None, typer.Option(help="Write the motion here, as .csv or .parquet.")
     ] = None,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Run a scene in an engine and hold it against the exact motion.
 
@@ -85,7 +76,7 @@ def run(  # noqa: PLR0917 - a parameter an option
         engine=engine,
         profile=profile,
         timestep=timestep,
-        options=parse_settings(set_ or []),
+        options=run_options.parse_settings(set_ or []),
     )
     if out is not None:
         check_motion_file(out)

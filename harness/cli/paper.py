@@ -7,7 +7,7 @@ import typer
 
 from harness.cli import terminal
 from harness.cli.terminal import write_text
-from harness.core.errors import HarnessError, OutputError
+from harness.core.errors import HarnessError, writing
 from harness.core.provenance import provenance
 from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
 from harness.paper.gallery import ABOUT, FIGURES
@@ -45,7 +45,8 @@ def audit(
         from harness.paper.audit.checks import audit as run  # noqa: PLC0415
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
-    _make(out)
+    with writing(f"to '{out}'"):
+        out.mkdir(parents=True, exist_ok=True)
     if page is not None:
         check_writable(page)
     rows: list[AuditRow] = []
@@ -84,11 +85,3 @@ def gallery(
         drawn, out, title="The figures of the paper", cases=(), provenance=provenance()
     )
     terminal.stdout_console().print(f"The gallery: {page}")
-
-
-def _make(out: Path) -> None:
-    """Make the folder, or say at once why it cannot be."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error

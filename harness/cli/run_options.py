@@ -48,6 +48,11 @@ Settings = Annotated[
         help="A setting by the engine's own name (see: rockingcan engines ENGINE); repeat it.",
     ),
 ]
+EngineNames = Annotated[
+    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
+]
+ReplacedFolder = Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")]
+ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
 Json = Annotated[
     bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
 ]

@@ -13,21 +13,8 @@ import typer
 from rich.markup import escape
 
 from harness import api
-from harness.cli import terminal
-from harness.cli.run_options import (
-    EngineName,
-    Json,
-    RunOptions,
-    SceneName,
-    parse_settings,
-    with_run_options,
-)
-from harness.cli.study_command import (
-    EngineNames,
-    ReportFolder,
-    run_command,
-    shown,
-)
+from harness.cli import run_options, terminal
+from harness.cli.study_command import run_command, shown
 from harness.cli.terminal import write_text
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, MissingPackageError
@@ -52,10 +39,10 @@ from models.catalogue import load
 from models.scene_file import write_scene
 
 
-@with_run_options
+@run_options.with_run_options
 def attribute(  # noqa: PLR0917 - a parameter an option
-    scene: SceneName,
-    engine: EngineName,
+    scene: run_options.SceneName,
+    engine: run_options.EngineName,
     timestep: Annotated[
         float | None, typer.Option(help="Of the matched end, in seconds; its own if left out.")
     ] = None,
@@ -63,10 +50,10 @@ def attribute(  # noqa: PLR0917 - a parameter an option
         list[str] | None,
         typer.Option(help="A gap to close before the others; repeat it. Such as: timestep."),
     ] = None,
-    out: ReportFolder = None,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    out: run_options.ReportFolder = None,
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
-    running: RunOptions,
+    running: run_options.RunOptions,
 ) -> None:
     """Say who is to blame: close the gaps from default to matched one at a time, and each alone.
 
@@ -78,29 +65,26 @@ def attribute(  # noqa: PLR0917 - a parameter an option
     run_command(study, running, out=out, json=json, answer=study.answer, show=show)
 
 
-@with_run_options
+@run_options.with_run_options
 def errors(  # noqa: PLR0917 - a parameter an option
-    scene: SceneName,
-    engine: EngineName,
+    scene: run_options.SceneName,
+    engine: run_options.EngineName,
     profile: Annotated[str, typer.Option(help="default or matched.")] = "matched",
     timestep: Annotated[
         float | None,
         typer.Option(help="The coarsest of the ladder, in seconds; what suits if left out."),
     ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A setting on all runs; repeat it."),
-    ] = None,
-    out: ReportFolder = None,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    set_: run_options.Settings = None,
+    out: run_options.ReportFolder = None,
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
-    running: RunOptions,
+    running: run_options.RunOptions,
 ) -> None:
     """Tell model form, discretisation and solver error apart, and what is not decidable.
 
     For example: rockingcan errors gentle-rock --engine mujoco --set solref=0.005,1
     """
-    options = parse_settings(set_ or [])
+    options = run_options.parse_settings(set_ or [])
     plan = plan_errors(load(scene), engine, profile, timestep=timestep, options=options)
     study = ErrorsStudy(plan=plan)
     of_split = {"timestep_s", "true", "value", "limit", "order_spread", "command"}
@@ -123,10 +107,10 @@ _EFFECTS = (
 )
 
 
-@with_run_options
+@run_options.with_run_options
 def effects(  # noqa: PLR0917 - a parameter an option
-    scene: SceneName,
-    engine: EngineNames = None,
+    scene: run_options.SceneName,
+    engine: run_options.EngineNames = None,
     timestep: Annotated[
         float | None, typer.Option(help="Of the engines, in seconds; their own if left out.")
     ] = None,
@@ -140,10 +124,10 @@ def effects(  # noqa: PLR0917 - a parameter an option
     tolerance: Annotated[
         float, typer.Option(help="Degrees of turn below which a change does not count.")
     ] = 0.1,
-    out: ReportFolder = None,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    out: run_options.ReportFolder = None,
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
-    running: RunOptions,
+    running: run_options.RunOptions,
 ) -> None:
     """Say which effects a scene needs, which it lacks, what each costs, what engines impose.
 
@@ -180,18 +164,16 @@ def _assumption(word: str) -> tuple[str, float]:
         raise InvalidSettingError("--assume", word, "EFFECT.CONSTANT=NUMBER") from None
 
 
-@with_run_options
+@run_options.with_run_options
 def stability(
     suite: Annotated[
         str, typer.Option(help="quick: about two minutes; full: every hard case.")
     ] = "quick",
-    engine: EngineNames = None,
-    out: Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")] = Path(
-        "reports/stability"
-    ),
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    engine: run_options.EngineNames = None,
+    out: run_options.ReplacedFolder = Path("reports/stability"),
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
-    running: RunOptions,
+    running: run_options.RunOptions,
 ) -> None:
     """Run hard cases until engines fail, say how they fail, and from which timestep on."""
     if suite not in SUITES:
@@ -225,9 +207,9 @@ _HARD = "paper-release"
 """Whose spin is turned up: the paper's own bounce is the hardest."""
 
 
-@with_run_options
+@run_options.with_run_options
 def cost(  # noqa: PLR0917 - a parameter an option
-    scene: SceneName,
+    scene: run_options.SceneName,
     suite: Annotated[
         str, typer.Option(help="quick: two minutes; full: three decades, every hardness.")
     ] = "quick",
@@ -238,13 +220,13 @@ def cost(  # noqa: PLR0917 - a parameter an option
     out: Annotated[Path, typer.Option(help="Folder of the reports, one a scene.")] = Path(
         "reports/cost"
     ),
-    engine: EngineNames = None,
+    engine: run_options.EngineNames = None,
     tune: Annotated[
         str | None, typer.Option(help="Scene on which settings are chosen; another one.")
     ] = None,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
-    running: RunOptions,
+    running: run_options.RunOptions,
 ) -> None:
     """Say what accuracy costs: work-precision of every setting, a price list, settings to paste.
 

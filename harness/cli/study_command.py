@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from rich.markup import escape
@@ -18,11 +18,6 @@ from harness.report.atomic_folder import check_writable
 from harness.report.tables import records
 from harness.report.write import write_report
 from harness.studies.study import Results, Study, StudyProgress, run_study
-
-EngineNames = Annotated[
-    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
-]
-ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
 
 Shown = Mapping[str, Collection[str]]
 """Artefacts that the terminal shows, by the end of their names, and columns of tables left out."""

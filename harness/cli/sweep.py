@@ -11,21 +11,7 @@ import pandas as pd
 import typer
 from rich.markup import escape
 
-from harness.cli import terminal
-from harness.cli.run_options import (
-    Cluster,
-    EngineName,
-    Jobs,
-    Json,
-    MemoryLimit,
-    Profile,
-    SceneName,
-    Settings,
-    TimeLimit,
-    Timestep,
-    limits_of,
-    parse_settings,
-)
+from harness.cli import run_options, terminal
 from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
@@ -47,7 +33,7 @@ REPORT = "report"
 
 
 def sweep(  # noqa: PLR0917 - a parameter an option
-    scene: SceneName,
+    scene: run_options.SceneName,
     over: Annotated[
         list[str],
         typer.Option(
@@ -60,10 +46,10 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     sample: Annotated[str, typer.Option(help="grid, random, sobol or halton.")] = "grid",
     count: Annotated[int | None, typer.Option(help="Scenes of a sample.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of a sample; 0 if left out.")] = None,
-    engine: EngineName = "reference",
-    profile: Profile = "matched",
-    timestep: Timestep = None,
-    set_: Settings = None,
+    engine: run_options.EngineName = "reference",
+    profile: run_options.Profile = "matched",
+    timestep: run_options.Timestep = None,
+    set_: run_options.Settings = None,
     quantity: Annotated[
         list[str] | None,
         typer.Option(help="A column, such as angle_of_turn_deg or epsilon; repeat it."),
@@ -71,11 +57,11 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     against: Annotated[
         str | None, typer.Option(help="A quantity to draw the others against, such as epsilon.")
     ] = None,
-    jobs: Jobs = None,
-    on: Cluster = None,
-    time_limit: TimeLimit = None,
-    memory_limit: MemoryLimit = None,
-    json: Json = False,  # noqa: FBT002 - a switch of the command line
+    jobs: run_options.Jobs = None,
+    on: run_options.Cluster = None,
+    time_limit: run_options.TimeLimit = None,
+    memory_limit: run_options.MemoryLimit = None,
+    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Vary parameters of a scene and write a row for each: a map of the turn, say.
 
@@ -85,7 +71,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     if on is not None:
         check_cluster_address(on)
     workers = jobs or len(os.sched_getaffinity(0))
-    limits = limits_of(workers if on is None else 1, time_limit, memory_limit)
+    limits = run_options.limits_of(workers if on is None else 1, time_limit, memory_limit)
     asked = list(quantity or ())
     if against is not None and quantity and against not in asked:
         asked.append(against)
@@ -98,7 +84,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         engine=engine,
         profile=profile,
         timestep=timestep,
-        options=parse_settings(set_ or []),
+        options=run_options.parse_settings(set_ or []),
         quantities=asked,
     )
     if against is not None and against not in chosen.quantities:

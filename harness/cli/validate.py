@@ -11,14 +11,8 @@ from typing import Annotated
 import typer
 
 from harness import api
-from harness.cli import terminal
+from harness.cli import run_options, terminal
 from harness.cli.reports import joined_sections, show_changes
-from harness.cli.run_options import (
-    RunOptions,
-    engine_settings,
-    settings_to_dict,
-    with_run_options,
-)
 from harness.cli.study_command import run_with_progress, shown
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
@@ -60,17 +54,13 @@ _WHOLE = "full"
 """The suite that goes on to ask who is to blame."""
 
 
-@with_run_options
+@run_options.with_run_options
 def validate(  # noqa: PLR0917 - a parameter an option
     suite: Annotated[
         str, typer.Option(help="quick: a minute or so; full: long ladders, causes, three errors.")
     ] = "quick",
-    engine: Annotated[
-        list[str] | None, typer.Option(help="An engine to compare; repeat it. All if left out.")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")] = Path(
-        "reports/latest"
-    ),
+    engine: run_options.EngineNames = None,
+    out: run_options.ReplacedFolder = Path("reports/latest"),
     set_: Annotated[
         list[str] | None,
         typer.Option(
@@ -103,15 +93,15 @@ def validate(  # noqa: PLR0917 - a parameter an option
         ),
     ] = None,
     *,
-    running: RunOptions,
+    running: run_options.RunOptions,
 ) -> None:
     """Run the validation suite in every engine and write the report: the main job."""
     engines = api.stepping_engines(engine)
-    chosen = engine_settings(set_ or [], engines)
+    chosen = run_options.engine_settings(set_ or [], engines)
     study = plan_comparison(suite, engines, chosen)
     check_writable(out)
     others = joined_sections(with_ or [])
-    settings = settings_to_dict(chosen)
+    settings = run_options.settings_to_dict(chosen)
     if accept and settings:
         allowed = "nothing beside --set: accepted results are an engine's own"
         raise InvalidSettingError("--accept", accept, allowed)
@@ -202,7 +192,9 @@ def _scores(
     )
 
 
-def _accept(study: ComparisonStudy, scores: Scores, running: RunOptions, place: Path) -> Path:
+def _accept(
+    study: ComparisonStudy, scores: Scores, running: run_options.RunOptions, place: Path
+) -> Path:
     """Measure how far each result is free to move, accept the run, and return the file."""
     own = list(scores.scores.values())
     with running.executor() as executor, terminal.progress_bar() as bar:
@@ -216,7 +208,7 @@ def _accept(study: ComparisonStudy, scores: Scores, running: RunOptions, place: 
     return write_baseline(replace(scores, scores={s.identity: s for s in with_spread}), place)
 
 
-def _causes(names: Sequence[str], running: RunOptions) -> list[Section]:
+def _causes(names: Sequence[str], running: run_options.RunOptions) -> list[Section]:
     """Return the attribution and the three errors of every engine, as chapters of a report."""
     groups = (
         StudyGroup(

@@ -10,7 +10,7 @@ Each cause is a gap of the engine's defaults. The experiment that confirms it is
 the gap is closed; its command stands in the row.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from harness.core.report_model import Column, Table, table_of
@@ -45,19 +45,16 @@ _MOST = 3
 """Causes that are told; the attribution's own tables have all."""
 
 
-def causes(verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
+def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row]]) -> Table:
     """Return the causes of every deviation of an engine as it ships.
 
     Parameters
     ----------
     verdicts : sequence of mapping
         Rows of the table of fidelity.
-    tables : sequence of Table
-        Of all studies.
+    rows_of : callable
+        Returns the rows of the tables of a name.
     """
-    by_study = {
-        table.name: records(table) for table in tables if table.name.endswith(("-gaps", "-runs"))
-    }
     rows: list[Row] = []
     unknown: dict[str, Row] = {}
     for row in verdicts:
@@ -66,8 +63,8 @@ def causes(verdicts: Sequence[Row], tables: Sequence[Table]) -> Table:
             continue
         scene, engine = row["scene"], row["engine"]
         study = f"{scene}-{engine}"
-        if f"{study}-gaps" in by_study:
-            rows += _of(row, by_study[f"{study}-gaps"], by_study.get(f"{study}-runs", []))
+        if gaps := rows_of(f"{study}-gaps"):
+            rows += _of(row, gaps, rows_of(f"{study}-runs"))
         else:  # once for a scene and engine: how the causes are found out
             command = f"rockingcan attribute {scene} --engine {engine}"
             unknown[study] = {
@@ -184,20 +181,23 @@ def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
     None where no chapter is the comparison.
     """
     tables = [a for chapter in chapters for a in chapter.artefacts if isinstance(a, Table)]
-    verdicts = [row for table in tables if table.name == FIDELITY for row in records(table)]
+
+    def rows_of(name: str) -> list[Row]:
+        return [row for table in tables if table.name == name for row in records(table)]
+
+    verdicts = rows_of(FIDELITY)
     if not verdicts:
         return ()
     scenes = list(dict.fromkeys(row["scene"] for row in verdicts))
     headline = _HEADLINE if _HEADLINE in scenes else scenes[0]
-    hard = [row for table in tables if table.name == "verdicts" for row in records(table)]
-    prices = [r for t in tables if t.name == f"{headline}-prices" for r in records(t)]
+    hard, prices = rows_of("verdicts"), rows_of(f"{headline}-prices")
     rows = [
         {**row, **_stability(row, hard), **_price(row, prices, headline)}
         for row in _rows(headline, verdicts)
     ]
     return (
         table_of("engines", f"Scorecard: engines on {headline}", _SCORECARD, rows),
-        causes(verdicts, tables),
+        causes(verdicts, rows_of),
         *(
             table_of(
                 f"{scene}-engines", "The engines", _OF_SCENE, _rows(scene, verdicts), scene=scene

@@ -6,7 +6,7 @@ The summary is the headline in Markdown, for pasting into a pull request.
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,6 @@ from harness.report.simplify_curves import PAPER, SCREEN, simplify
 from harness.report.stored import ARTEFACTS, to_json
 from harness.report.style import palette
 from harness.report.tables import (
-    Row,
     csv_text,
     dictionary,
     markdown,
@@ -90,34 +89,25 @@ def junit(report: Report) -> str:
     return _ALIEN.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
-def _rows(table: Table) -> Iterable[dict[str, Any]]:
-    """Yield the verdicts of a table: each row with the keys `suite` and `verdict`."""
-    if table.name == FIDELITY:
-        yield from ({**row, "suite": row["engine"]} for row in records(table))
-    elif table.name == _GATE:
-        yield from map(_held, records(table))
-
-
-def _held(row: Row) -> dict[str, Any]:
-    """Return a comparison with an accepted result as fidelity has them."""
-    step = "" if row["timestep_s"] is None else f", {row['timestep_s']:g} s"
-    verdict, note = row["verdict"], f": {row['note']}" if row["note"] else ""
-    return {
-        **row,
-        "suite": f"{row['engine']}, against accepted results",
-        "profile": f"{row['profile']}{step}",
-        "verdict": Verdict(verdict.status, f"{verdict.text}{note}"),
-        "value": row["found"],
-        "allowed": _allowed(row["accepted"], row["tolerance"]),
-        "command": f"case {row['case']}",
-    }
-
-
-def _allowed(accepted: object, tolerance: object) -> float | None:
-    """Return how large a magnitude may be for its tolerance, if there is such a number."""
-    if not (isinstance(accepted, float) and isinstance(tolerance, float)):
-        return None
-    return accepted + tolerance
+def _rows(table: Table) -> Iterator[dict[str, Any]]:
+    """Yield the verdicts of a table, with the keys of fidelity and `suite`."""
+    for row in records(table):
+        if table.name == FIDELITY:
+            yield {**row, "suite": row["engine"]}
+        elif table.name == _GATE:
+            step = "" if row["timestep_s"] is None else f", {row['timestep_s']:g} s"
+            verdict, note = row["verdict"], f": {row['note']}" if row["note"] else ""
+            accepted, tolerance = row["accepted"], row["tolerance"]
+            known = isinstance(accepted, float) and isinstance(tolerance, float)
+            yield {
+                **row,
+                "suite": f"{row['engine']}, against accepted results",
+                "profile": f"{row['profile']}{step}",
+                "verdict": Verdict(verdict.status, f"{verdict.text}{note}"),
+                "value": row["found"],
+                "allowed": accepted + tolerance if known else None,
+                "command": f"case {row['case']}",
+            }
 
 
 def _add_case(suite: Element, row: dict[str, Any]) -> None:

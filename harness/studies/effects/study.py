@@ -9,7 +9,6 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series, table_of
 from harness.evaluation.case_record import LOST
-from harness.evaluation.timing import untimed
 from harness.studies.effects.changes import CHANGED, Effect, EffectsResults, EffectStatus
 from harness.studies.effects.friction import friction
 from harness.studies.effects.plan import EffectsPlan
@@ -279,12 +278,8 @@ class EffectsStudy:
 
     def findings(self, done: Results) -> EffectsResults:
         """Return what each effect does in each engine."""
-        times = done.of(TIMING)
-        return EffectsResults(
-            plan=self.plan,
-            evaluations=done.of(EVALUATION),
-            times={case: times.get(case, untimed(case)) for case in self.plan.cases()},
-        )
+        runs, times = done.of(EVALUATION), done.of(TIMING)
+        return EffectsResults(plan=self.plan, evaluations=runs, times=times)
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables, and the turn against friction."""

@@ -8,6 +8,7 @@ Energy is weighed by `models`, which knows none of them.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
@@ -314,12 +315,13 @@ _SURVEY = (
 
 def survey_table(checks: Sequence[ReferenceCheck]) -> Table:
     """Return how the reference fared on random scenes, by how they end."""
-    groups: dict[str, list[ReferenceCheck]] = {}
-    for check in checks:
-        ends = "refused" if check.refusal else check.outcome or "crash"
-        groups.setdefault(ends, []).append(check)
+
+    def ending(check: ReferenceCheck) -> str:
+        return "refused" if check.refusal else check.outcome or "crash"
+
     rows = []
-    for ends, group in sorted(groups.items()):
+    for ends, own in groupby(sorted(checks, key=ending), ending):
+        group = list(own)
         sure = [check.disagreement for check in group if check.conditioning <= ALLOWED]
         rows.append(
             {
