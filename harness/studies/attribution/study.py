@@ -19,7 +19,6 @@ from harness.core.report_model import (
     Prose,
     Series,
     Table,
-    table_of,
 )
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
@@ -123,15 +122,10 @@ class Attribution:
     def _table(
         self, name: str, title: str, columns: tuple[Column, ...], records: Iterable[object]
     ) -> Table:
-        path = self.path
+        scene, engine = self.path.scene.name, self.path.engine
         hidden = ("scene", "engine", *(f"takes_away_{q.key}" for q in ATTRIBUTED[1:]))
-        return table_of(
-            f"{path.scene.name}-{path.engine}-{name}",
-            f"{title}: {path.engine}",
-            run_columns.without(columns, *hidden),
-            records,
-            scene=path.scene.name,
-        )
+        name, title = f"{engine}-{name}", f"{title}: {engine}"
+        return run_columns.scene_table(scene, name, title, columns, records, *hidden)
 
     def gap_rows(self) -> list[dict[str, Any]]:
         """Return what each gap accounts for, a row a quantity and gap."""

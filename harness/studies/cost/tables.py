@@ -9,7 +9,7 @@ import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 
-from harness.core.report_model import Column, Table, table_of
+from harness.core.report_model import Column, Table
 from harness.core.simulation import Outcome
 from harness.core.verdict import Status, Verdict
 from harness.engines.registry import engine
@@ -62,18 +62,13 @@ _PRICES = (
 
 def prices(cost: Cost, targets: Sequence[float] = TARGETS) -> Table:
     """Return the price list of some targets, in degrees."""
-    columns = run_columns.without(_PRICES, "command", "cost_median_s_s")
     rows = (
         row for choice in CHOICES for target in targets for row in price_rows(cost, choice, target)
     )
-    return _table(cost, "prices", "What accuracy costs", columns, rows)
-
-
-def _table(
-    cost: Cost, name: str, title: str, columns: Sequence[Column], rows: Iterable[object]
-) -> Table:
-    scene = cost.plan.scene.name
-    return table_of(f"{scene}-{name}", title, columns, rows, scene=scene)
+    hidden = ("command", "cost_median_s_s")
+    return run_columns.scene_table(
+        cost.plan.scene.name, "prices", "What accuracy costs", _PRICES, rows, *hidden
+    )
 
 
 def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]]:
@@ -194,7 +189,7 @@ def points(cost: Cost) -> Table:
         }
         for place, p in enumerate(known)
     )
-    return _table(cost, "points", title, run_columns.without(_POINTS, *hidden), rows)
+    return run_columns.scene_table(cost.plan.scene.name, "points", title, _POINTS, rows, *hidden)
 
 
 _FALLS = (
@@ -236,7 +231,7 @@ def orders(cost: Cost, quantities: Sequence[str]) -> Table:
                 }
             )
     title = "How errors fall with the timestep, and where they stop"
-    return _table(cost, "orders", title, _FALLS, rows)
+    return run_columns.scene_table(cost.plan.scene.name, "orders", title, _FALLS, rows)
 
 
 _MOST = 0.5
@@ -301,7 +296,9 @@ def overhead(cost: Cost) -> Table:
         for engine, record in cost.overheads.items()
         for way, taken in record["ways"].items()
     ]
-    return _table(cost, "overhead", "Overhead: one free body, no contact", _OVERHEAD, rows)
+    return run_columns.scene_table(
+        cost.plan.scene.name, "overhead", "Overhead: one free body, no contact", _OVERHEAD, rows
+    )
 
 
 _HARD = (
@@ -347,7 +344,7 @@ def hardness(cost: Cost) -> Table:
                 }
             )
     title = "What one degree costs as the bounce gets harder"
-    return _table(cost, "degree", title, _HARD, rows)
+    return run_columns.scene_table(cost.plan.scene.name, "degree", title, _HARD, rows)
 
 
 def growth(cost: Cost) -> Table:
@@ -365,4 +362,6 @@ def growth(cost: Cost) -> Table:
         if fit is not None:
             row = {"engine": name, "steps": steps, **asdict(fit)}
             rows.append(row | {"confidence": finite(fit.confidence)})  # two points have none
-    return _table(cost, "exponents", "How the cost of a degree grows", _EXPONENTS, rows)
+    return run_columns.scene_table(
+        cost.plan.scene.name, "exponents", "How the cost of a degree grows", _EXPONENTS, rows
+    )

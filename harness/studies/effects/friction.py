@@ -13,7 +13,7 @@ import pandas as pd
 
 from harness.core.case import Case
 from harness.core.errors import UnsupportedEffectError
-from harness.core.report_model import Column, Figure, Panel, Series, Table, table_of
+from harness.core.report_model import Column, Figure, Panel, Series, Table
 from harness.core.trajectory import Floats
 from harness.engines.registry import check_effects
 from harness.evaluation.evaluation import Evaluation
@@ -69,12 +69,13 @@ def friction(
     scene: str, ladder: FrictionLadder, runs: Mapping[Case, Evaluation]
 ) -> tuple[Figure, Table]:
     """Return the figure of turn and phases against friction, and its table."""
-    table = table_of(
-        f"{scene}-friction-runs",
+    table = run_columns.scene_table(
+        scene,
+        "friction-runs",
         "Every run of the ladder of friction",
-        run_columns.without(_COLUMNS, "scene", "case"),
+        _COLUMNS,
         _rows(ladder, runs),
-        scene=scene,
+        *("scene", "case"),
     )
     turns = tuple(
         Series(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series, table_of
+from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series
 from harness.evaluation.case_record import LOST
 from harness.studies.effects.changes import CHANGED, Effect, EffectsResults, EffectStatus
 from harness.studies.effects.friction import friction
@@ -239,13 +239,7 @@ def effects_report(results: EffectsResults) -> tuple[Artefact, ...]:
         ),
         bars(results),
         *(
-            table_of(
-                f"{scene}-{name}",
-                title,
-                run_columns.without(columns, "scene", "case", "command"),
-                rows,
-                scene=scene,
-            )
+            run_columns.scene_table(scene, name, title, columns, rows, "scene", "case", "command")
             for name, title, columns, rows in tables
             if rows  # a scene that declares nothing has no factors
         ),

@@ -20,7 +20,6 @@ from harness.core.report_model import (
     Series,
     Table,
     rows_of,
-    table_of,
 )
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
@@ -207,13 +206,9 @@ def errors_report(results: ThreeErrors) -> tuple[Artefact, ...]:
 def _table(
     plan: ErrorsPlan, name: str, title: str, columns: tuple[Column, ...], records: Iterable[object]
 ) -> Table:
-    return table_of(
-        f"{plan.scene.name}-{plan.engine}-{plan.profile}-{name}",
-        f"{title}: {plan.engine}, {plan.profile}",
-        run_columns.without(columns, "scene", "engine", "profile"),
-        records,
-        scene=plan.scene.name,
-    )
+    name, title = f"{plan.engine}-{plan.profile}-{name}", f"{title}: {plan.engine}, {plan.profile}"
+    hidden = ("scene", "engine", "profile")
+    return run_columns.scene_table(plan.scene.name, name, title, columns, records, *hidden)
 
 
 def _run(results: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict[str, Any]:

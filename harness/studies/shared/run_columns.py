@@ -7,7 +7,7 @@ whose rows hold the scene or the engine elsewhere says where: `SCENE.of("path.sc
 from collections.abc import Iterable
 from dataclasses import replace
 
-from harness.core.report_model import Column
+from harness.core.report_model import Column, Table, table_of
 from harness.metrics.quantities import QUANTITIES
 
 SCENE = Column("scene", "Name of the scene.", "simulation.case.scene.name")
@@ -44,3 +44,16 @@ def quantity_column(key: str, *, shown: bool = True) -> Column:
 def without(columns: Iterable[Column], *names: str) -> tuple[Column, ...]:
     """Return columns of which the page and the terminal do not show some; the files have all."""
     return tuple(replace(c, shown=False) if c.name in names else c for c in columns)
+
+
+def scene_table(
+    scene: str,
+    name: str,
+    title: str,
+    columns: Iterable[Column],
+    records: Iterable[object],
+    *hidden: str,
+) -> Table:
+    """Return a table of one scene, after which it is named; the page does not show some columns."""
+    shown = without(columns, *hidden)
+    return table_of(f"{scene}-{name}", title, shown, records, scene=scene)
