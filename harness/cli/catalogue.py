@@ -1,4 +1,4 @@
-"""What there is: scenes, engines with their settings and what they are worth, results in the store.
+"""Commands that list scenes, engines with their settings and checks, and stored results.
 
 Of an engine, whether its adapter keeps its contract and what it adds of its own accord; of the
 store, what is in it, whether it is sound, and how to remove what no run will read again.
@@ -140,7 +140,7 @@ def check(
 
 
 def _measure(name: str, profile: str, timestep: float | None, *, json: bool) -> None:
-    """Print what an engine adds of its own accord."""
+    """Print the effects that an engine adds of its own accord."""
     # the can and the gravity of this scene are probed; the release is each probe's own
     scene = load("gentle-rock")
     measured = measure(Case(scene=scene, engine=name, profile=profile, timestep=timestep))
@@ -190,7 +190,7 @@ def engines_answer(name: str | None) -> dict[str, Any]:
 
 
 def _engine_answer(name: str) -> dict[str, Any]:
-    """Return what there is to know of an engine; if it is missing, how to install it."""
+    """Return version, capabilities and settings of an engine; if missing, how to install it."""
     try:
         adapter = engine(name)
     except MissingPackageError as error:

@@ -1,4 +1,4 @@
-"""The tree of commands; running one, and turning what went wrong into a message and a code.
+"""The tree of commands; running a command, and turning errors into a message and a code.
 
 0 done; 1 a fidelity gate failed; 2 wrong use or bad input, with one message; 130 and 143 stopped by
 Ctrl-C and by SIGTERM, with what is done and how to go on. Standard output is for answers alone, and
@@ -115,12 +115,12 @@ app.add_typer(store, name="store")
 
 
 class _Answers(io.FileIO):
-    """Where answers go. Says once that it cannot write; what comes after that goes nowhere."""
+    """Standard output for answers. Raises once that it cannot write, and drops all that follows."""
 
     _failed = False
 
     def write(self, data: "ReadableBuffer", /) -> int:
-        """Write what fits.
+        """Write as much as fits.
 
         Raises
         ------
@@ -209,7 +209,7 @@ def code_of(arguments: list[str], program: typer.Typer = app, name: str = "rocki
 
 
 def _refused(error: Exception) -> int:
-    """Say what was wrong with what was asked, and return the exit code."""
+    """Print the message of a wrong use or a failed gate, and return the exit code."""
     if isinstance(error, TyperException):
         return _complain(f"{_own_message(error)} (see: rockingcan --help)")
     failed = isinstance(error, ParityError)
@@ -220,7 +220,7 @@ def _refused(error: Exception) -> int:
 
 
 def _stopped(error: Interrupted, name: str, arguments: Sequence[str]) -> str:
-    """Return what is done when a run is stopped, and the command that goes on with it."""
+    """Return how far a stopped run came, and the command that goes on with it."""
     # what --fresh was to replace is replaced as far as the run came
     again = shlex.join([*name.split(), *(word for word in arguments if word != "--fresh")])
     notes = getattr(error, "__notes__", ())
@@ -229,7 +229,7 @@ def _stopped(error: Interrupted, name: str, arguments: Sequence[str]) -> str:
 
 
 def _shown(usual: Callable[..., None]) -> Callable[..., None]:
-    """Return what shows a warning: our own in one line each, and once, others as usual."""
+    """Return a function that shows warnings: our own in one line and once, others as usual."""
     shown: set[str] = set()
 
     def show(message: object, category: type[Warning], *place: object) -> None:
@@ -243,12 +243,12 @@ def _shown(usual: Callable[..., None]) -> Callable[..., None]:
 
 
 def _own_message(error: TyperException) -> str:
-    """Return what the command line's own error says."""
+    """Return the message of an error of the command line's own."""
     message = getattr(error, "format_message", None)
     return (str(message()) if callable(message) else str(error)).rstrip(".")
 
 
 def _complain(message: str, code: int = WRONG_USE) -> int:
-    """Say on standard error what was wrong, each line as ours, and return the exit code."""
+    """Print a message on standard error, each line as ours, and return the exit code."""
     sys.stderr.writelines(f"rockingcan: {line}\n" for line in message.splitlines())
     return code

@@ -97,7 +97,7 @@ def run(  # noqa: PLR0917 - a parameter an option
 
 
 def _show(answer: Answer, sentences: Iterable[str]) -> None:
-    """Print a motion for people: its tables, the sentences, and what each effect supposes."""
+    """Print a motion for people: its tables, the sentences, and its modelling choices."""
     choices = (f"Modelling choice: {sentence}" for sentence in answer["modelling_choices"])
     terminal.stdout_console().print(*motion_tables(answer), *sentences, *choices, sep="\n")
 
@@ -106,7 +106,7 @@ _BOUNCE = (
     *("phi_min_rad", "angle_of_turn_deg", "rotation_turn_deg"),
     *("peak_psi_dot_rad_s", "peak_friction_ratio"),
 )
-"""Quantities of a bounce, beside its time."""
+"""Quantities of a bounce, in addition to its time."""
 
 _CONTACT = ("max_penetration_m", "max_slip_m_s", "lift_off_fraction", "multi_contact_fraction")
 
@@ -161,7 +161,7 @@ def divergence_json(divergence: Divergence | None) -> Answer | None:
 
 
 def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
-    """Return what goes into the answer of `reference` beside the motion in numbers.
+    """Return the part of the answer of `reference` on the model and its checks.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ def _why(truth: Truth, asked: str) -> str:
 
 
 def sentences(answer: Answer) -> Iterable[str]:
-    """Yield what a person reads of it, a paragraph each."""
+    """Yield the sentences on an answer of `reference`, a paragraph each."""
     if answer["model"] is not None:
         plural = "" if answer["equations"] == 1 else "s"
         yield f"Model: {answer['model']}, {answer['equations']} equation{plural}. {answer['why']}"

@@ -1,4 +1,4 @@
-"""What is made of reports that are written: one page of several, or what differs between two.
+"""Commands on written reports: one page of several, and the differences of two.
 
 Two reports are of two versions of an engine, two machines or two settings; nothing runs again.
 """
@@ -62,7 +62,7 @@ def joined_sections(folders: Sequence[Path]) -> list[Section]:
 
 
 def show_changes(artefacts: Sequence[Artefact]) -> None:
-    """Print what a comparison found: what has changed, then the sentences."""
+    """Print the changes that a comparison found, then its sentences."""
     console = terminal.stdout_console()
     for artefact in artefacts:
         if isinstance(artefact, Table):

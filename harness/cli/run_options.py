@@ -58,7 +58,7 @@ Json = Annotated[
 ]
 
 STORE = Path("reports/.store")
-"""Where results are kept if nothing else is said, below where the command is run."""
+"""Usual folder of the store, below the folder in which the command is run."""
 
 VARIABLE = "ROCKINGCAN_STORE"
 """Environment variable that names another folder."""
@@ -123,7 +123,7 @@ class RunOptions:
 
     @contextmanager
     def executor(self) -> Iterator[Executor]:
-        """Give what cases run on: never this process, which an engine could take along."""
+        """Give the executor of cases: never this process, which an engine could take along."""
         with (
             local_executor(self.jobs, spawned=True, limits=self.limits)
             if self.on is None

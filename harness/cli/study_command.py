@@ -24,7 +24,7 @@ Shown = Mapping[str, Collection[str]]
 
 
 def run_with_progress(study: Study, running: RunOptions) -> Results:
-    """Run a study beside a progress bar, where and within what limits the options say."""
+    """Run a study with a progress bar, on the executor and within the limits of the options."""
     bar = terminal.progress_bar()
     task = bar.add_task("starting the engines", total=None)
 
@@ -62,7 +62,7 @@ def run_command(
     answer: Callable[[Results], Mapping[str, Any]] | None = None,
     show: Callable[[Results, Sequence[Artefact]], None],
 ) -> Results:
-    """Run a study, write its report, and print what it says, or one JSON object.
+    """Run a study, write its report, and print its tables and words, or one JSON object.
 
     Parameters
     ----------
@@ -98,14 +98,14 @@ def run_command(
 
 
 def _with_summary(artefacts: Sequence[Artefact]) -> list[Artefact]:
-    """Return artefacts of which some words open the page, whatever the study calls them."""
+    """Return artefacts with their texts as the summary, which opens the page."""
     if any(a.name == "summary" for a in artefacts):
         return list(artefacts)
     return [replace(a, name="summary", scene="") if isinstance(a, Prose) else a for a in artefacts]
 
 
 def shown(names: Shown) -> Callable[[Results, Sequence[Artefact]], None]:
-    """Return what prints some artefacts of a report: columns of tables, and words."""
+    """Return a function that prints artefacts of a report: columns of tables, and words."""
 
     def show(_: Results, artefacts: Sequence[Artefact]) -> None:
         console = terminal.stdout_console()

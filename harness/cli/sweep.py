@@ -111,7 +111,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
 
 
 def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None:
-    """Make what is missing beside a progress bar, and say how to go on if it is stopped."""
+    """Make the missing partitions with a progress bar; if stopped, say how many are written."""
     chosen, missing = folder.plan, folder.missing()
     left = sum(len(chosen.span(index)) for index in missing)
     for path in folder.damaged:
@@ -141,7 +141,7 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
 
 @contextmanager
 def _executor(chosen: SweepPlan, jobs: int, on: str | None, limits: Limits) -> Iterator[Executor]:
-    """Open what carries out a plan; limits are of a scene's run, and the exact bounce has none."""
+    """Open the executor of a plan; limits are of a scene's run, and the exact bounce has none."""
     made: Executor
     if on is not None:
         made = dask_executor(on, default_limits(1) if chosen.exact else limits)

@@ -31,12 +31,12 @@ _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"
 
 
 def to_json(answer: Mapping[str, Any]) -> str:
-    """Return the answer of `--json`: one object, in which what is no number is null."""
+    """Return the answer of `--json`: one object, with null for NaN and infinity."""
     return json.dumps(_finite(answer), indent=2, allow_nan=False)
 
 
 def _finite(value: Any) -> Any:  # noqa: ANN401 - JSON is of any type
-    """Return a value with null for what is no number."""
+    """Return a value with None for NaN and infinity."""
     if isinstance(value, Mapping):
         return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

@@ -154,7 +154,7 @@ class _Gate:
 def _open_gate(
     study: ComparisonStudy, folder: Path | None, *, accept: bool, every_engine: bool
 ) -> _Gate | None:
-    """Return what a run is held against, or refuse before anything runs; None if against nothing.
+    """Return the accepted results for a run, or refuse before anything runs; None without any.
 
     Raises
     ------

@@ -123,7 +123,7 @@ def read_baseline(folder: Path) -> Scores:
 
 @contextmanager
 def _reading(what: str) -> Iterator[None]:
-    """Say in one sentence what cannot be read, whatever is wrong with its content."""
+    """Turn any error of content into a `BaselineError` of one sentence."""
     try:
         yield
     except BaselineError:
@@ -153,7 +153,7 @@ def _json(value: object) -> str:
 
 
 def _record(score: Score) -> dict[str, Any]:
-    """Return a case as one flat record: what names it, then its numbers."""
+    """Return a case as one flat record: its identity, then its numbers."""
     record = asdict(score)
     record["spread"] = {name: _rounded_up(value) for name, value in score.spread.items()}
     return {**record.pop("identity"), **record}
@@ -173,7 +173,7 @@ RESULTS = Path("tables", "results.parquet")
 
 
 def gate_keys(designed: Case, suite: str, settings: Mapping[str, str]) -> dict[str, Any]:
-    """Return what the manifest of a report says of a case so that its scores can be read again.
+    """Return the entries of a case in a manifest from which its scores can be read again.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ def differences(
     expected: Iterable[CaseIdentity] | None = None,
     spreads: Scores | None = None,
 ) -> tuple[Difference, ...]:
-    """Return all differences, case by case in the order of the second, then what it lacks.
+    """Return all differences, case by case in the order of the second, then its missing cases.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def differences(
 
 
 def _of_outcome(score: Score, status: Status, note: str = "") -> Difference:
-    """Return what has become of a whole case."""
+    """Return the difference of a case as a whole."""
     return Difference(
         identity=score.identity, quantity=OUTCOME, status=status, note=note, digest=score.digest
     )
@@ -141,7 +141,7 @@ def _case(first: Score, second: Score, sides: Sequence[Score]) -> Iterator[Diffe
 
 
 def _ending(first: Score, second: Score, sides: Sequence[Score]) -> tuple[Status, str]:
-    """Return what has become of the ending of a run, and what is to be said of it."""
+    """Return the status of the ending of a run, and a note."""
     if first.outcome == second.outcome:
         return Status.SAME, ""
     note = f"{_word(first.outcome)}, then {_word(second.outcome)}"
@@ -185,7 +185,7 @@ def _quantity(
 
 
 def judge(first: Number, second: Number, tolerance: Number) -> tuple[Status, str]:
-    """Return what has become of a magnitude, and what is to be said of it.
+    """Return the status of a magnitude, and a note.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ _COUNTED = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wording:
-    """What the two sides are called, and what becomes of a quantity between them.
+    """Words for the two sides, and for the status of a quantity between them.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Wording:
     words: Mapping[Status, str]
 
     def word(self, status: Status) -> str:
-        """Return what a status is called."""
+        """Return the word for a status."""
         return self.words.get(status, status.value)
 
     def verdict(self, difference: Difference) -> Verdict:
@@ -117,7 +117,7 @@ _NAMED = 12
 
 
 def changed(differences: Iterable[Difference]) -> tuple[Difference, ...]:
-    """Return what has changed, what got worse first, the largest factor first."""
+    """Return the differences that count, what got worse first, the largest factor first."""
     return tuple(
         sorted(
             (d for d in differences if d.status in _MOVED),
@@ -127,7 +127,7 @@ def changed(differences: Iterable[Difference]) -> tuple[Difference, ...]:
 
 
 def regressions(differences: Iterable[Difference]) -> tuple[Difference, ...]:
-    """Return what fails a gate: what got worse, or is gone."""
+    """Return the differences that fail a gate: worse, or missing."""
     return tuple(d for d in changed(differences) if d.status.failed)
 
 
@@ -138,7 +138,7 @@ def sentences(
     wording: Wording,
     spreads: Scores | None = None,
 ) -> tuple[str, ...]:
-    """Return what was compared, how it came out, and what has changed most, case by case."""
+    """Return sentences: cases compared, counts by status, and the largest changes case by case."""
     cases = list(dict.fromkeys(d.identity for d in differences))
     lines = [
         f"{len(cases)} cases of {second.place} ({second.suite} suite) were held against "
@@ -273,7 +273,7 @@ def _finite(change: Difference) -> bool:
 
 
 def _points(own: Sequence[Difference], wording: Wording) -> tuple[Series, ...]:
-    """Return the points of an engine, a series for each verdict; what has moved has its colour."""
+    """Return the points of an engine, a series for each verdict; changes have their own colour."""
     places = {quantity.column: float(place) for place, quantity in enumerate(QUANTITIES)}
     series = []
     for status in (Status.SAME, Status.UNDECIDABLE, Status.WORSE, Status.BETTER):

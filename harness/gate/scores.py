@@ -1,4 +1,4 @@
-"""What is kept of a run to hold a later one against: its ending, its numbers, their spread.
+"""The score of a run, against which a later one is held: its ending, numbers and their spread.
 
 Which case a result belongs to, whatever version of an engine made it.
 
@@ -30,7 +30,7 @@ from models.scene import Scene
 
 @dataclass(frozen=True, slots=True, kw_only=True, order=True)
 class CaseIdentity:
-    """A case by what was asked of it.
+    """A case as it was asked for, whatever version of an engine ran it.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class GatedQuantity:
 
     @property
     def words(self) -> str:
-        """Return what it is called in a sentence."""
+        """Return its name in a sentence."""
         label = REGISTRY[self.column].label
         return f"error of the {label}" if self.kind is QuantityKind.ERROR else label
 

@@ -65,7 +65,7 @@ def spread(middle: Score, runs: Sequence[Score]) -> Score:
 
 
 _AT_ONCE = 48
-"""Members whose motions are held in memory together, some megabytes each."""
+"""Members whose motions are held in memory together, a few megabytes each."""
 
 
 def count(designed: Sequence[Case], scores: Sequence[Score]) -> int:

@@ -20,7 +20,7 @@ FORMAT = "rockingcan-report"
 
 
 def check_writable(out: Path) -> None:
-    """Refuse at once what `write_report` would refuse at the end of a long run.
+    """Refuse a folder at once that `write_report` would refuse at the end of a long run.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _take_place(draft: Path, out: Path) -> None:
 
 
 def _refuse_foreign(out: Path) -> None:
-    """Refuse to replace what is not ours: a file, or a folder with other things in it."""
+    """Refuse to replace a file, or a folder that is no report."""
     if not out.exists():
         if out.is_symlink():
             raise OutputError(f"cannot write a report to '{out}': the link leads nowhere")

@@ -1,4 +1,4 @@
-"""A report before it is written: what there is, what opens it, and what stands together.
+"""A report before it is written: its opening, and its sections.
 
 The first chapter is told scene by scene, every further one in a section of its own.
 """
@@ -96,7 +96,7 @@ class Report:
 def unique_names(
     derived: Sequence[Artefact], chapters: Sequence[Section]
 ) -> tuple[Named, tuple[Named, ...]]:
-    """Return what was derived, and each chapter's artefacts, under names unique in the report."""
+    """Return derived tables, and each chapter's artefacts, under names unique in the report."""
     groups = [tuple(derived), *(chapter.artefacts for chapter in chapters)]
     given = iter(slugs(artefact.name for group in groups for artefact in group))
     first, *others = [{next(given): artefact for artefact in group} for group in groups]
@@ -106,7 +106,7 @@ def unique_names(
 def arrange(
     derived: Named, chapters: Sequence[tuple[str, Named]]
 ) -> tuple[ReportPart, tuple[ReportPart, ...]]:
-    """Return what opens the report, and its sections.
+    """Return the opening of the report, and its sections.
 
     Parameters
     ----------
@@ -186,5 +186,5 @@ def _part(title: str, artefacts: Named, *, leading: Named | None = None) -> Repo
 
 
 def _sorted(artefacts: Named, kinds: Sequence[type[Artefact]]) -> Named:
-    """Return the artefacts of some kinds, kind by kind."""
+    """Return the artefacts of the given kinds, kind by kind."""
     return {n: a for kind in kinds for n, a in artefacts.items() if isinstance(a, kind)}

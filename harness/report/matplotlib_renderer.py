@@ -120,13 +120,13 @@ def _sheet(figure: Figure, inks: Mapping[str, LineStyle]) -> Sheet:
 
 
 def _columns(keys: Sequence[Line2D | Patch]) -> int:
-    """Return how many legend entries fit beside each other."""
+    """Return how many legend entries fit into a row."""
     longest = max(len(str(key.get_label())) for key in keys)
     return max(1, min(4, len(keys), _LETTERS // (longest + _KEY)))
 
 
 def _rounded(match: re.Match[str]) -> str:
-    """Return what is drawn with two decimals: a hundredth of a point, a quarter of the size."""
+    """Return path data with two decimals: a hundredth of a point, a quarter of the size."""
     return _LONG.sub(lambda number: f"{float(number[0]):.2f}", match[0])
 
 
@@ -160,7 +160,7 @@ def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: LineStyle
 
 
 def _colour(sheet: Sheet, axes: Axes, heat: Heatmap) -> None:
-    """Lay cells below the curves, and their scale beside the axes."""
+    """Draw cells below the curves, and a colour bar next to the axes."""
     low, high = span(heat)
     cells = axes.pcolormesh(
         heat.x,
@@ -184,7 +184,7 @@ def _colour(sheet: Sheet, axes: Axes, heat: Heatmap) -> None:
 
 
 def _label(axes: Axes, panel: Panel) -> None:
-    """Write the words, scale the axes to what is drawn."""
+    """Write the labels, and scale the axes to the data."""
     if panel.log_x:
         axes.set_xscale("log")
     if panel.log_y:
@@ -266,7 +266,7 @@ def _in_tags(pattern: re.Pattern[str], change: Callable[[re.Match[str]], str], t
 
 
 def _classed(text: str) -> str:
-    """Return a picture that says only once what several of its elements look like."""
+    """Return a picture whose repeated styles are classes."""
     styles = Counter(_WHOLE_STYLES.findall("".join(_TAG.findall(text))))
     classes = {style: f"c{n}" for n, style in enumerate(s for s, k in styles.items() if k > 1)}
     rules = "".join(f".{name}{{{style}}}" for style, name in classes.items())

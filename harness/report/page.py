@@ -28,7 +28,7 @@ from harness.report.tables import grid
 
 
 def frames(replay: Replay) -> dict[str, Any]:
-    """Return a replay in what JSON can hold.
+    """Return a replay in JSON's own types.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def page(report: Report) -> str:
 
 
 Terms = list[tuple[str, str]]
-"""What is said of how something came about: a term, and what it is."""
+"""Provenance as pairs of a term and its text."""
 
 
 def _provenance_terms(
@@ -139,7 +139,7 @@ def _provenance_terms(
 
 
 def _terms(provenance: Provenance) -> Terms:
-    """Return provenance as terms and what they are."""
+    """Return provenance as pairs of a term and its text."""
     commit = provenance.commit
     digest = "not run from a checkout"
     if commit is not None:

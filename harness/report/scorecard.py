@@ -42,7 +42,7 @@ _ATTRIBUTED = {
 """What the attribution calls the quantities of the scorecard that it accounts for."""
 
 _MOST = 3
-"""Causes that are told; the attribution's own tables have all."""
+"""Causes of a deviation in the table; the attribution's own tables have all."""
 
 
 def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row]]) -> Table:
@@ -110,7 +110,7 @@ _PROFILES = {
     "matched": ("matched", "tuned elsewhere, fixed step"),
     "adaptive": ("matched, own steps", "tuned elsewhere, steps follow the motion"),
 }
-"""A profile in words, and what the price list calls its settings; in the order of the rows."""
+"""A profile in words, and its choice in the price list; in the order of the rows."""
 
 _QUANTITIES = {
     "turn_error_deg": (
@@ -270,7 +270,7 @@ def _stability(row: Row, hard: Sequence[Row]) -> Row:
 
 
 def _price(row: Row, prices: Sequence[Row], scene: str) -> Row:
-    """Return what a tenth of a degree costs in an engine's profile."""
+    """Return the cells on the price of a tenth of a degree in an engine's profile."""
     if not prices:
         return {"price_s_s_verdict": _not_measured(f"cost {scene}")}
     _, choice = _PROFILES.get(row["profile"], ("", None))

@@ -148,7 +148,7 @@ SIGNED: tuple[str, Scale | str] = (
     "PuOr_r",
     ((0.0, "#2d004b"), (0.25, "#8073ac"), (0.5, "#f7f7f7"), (0.75, "#e08214"), (1.0, "#7f3b08")),
 )
-"""Purple to orange, pale between: apart for the colour-blind too."""
+"""Purple to orange, pale between: different for the colour-blind too."""
 
 
 _MOST = 0.99

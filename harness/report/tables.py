@@ -40,7 +40,7 @@ def csv_text(table: Table) -> str:
 
 
 def parquet_bytes(table: Table) -> bytes:
-    """Return the whole table as Parquet; each field carries what its column means."""
+    """Return the whole table as Parquet; each field carries the meaning of its column."""
     fields, arrays = [], []
     for name in table.frame.columns:
         array = pa.array(_one_type(table.frame[name]), from_pandas=True)
@@ -77,7 +77,7 @@ def _judged(row: Mapping[str, object], name: str, table: Table) -> str:
 
 
 def dictionary(tables: Iterable[Table]) -> str:
-    """Return what each column of each table means, in Markdown."""
+    """Return the meaning of each column of each table, in Markdown."""
     parts = ["# Columns of the tables in this report\n"]
     for table in tables:
         parts.append(f"## {plain_text(table.title)}\n")
@@ -147,7 +147,7 @@ Row = Mapping[str, Any]
 
 
 def records(table: Table) -> list[Row]:
-    """Return each row by column name; what is missing is None."""
+    """Return each row by column name, with None for missing cells."""
     columns = {str(name): table.frame[name].tolist() for name in table.frame.columns}
     return [
         {n: None if is_missing(v) else v for n, v in zip(columns, row, strict=True)}
@@ -168,7 +168,7 @@ _TONES: dict[Tone, str] = {
     "bad": "failed worse timed flat overturned diverged mismatch",
     "none": "unsupported undecidable not",
 }
-"""By tone the first words of statuses, of outcomes, and of what is judged in a word."""
+"""By tone the first words of statuses and outcomes."""
 
 
 def grid(name: str, table: Table, digests: Collection[str]) -> dict[str, Any]:
@@ -216,7 +216,7 @@ def _head(table: Table, column: str) -> dict[str, Any]:
 
 
 def _on_page(table: Table) -> tuple[str, ...]:
-    """Return the columns that the page shows: those chosen, and what leads to the case."""
+    """Return the columns that the page shows: those chosen, and the one that leads to the case."""
     chosen = shown(table)
     if table.cases or any(name in chosen for name in (*CASE, COMMAND)):
         return chosen

@@ -264,7 +264,7 @@ def _kinds(artefacts: Iterable[Artefact]) -> Iterable[str]:
 
 
 def _once(chapters: Sequence[Section]) -> tuple[Mapping[str, Any], ...]:
-    """Return the cases of all chapters, each once: studies share some."""
+    """Return the cases of all chapters, each once: studies share cases."""
     cases: dict[object, Mapping[str, Any]] = {}
     for case in (case for chapter in chapters for case in chapter.cases):
         cases.setdefault(case.get("digest", id(case)), case)

@@ -1,1 +1,1 @@
-"""Studies design cases and read what came of them; they run nothing."""
+"""Studies design cases and read their results; they run nothing."""

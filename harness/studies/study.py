@@ -69,7 +69,7 @@ class Work(Generic[Task, Result]):
 
 @dataclass(frozen=True, slots=True)
 class Job(Generic[Task, Result]):
-    """A task and what is done with it: a case to evaluate, or to time alone, or scenes to check."""
+    """A task and its kind of work: a case to evaluate or to time alone, or scenes to check."""
 
     work: Work[Task, Result]
     task: Task
@@ -100,7 +100,7 @@ class Results:
         return Results({**self._results, work: {**self.of(work), **results}})
 
     def only(self, jobs: Iterable[Job[Any, Any]]) -> "Results":
-        """Return the results of some jobs."""
+        """Return the results of the given jobs alone."""
         results: dict[Work[Any, Any], dict[Any, Any]] = {}
         for job in jobs:
             results.setdefault(job.work, {})[job.task] = self._results[job.work][job.task]
@@ -277,7 +277,7 @@ def case_record(simulation: Simulation) -> Record:
 
 
 def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[Case, Any]]:
-    """Return what gives the cache of one kind of results of cases.
+    """Return a function that gives the cache of one kind of results of cases.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The attribution study: which of an engine's gaps causes which part of its discrepancy.
 
-Who accounts for how much is read along an ablation path, and told in numbers, words and bars.
+The part of each gap is read along an ablation path, and reported in numbers, words and bars.
 """
 
 import math
@@ -51,7 +51,7 @@ _PANELS = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Attribution:
-    """A path with its evaluations, and who accounts for what.
+    """A path with its evaluations, and the parts of each discrepancy.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class Attribution:
         return nothing, f"The runs ended: {', '.join(ends)}."
 
     def _doubt(self) -> str:
-        """Return in how many runs the turn is not known, and what is known of it all the same."""
+        """Return in how many runs the turn is not known, and which gap matters most where it is."""
         if not self.uncounted:
             return ""
         turn = self.accounts[ATTRIBUTED[0].key]
@@ -128,7 +128,7 @@ class Attribution:
         return run_columns.scene_table(scene, name, title, columns, records, *hidden)
 
     def gap_rows(self) -> list[dict[str, Any]]:
-        """Return what each gap accounts for, a row a quantity and gap."""
+        """Return the part of each gap in each quantity, a row each."""
         return [
             {
                 "scene": self.path.scene.name,
@@ -151,7 +151,7 @@ class Attribution:
         ]
 
     def _run_rows(self) -> list[dict[str, Any]]:
-        """Return every run, with what it takes away and the command that reproduces it."""
+        """Return a row for every run: its discrepancies, and the parts that its step takes away."""
         names = self.path.names
         rows: list[dict[str, Any]] = []
         for step in self.path.steps():
@@ -259,7 +259,7 @@ _RUNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AttributionStudy:
-    """Run every step of an ablation path, and say what each gap accounts for.
+    """Run every step of an ablation path, and attribute discrepancies to its gaps.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ class AttributionStudy:
         return evaluation_jobs(self.path.cases())
 
     def findings(self, done: Results) -> Attribution:
-        """Return who accounts for what."""
+        """Return the part of each gap in each discrepancy."""
         runs = done.of(EVALUATION)
 
         def discrepancy(quantity: Quantity) -> Account:

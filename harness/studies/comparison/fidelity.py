@@ -1,4 +1,4 @@
-"""Every quantity of every engine with its number, what is allowed, and a verdict in words.
+"""Every quantity of every engine with its number, the allowed size, and a verdict.
 
 What is allowed is what cannot be seen, or what changes the motion in kind; each has its reason at
 its definition. A run that ended early failed in all quantities; one that cannot be compared is said
@@ -36,7 +36,7 @@ _WHOLE = 10.0
 
 
 def _weighed(factor: float) -> Verdict:
-    """Return the verdict on something by its factor over what is allowed."""
+    """Return the verdict on a size, given as a factor over the allowed one."""
     if factor <= 1.0:
         return Verdict(Status.AGREES, "agrees")
     digits = f"{factor:.0f}" if factor >= _WHOLE else f"{factor:.2g}"
@@ -44,7 +44,7 @@ def _weighed(factor: float) -> Verdict:
 
 
 def excess(e: Evaluation) -> float:
-    """Return the worst error of a run over what agrees: of any turn, or of phi over the run."""
+    """Return the worst error of a run over the allowed one: of any turn, or of phi over the run."""
     if e.errors is None or e.truth is None:
         return math.inf
     turns = [

@@ -77,7 +77,7 @@ def _figure(
     seen: str,
     columns: int = 2,
 ) -> Figure:
-    """Return a figure of some runs of a scene."""
+    """Return a figure of runs of a scene."""
     return Figure(
         name=f"{scene}-{name}",
         title=title,
@@ -90,7 +90,7 @@ def _figure(
 
 
 def _angle(name: str) -> Callable[[Motion], Floats]:
-    """Return what reads an angle of a motion, deg."""
+    """Return a function that reads an angle of a motion, deg."""
     return lambda motion: np.degrees(getattr(motion.angles, name))
 
 
@@ -321,7 +321,7 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
 
 
 def _residual_sizes(drawn: Sequence[Evaluation]) -> str:
-    """Return where the errors of the farthest run are made, and how small they can be."""
+    """Return a sentence on the largest and the smallest errors over time."""
     known = [e for e in drawn if e.errors is not None]
     if not known:
         return followed_best(drawn)

@@ -53,7 +53,7 @@ def drawn_runs(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
 
 
 def label(e: Evaluation) -> str:
-    """Return what the legend calls a run."""
+    """Return the legend entry of a run."""
     case = e.simulation.case
     if case.profile == "adaptive":
         return f"{case.engine}, adaptive"
@@ -88,11 +88,11 @@ _MOVED = frozenset({Outcome.FINISHED, Outcome.FLAT, Outcome.OVERTURNED, Outcome.
 """Endings of a can's motion: once it has parted from the exact one, none of them is a failure."""
 
 _OWN_ERROR = 1e-5
-"""rad: what the best engine's run of a bounce is off by."""
+"""rad: error of the best engine's run of a bounce."""
 
 
 def chaotic(e: Evaluation) -> bool:
-    """Whether what differs in the end of a run is no error."""
+    """Whether a run is chaotic and moved, so that its difference in the end is no error."""
     return e.divergence is not None and e.divergence.chaotic and e.simulation.outcome in _MOVED
 
 

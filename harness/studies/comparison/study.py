@@ -96,7 +96,7 @@ class ComparisonStudy:
 def plan_comparison(
     suite: str, engines: Sequence[str], settings: EngineSettings | None = None
 ) -> ComparisonStudy:
-    """Return the comparison of some engines over a suite.
+    """Return the comparison of engines over a suite.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def plan_comparison(
 def comparison_report(
     evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()
 ) -> tuple[Artefact, ...]:
-    """Return the artefacts of the comparison, and say what was left out of it."""
+    """Return the artefacts of the comparison; unsupported scenes are rows of its tables."""
     artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations, unsupported)]
     for (scene,), own in by_case(evaluations, "scene").items():
         cite, supposed = own[0].simulation.case.scene.cite, _supposed(own)
@@ -147,7 +147,7 @@ def comparison_report(
 
 
 def _supposed(own: Sequence[Evaluation]) -> str:
-    """Return what the effects suppose, what the motion breaks of it, and how long it decides."""
+    """Return the modelling choices, the assumptions that the motion breaks, and a note on chaos."""
     broken = [
         f"{finding.sentence} A model that would carry it: {finding.model}."
         if finding.model

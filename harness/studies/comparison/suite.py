@@ -1,4 +1,4 @@
-"""Which cases the comparison is made of.
+"""The cases of the comparison.
 
 Each engine runs each scene as it ships, at its own timestep; matched, on a ladder of timesteps;
 and adaptive. The first says what a user gets, the second how fast the engine gets nearer, the third

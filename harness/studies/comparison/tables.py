@@ -62,7 +62,7 @@ def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupport
 
 
 def _badness(e: Evaluation) -> tuple[bool, float, float]:
-    """Return what the best run has least of; of a chaotic scene it is followed longest."""
+    """Return the rank of a run, least for the best: a chaotic scene is to be followed longest."""
     return undecided(e) is not None, excess(e), -(math.inf if e.parts_at is None else e.parts_at)
 
 
@@ -184,7 +184,7 @@ _PARITY = (
 
 
 def parity(evaluations: Sequence[Evaluation]) -> Table:
-    """Return what each engine compiled against what the scene declares, at one timestep each."""
+    """Return the compiled model of each engine against the declared one, at one timestep each."""
     seen: set[tuple[str, str, str]] = set()
     rows = []
     for e in evaluations:

@@ -1,1 +1,1 @@
-"""The study of cost: what accuracy costs in time, for each engine, and which settings buy it."""
+"""The study of cost: time against accuracy for each engine, and the settings that buy it."""

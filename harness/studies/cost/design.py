@@ -1,4 +1,4 @@
-"""Which cases the study of cost is made of.
+"""The cases of the study of cost.
 
 *Scored*: every variant of every engine over its ladder, on the scene: error and time. *Tuning*: the
 same on another scene, errors and the time of that one run, from which each engine's settings are
@@ -125,7 +125,7 @@ def plan_cost(
     suite: str = "quick",
     hard_scene: Scene | None = None,
 ) -> CostPlan:
-    """Return what to run for a scene.
+    """Return the plan for a scene.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def _spun(scene: Scene, factor: float, wanted: float) -> Scene:
 
 
 def gap_cases(way: AblationPath) -> dict[str, Case]:
-    """Return by gap the case that says what it leaves of a plateau: all others closed.
+    """Return by gap the case in which it alone is open, for its share of a plateau.
 
     All at the timestep of the path, which is no gap of its own here.
     """

@@ -1,4 +1,4 @@
-"""A point of the work-precision diagram: what a case costs, and what it errs; and how it is run.
+"""A point of the work-precision diagram: cost and errors of a case, and how it is run.
 
 A family of runs: one choice of settings of an engine, from coarse to fine.
 """
@@ -135,7 +135,7 @@ def _case(
 
 
 def expected(case: Case) -> float:
-    """Return how much work a case is, in steps; some number alike for a solver of its own steps."""
+    """Return how much work a case is, in steps; alike for all solvers of their own steps."""
     timestep = timestep_of(case)
     if timestep is None:
         return _SETUP_STEPS
@@ -173,7 +173,7 @@ MEASURING: Work[Case, Record] = Work(
     effort=expected,
     manifest=_manifest,
 )
-"""Run a case and keep its errors and counts: the motion itself is not kept."""
+"""Run a case and return its errors and counts, without the motion."""
 
 HARD_MEASURING: Work[Case, Record] = replace(
     MEASURING,

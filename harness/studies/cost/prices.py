@@ -52,7 +52,7 @@ class Offer:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PriceEntry:
-    """What one buyer pays.
+    """Price of a target: the cheapest offers that reach it.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class PriceEntry:
 
 
 def offers(ladder: Sequence[Point], target: str, *, steps: bool) -> tuple[Offer, ...]:
-    """Return what a ladder offers.
+    """Return the offers of a ladder.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def tied(cheaper: Offer, dearer: Offer) -> bool:
 
 
 def cost_of(sold: Sequence[Offer], target: float) -> tuple[float, bool] | None:
-    """Return what a target costs on one ladder, between its rungs, and whether that is a bound.
+    """Return the cost of a target on one ladder, between its rungs, and whether it is a bound.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ class Cost:
         return tuple(point for _, ladder in self.ladders for point in ladder)
 
     def sold(self, engine: str, choice: str) -> tuple[Offer, ...]:
-        """Return what an engine offers: under one of `CHOICES`."""
+        """Return the offers of an engine under one of `CHOICES`."""
         return tuple(
             offer
             for family, ladder in self.ladders
@@ -187,7 +187,7 @@ class Cost:
         return True
 
     def price(self, engine: str, choice: str, target: float) -> PriceEntry:
-        """Return what an engine costs at a target."""
+        """Return the price of a target in an engine."""
         return price(self.sold(engine, choice), target)
 
 
@@ -213,7 +213,7 @@ def cost(
     times: Mapping[Case, Record],
     overheads: Mapping[str, Record],
 ) -> Cost:
-    """Return the points of a plan from what its runs left.
+    """Return the points of a plan from the records of its runs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The study of cost: error runs first, then times alone of what came back; words and figures.
+"""The study of cost: error runs, then times alone of those that came back; words and figures.
 
 The fairness contract is the rules that every price was measured under, published with it.
 """
@@ -153,7 +153,7 @@ def summary(cost: Cost) -> str:
 
 
 def _target_costs(cost: Cost, engine: str, choice: str) -> str:
-    """Return what each target costs an engine, per simulated second."""
+    """Return the cost of each target in an engine, per simulated second, in words."""
     parts = []
     for target in TARGETS:
         price = cost.price(engine, choice, target)

@@ -61,7 +61,7 @@ _PRICES = (
 
 
 def prices(cost: Cost, targets: Sequence[float] = TARGETS) -> Table:
-    """Return the price list of some targets, in degrees."""
+    """Return the price list of targets in degrees."""
     rows = (
         row for choice in CHOICES for target in targets for row in price_rows(cost, choice, target)
     )
@@ -239,7 +239,7 @@ _MOST = 0.5
 
 
 def _cause(cost: Cost, family: Family, quantity: str, level: float) -> str:
-    """Return what a plateau comes from, in a sentence."""
+    """Return the cause of a plateau, in a sentence."""
     path = next((path for path in cost.plan.paths if path.engine == family.engine), None)
     if family.variant.profile == "default" and not family.variant.settings and path is not None:
         return _from_gaps(path, cost, quantity, level)
@@ -285,7 +285,7 @@ _OVERHEAD = (
 
 
 def overhead(cost: Cost) -> Table:
-    """Return what a step costs without anything to solve."""
+    """Return the table of the cost of a step without anything to solve."""
     rows = [
         {
             "engine": engine,
@@ -324,7 +324,7 @@ _ONE_DEGREE = 1.0
 
 
 def hardness(cost: Cost) -> Table:
-    """Return what a degree costs at each hardness."""
+    """Return the table of the cost of a degree at each hardness."""
     rows = []
     for hard, ladders in cost.hardness:
         for family, ladder in ladders:

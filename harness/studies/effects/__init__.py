@@ -1,1 +1,1 @@
-"""The effects study: which effects a scene needs, what each costs, what an engine adds unasked."""
+"""The effects study: effects that a scene needs, their cost, and those that an engine imposes."""

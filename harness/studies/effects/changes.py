@@ -1,4 +1,4 @@
-"""What effects change and cost in the runs of a plan, and what each effect therefore is."""
+"""Changes and costs of effects in the runs of a plan, and the verdict on each effect."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -31,11 +31,11 @@ CHANGED = tuple(QUANTITIES[key] for key in COUNTS)
 """What an effect may change."""
 
 Times = Mapping[Case, Mapping[str, Any]]
-"""By case, what `harness.evaluation.timing.time_alone` measured."""
+"""Records of `harness.evaluation.timing.time_alone` by case."""
 
 
 class EffectStatus(Enum):
-    """What an effect is to a scene; the value is what tables say."""
+    """Verdict on an effect in a scene; tables show the value."""
 
     NEEDED = "needed"
     HARMLESS = "harmless"
@@ -88,7 +88,7 @@ class Effect:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EffectsResults:
-    """A plan with its runs, and what each effect does in each engine.
+    """A plan with its runs, and each effect in each engine.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class EffectsResults:
         return least if error is None else max(least, abs(error))
 
     def _effect(self, engine_name: str, name: str) -> Effect:
-        """Return what an effect does in an engine."""
+        """Return changes, costs and verdict of an effect in an engine."""
         declared = self.plan.declared
         with_it, without = declared | {name}, declared - {name}
         changes = self._changes(engine_name, with_it, without)
@@ -177,7 +177,7 @@ class EffectsResults:
         return means
 
     def _cost(self, engine_name: str, with_it: Subset, without: Subset) -> dict[str, Number]:
-        """Return what a run costs with the effect over what it costs without."""
+        """Return the costs of a run with the effect over those of the run without it."""
         cases = [self.plan.case(engine_name, subset) for subset in (with_it, without)]
         known = [case for case in cases if case is not None]
         if len(known) != len(cases):

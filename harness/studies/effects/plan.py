@@ -58,7 +58,7 @@ def assumed_strengths(can: Can) -> dict[str, Any]:
 
 
 def replaced_strengths(can: Can, words: tuple[tuple[str, float], ...]) -> dict[str, Any]:
-    """Return the surroundings with some constants replaced.
+    """Return the assumed strengths with the constants named in `words` replaced.
 
     Parameters
     ----------

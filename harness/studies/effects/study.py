@@ -1,4 +1,4 @@
-"""The effects study: which effects a scene needs, what each costs, what an engine adds unasked."""
+"""The effects study: effects that a scene needs, their cost, and those that an engine imposes."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ _COUNTS = frozenset({EffectStatus.NEEDED, EffectStatus.MISSING})
 _KNOWN = _COUNTS | {EffectStatus.HARMLESS}
 
 _LEAST = 1e-6
-"""Change over what counts below which a bar would be longer than the axis is worth."""
+"""Share of the threshold at which bars end: smaller changes would stretch the axis."""
 
 _COSTS = {
     "steps_ratio": "Steps per simulated second with it over those without it.",
@@ -123,7 +123,7 @@ def _run_rows(results: EffectsResults) -> list[dict[str, Any]]:
 
 
 def sentences(results: EffectsResults) -> tuple[str, ...]:
-    """Return a sentence on what is declared, one on what is not, and one for each engine."""
+    """Return sentences on declared effects, on missing ones, and on those that engines impose."""
     plan, said = results.plan, []
     declared = [effect for effect in results.of_engine(plan.engines[0]) if effect.declared]
     if declared:
@@ -213,7 +213,7 @@ def bars(results: EffectsResults) -> Figure:
 
 
 def _height(results: EffectsResults, effect: Effect) -> float:
-    """Return the largest change of an effect over what counts; NaN where none is known."""
+    """Return the largest change of an effect over its threshold; NaN where none is known."""
     shares = [
         abs(value) / results.threshold(effect.engine, key)
         for key, value in effect.changes.items()
@@ -271,7 +271,7 @@ class EffectsStudy:
         ]
 
     def findings(self, done: Results) -> EffectsResults:
-        """Return what each effect does in each engine."""
+        """Return changes, costs and verdict of each effect in each engine."""
         runs, times = done.of(EVALUATION), done.of(TIMING)
         return EffectsResults(plan=self.plan, evaluations=runs, times=times)
 

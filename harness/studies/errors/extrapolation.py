@@ -60,7 +60,7 @@ class ExtrapolatedLimit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Triple:
-    """What three neighbouring values say."""
+    """Limit and order of three neighbouring values."""
 
     limit: float
     order: float
@@ -145,7 +145,7 @@ def _ratio(timesteps: Sequence[float]) -> float:
 
 
 def _triple(coarse: float, middle: float, fine: float, ratio: float) -> _Triple | None:
-    """Return what three values say, or None if they do not approach a limit."""
+    """Return limit and order of three values, or None if they do not approach a limit."""
     d1, d2 = coarse - middle, middle - fine
     q = d2 / d1 if d1 != 0.0 else math.inf
     if not 0.0 < q <= ratio**-_LEAST_ORDER:

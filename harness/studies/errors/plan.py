@@ -1,4 +1,4 @@
-"""What is run to separate the three errors, and what the runs say.
+"""The cases that separate the three errors, and the sentences on their results.
 
 For each way to shrink the timestep: a ladder of timesteps with the solver converged, whose limit is
 the engine's own answer; and at one rung of it the solver as it is set, and at lesser efforts. At
@@ -42,7 +42,7 @@ _OF_THE_END = ("psi_end_deg", "phi_end_deg")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Way:
-    """A way to shrink the timestep: a name in words, and what is set on the way."""
+    """A way to shrink the timestep: a name in words, and the settings on the way."""
 
     name: str
     options: Options
@@ -123,7 +123,7 @@ def plan_errors(
     timestep: float | None = None,
     options: Options = (),
 ) -> ErrorsPlan:
-    """Return what to run for a scene in an engine.
+    """Return the plan for a scene in an engine.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def _spelled(value: Value) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ThreeErrors:
-    """A plan with its evaluations and what they say.
+    """A plan with its evaluations, spreads and split errors.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ class ThreeErrors:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """A sentence or two a way, and one on what is not decidable."""
+        """Two sentences for each way, and one on the spread of perturbed releases."""
         plan = self.plan
         for quantity in plan.quantities:
             splits = {way.name: self.splits[way.name, quantity.key] for way in plan.ways}
@@ -251,7 +251,7 @@ _VERDICTS = {
 
 
 def _way(plan: ErrorsPlan, name: str, quantity: Quantity, split: Split) -> tuple[str, str]:
-    """Return the three errors on one way, and what they come to."""
+    """Return a sentence on the three errors on one way, and one with the verdict."""
     known, approach = "", "no order is seen on the way to its limit"
     if split.limit is not None:
         known = f" (known to {_amount(quantity, split.limit.uncertainty, sign=False)})"

@@ -19,7 +19,7 @@ from harness.studies.errors.extrapolation import ExtrapolatedLimit
 
 
 class ErrorStatus(Enum):
-    """What a split error comes to; the value is what tables say."""
+    """Verdict on a split error; tables show the value."""
 
     UNKNOWN = "unknown"
     UNDECIDABLE = "undecidable"

@@ -366,7 +366,7 @@ def _ensemble_figure(results: ThreeErrors) -> Figure:
 
 
 def _kind(plan: ErrorsPlan, way: Way) -> str:
-    """Return what decides the colour of a way."""
+    """Return the kind of the curves of a way, which decides their colour."""
     return plan.engine if way is plan.ways[0] else f"{plan.engine}, {way.name}"
 
 

@@ -5,7 +5,7 @@ Every step of the path is a set of closed gaps, and every set of closed gaps is 
 profile `matched` itself. A setting whose matched value goes with the timestep takes its value for
 the timestep in force there.
 
-Who accounts for what: with the discrepancy D(S) in which the set S of gaps is closed, gaps 1 to n,
+The parts of a discrepancy: with its level D(S) in which the set S of gaps is closed, gaps 1 to n,
 
 - the whole, D({}) - D({1..n}), is what closing all of them takes away;
 - in order, D({1..k-1}) - D({1..k}), which sum to the whole: each level is added and taken once;
@@ -196,7 +196,7 @@ class Account:
     left_open: tuple[Number, ...]
 
     def by_gap(self, parts: Sequence[Number]) -> dict[str, float]:
-        """Return what is known of one part of each gap, by the name of the gap."""
+        """Return the known parts by the name of their gap."""
         pairs = zip(self.path.names, parts, strict=True)
         return {name: part for name, part in pairs if part is not None}
 
@@ -237,7 +237,7 @@ class Account:
         return {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}.get(unit, (unit, 1.0))
 
     def words(self, value: Number, *, unit: bool = True) -> str:
-        """Return a discrepancy in words; what is not known is said to be so."""
+        """Return a discrepancy in words, also one that is not known."""
         if value is None:
             return "an unknown part"
         word, scale = self.unit
@@ -245,7 +245,7 @@ class Account:
         return f"{number} {word}".rstrip() if unit else number
 
     def in_order_sentence(self) -> str:
-        """Return what each gap takes away, largest first."""
+        """Return a sentence on the part that each gap takes away, largest first."""
         path, known = self.path, self.by_gap(self.in_order)
         least = _NOTHING * max(abs(value) for value in self.levels if value is not None)
         parts = "; ".join(
@@ -297,7 +297,7 @@ _HARDLY = 0.01
 
 
 def account(path: AblationPath, quantity: Quantity, level: Callable[[Closed], Number]) -> Account:
-    """Return who accounts for what of a discrepancy, given it with any set of gaps closed."""
+    """Return the parts of a discrepancy, given its level with any set of gaps closed."""
     names, whole = path.names, frozenset(path.names)
     levels = tuple(level(frozenset(names[:count])) for count in range(len(names) + 1))
     return Account(

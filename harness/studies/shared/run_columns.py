@@ -42,7 +42,7 @@ def quantity_column(key: str, *, shown: bool = True) -> Column:
 
 
 def without(columns: Iterable[Column], *names: str) -> tuple[Column, ...]:
-    """Return columns of which the page and the terminal do not show some; the files have all."""
+    """Return columns, those named hidden from page and terminal; files have all columns."""
     return tuple(replace(c, shown=False) if c.name in names else c for c in columns)
 
 
@@ -54,6 +54,6 @@ def scene_table(
     records: Iterable[object],
     *hidden: str,
 ) -> Table:
-    """Return a table of one scene, after which it is named; the page does not show some columns."""
+    """Return a table of one scene, which begins its name; hidden columns are in files alone."""
     shown = without(columns, *hidden)
     return table_of(f"{scene}-{name}", title, shown, records, scene=scene)

@@ -34,7 +34,7 @@ from models.scene import Scene
 
 
 class StabilityStatus(Enum):
-    """How a run went; the value is what a person reads. From good to bad."""
+    """Verdict on a run, from good to bad; tables show the value."""
 
     ACCURATE = "accurate"
     STABLE = "stable, no exact motion"
@@ -93,7 +93,7 @@ class Symptom:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ClassifiedRun:
-    """A run, without its motion, and what is said of it.
+    """A run, without its motion, and the verdict on it.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class ClassifiedRun:
 
     @property
     def good(self) -> bool:
-        """Whether it is as good as can be told: accurate, or sound where no motion is exact."""
+        """Whether it is accurate, or sound where there is no exact motion."""
         return self.verdict in {StabilityStatus.ACCURATE, StabilityStatus.STABLE}
 
 
@@ -200,7 +200,7 @@ def _accuracy(e: Evaluation, own: Motion, truth: Motion | None) -> tuple[Stabili
 
 
 def _phi_error(own: Motion, truth: Motion) -> tuple[Symptom, float]:
-    """Return the error of phi over its largest value, rms, and what is allowed."""
+    """Return the error of phi over its largest value, rms, and the allowed one."""
     phi = truth.angles.phi
     off = own.angles.phi[: len(phi)] - phi
     share = math.sqrt(float(np.sum(shares(truth.time) * off**2))) / float(phi.max())
@@ -209,7 +209,7 @@ def _phi_error(own: Motion, truth: Motion) -> tuple[Symptom, float]:
 
 
 def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
-    """Return the worst error of a turn, or how many bounces are missing, and what is allowed."""
+    """Return the worst error of a turn, or how many bounces are missing, and the allowed size."""
     # a ripple is no bounce; and one is complete in a record once phi has passed its next maximum
     low = (1.0 - 2.0 * PROMINENCE) * float(truth.angles.phi.max())
     known = [bounce for bounce in e.true_bounces if bounce.phi_min < low]
@@ -228,7 +228,7 @@ def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
 
 
 def _orientation_error(e: Evaluation, own: Trajectory) -> tuple[Symptom, float]:
-    """Return the largest error of the orientation of a can that flies free, and what is allowed."""
+    """Return the largest error of the orientation of a can that flies free, and the allowed one."""
     off = rotation_between(own.quaternion, free_rotation(own, e.simulation.case.scene))
     worst = int(np.argmax(off))
     words = "error of the orientation, rad"
@@ -273,7 +273,7 @@ def _product(p: Floats, q: Floats) -> Floats:
 
 
 GAIN = LOSS = 0.05
-"""Of the energy that the can has to spend: what a reader sees in phi at the first glance."""
+"""Of the energy that the can has to spend: a reader sees such a change of phi at once."""
 
 DEEP = 0.1
 """Of the radius: a can this deep in the plane no longer touches it with its rim."""
@@ -314,12 +314,12 @@ def tunnelled(e: Evaluation) -> Symptom | None:
 
 
 def gained(e: Evaluation) -> Symptom | None:
-    """Return when the energy had grown by a twentieth of what the can has to spend."""
+    """Return when the energy had grown by a twentieth of the energy that the can has to spend."""
     return _first(*_spent(e, -1.0), GAIN, "energy gained over what the can has to spend")
 
 
 def dissipated(e: Evaluation, until: float) -> Symptom | None:
-    """Return when a twentieth of what the can has to spend was lost, up to a time in s."""
+    """Return when a twentieth of the spendable energy was lost, up to a time in s."""
     time, lost = _spent(e, 1.0)
     within = time <= until
     return _first(time[within], lost[within], LOSS, "energy lost over what the can has to spend")

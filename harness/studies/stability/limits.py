@@ -86,7 +86,7 @@ def next_timestep(
 
 
 STANDARDS = ("accurate", "sound")
-"""What usable may mean: it follows the exact motion; or nothing fails, whatever the error."""
+"""Meanings of usable: the run follows the exact motion; or nothing fails, whatever the error."""
 
 PROFILE = "matched"
 
@@ -125,7 +125,7 @@ class TimestepLimit:
 
     @property
     def spread(self) -> float | None:
-        """Largest over smallest limit of the members; None if some have none."""
+        """Largest over smallest limit of the members; None if a member has no limit."""
         known = self.known
         return known[-1] / known[0] if known and len(known) == len(self.usable) else None
 

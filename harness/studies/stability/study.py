@@ -69,7 +69,7 @@ CLASSIFYING: Work[Case, ClassifiedRun] = Work(
 """Run a case and classify it, without its motion, so that thousands of results fit into a cache."""
 
 _SHARE = 100
-"""Random scenes in a task: one takes some 50 ms."""
+"""Random scenes in a task; a scene takes about 50 ms."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +93,7 @@ class StabilityStudy:
         return f"stability, {self.suite.name} suite"
 
     def next_jobs(self, done: Results) -> list[Job[Any, Any]]:
-        """Return the map and the scenes of the reference, and what the searches want next."""
+        """Return the map and the scenes of the reference; then the next round of the searches."""
         runs = list(done.of(CLASSIFYING).values())
         if runs:
             further = next_round(self.suite, self.engines, by_scene(runs))
@@ -233,7 +233,7 @@ def _counted(runs: Sequence[ClassifiedRun], words: str) -> str:
 
 
 def seen(symptom: Symptom) -> str:
-    """Return a symptom as a person says it: what was seen, how much of it, and when."""
+    """Return a symptom in words: its kind, its size, and the time."""
     if math.isnan(symptom.number):
         return symptom.words
     words, _, unit = symptom.words.rpartition(", ")
@@ -243,7 +243,7 @@ def seen(symptom: Symptom) -> str:
 
 
 def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
-    """Return for each case that fails as shipped what cures it, if anything does."""
+    """Return sentences on the cases that fail as shipped, by the setting that cures them."""
     cured: dict[str, list[str]] = {}
     for name in names:
         runs = [run for run in own if run.case.scene.name == name]

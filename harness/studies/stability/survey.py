@@ -32,7 +32,7 @@ from models.effects import IDEAL
 from models.scene import Scene
 
 ALLOWED = 1e-9
-"""Relative: what issue and paper ask for; round-off of some thousand operations is 1e-13."""
+"""Relative: the digits that the paper asks for; round-off of a thousand operations is 1e-13."""
 
 MOST_EVALUATIONS = 4000
 """Of the equations, on one bounce: none needs more, however hard it is."""
@@ -181,7 +181,7 @@ def _apart(one: Truth, other: Truth) -> float:
 
 
 def _failure(first: Truth, second: Truth, off: float, drift: float) -> str:
-    """Return what is wrong with two solutions that ought to be one."""
+    """Return a sentence on the difference of two solutions of one scene; empty if there is none."""
     one, other = first.solution, second.solution
     if one.outcome is not other.outcome:
         return f"{one.model} ends as {one.outcome.name}, {other.model} as {other.outcome.name}"
@@ -198,7 +198,7 @@ def _failure(first: Truth, second: Truth, off: float, drift: float) -> str:
 
 
 def _of_an_ulp(motion: Truth) -> float:
-    """Return what one ulp of the numbers of a motion does to it; infinite if all."""
+    """Return the change of a motion by one ulp of its input; infinite if it ends otherwise."""
     total = 0.0
     for pair in perturb(motion, EPS):
         for other in pair:
@@ -210,7 +210,7 @@ def _of_an_ulp(motion: Truth) -> float:
 
 
 def _energy_error(scene: Scene, truth: Truth) -> float:
-    """Return the largest change of energy and work along a motion, over what there is to spend."""
+    """Return the largest change of energy and work along a motion, over the spendable energy."""
     if truth.ends <= 0.0:
         return 0.0
     times = np.concatenate(
@@ -284,7 +284,7 @@ _CASES = (
 
 
 def case_table(checks: Sequence[ReferenceCheck]) -> Table:
-    """Return why each hard case is hard, and what the reference makes of it."""
+    """Return the table of hard cases: why each is hard, and how the reference solves it."""
     rows = []
     for check in checks:
         solved = not check.refusal
