@@ -75,7 +75,6 @@ _RESULTS = (
         "turn_resolved",
         "Whether the record is dense enough to count the turns of psi.",
         lambda e: e.bounces[0].resolved if e.bounces else None,
-        shown=False,
     ),
     run_columns.quantity_column("bounce_time_error_s"),
     run_columns.quantity_column("phi_min_rad", shown=False),
@@ -94,7 +93,6 @@ _RESULTS = (
         "parts_at_s",
         "When the orientation is first 0.1 rad from the truth's; empty if it never is.",
         "parts_at",
-        shown=False,
     ),
     run_columns.quantity_column("energy_drift"),
     run_columns.quantity_column("max_penetration_m"),
@@ -105,34 +103,26 @@ _RESULTS = (
         "static_penetration_m",
         "Depth at which the can was released.",
         "simulation.static_penetration",
-        shown=False,
     ),
-    Column(
-        "simulated_s",
-        "Length of the run.",
-        lambda e: None if e.motion is None else float(e.motion.time[-1]),
-        shown=False,
-    ),
+    Column("simulated_s", "Length of the run.", lambda e: e.motion and float(e.motion.time[-1])),
     run_columns.quantity_column("steps"),
     run_columns.quantity_column("constraint_rows", shown=False),
     run_columns.quantity_column("setup_s", shown=False),
     run_columns.quantity_column("wall_s"),
     run_columns.quantity_column("cpu_s", shown=False),
     Column(
-        "truth_pulls",
-        "Whether the exact motion asks the plane to pull, which no engine's can.",
-        shown=False,
+        "truth_pulls", "Whether the exact motion asks the plane to pull, which no engine's can."
     ),
-    Column(
-        "digest", "Names the case in this version of its engine.", "simulation.digest", shown=False
-    ),
-    *run_columns.without((run_columns.COMMAND,), "command"),
+    Column("digest", "Names the case in this version of its engine.", "simulation.digest"),
+    run_columns.COMMAND,
 )
 
 
 def results(evaluations: Sequence[Evaluation]) -> Table:
     """Return the table of all cases, with everything that was measured of them."""
-    return table_of("results", "All cases", _RESULTS, evaluations)
+    hidden = ("turn_resolved", "parts_at_s", "static_penetration_m", "simulated_s", "truth_pulls")
+    columns = run_columns.without(_RESULTS, *hidden, "digest", "command")
+    return table_of("results", "All cases", columns, evaluations)
 
 
 _BOUNCES = (

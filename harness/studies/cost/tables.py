@@ -149,29 +149,15 @@ _POINTS = (
     run_columns.COMMAND,
 )
 
-_POINTS_SHOWN = (
-    "engine",
-    "settings",
-    "timestep_s",
-    "phi_rms_rad",
-    "cost_s_s",
-    "cost_median_s_s",
-    "setup_s",
-    "steps",
-    "solver_iterations",
-    "constraint_rows",
-    "on_front",
-    "outcome",
-    "case",
-    "command",
-)
+_HIDDEN = ("profile", "repeats", "clock_over_processor", "simulated_s", "imposes")
+"""Columns of the points that the page does not show, in addition to most errors."""
 
 
 def points(cost: Cost) -> Table:
     """Return every point, failures too."""
     target, known = cost.plan.target, cost.points
     front = set(pareto_front([p.cost for p in known], [p.error(target) for p in known]))
-    hidden = [c.name for c in _POINTS if c.name not in {*_POINTS_SHOWN, target}]
+    hidden = (*_HIDDEN, *(key for key in RECORDED if key not in {"phi_rms_rad", target}))
     title = "Every run: what it costs and what it errs"
     rows = (
         p.run["errors"]
