@@ -23,7 +23,7 @@ from harness.core.report_model import (
 from harness.core.verdict import Status, Verdict
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Difference
 from harness.gate.scores import BY_COLUMN, QUANTITIES, CaseIdentity, QuantityKind, Scores
-from harness.studies.shared.run_columns import ENGINE, PROFILE, SCENE
+from harness.studies.shared import run_columns
 
 _MOVED = (Status.WORSE, Status.MISSING, Status.BETTER, Status.NEW)
 """What has changed, in the order in which it is named."""
@@ -61,28 +61,19 @@ class Wording:
     def columns(self) -> tuple[Column, ...]:
         """Return the columns of a table of differences."""
         return (
-            SCENE.of("identity.scene"),
-            ENGINE.of("identity.engine"),
-            PROFILE.of("identity.profile"),
+            run_columns.SCENE.of("identity.scene"),
+            run_columns.ENGINE.of("identity.engine"),
+            run_columns.PROFILE.of("identity.profile"),
             Column(
                 "timestep_s",
                 "Timestep that was asked for; empty for the profile's own.",
                 lambda change: change.identity.timestep or None,
             ),
-            Column(
-                "options",
-                "Settings of the suite on top of the profile.",
-                "identity.options",
-                shown=False,
-            ),
+            Column("options", "Settings of the suite on top of the profile.", "identity.options"),
             Column("quantity", "A column of the table of results, or the outcome."),
             Column(self.first, "Its magnitude there.", "first"),
             Column(self.second, "Its magnitude here.", "second"),
-            Column(
-                "spread",
-                "Largest departure among releases that differ by 1e-9 or less.",
-                shown=False,
-            ),
+            Column("spread", "Largest departure among releases that differ by 1e-9 or less."),
             Column(
                 "tolerance",
                 f"How much may differ: {SPREADS:g} spreads, and what round-off alone makes.",
@@ -229,7 +220,7 @@ def gate_report(
         table_of(
             "gate",
             "Quantity by quantity, what has changed first",
-            wording.columns(),
+            run_columns.without(wording.columns(), "options", "spread"),
             (*moved, *(d for d in differences if d.status not in _MOVED)),
         ),
     )

@@ -18,6 +18,7 @@ from harness.core.verdict import Status, Verdict
 from harness.report.layout import FIDELITY, Section
 from harness.report.number_format import readable
 from harness.report.tables import Row, records
+from harness.studies.shared import run_columns
 from harness.studies.stability.failure_criteria import SOUND
 
 _CAUSES = (
@@ -152,16 +153,7 @@ def _judged(name: str, meaning: str) -> tuple[Column, ...]:
 _OF_SCENE = (
     Column("engine", "Name of the engine."),
     Column("settings", "The profile in words, and its smallest timestep that was run."),
-    Column(
-        "timestep_s",
-        "Timestep of the engine; the largest of one that chooses its own.",
-        shown=False,
-    ),
-    Column(
-        "profile",
-        "default: as it ships; matched: what the scene declares; adaptive: own steps.",
-        shown=False,
-    ),
+    *run_columns.without((run_columns.TIMESTEP, run_columns.PROFILE), "timestep_s", "profile"),
     *(c for name, _, meaning in _QUANTITIES.values() for c in _judged(name, meaning)),
 )
 
