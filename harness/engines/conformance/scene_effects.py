@@ -37,38 +37,26 @@ from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import truth
 from harness.engines.registry import check_effects, names
 from harness.engines.stepping.horizon import Watch
-from models import (
-    IDEAL,
-    Compliance,
-    Damping,
-    Drilling,
-    Effects,
-    Horizon,
-    PointMass,
-    Restitution,
-    RollingResistance,
-    RoundedRim,
-    Scene,
-    Shake,
-    Slip,
-    Tilt,
-    contact_point,
-)
+from models import IDEAL, KINDS, Effects, Horizon, Scene, contact_point
 
 SLIPPERY = 0.05
 """Coefficient of friction below what the suite's release needs from the first instant on, 0.15."""
 
+_CONSTANTS: dict[str, dict[str, float]] = {
+    "slip": {"mu": SLIPPERY},
+    "compliance": {"stiffness": 1e4, "damping": 5.0},
+    "restitution": {"coefficient": 0.5},
+    "drilling": {"length": 1e-3},
+    "rolling_resistance": {"length": 1e-3},
+    "damping": {"linear": 0.5, "angular": 0.5},
+    "rim": {"radius": 1e-3},
+    "tilt": {"angle": 0.05},
+    "shake": {"frequency": 20.0, "vertical": 1e-4},
+    "point_mass": {"mass": 4e-3, "x": 0.02},
+}
+
 DECLARED = {
-    "slip": Effects(slip=Slip(mu=SLIPPERY)),
-    "compliance": Effects(compliance=Compliance(stiffness=1e4, damping=5.0)),
-    "restitution": Effects(restitution=Restitution(coefficient=0.5)),
-    "drilling": Effects(drilling=Drilling(length=1e-3)),
-    "rolling_resistance": Effects(rolling_resistance=RollingResistance(length=1e-3)),
-    "damping": Effects(damping=Damping(linear=0.5, angular=0.5)),
-    "rim": Effects(rim=RoundedRim(radius=1e-3)),
-    "tilt": Effects(tilt=Tilt(angle=0.05)),
-    "shake": Effects(shake=Shake(frequency=20.0, vertical=1e-4)),
-    "point_mass": Effects(point_mass=PointMass(mass=4e-3, x=0.02)),
+    name: Effects(**{name: KINDS[name](**constants)}) for name, constants in _CONSTANTS.items()
 }
 """A scene's effects with one of each kind, each strong enough to see in a tenth of a second."""
 

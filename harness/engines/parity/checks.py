@@ -134,38 +134,41 @@ def _free_flight(world: World, scene: Scene, timestep: float) -> Iterator[Compar
         after = stepped(world, _aloft(scene), moving(thrown, spin))
         return after.twist(), after.pose()
 
-    linear, angular = (0.0, 0.0) if damping is None else (damping.linear, damping.angular)
     rest, fallen = flown()
-    thrown, after = flown(velocity=X)
+
+    def speed_left(speed: float) -> float:
+        return float(flown(velocity=speed * X)[0].velocity[0] - rest.velocity[0])
+
+    def spin_left(spin: float) -> float:
+        return float(flown(spin=spin * axis)[0].angular_velocity @ axis)
+
+    left, (_, after) = speed_left(1.0), flown(velocity=X)
     # a velocity of 1 is known to an ulp, 2e-16, and a position of 0 likewise once it has moved
     ulp = 4.0 * 2.0**-52 / timestep
-    left = float(thrown.velocity[0] - rest.velocity[0])
     # engines advance with the new velocity
     advance = float(after.position[0] - fallen.position[0]) / left if left else math.nan
     yield "timestep", "s", timestep, advance, 1e-9 * timestep + 1e-15, _HOW
-    gravity, gained = (
-        gravity_vector(scene) + shaking(scene, 0.0, timestep),
-        rest.velocity / timestep,
-    )
+    gravity = gravity_vector(scene) + shaking(scene, 0.0, timestep)
     directions = [("gravity", -UP)]
     if scene.effects.tilt is not None or scene.effects.shake is not None:
         directions += [("gravity along x", X), ("gravity along y", Y)]
+    linear, angular = (0.0, 0.0) if damping is None else (damping.linear, damping.angular)
     tolerance = 1e-9 * scene.gravity + (ulp + linear * scene.gravity)
     for quantity, direction in directions:
-        declared, value = float(gravity @ direction), float(gained @ direction)
-        yield quantity, "m/s^2", declared, value, tolerance, _HOW
-    spin = float(flown(spin=axis)[0].angular_velocity @ axis)
-    for quantity, rate, left_of_one in (("linear", linear, left), ("angular", angular, spin)):
-        value = -math.log(left_of_one) / timestep if left_of_one > 0.0 else math.inf
-        yield f"{quantity} damping", "1/s", rate, value, ulp + rate**2 * timestep, _HOW
-    speed = float(flown(velocity=_FAST * X)[0].velocity[0] - rest.velocity[0])
-    spin = float(flown(spin=_FAST * axis)[0].angular_velocity @ axis)
-    for quantity, unit, rate, value in (
-        ("speed kept", "m/s", linear, speed),
-        ("spin kept", "rad/s", angular, spin),
-    ):
+        value = float(rest.velocity / timestep @ direction)
+        yield quantity, "m/s^2", float(gravity @ direction), value, tolerance, _HOW
+    kinds = (
+        ("linear damping", "speed kept", "m/s", linear, speed_left),
+        ("angular damping", "spin kept", "rad/s", angular, spin_left),
+    )
+    for quantity, _, _, rate, left_of in kinds:
+        share = left_of(1.0)
+        value = -math.log(share) / timestep if share > 0.0 else math.inf
+        yield quantity, "1/s", rate, value, ulp + rate**2 * timestep, _HOW
+    for _, quantity, unit, rate, left_of in kinds:
         declared, tolerance = math.exp(-rate * timestep), 1e-9 + (rate * timestep) ** 2
-        yield quantity, unit, _FAST * declared, value, _FAST * tolerance, f"{_HOW} at this rate"
+        how = f"{_HOW} at this rate"
+        yield quantity, unit, _FAST * declared, left_of(_FAST), _FAST * tolerance, how
 
 
 def _shaken_flight(world: World, scene: Scene) -> Iterator[Compared]:
