@@ -288,7 +288,7 @@ class Variant:
     along : str
         What the ladder changes: "timestep", "" for a single run, or the name of a setting.
     values : tuple
-        Of that setting, from coarse to fine; a timestep's are chosen by whoever runs it.
+        Values of that setting, from coarse to fine; timesteps are chosen by the study.
     imposes : str
         What the settings make of the can that the scene does not declare; empty if nothing.
     thorough : bool

@@ -1,8 +1,8 @@
 """Checks of an engine's answer before anything is measured of it.
 
-An adapter is somebody's program and may be wrong; then its answer is refused with the reason, and
-no other case suffers. What is refused here is a fault of the adapter. Numbers that grew without
-bound are not: a run that diverged says so and hands over what was sound before.
+An adapter may be wrong; then its answer is refused with the reason, and no other case suffers. A
+refused answer is a fault of the adapter. Numbers that grew without bound are no fault: a run that
+diverged says so and hands over the trajectory before.
 """
 
 import math

@@ -182,7 +182,7 @@ def export_settings(case: Case) -> str:
 def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
     """Return the timestep of a case, s; None for a solver that chooses its own.
 
-    An engine of somebody else's is asked in a process of its own first: it may not survive it.
+    An engine of another package is asked in a separate process: it may crash.
 
     Parameters
     ----------

@@ -9,21 +9,21 @@ DRAFT_SUFFIX = ".draft"
 
 
 def write_atomically(path: Path, content: bytes, *, draft: Path | None = None) -> None:
-    """Write a file so that it is there whole or not at all, after a power cut too.
+    """Write a file completely or not at all, also if the power is cut.
 
     Parameters
     ----------
     path : Path
-        In a folder that exists; a file that is there is replaced.
+        In a folder that exists; an existing file is replaced.
     content : bytes
     draft : Path, optional
-        What it is called meanwhile, on the same file system; a hidden name beside it, with the
-        suffix ``.draft``, if left out. A program that is killed leaves it.
+        Name of the file while it is written, on the same file system; a hidden name in its folder,
+        with the suffix ``.draft``, if left out. A program that is killed leaves it.
 
     Raises
     ------
     OSError
-        If it cannot be written. What was there before is still there, and no draft is.
+        If it cannot be written. The earlier file is then unchanged, and the draft is removed.
     """
     name = f".{path.name}.{os.getpid()}-{uuid.uuid4().hex[:8]}{DRAFT_SUFFIX}"
     place = path.with_name(name) if draft is None else draft

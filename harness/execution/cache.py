@@ -78,7 +78,7 @@ class CacheFolder:
         """Whether an entry exists; it may be broken."""
         return not self.fresh and self.path(kind, key).exists()
 
-    def get(self, kind: str, key: str) -> Any:  # noqa: ANN401 - whatever was kept
+    def get(self, kind: str, key: str) -> Any:  # noqa: ANN401 - any result
         """Return a result, or None if there is none.
 
         A broken entry is moved to the folder `aside`, with a `CacheWarning`.

@@ -205,7 +205,7 @@ class CacheEntry:
     arrays_size: int
     arrays_sha256: str
 
-    def value(self) -> Any:  # noqa: ANN401 - whatever was kept
+    def value(self) -> Any:  # noqa: ANN401 - any result
         """Return the result.
 
         Raises

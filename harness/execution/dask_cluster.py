@@ -6,7 +6,7 @@ is lost, that is the machine's doing and the task is done elsewhere.
 
 Environment of a machine: machines with equal descriptions compute equal bits.
 
-A version does not change while somebody edits a checkout, so sources are compared as text. A
+A version does not change when a checkout is edited, so sources are compared as text. A
 processor of the same kind is taken to compute alike.
 """
 

@@ -75,7 +75,7 @@ class IsolatedProcessPool(Executor):
                 raise RuntimeError("the executor was shut down: it takes no more tasks")
             if len(self._threads) < self.workers:
                 thread = threading.Thread(target=self._serve, daemon=True)
-                thread.start()  # raises where the system has none left: then nothing waits for it
+                thread.start()  # raises if the system has no thread left; no task waits then
                 self._threads.append(thread)
             self._tasks.put((future, payload, _modules(fn, *args)))
         return future
@@ -175,7 +175,7 @@ def _modules(*things: object) -> tuple[str, ...]:
 def _settle(future: "Future[Any]", answer: bytes) -> None:
     """Copy the answer of a worker into the future."""
     try:
-        result, error = pickle.loads(answer)  # noqa: S301 - from a process of our own
+        result, error = pickle.loads(answer)  # noqa: S301 - from our worker
     except Exception as unreadable:  # noqa: BLE001 - handed on to whoever asks for the result
         result, error = None, unreadable
     if error is None:

@@ -1,6 +1,6 @@
 """A fingerprint of the program that makes a result: another program, another result.
 
-Versions do not change while somebody edits a checkout; sources do. So what decides a result goes
+Versions do not change when a checkout is edited; sources do. So the sources that decide a result go
 into the fingerprint as text, and the numerical packages with their versions.
 """
 

@@ -236,7 +236,7 @@ class _Run(Generic[T, R]):
                 error = LostTaskError(Loss.STOPPED, reason)
             result, keep = self.lost(task, error), error.loss is Loss.CRASHED
         if self.cache is not None and keep:
-            with delay_signals():  # what is kept is counted, whatever comes meanwhile
+            with delay_signals():  # a stored result is counted, whatever signal comes
                 self.cache.put(task, result)
                 self.safe += 1
         self.results[index] = result

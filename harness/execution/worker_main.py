@@ -48,7 +48,7 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     _serving = True
     _die_with(owner)
     _ignore_signals()
-    # in a group of its own it is in the background of a terminal, and may still complain there
+    # its group is in the background of a terminal, where it may still write errors
     signal.signal(signal.SIGTTOU, signal.SIG_IGN)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")
@@ -105,7 +105,7 @@ def _done(task: bytes) -> bytes:
         return pickle.dumps((fn(*args, **kwargs), None), pickle.HIGHEST_PROTOCOL)
     except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
         sent = _portable(error)
-        if not isinstance(error, HarnessError):  # which says all that there is to say
+        if not isinstance(error, HarnessError):  # its message is complete
             sent.add_note(f"in a worker:\n{traceback.format_exc()}")
         return pickle.dumps((None, sent), pickle.HIGHEST_PROTOCOL)
 
@@ -117,9 +117,9 @@ def _portable(error: Exception) -> Exception:
         if isinstance(copy, type(error)) and str(copy) == str(error):
             return error
     message = ""
-    with suppress(Exception):  # an error of somebody's may not be able to say what it is
+    with suppress(Exception):  # the error of another package may raise in `__str__`
         message = str(error)
-    # an ancestor that is made of its message alone: for ours the root, which callers look for
+    # an ancestor whose only argument is the message: for `HarnessError`s the root class
     simple = next((kind for kind in type(error).__mro__ if "__init__" not in vars(kind)), None)
     with suppress(Exception):
         sent = simple(message) if simple is not None else None

@@ -143,7 +143,7 @@ def _evenly(ends: Floats, last: int, places: NDArray[np.intp]) -> Floats:
     if not last:
         return np.asarray(places * way + low, dtype=np.float64)
     step = way / last
-    # of a range of denormal numbers a step is none
+    # in a range of denormal numbers a step underflows to zero
     steps = places / np.float64(last) * way if step == 0.0 else places * step
     values: Floats = steps + low
     values[places == last] = high

@@ -151,7 +151,7 @@ def decode_partition(content: bytes) -> pd.DataFrame:
     pyarrow.ArrowException
         If it is of an Arrow that this one cannot read.
     """
-    # in this thread alone: one of Arrow's own that outlives the interpreter can abort it
+    # in this thread alone: a thread of Arrow that outlives the interpreter can abort it
     with pq.ParquetFile(pa.BufferReader(content), pre_buffer=False) as file:
         table = file.read(use_threads=False)
     part: pd.DataFrame = table.to_pandas(use_threads=False).set_index("row")

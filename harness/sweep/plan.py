@@ -212,6 +212,6 @@ def _shares(sample: str, seed: int, dimensions: int, rows: range) -> Floats:
     with warnings.catch_warnings():
         # of a count that is no power of two: a plot or a mean needs no perfect balance
         warnings.filterwarnings("ignore", message="The balance properties")
-        if rows.start:  # none at all overflows in it
+        if rows.start:  # `fast_forward(0)` overflows
             sequence.fast_forward(rows.start)
         return np.asarray(sequence.random(len(rows)), dtype=np.float64)

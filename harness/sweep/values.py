@@ -210,7 +210,7 @@ def _batch(cases: Sequence[Case]) -> Sequence[Simulation]:
     chosen = engine(cases[0].engine)
     together = features_of(chosen).simulate_many
     if together is not None:
-        # whatever goes wrong: one by one, below, says which case it was and why
+        # any error: running one by one, below, names the case and the reason
         with suppress(Exception):
             done = together(cases)
             if len(done) == len(cases) and not any(map(contract_violation, done, cases)):

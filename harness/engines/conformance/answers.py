@@ -101,7 +101,7 @@ def report(fixture: Fixture) -> ClauseResult:
         wrong.append(f"timestep {simulation.timestep} instead of {timestep}")
     if simulation.engine_version != chosen.version:
         wrong.append(f"version {simulation.engine_version} instead of {chosen.version}")
-    if simulation.steps < (1 if fixture.steps else 0):  # a closed form takes none
+    if simulation.steps < (1 if fixture.steps else 0):  # a closed form takes no steps
         wrong.append(f"{simulation.steps} steps")
     if min(simulation.setup_s, simulation.wall_s, simulation.cpu_s) < 0.0:
         wrong.append("a negative time")

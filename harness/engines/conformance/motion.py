@@ -304,7 +304,7 @@ def horizon(fixture: Fixture) -> ClauseResult:
     short = fixture.trajectory()
     double = replace(fixture.brief, horizon=Horizon(seconds=2.0 * BRIEF))
     long = fixture.trajectory(fixture.case(double))
-    common = short.time[:-1]  # the last sample of a run is kept whatever the angles say
+    common = short.time[:-1]  # the last sample of a run is always recorded
     at = np.searchsorted(long.time, common)
     if at.max() >= len(long):
         return within(float("inf"), 0.0, "m", "the longer run lacks instants of the shorter")

@@ -336,7 +336,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     def bare_loop(self, world: MujocoWorld, steps: int) -> None:
         """Step so many times in C and do nothing else: no sensor, no reading, no record.
 
-        Under forces that change, states are kept: MuJoCo takes those in its batched loop alone.
+        Under forces that change, states are written: MuJoCo takes forces in its batched loop alone.
         """
         world.model.opt.disableflags |= _SENSORS_OFF
         driven = control(world, np.arange(steps) * np.float64(world.timestep))

@@ -213,7 +213,7 @@ def as_mjcf(case: Case, chosen: Mapping[str, Value], timestep: float) -> str:
     Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
     spring, for geoms named as in the model files.
     """
-    # not the stages that are left out: a model of one's own may need them, and no number does
+    # without the disabled stages: another model may need them, and they change no number
     option, geom, flag = attributes(case, chosen)
     option = {"timestep": repr(timestep)} | option
     lines = [f"<option {_spelled(option)}/>"]
@@ -297,7 +297,7 @@ MODEL_DIFFERENCES = (
     ),
 )
 
-# below 1e-15 the solver's own cost is round-off; 200 iterations are reached by none of its solves
+# below 1e-15 the solver's cost is round-off; no solve takes 200 iterations
 _CONVERGED = (("tolerance", 1e-15), ("iterations", 200), ("ls_iterations", 200))
 
 SOLVER_EFFORTS = (

@@ -48,9 +48,9 @@ _DEPTHS = tuple(1e-7 * 1.6**step for step in range(28))
 _OBLIQUE = np.array((math.cos(0.4), math.sin(0.4), 0.0))
 """An axis to roll about that is no axis of a friction pyramid."""
 
-_FALLING = 10.0  # m/s: what gravity adds in a few steps is little beside it
+_FALLING = 10.0  # m/s: much more than gravity adds in a few steps
 _FEW = 40  # steps of a fall and an impact
-_LIGHT = 0.01  # of the weight: with less, what a step misses is no longer small beside the arm
+_LIGHT = 0.01  # of the weight: with less, the error of a step is no longer small over the arm
 _SLOW = 20.0  # times the rate that the resistance could stop in one step
 
 
@@ -124,8 +124,8 @@ def friction(stand: Stand) -> Compared:
     depths = _SHALLOW * can.radius * _DEEPER ** np.arange(count)
 
     def slid(speed: float) -> float:
-        # beside a heavy point mass friction along the lean may lift the rim, or jam it (Painleve):
-        # then friction across tells
+        # with a heavy point mass friction along the lean may lift the rim, or jam it (Painleve):
+        # then friction across is measured
         for way, depth in product((X, Y), depths.tolist()):
             force = stand.press(depth, moving(speed * way)).force
             if force[2] > 0.0:

@@ -147,7 +147,7 @@ def flight(world: World, spin: Floats, duration: float) -> Floats:
         Of each sample the time (s), the gain of the energy and of |L|, relative, the angle of L to
         what it was, and the angle of the axis to the closed form (rad).
     """
-    moments = np.asarray(world.inertia, dtype=np.float64)  # the engine's own, whatever they are
+    moments = np.asarray(world.inertia, dtype=np.float64)  # as compiled, right or wrong
     world.place(above_origin(ALOFT), moving(spin=spin))
     steps = min(_MOST_STEPS, max(1, round(duration / world.timestep)))
     stride = max(1, steps // _SAMPLES)

@@ -149,7 +149,7 @@ def measure(case: Case) -> Measurement:
     if case.scene.gravity == 0.0:
         raise InvalidSettingError("gravity", 0.0, "greater than zero, to load the can")
     opener: Opener = chosen  # type: ignore[assignment] # it opens worlds
-    # said outright, since a timestep that goes with gravity would change with the load
+    # stated in the case, since a timestep that depends on gravity would change with the load
     stated = replace(case, timestep=opener.timestep(case))
     return Measurement(
         case=case,

@@ -186,7 +186,7 @@ class PybulletWorld:
             )
             raise RefusedModelError(case.engine, case.label(), reason)
         if effects.compliance is not None:
-            # springs in series and dampers added up; a body that says nothing is damped by 0.1
+            # PyBullet puts springs in series and adds dampers; by default a body has damping 0.1
             pybullet.changeDynamics(
                 self.ground, -1, contactStiffness=_RIGID, contactDamping=0.0, **here
             )

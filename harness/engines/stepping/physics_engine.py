@@ -102,7 +102,7 @@ MOST = 16384
 
 _FIRST = 64
 """Steps in the first chunk of fixed steps; each that follows may be four times as long. What starts
-wrong breaks within some tens of steps, and four short looks are little beside a run that does not.
+wrong breaks within some tens of steps, and four short looks cost little in a run that does not.
 """
 
 _ADAPTIVE_LOOK = 1024
@@ -140,7 +140,7 @@ class PhysicsEngine(ABC, Generic[W]):
         Raises
         ------
         InvalidSettingError
-            If it is so short that nobody could count the steps.
+            If it is so short that the steps cannot be counted in a double.
         """
         if case.timestep is not None:
             countable(case.timestep, case.scene)

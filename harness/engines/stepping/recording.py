@@ -1,8 +1,8 @@
 """Recording by angle: dense where the can races round its rim, sparse elsewhere.
 
-A sample is kept whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by its
-share, since the last sample. The path is summed over every step of the engine, so the choice does
-not depend on how the run is cut into chunks, and of a bounce that lasts one step nothing is lost.
+A sample is recorded whenever the path of (phi, psi, theta) has grown by `ANGLE_STEP`, or time by
+its share, since the last sample. The path is summed over every step of the engine, so the choice
+does not depend on how the run is cut into chunks, and no part of a bounce of one step is lost.
 
 How fast the path grows follows from a state alone, so an engine that pays for each reading need not
 read every step of a slow motion: `READINGS_PER_SAMPLE` readings between two samples are enough, and
@@ -186,7 +186,7 @@ def record(
     chunks : iterable of Chunk
         Of consecutive steps, up to the horizon in time.
     seen : callable
-        Is shown the samples that are kept of each chunk, before the next one is stepped.
+        Called with the recorded samples of each chunk, before the next chunk is stepped.
     """
     scene = prepared.case.scene
     recorder, watch = Recorder(scene), Watch(scene)
@@ -283,7 +283,7 @@ class SamplingInterval:
         rate = _OFTEN * path + self._often
         change = _CHANGING * (rocked + self._fall) * math.sqrt(upright / tilted)
         due = self._due + 1.0 / (max(rate, change) * timestep)
-        if not due >= 1.0:  # no number, where the state holds none
+        if not due >= 1.0:  # NaN, where the state is not finite
             self._due = 0.0
             return 1
         steps = int(due)

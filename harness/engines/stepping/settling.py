@@ -111,7 +111,7 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
         after = stepped(world, lowered(pose, depth), twist).twist()
         return float((after.velocity + np.cross(after.angular_velocity, offset))[2])
 
-    # a velocity of round-off size beside that of the release or of one step is rest
+    # a velocity within round-off of the release's, or of that gained in one step, counts as rest
     rest = 1e-12 * float(np.linalg.norm(twist.velocity)) + 1e-9 * load
     if rise(0.0) >= -rest:
         return 0.0, pose
