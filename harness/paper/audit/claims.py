@@ -52,7 +52,8 @@ class Weight(Enum):
         """Return what the report calls errors of this weight."""
         return {
             Weight.SUBSTANTIAL: "errors that change numbers or conclusions",
-            Weight.FORMULA: "false formulas and statements that leave the results as they are",
+            Weight.FORMULA: "false numbers, formulas and statements that leave the results as they "
+            "are",
             Weight.TYPOGRAPHICAL: "slips of one symbol, word or reference",
         }[self]
 

@@ -91,6 +91,9 @@ points to forty digits and, where it agrees, symbolically; a stated order by the
 remainder falls; a number by rounding. Every check is tried on altered claims, which it has to
 refuse, and on the right one, which it has to accept. A result holds
 where it is right as printed, even if a formula on the way to it is wrong: that has its own row.
+The LaTeX quoted in a row and the form that its check computes with were put side by side by
+reading: the quotation is compared with the paper's source, and the form is altered to try the
+check, but nothing derives the one from the other.
 
 Each number of text and captions, each numbered equation and each list of coefficients has a row,
 and so have the statements about where a formula holds, what follows from what, and what the figures

@@ -18,6 +18,7 @@ from harness.paper.audit.checks import (  # noqa: F401 - each registers its chec
     references,
     steady_motions,
     steady_paths,
+    steady_sets,
 )
 from harness.paper.audit.evidence import audit
 

@@ -195,11 +195,14 @@ DISK = Parameters(a=0.25, c=0.5, h=1e-3)
 """A uniform disk a thousandth as thick as wide: the largest turn of a uniform cylinder."""
 LOW = math.pi / 1000
 """Nutation of release: the friction that the fall asks for is in proportion to it."""
+RATES = (0.1, 0.05, 0.01, 0.005, 0.001)
+"""Precessions at release, in sqrt(g/R), on which the friction at pi/100 depends."""
 
 
-def _disk_peak(rate: float) -> tuple[float, float]:
+@cache
+def disk_bounce(rate: float, phi: float) -> tuple[float, float]:
     """Return turn in degrees and largest friction ratio of a thin disk's bounce."""
-    posed = Problem(parameters=DISK, phi=LOW, psi_dot=rate, theta_dot=-rate, bounces=1)
+    posed = Problem(parameters=DISK, phi=phi, psi_dot=rate, theta_dot=-rate, bounces=1)
     bounce = solve(posed).bounces[0]
     return math.degrees(abs(bounce.angle_of_turn)), bounce.peak_friction_ratio
 
@@ -209,7 +212,7 @@ def friction_of_small_inertias() -> Fact:
     """Let a_p = a + h^2 fall to 0 in two ways, and compute the bounce of a thin disk."""
     a, h = sp.symbols("a h", positive=True)
     ratio = h / (a + h**2)
-    turn, friction = _disk_peak(0.005)
+    turn, friction = disk_bounce(0.005, LOW)
     thick, thin = (sp.limit(ratio.subs(a, h**n), h, 0) for n in (2, sp.Rational(1, 2)))
     said = ("large for every small a_p", "small for every small a_p", "at most 1/sqrt(a_p)")
     true = {
@@ -224,5 +227,7 @@ def friction_of_small_inertias() -> Fact:
         holds=true.__getitem__,
         how=f"sympy: as a_p -> 0, h/a_p -> {thick} with a = h^2 and {thin} with a = sqrt(h); "
         f"h <= sqrt(a_p); exact bounce of a uniform thin disk released at pi/1000: turn {turn:.1f} "
-        f"degrees, largest |F|/N {friction:.3f}",
+        f"degrees, largest |F|/N {friction:.3f}; at pi/100 with psi' = -theta' of "
+        f"{RATES[0]:g} to {RATES[-1]:g} sqrt(g/R) |F|/N is at most "
+        + ", ".join(f"{disk_bounce(rate, release.PHI)[1]:.3f}" for rate in RATES),
     )

@@ -4,7 +4,7 @@ from functools import cache
 
 import sympy as sp
 
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each
 from harness.paper.audit.newton_euler import angular_momentum, body_rates, rate
 from harness.paper.audit.symbols import (
     Co,
@@ -42,14 +42,19 @@ def lagrangian() -> IdentityEvidence:
     )
 
 
-@check("app:momenta")
-def conserved_momenta() -> IdentityEvidence:
-    """Differentiate the Lagrangian by psi' and theta'; psi and theta are not in it."""
-    spin = c * (Psi * Co + Theta)
+_SPIN = c * (Psi * Co + Theta)
+
+
+@check_each(
+    {
+        "app:momentum about the axis": (_SPIN, Theta),
+        "app:momentum about the vertical": (a * Psi * S**2 + Co * _SPIN, Psi),
+    }
+)
+def conserved_momentum(printed: Expr, rate_: Expr) -> IdentityEvidence:
+    """Differentiate the Lagrangian by psi' or theta'; psi and theta are not in it."""
     return IdentityEvidence(
-        printed=sp.Matrix([spin, a * Psi * S**2 + Co * spin]),
-        derived=sp.Matrix([LAGRANGIAN.diff(Theta), LAGRANGIAN.diff(Psi)]),
-        source="the Lagrangian",
+        printed=printed, derived=LAGRANGIAN.diff(rate_), source="the Lagrangian"
     )
 
 

@@ -43,26 +43,38 @@ def indicial_equation() -> IdentityEvidence:
     )
 
 
+def _solvable(start: int, step: int) -> bool:
+    """Whether a series from phi^start in steps solves eq01:frob_ode, one power after the other."""
+    found = phi**start
+    if sp.expand(series.second_order(found)).coeff(phi, start - 2) != 0:
+        return False
+    for n in range(1, series.TERMS + 1):
+        letter = sp.Integer(0) if n % step else sp.Symbol("p")
+        left = sp.expand(series.second_order(found + letter * phi ** (start + n)))
+        answer = sp.solve(left.coeff(phi, start + n - 2), letter) if letter else []
+        if not answer:
+            return False
+        found += answer[0] * phi ** (start + n)
+    return True
+
+
+@check("text:Frobenius ansatz")
+def steps_of_the_series() -> Fact:
+    """Solve for one coefficient after the other, the powers one or more apart."""
+    return Fact(
+        printed=1,
+        holds=lambda step: _solvable(0, step),
+        how="sympy: from a_0 != 0 every coefficient to phi^5 follows for r = 0; for r = -2 see "
+        "text:log terms",
+    )
+
+
 @check("eq01:Psi0")
 def regular_series() -> Fact:
     """Solve for one coefficient after the other, starting from phi^r."""
-
-    def solvable(r: int) -> bool:
-        found = phi**r
-        if sp.expand(series.second_order(found)).coeff(phi, r - 2) != 0:
-            return False
-        for n in range(1, series.TERMS + 1):
-            letter = sp.Symbol("p")
-            left = sp.expand(series.second_order(found + letter * phi ** (n + r)))
-            answer = sp.solve(left.coeff(phi, n + r - 2), letter)
-            if not answer:
-                return False
-            found += answer[0] * phi ** (n + r)
-        return True
-
     return Fact(
         printed=0,
-        holds=solvable,
+        holds=lambda r: _solvable(r, 1),
         how="sympy: for r = 0 every coefficient to phi^5 follows without a logarithm, and for "
         "r = -2 that of phi^0 does not",
     )
@@ -103,17 +115,35 @@ def singular_series() -> Fact:
     )
 
 
+_cot, _bend = sp.symbols("cot Psi_0_bend")
+C, PSI_0, SLOPE_0 = sp.symbols("C Psi_0 Psi_0_slope")
+N = range(4)
+"""Terms of the sum: each enters by itself, and four show how its factors go with n."""
+q_n = sp.symbols("q_:4")
+INSERTED = (
+    (2 * C * SLOPE_0 / phi - C * PSI_0 / phi**2)
+    + sum(q_n[n] * (n - 2) * (n - 3) * phi ** (n - 4) for n in N)
+    + 3 * _cot * (C * PSI_0 / phi + sum(q_n[n] * (n - 2) * phi ** (n - 3) for n in N))
+    - (gamma + beta * _cot) * sum(q_n[n] * phi ** (n - 2) for n in N)
+)
+
+
 @check("text:Psi_-2 inserted")
 def inserted_logarithm() -> IdentityEvidence:
-    """Find what the logarithm leaves behind when Psi_0 solves the equation."""
-    f, g, b, cot = sp.symbols("f g b cot")  # Psi_0, its slope, its bend
-    full = b * log_phi + 2 * g / phi - f / phi**2 + 3 * cot * (g * log_phi + f / phi)
-    full -= (gamma + beta * cot) * f * log_phi
-    without = full.subs(b, (gamma + beta * cot) * f - 3 * cot * g)
+    """Insert C Psi_0 log phi and the sum, and what the equation says of the bend of Psi_0."""
+
+    def slope(form: Expr) -> Expr:
+        """Differentiate in phi, Psi_0 and log phi included."""
+        inner = form.diff(PSI_0) * SLOPE_0 + form.diff(SLOPE_0) * _bend
+        return series.slope(form) + inner
+
+    solution = C * PSI_0 * log_phi + sum(q_n[n] * phi ** (n - 2) for n in N)
+    factor = gamma + beta * _cot
+    whole = slope(slope(solution)) + 3 * _cot * slope(solution) - factor * solution
     return IdentityEvidence(
-        printed=2 * g / phi - f / phi**2 + 3 * cot * f / phi,
-        derived=sp.expand(without),
-        source="the derivatives of Psi_0 log phi",
+        printed=INSERTED,
+        derived=sp.expand(whole.subs(_bend, factor * PSI_0 - 3 * _cot * SLOPE_0)),
+        source="the derivatives of Psi_0 log phi and of phi^(n-2), n = 0 to 3",
     )
 
 

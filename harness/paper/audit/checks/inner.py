@@ -63,24 +63,6 @@ def inner_problem() -> IdentityEvidence:
     )
 
 
-@check("eq01:inner_solution")
-def inner_solution() -> Both:
-    """Differentiate twice; and find the largest term that (5.8) adds to its leading order."""
-    lean = sp.sqrt(q) * T - Q
-    shape = IdentityEvidence(
-        printed=sp.sqrt(P**2 + lean**2 / P**2),
-        compared=lambda form: sp.simplify(form.diff(T, 2) * form**3),
-        derived=q,
-        source="eq01:inner_problem",
-    )
-    remainder = Fact(
-        printed=root * sp.log(eps),
-        holds=largest_addition,
-        how="sympy: over eps^(1/2) log eps what (5.8) adds tends to a_l2/(2 varphi^2)",
-    )
-    return Both(shape, remainder)
-
-
 def largest_addition(order: Expr) -> bool:
     """Whether what (5.8) adds to its leading order is of an order, and of no smaller one."""
     added = root * (a_["l2"] * (sp.log(eps) / 2 + sp.log(x)) + a_["2"]) / x**2 - root

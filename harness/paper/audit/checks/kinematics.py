@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from harness.paper.audit.evidence import Fact, IdentityEvidence, check
+from harness.paper.audit.evidence import Fact, IdentityEvidence, check, check_each
 from harness.paper.audit.newton_euler import (
     ARM,
     VERTICAL,
@@ -170,11 +170,11 @@ def acceleration_of_the_centre() -> IdentityEvidence:
     )
 
 
-@check("text:L and M")
-def forward_and_sideward_acceleration() -> IdentityEvidence:
-    """They are the components of the acceleration in the frame I."""
+@check_each({"text:L": (L, 0), "text:M": (M, 1)})
+def component_of_the_acceleration(printed: Expr, place: int) -> IdentityEvidence:
+    """L and M are the components of the acceleration in the frame I."""
     seen = tidy(turn_z(psi).T * rate(centre_velocity()))
-    return IdentityEvidence(printed=sp.Matrix([L, M]), derived=sp.Matrix(seen[:2]), source=ROLLING)
+    return IdentityEvidence(printed=printed, derived=seen[place], source=ROLLING)
 
 
 @check("eq01:fx")

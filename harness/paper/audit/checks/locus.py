@@ -218,14 +218,55 @@ def terms_discarded() -> Fact:
     )
 
 
-@check("text:locus barely moves")
-def outer_share_of_the_turn() -> Fact:
-    """Share of the turn of the exact release on either side of phi_0/10."""
+@cache
+def _shares_of_the_turn() -> dict[str, float]:
+    """Return the shares of the turn of the exact release on either side of phi_0/10."""
     solution = release.bounce()
     states = solution.at(solution.grid())
     inside = states.phi < release.INNER * release.PHI
     turn = float(np.ptp(states.psi[inside])) / abs(solution.bounces[0].angle_of_turn)
-    shares = {"inner": turn, "outer": 1 - turn}
+    return {"inner": turn, "outer": 1 - turn}
+
+
+@check("text:panel a")
+def arcs_of_panel_a() -> Fact:
+    """Compare the arcs of the exact release on either side of phi_0/10."""
+    shares = _shares_of_the_turn()
+    return Fact(
+        printed=("inner", "outer"),
+        holds=lambda order: shares[order[0]] > shares[order[1]],
+        how=f"exact release: {shares['inner']:.2%} of the turn happen below phi_0/10 and "
+        f"{shares['outer']:.2%} above; that the arc of the bounce is circular see text:circle",
+    )
+
+
+@check("text:thick disk")
+def solutions_without_a_change_of_sense() -> Fact:
+    """Sign of d psi/dt in the inner and in the outer solution, for a thin and a thick disk."""
+    moments = {I: sp.Rational(1, 16), t: sp.Rational(1, 5), eps: sp.Rational(1, 100)}
+    rates_ = ARC.diff(T), _outer_angle(sp.Rational(-3, 2)).diff(t)
+    thickness = {"thin": 0, "thick": sp.Rational(1, 5)}
+    inertias = {name: sp.Rational(1, 4) + h**2 for name, h in thickness.items()}  # a_p
+
+    def keeps_sense(name: str) -> bool:
+        values = [rate.subs({q: inertias[name]} | moments) for rate in rates_]
+        # the inner rate holds T squared
+        return all(value.subs(T, x) > 0 for value in values for x in (-3, 0, 3))
+
+    keeping = {name for name in inertias if keeps_sense(name)}
+    return Fact(
+        printed=("thick",),
+        corrected=("thick", "thin"),
+        holds=lambda names: set(names) == keeping,
+        how="sympy: both rates keep their sign for every a_p, with h = 0 too, although a thin disk "
+        "overturns: both solutions are for small phi",
+    )
+
+
+@check("text:locus barely moves")
+def outer_share_of_the_turn() -> Fact:
+    """Share of the turn of the exact release above phi_0/10."""
+    shares = _shares_of_the_turn()
     return Fact(
         printed="outer",
         holds=lambda region: abs(shares[region]) < CLOSE,
@@ -255,6 +296,7 @@ def large_constant(panel: str) -> Fact:
     """Compare eps and the like square of B_0."""
     found, first = constants_of(panel), constants_of("a")
     zeta = math.sqrt(found["B_0^2"] / found["eps"])
+    vertical = PAPER_CAN.c * sum(PANELS[panel]) * release.SECOND
     return Fact(
         printed="eps",
         corrected="B_0^2",
@@ -262,7 +304,9 @@ def large_constant(panel: str) -> Fact:
         how=f"exact constants: eps = {found['eps']:.2e}, in a) {first['eps']:.2e}; B_0^2 = "
         f"{found['B_0^2']:.2e}, in a) {first['B_0^2']:.2e}; the least eps of fig01:sing_perturb "
         "is 1e-8",
-        correct=f"zeta = {zeta:.3g}, against the assumption zeta = O(1)",
+        correct=f"eps is {found['eps'] / first['eps']:.3g} times that of a); zeta = {zeta:.3g}, "
+        f"against the assumption zeta = O(1); the vertical angular momentum is large, H_z^G = "
+        f"{vertical:.2f} sqrt(g/R) m R^2, but it is in proportion to B_0 and not to eps^(1/2)",
     )
 
 

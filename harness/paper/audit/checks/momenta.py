@@ -200,6 +200,28 @@ def singular_constant_as_difference() -> Fact:
     )
 
 
+@check("text:constants as momenta", "text:momenta in short")
+def constants_as_momenta() -> Fact:
+    """Follow over the fall the momentum that the paper has for each constant."""
+    momenta = {"B_0": "H_z^B", "B_-2": "H_z^B - H_z^G"}
+    return Fact(
+        printed=("B_0", "B_-2"),
+        corrected=("B_-2",),
+        holds=lambda names: all(_kept(momenta[name]) for name in names),
+        how=f"exact release: {_told(*momenta.values())}, in sqrt(g/R), while B_0 and B_-2 stay",
+    )
+
+
+@check("text:eps as momenta")
+def eps_as_momenta() -> Fact:
+    """Follow over the fall the quotient of the momenta and the root of eps."""
+    return Fact(
+        printed="H_z^B - H_z^G",
+        holds=_kept,
+        how=f"eps = B_-2^2 stays, and exactly: {_told('H_z^B - H_z^G')}",
+    )
+
+
 @check("text:sum in proportion")
 def sum_in_proportion() -> Fact:
     """Follow the sum over the fall."""

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, Rate, check, check_each
 from harness.paper.audit.reduced_form import POWERS, a_, bracket
-from harness.paper.audit.symbols import Expr, I, eps
+from harness.paper.audit.symbols import ZERO, Expr, I, disagreement, eps
 
 time = sp.Symbol("tau", positive=True)
 SMALL = mp.mpf("1e-20")
@@ -170,19 +170,30 @@ def first_order_equation() -> IdentityEvidence:
     )
 
 
+PRINTED_INTEGRALS = {
+    **{f"{i}": (_W**-i, 2) for i in range(4)},
+    **{f"l{i}": (log(_W) / _W**i, 2) for i in range(3)},
+    "ll": (log(_W) ** 2, 2),
+}
+"""Integrand of each J of eq01:integrals, and how often it is integrated."""
+
+
 @check("eq01:integrals")
 def integrals_by_definition() -> Fact:
-    """Find the functions of tau whose double integrals eq01:order1_outer asks for."""
-    met = set()
-    for term in sp.Add.make_args(right_side()):
-        powers = term.as_powers_dict()
-        met.add((-powers[w], powers[log_w]))
-    printed = frozenset({*((i, 0) for i in range(4)), *((i, 1) for i in range(3)), (0, 2)})
+    """Differentiate b_n J_n twice, term by term, and compare the sum with eq01:order1_outer."""
+    wanted = right_side().subs({log_w: log(_W), w: _W})
+
+    def solves(integrals: dict[str, tuple[Expr, int]]) -> bool:
+        if set(integrals) != set(POWERS):
+            return False
+        bends = {n: form.diff(time, 2 - times) for n, (form, times) in integrals.items()}
+        return disagreement(sum(B_PRINTED[n] * bends[n] for n in POWERS), wanted) < ZERO
+
     return Fact(
-        printed=printed,
-        holds=lambda integrands: met == integrands,
-        how="sympy: eq01:Phi_reduced at phi_0 has these powers of 1/(1 - tau^2) and of its "
-        "logarithm and no other",
+        printed=PRINTED_INTEGRALS,
+        holds=solves,
+        how="40 digits: the sum of b_n J_n'' is the right side of eq01:order1_outer for any eight "
+        "coefficients, with a J for each and no other",
     )
 
 
@@ -247,28 +258,40 @@ def outer_expansion() -> IdentityEvidence:
     )
 
 
-def _left(forms: dict[str, Expr], small: mp.mpf) -> mp.mpf:
-    """Return what the outer solution with given J leaves of eq01:Phi_reduced and of its release."""
-    width, u = NUMBERS[I], mp.mpf("0.6")
-    b = {n: mp.mpmathify(B_PRINTED[n].subs(NUMBERS).evalf(60)) for n in POWERS}
-    functions = {n: sp.lambdify(time, forms[f"J_{n}"], "mpmath") for n in POWERS}
+t = sp.Symbol("t", positive=True)
+B_LETTERS, J_LETTERS = ([sp.Symbol(f"{x}_{n}") for n in POWERS] for x in "bJ")
+OUTER = {
+    "phi": (I - t**2) / 2 + eps * sum(b * j for b, j in zip(B_LETTERS, J_LETTERS, strict=True)),
+    "argument": t / sp.sqrt(I),
+}
+"""eq01:outer_solution in letters b and J, and the argument of the J."""
 
-    def phi(s: mp.mpf) -> mp.mpf:
-        return width * (1 - s**2) / 2 + small * sum(b[n] * functions[n](s) for n in POWERS)
 
-    at = phi(u)
-    force = bracket(at, mp.log(at), {n: NUMBERS[a_[n]] for n in POWERS})
+def _left(claim: dict[str, Expr], small: mp.mpf) -> mp.mpf:
+    """Return what an outer solution with given J leaves of eq01:Phi_reduced and of its release."""
+    width, at = NUMBERS[I], mp.mpf("0.15")
+    b = [mp.mpmathify(B_PRINTED[n].subs(NUMBERS).evalf(60)) for n in POWERS]
+    functions = [sp.lambdify(time, claim[f"J_{n}"], "mpmath") for n in POWERS]
+    argument = sp.lambdify((t, I), claim["argument"], "mpmath")
+    outer = sp.lambdify((t, eps, I, *B_LETTERS, *J_LETTERS), claim["phi"], "mpmath")
+
+    def phi(moment: mp.mpf) -> mp.mpf:
+        scaled = argument(moment, width)
+        return outer(moment, small, width, *b, *(j(scaled) for j in functions))
+
+    here = phi(at)
+    force = bracket(here, mp.log(here), {n: NUMBERS[a_[n]] for n in POWERS})
     start = abs(phi(mp.mpf(0)) - mp.mpf(width) / 2)
-    return abs(mp.diff(phi, u, 2) / width - (small * force - 1)) + start
+    return abs(mp.diff(phi, at, 2) - (small * force - 1)) + start
 
 
 @check("eq01:outer_solution")
 def outer_solution() -> Rate:
     """Insert it into eq01:Phi_reduced, with eight numbers for its coefficients."""
     return Rate(
-        printed=CLOSED_FORMS,
+        printed=OUTER | CLOSED_FORMS,
         remainder=_left,
-        corrected=RIGHT_FORMS,
+        corrected=OUTER | RIGHT_FORMS,
         stated=2,
         at=(1e-14, 1e-16),  # where eps^2 is small beside eps times the smallest J(0)
         source="eq01:Phi_reduced and phi(0) = I/2",

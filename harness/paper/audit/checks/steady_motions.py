@@ -192,44 +192,6 @@ def stability_of_rolling() -> Fact:
     )
 
 
-@check("eq01:equilibrium")
-def steady_rolling() -> IdentityEvidence:
-    """With Phi = 0 the other two equations hold by themselves."""
-    rates = papers_accelerations()
-    still = {Phi: 0}
-    printed = (
-        ((a_p - c_p) * sp.sin(phi) * sp.cos(phi) - h * sp.cos(2 * phi)) * Psi**2
-        - (c_p * sp.sin(phi) + h * sp.cos(phi)) * Theta * Psi
-        + (h * sp.sin(phi) - sp.cos(phi))
-    )
-    return IdentityEvidence(
-        printed=sp.Matrix([printed, 0, 0]),
-        derived=sp.Matrix(
-            [
-                (rates[phi_dd] * (a_p + 1)).subs(still),
-                rates[psi_dd].subs(still),
-                rates[theta_dd].subs(still),
-            ]
-        ),
-        source=EQUATIONS,
-    )
-
-
-@check("text:lying and rolling")
-def rolling_on_its_side() -> IdentityEvidence:
-    """Insert it."""
-    rates = papers_accelerations()
-    spin = sp.sqrt(h / (c_p - h))
-    return IdentityEvidence(
-        printed=sp.Matrix([sp.pi / 2, spin, spin]),
-        compared=lambda at: rates[phi_dd].subs(
-            dict(zip((phi, Psi, Theta), at, strict=True)) | {Phi: 0}
-        ),
-        derived=sp.Integer(0),
-        source=EQUATIONS,
-    )
-
-
 @check("text:saddle at the balance")
 def saddle_of_panel_b() -> Fact:
     """Sign of lambda^2 where the can of panel b) rolls straight."""
@@ -248,7 +210,7 @@ def _rest_square(sign: int) -> Expr:
 
 
 @cache
-def _derived_rest_square() -> Expr:
+def derived_rest_square() -> Expr:
     """Psi^2 for which phi'' = 0 while the centre rests."""
     square = sp.Symbol("square", positive=True)
     drive = papers_accelerations()[phi_dd].subs(Theta, -Psi * (Co - h * S))
@@ -262,7 +224,7 @@ def rates_at_rest() -> IdentityEvidence:
     return IdentityEvidence(
         printed=_rest_square(1),
         corrected=_rest_square(-1),
-        derived=_derived_rest_square(),
+        derived=derived_rest_square(),
         source=EQUATIONS,
     )
 
@@ -273,7 +235,7 @@ def range_of_rest() -> Fact:
     p = paper_can
     edge = mp.atan(p.a / (p.c * p.h))
     star, end = mp.atan(1 / p.h), mp.pi / 2
-    square = sp.lambdify(phi, _derived_rest_square().subs(CAN), "mpmath")
+    square = sp.lambdify(phi, derived_rest_square().subs(CAN), "mpmath")
     places = [end * n / 400 for n in range(1, 400)]
     found = [bool(square(place) > 0) for place in places]
 

@@ -83,17 +83,6 @@ def balanced_radius() -> IdentityEvidence:
     )
 
 
-@check("text:balanced at rest")
-def balanced_and_at_rest() -> IdentityEvidence:
-    """Insert Theta = 0 into the radius; that it is steady asks for a = c, which the if allows."""
-    return IdentityEvidence(
-        printed=sp.Integer(0),
-        compared=lambda rotation: at_balance(RADIUS).subs(Theta, rotation),
-        derived=sp.Integer(0),
-        source="the radius at phi*",
-    )
-
-
 @check("text:no friction at rest")
 def friction_at_rest() -> IdentityEvidence:
     """Find the force on a centre that rests: it is vertical."""

@@ -157,6 +157,25 @@ def test_whatever_is_wrong_has_an_error_and_an_error_is_of_what_is_wrong(
 
 
 @pytest.mark.slow
+def test_slips_of_one_symbol_are_misprints(rows: tuple[AuditRow, ...]) -> None:
+    slips = {error.name for error in ERRORS if error.weight is Weight.TYPOGRAPHICAL}
+    for row in rows:
+        if row.claim.errors and set(row.claim.errors) <= slips:
+            assert row.status is ClaimStatus.MISPRINT, row.claim.label
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "label", ["eq01:inner_solution", "text:inner ansatz", "eq01:uniformly_valid_solution"]
+)
+def test_the_remainders_of_inner_and_matched_solution_agree(
+    verdicts: dict[str, ClaimStatus], label: str
+) -> None:
+    """What the inner solution leaves out by its matching, (5.14) leaves out too."""
+    assert verdicts[label] in WRONG
+
+
+@pytest.mark.slow
 def test_the_page_begins_with_the_errors(rows: tuple[AuditRow, ...]) -> None:
     page = markdown(rows)
     places = [page.index(weight.heading.capitalize()) for weight in Weight]

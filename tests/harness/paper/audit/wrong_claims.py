@@ -12,10 +12,9 @@ import mpmath as mp
 import sympy as sp
 
 from harness.paper.audit import CLAIMS, paper_can
-from harness.paper.audit.checks.exact_solution import BRANCHES, RIGHT_RHO
 from harness.paper.audit.checks.inner import P, Q, q, root, x
-from harness.paper.audit.checks.inner import t as before
 from harness.paper.audit.checks.outer import CLOSED_FORMS, INTEGRANDS, time
+from harness.paper.audit.checks.outer import t as outer_t
 from harness.paper.audit.evidence import (
     Both,
     Evidence,
@@ -24,11 +23,10 @@ from harness.paper.audit.evidence import (
     Number,
     Rate,
 )
-from harness.paper.audit.newton_euler import VERTICAL, centre_velocity
+from harness.paper.audit.newton_euler import VERTICAL
 from harness.paper.audit.reduced_form import POWERS
 from harness.paper.audit.symbols import (
     Co,
-    Expr,
     I,
     Phi,
     Psi,
@@ -37,50 +35,25 @@ from harness.paper.audit.symbols import (
     T,
     Theta,
     a,
+    c,
+    c_p,
     eps,
     g,
     h,
     log_phi,
     m,
     phi,
-    tidy,
 )
-from tests.harness.paper.audit.mutated_form import HALF, mutated, with_entry
-
-
-def _all_entries(_: Evidence) -> Iterator[Any]:
-    """Yield the branches of eq01:hyper_geom with each entry changed, and rho with its sign."""
-    yield sp.conjugate(RIGHT_RHO), BRANCHES
-    for place in range(len(BRANCHES)):
-        for other in with_entry(BRANCHES, place):
-            yield RIGHT_RHO, other.as_immutable()
-
-
-def _energies(evidence: IdentityEvidence) -> Iterator[Expr]:
-    """Yield the energy without one of its parts, and with a rate added."""
-    energy, velocity = evidence.printed, centre_velocity()
-    moving = tidy(velocity.dot(velocity) / 2)
-    yield from (energy - moving, moving + S + h * Co, energy - S, energy + Theta)
-
-
-def _matched(_: Evidence) -> Iterator[Expr]:
-    """Yield composite solutions that are wrong at the power 1/2 of eps."""
-    gap = sp.sqrt(I) - before
-    yield sp.sqrt(eps * (q + 1) / I + I * gap**2) - gap**2 / 2
-    yield sp.sqrt(eps * q / I**2 + I * gap**2) - gap**2 / 2
-    yield sp.sqrt(eps * q / I + I * gap**2) + gap**2 / 2
-    yield (I - before**2) / 2
-
-
-def _orders(_: Evidence) -> Iterator[Expr]:
-    yield from (root, root * sp.log(eps) ** 2, eps)
-
-
-def _series(evidence: Rate) -> Iterator[Expr]:
-    """Yield a series with the last power that the order states, and twice the series."""
-    yield evidence.printed + phi ** int(evidence.stated - 1)
-    yield 2 * evidence.printed
-
+from tests.harness.paper.audit.altered_claims import (
+    all_entries,
+    energies,
+    inserted,
+    matched,
+    orders,
+    outer_solutions,
+    series,
+)
+from tests.harness.paper.audit.mutated_form import HALF, mutated
 
 C_1, s = sp.symbols("C_1 s", positive=True)
 OVER = sp.Symbol("E_over_phi", positive=True)
@@ -108,7 +81,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         for angle in ("psi", "theta", "phi")
     },
     ("text:pendulum solution", 0): lambda e: (C_1 + 2 * sp.cos(s), C_1 - sp.cos(s), e.printed**2),
-    "text:energy": _energies,
+    "text:energy": energies,
     "text:GP": tuple(map(sp.Matrix, ([1, 0, -h], [0, -1, -h], [-1, 0, h], [-2, 0, -h]))),
     "text:contact point and the can": lambda e: (2 * e.printed, -e.printed),
     "text:sense of the nutation": (-2 * phi, sp.pi - phi),
@@ -124,6 +97,12 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         ((e.printed[0][1], e.printed[1][1]),),
     ),
     "text:steady beyond phi*": ("do not exist",),
+    "text:1-D manifold": (0, 2),
+    "text:1-D set": (0, 2),
+    ("eq01:equilibrium", 1): (("phi*",), ("other",)),
+    "caption:fig01:eqm_comparison": (("phi*",), ()),
+    ("text:balanced at rest", 1): (sp.false, a < c, a > c, sp.Ne(a, c)),
+    ("text:lying and rolling", 1): (sp.false, h > c_p, h < c, h < c_p + 1),
     "eq01:comrest": (
         Psi * (Co - h * S) - Theta,
         Psi * (Co - h * S) + 2 * Theta,
@@ -131,7 +110,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     ),
     "text:circle for all": ((sp.Integer(0),),),
     # section 4
-    ("eq01:hyper_geom", 0): _all_entries,
+    ("eq01:hyper_geom", 0): all_entries,
     "caption:fig01:frob_comp": (-3, -1, 2),
     "text:growth of the sum": (2,),
     ("eq01:A_sol", 0): lambda e: (2 * e.printed, e.printed + phi, e.printed + phi**2),
@@ -161,9 +140,11 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
             ("eq01:series_sols", 0),
             ("eq01:series_sols", 2),
         ),
-        _series,
+        series,
     ),
     "text:log terms": (0, 2),
+    "text:Frobenius ansatz": (2, 3),
+    "text:Psi_-2 inserted": lambda e: inserted(e.printed),
     "text:reason of the logarithms": (({GAMMA: 2 + BETA**2},),),
     "text:regular singular point": (-1, -2),
     # section 4.3 and appendix D
@@ -196,16 +177,21 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         for name in INTEGRANDS
     },
     "eq01:integrals": lambda e: (
-        e.printed - {(3, 0)},
-        e.printed | {(3, 1)},
-        e.printed - {(2, 1)} | {(1, 2)},
-        e.printed - {(0, 2)},
+        {name: e.printed[name] for name in e.printed if name != "0"},
+        e.printed | {"l3": e.printed["l2"]},
+        e.printed | {"l2": e.printed["l1"]},
+        e.printed | {"3": (-e.printed["3"][0], 2)},
+        e.printed | {"ll": (e.printed["l0"][0], 2)},
+        e.printed | {"1": (e.printed["1"][0], 1)},
+        e.printed | {"2": (1 / (1 + time**2) ** 2, 2)},
     ),
     ("eq01:outer_sol", 0): lambda e: mutated(e.printed),
     "eq01:outer_solution": lambda e: (
         e.printed | {"J_3": CLOSED_FORMS["J_3"]},
         e.printed | {"J_ll": CLOSED_FORMS["J_ll"]},
         e.printed | {"J_1": 2 * e.printed["J_1"]},
+        *(e.printed | {"phi": other} for other in outer_solutions(e.printed["phi"])),
+        *(e.printed | {"argument": other} for other in (outer_t, outer_t / I, outer_t**2 / I)),
     ),
     "text:singular J": ({"J_3"}, {"J_2", "J_3"}),
     # section 5.2 and 5.4
@@ -215,7 +201,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         sp.sqrt(P**2 + LEAN**2 / P),
         sp.sqrt(P**2 + (q * T - Q) ** 2 / P**2),
     ),
-    ("eq01:inner_solution", 1): _orders,
+    ("eq01:inner_solution", 1): (0, 1, 3),
     ("text:inner precession", 0): (
         2 / x**2 - root * SLOPE / x,
         1 / x**2 + root * SLOPE / x,
@@ -223,7 +209,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     ),
     ("text:inner precession", 1): ((0.5, 1), (1, 0), (1, 3)),
     "text:limits of the turn": ((2 * sp.pi, sp.oo), (sp.pi, 2 * sp.pi), (sp.Integer(0), sp.oo)),
-    "text:inner ansatz": _orders,
+    "text:inner ansatz": orders,
     "text:inner valid for T<0": (("T > 0",),),
     # sections 5 and 5.3
     **{
@@ -232,7 +218,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     },
     "text:inner region": (2 * sp.sqrt(I) * T, I * T, T),
     ("eq01:uniformly_valid_solution", 1): (1, 3),
-    "text:matched agreement": _matched,
+    "text:matched agreement": matched,
     "caption:fig01:inner_outer_comp": (0.0, 0.2),
     # section 6
     ("eq01:boundary", 1): lambda e: mutated(e.printed),
@@ -245,6 +231,8 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "text:circle": ((0.95, 1.0), (float(paper_can.h), 1.0), (1.0, 0.5), (1.0, 1.1)),
     "text:terms discarded": (mp.mpf(0), mp.mpf("1.5")),
     "text:locus barely moves": ("inner",),
+    "text:panel a": (("outer", "inner"),),
+    "text:thick disk": (("thin",), ()),
     "text:panel b": ((2.0, 1e-5, 2.0), (0.0, 1e-5, 20.0), (0.0, 1e-5, 10.0)),
     "caption:fig01:can_fall": (0.5, 2.0, 0.99),
     "caption:fig01:contact_pt_motion": ((0.72667, 7), (1.7267, -7), (1.7267, 7.2)),
@@ -264,6 +252,8 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "text:F_y in proportion": (Psi, Psi * phi**2),
     "text:B_0 as momentum": ("H_z^G",),
     "text:the other constant": ("H_z^B", "H_z^G", "Theta + Psi"),
+    **dict.fromkeys(("text:constants as momenta", "text:momenta in short"), (("B_0",),)),
+    "text:eps as momenta": ("H_z^B", "H_z^G", "Theta + Psi"),
     "text:sum in proportion": ("H_z^G",),
     "text:effect of friction": (("H_z^B",), ("H_z^G",)),
     "text:small F_y": ("F_x^I", "N"),
@@ -295,7 +285,10 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         ("0.1001", "0.1000", *e.printed[2:]),
         ("0.1001", "-0.1000", mp.pi / 99, "rad/s"),
     ),
-    "eq01:epsilon_zeta": ((1, 1), (HALF, 1), (1, HALF), (HALF, sp.Rational(1, 4))),
+    **{
+        label: lambda e: (e.printed * eps**HALF, e.printed / eps ** sp.Rational(1, 4), e.printed**2)
+        for label in ("text:eps^(1/2)", "eq01:epsilon_zeta")
+    },
     "text:same order": (("B_0", "Psi"), ("phi", "B_-2"), ("Psi", "B_-2")),
     "text:reference to S_bal": ("eq01:static_eqm",),
     "caption:fig01:hamiltonian_3D": ("eqA:ham1",),
