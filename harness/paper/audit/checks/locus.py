@@ -306,7 +306,7 @@ def large_constant(panel: str) -> Fact:
         "is 1e-8",
         correct=f"eps is {found['eps'] / first['eps']:.3g} times that of a); zeta = {zeta:.3g}, "
         f"against the assumption zeta = O(1); the vertical angular momentum is large, H_z^G = "
-        f"{vertical:.2f} sqrt(g/R) m R^2, but it is in proportion to B_0 and not to eps^(1/2)",
+        f"{vertical:.2f} sqrt(g/R) m R^2, but it comes with B_0 and is not eps",
     )
 
 

@@ -218,7 +218,7 @@ def eps_as_momenta() -> Fact:
     return Fact(
         printed="H_z^B - H_z^G",
         holds=_kept,
-        how=f"eps = B_-2^2 stays, and exactly: {_told('H_z^B - H_z^G')}",
+        how=f"eps = B_-2^2 is constant; exact release: {_told('H_z^B - H_z^G')}",
     )
 
 

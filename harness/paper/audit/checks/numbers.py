@@ -222,8 +222,8 @@ def numerical_peak() -> Number:
         printed="3575",
         value=release.bounce().bounces[0].peak_psi_dot,
         source="exact motion (g = 9.81), in sqrt(g/R)",
-        also="3575 is what eq01:dpsi_max gives, to the rounding of the release: the two numbers are "
-        "exchanged",
+        also="3575 is what eq01:dpsi_max gives, to the rounding of the release: the two numbers "
+        "are exchanged",
     )
 
 

@@ -156,8 +156,8 @@ def dimension_of_balanced_rolling() -> Fact:
     return Fact(
         printed=1,
         holds=lambda dimension: dimension == found,
-        how="rank of the slopes in Psi and Theta, for a != c: one condition, with Theta != 0; "
-        "the ratio Theta/Psi is that of text:balanced Theta",
+        how="rank of the slopes in Psi and Theta, for a != c: one condition; for a = c it "
+        "asks for Theta = 0, which the statement excludes; for Theta/Psi see text:balanced Theta",
     )
 
 

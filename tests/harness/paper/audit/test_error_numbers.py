@@ -4,6 +4,7 @@ Of the errors that change numbers or conclusions, and of the wrong mass, every d
 number of three digits has an entry; of the other errors those that are neither.
 """
 
+import math
 import re
 from functools import cache
 
@@ -24,6 +25,8 @@ from harness.paper.audit.claims import CLAIMS, ERRORS, PaperError, Weight
 from harness.paper.audit.evidence import Number
 from harness.paper.audit.flat_motion import exact_constants
 from harness.paper.audit.symbols import CAN
+from reference import PAPER_CAN
+from reference.asymptotic.small_nutation import reduced_equation
 
 ERROR = {error.name: error for error in ERRORS}
 COUNTED = [error for error in ERRORS if error.weight is Weight.SUBSTANTIAL or error.name == "mass"]
@@ -155,3 +158,6 @@ def test_what_words_say_of_numbers() -> None:
     panels = [constants_of(name)["eps"] for name in PANELS]
     assert constants_of("d")["eps"] == min(panels)
     assert DISK.a == DISK.c / 2 == 0.25
+    two = math.sqrt(1.43e-10)
+    least = reduced_equation(PAPER_CAN, 0.40 * two, two).potential(np.geomspace(1e-5, 1e-2, 4000))
+    assert sum(energy < least.min() for energy in (7.5e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3)) == 2
