@@ -236,13 +236,15 @@ def predicted_peak() -> mp.mpf:
 @check("text:predicted peak")
 def peak_by_the_formula() -> Number:
     """With B_-2 from eq01:B_sol."""
+    to_rescaled = mp.sqrt(paper_can.a_p + 1)
+    as_it_stands = to_rescaled * WIDTH / (mp.sqrt(mp.mpf("1.43e-10")) * paper_can.a_p)
     return Number(
         printed="3449",
         value=predicted_peak(),
         source="eq01:dpsi_max with eq01:B_sol, in sqrt(g/R)",
         also="3449 is the exact peak: the two numbers are exchanged; in the time of (4.22), in "
-        f"which (5.17) stands, it is {mp.nstr(mp.sqrt(paper_can.a_p + 1) * predicted_peak(), 4)}, "
-        "and (5.17) as it stands gives about 3575 with the printed eps",
+        f"which (5.17) stands, it is {mp.nstr(to_rescaled * predicted_peak(), 4)}, "
+        f"and with the printed eps (5.17) as it stands gives {mp.nstr(as_it_stands, 4)}",
     )
 
 
