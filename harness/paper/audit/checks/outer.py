@@ -187,7 +187,7 @@ def integrals_by_definition() -> Fact:
         if set(integrals) != set(POWERS):
             return False
         bends = {n: form.diff(time, 2 - times) for n, (form, times) in integrals.items()}
-        return disagreement(sum(B_PRINTED[n] * bends[n] for n in POWERS), wanted) < ZERO
+        return bool(disagreement(sum(B_PRINTED[n] * bends[n] for n in POWERS), wanted) < ZERO)
 
     return Fact(
         printed=PRINTED_INTEGRALS,
