@@ -161,16 +161,17 @@ def _with_scene(artefacts: Named) -> Named:
 
 def _opening(derived: Named, first: Named) -> ReportPart:
     """Return the summary and the scorecards, or, where there are none, the first table."""
-    tables: Named = {
-        **_of({n: a for n, a in derived.items() if isinstance(a, Table)}, ""),
-        **{n: a for n, a in first.items() if isinstance(a, Table) and a.name == SCORECARD},
-    }
+    tables = {**_of(derived, ""), **_named(first, Table, SCORECARD)}
     if not tables:
-        every = {n: a for n, a in first.items() if isinstance(a, Table)}
+        every = _sorted(first, (Table,))
         chosen = list(_of(every, ""))[:1] or list(every)[:1]
         tables = {name: every[name] for name in chosen}
-    texts = {n: a for n, a in first.items() if isinstance(a, Prose) and a.name == SUMMARY}
-    return _part("Summary", {}, leading={**texts, **tables})
+    return _part("Summary", {}, leading={**_named(first, Prose, SUMMARY), **tables})
+
+
+def _named(artefacts: Named, kind: type[Artefact], name: str) -> Named:
+    """Return the artefacts of a kind and a name of their own."""
+    return {n: a for n, a in artefacts.items() if isinstance(a, kind) and a.name == name}
 
 
 def _of(artefacts: Named, scene: str) -> Named:

@@ -293,14 +293,11 @@ def _write_text(path: Path, text: str) -> None:
 
 def _listed(folder: Path) -> list[dict[str, str | int]]:
     """Return each file with its size and its SHA-256."""
-    listed: list[dict[str, str | int]] = []
-    for path in sorted(p for p in folder.rglob("*") if p.is_file()):
-        content = path.read_bytes()
-        listed.append(
-            {
-                "path": path.relative_to(folder).as_posix(),
-                "bytes": len(content),
-                "sha256": hashlib.sha256(content).hexdigest(),
-            }
-        )
-    return listed
+    return [
+        {
+            "path": path.relative_to(folder).as_posix(),
+            "bytes": path.stat().st_size,
+            "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        }
+        for path in sorted(p for p in folder.rglob("*") if p.is_file())
+    ]
