@@ -142,19 +142,19 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
 @contextmanager
 def _executor(chosen: SweepPlan, jobs: int, on: str | None, limits: Limits) -> Iterator[Executor]:
     """Open the executor of a plan; limits are of a scene's run, and the exact bounce has none."""
-    made: Executor
+    executor: Executor
     if on is not None:
-        made = dask_executor(on, default_limits(1) if chosen.exact else limits)
+        executor = dask_executor(on, default_limits(1) if chosen.exact else limits)
     elif not chosen.exact:
         # never this process, which an engine could take along
-        made = local_executor(jobs, spawned=True, limits=limits)
+        executor = local_executor(jobs, spawned=True, limits=limits)
     elif jobs == 1:
-        made = SerialExecutor()
+        executor = SerialExecutor()
     else:
         # arrays in compiled loops: threads run them side by side, in the memory of one process
-        made = ThreadPoolExecutor(jobs)
-    with made:
-        yield made
+        executor = ThreadPoolExecutor(jobs)
+    with executor:
+        yield executor
 
 
 def _answer(result: Overview, folder: Folder) -> dict[str, Any]:

@@ -70,13 +70,13 @@ def progress_bar() -> Progress:
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Table:
     """Return a table for the terminal; numbers are set flush right."""
     lines = [list(row) for row in rows]
-    made = Table(title=title, title_justify="left", title_style="bold")
+    shown_table = Table(title=title, title_justify="left", title_style="bold")
     for index, column in enumerate(columns):
         numeric = all(isinstance(line[index], int | float | None) for line in lines)
-        made.add_column(column, justify="right" if numeric else "left", overflow="fold")
+        shown_table.add_column(column, justify="right" if numeric else "left", overflow="fold")
     for line in lines:
-        made.add_row(*(_cell(value) for value in line))
-    return made
+        shown_table.add_row(*(_cell(value) for value in line))
+    return shown_table
 
 
 def table_artefact(artefact: Data, left_out: Collection[str] = ()) -> Table:

@@ -181,13 +181,13 @@ def _scores(
     study: ComparisonStudy, evaluations: Sequence[Evaluation], settings: dict[str, str]
 ) -> Scores:
     """Return the scores of a run."""
-    made = provenance()
+    now = provenance()
     versions = {e.simulation.case.engine: e.simulation.engine_version for e in evaluations}
     return Scores(
         suite=study.suite,
         scores={score.identity: score for score in scored(study.designed, evaluations)},
-        versions={"rockingcan": made.rockingcan, **versions},
-        made=made.to_dict(),
+        versions={"rockingcan": now.rockingcan, **versions},
+        made=now.to_dict(),
         settings=settings,
     )
 

@@ -88,7 +88,7 @@ def measured(
         Of these cases, in their order.
     executor : Executor
     listener : callable, optional
-        Is told of each member that is done, by its label.
+        Called with the label of each member that is done.
     """
     by_case: list[list[Score]] = [[] for _ in scores]
     pending = _members(designed, scores)

@@ -253,10 +253,10 @@ def address(svg: str) -> str:
 def _short(svg: str) -> str:
     """Return the same picture in fewer letters."""
     text = _BETWEEN.sub("><", _HEADER.sub("", svg).strip())
-    text = _in_tags(_PATH, lambda found: _LETTER.sub(r"\1", found[0]).strip(), text)
-    text = _in_tags(_STYLES, lambda found: _STYLE_SIGN.sub(r"\1", found[0]), text)
+    text = _in_tags(_PATH, lambda match: _LETTER.sub(r"\1", match[0]).strip(), text)
+    text = _in_tags(_STYLES, lambda match: _STYLE_SIGN.sub(r"\1", match[0]), text)
     named = {name for _, name in _LINK.findall(text)}
-    text = _in_tags(_NAME, lambda found: found[0] if found[1] in named else "", text)
+    text = _in_tags(_NAME, lambda match: match[0] if match[1] in named else "", text)
     return _classed(text)
 
 
@@ -272,7 +272,7 @@ def _classed(text: str) -> str:
     rules = "".join(f".{name}{{{style}}}" for style, name in classes.items())
     text = _in_tags(
         _WHOLE_STYLES,
-        lambda found: f' class="{classes[found[1]]}"' if found[1] in classes else found[0],
+        lambda match: f' class="{classes[match[1]]}"' if match[1] in classes else match[0],
         text,
     )
     return text.replace("</style>", f"{rules}</style>", 1)

@@ -92,7 +92,7 @@ def page(report: Report) -> str:
     environment.filters |= {
         "paragraphs": _paragraphs,
         "slug": slug,
-        "packed": lambda told: packed(json.dumps(told, separators=(",", ":"))),
+        "packed": lambda value: packed(json.dumps(value, separators=(",", ":"))),
         "kind": lambda artefact: type(artefact).__name__.lower(),
     }
     digests = {str(case["digest"]) for case in report.cases if "digest" in case}

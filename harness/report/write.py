@@ -49,14 +49,13 @@ def summary(report: Report) -> str:
 
 
 def _made_by(report: Report) -> str:
-    made = report.provenance
-    engines = (f"{n} {made.packages[n]}" for n in ("mujoco", "pybullet") if n in made.packages)
-    words = [f"rockingcan {made.rockingcan}", *engines, f"python {made.python}"]
-    if made.commit is not None:
-        words.append(
-            f"commit {made.commit.digest[:12]}{' + changes' if made.commit.changed else ''}"
-        )
-    return plain_text(", ".join([*words, made.processor, made.written]))
+    """Return versions, commit, processor and date in a line."""
+    own, commit = report.provenance, report.provenance.commit
+    engines = (f"{n} {own.packages[n]}" for n in ("mujoco", "pybullet") if n in own.packages)
+    words = [f"rockingcan {own.rockingcan}", *engines, f"python {own.python}"]
+    if commit is not None:
+        words.append(f"commit {commit.digest[:12]}{' + changes' if commit.changed else ''}")
+    return plain_text(", ".join([*words, own.processor, own.written]))
 
 
 _ALIEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

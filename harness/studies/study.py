@@ -200,9 +200,9 @@ def run_study(
     executor : Executor, optional
         Where jobs run; here and one by one if left out.
     cache : CacheFolder, optional
-        Where results are kept. What is there is not run again.
+        Store of results; a job whose result is stored is not run again.
     on_progress : callable, optional
-        Is told of the start of each kind of work in a round, and of each result.
+        Called at the start of each kind of work in a round, and with each result.
     timer : callable
         Gives the executor of jobs that are timed alone.
 

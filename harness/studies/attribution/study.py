@@ -224,14 +224,14 @@ _INTERACTIONS = (
     Column(
         "sum_in_order",
         "Sum of what the gaps take away one after the other: the whole.",
-        lambda found: total(found.in_order),
+        lambda account: total(account.in_order),
     ),
     Column("sum_alone", "Sum of what each gap takes away alone."),
     Column("interaction", "Sum alone less the whole: what the gaps do only together."),
     Column(
         "sum_left_open",
         "Sum of what each gap adds when only it is open.",
-        lambda found: total(found.left_open),
+        lambda account: total(account.left_open),
     ),
     Column("interaction_left_open", "The same less the whole."),
 )

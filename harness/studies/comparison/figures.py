@@ -168,7 +168,7 @@ def _turns(drawn: Sequence[Evaluation], turn: float) -> str:
             for e in drawn
             if e.bounces
         ),
-        key=lambda found: (not found[1], abs(found[0])),
+        key=lambda run: (not run[1], abs(run[0])),
     )
     if not turned:
         return "No run completes the bounce."

@@ -191,22 +191,22 @@ def _carries(scene: Scene, name: str, variant: Variant) -> bool:
 def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hardness]:
     """Yield the scenes of the ladder of hardness that exist for this can."""
     for decade in DECADES[suite]:
-        made = hardened(scene, 10.0**decade)
-        size = None if made is None else epsilon(made)
-        if made is None or size is None:
+        harder = hardened(scene, 10.0**decade)
+        size = None if harder is None else epsilon(harder)
+        if harder is None or size is None:
             continue
-        rate = abs(truth(made).bounces[0].peak_psi_dot)
+        rate = abs(truth(harder).bounces[0].peak_psi_dot)
         steps = dict.fromkeys(min(LONGEST, turn / rate) for turn in _HARD_STEPS[suite])
         families = []
         for name in engines:
             fixed = tuple(
-                Case(scene=made, engine=name, timestep=float(f"{step:.2g}")) for step in steps
+                Case(scene=harder, engine=name, timestep=float(f"{step:.2g}")) for step in steps
             )
             families += [
                 Family(variant=Variant(name="fixed step"), cases=fixed),
-                adaptive_family(made, name, COMMON[2], _HARD_SHARES[suite]),
+                adaptive_family(harder, name, COMMON[2], _HARD_SHARES[suite]),
             ]
-        yield Hardness(scene=made, epsilon=size, families=tuple(families))
+        yield Hardness(scene=harder, epsilon=size, families=tuple(families))
 
 
 def epsilon(scene: Scene) -> float | None:
@@ -233,12 +233,12 @@ def hardened(scene: Scene, wanted: float) -> Scene | None:
         return None
     factor = math.sqrt(wanted / own)
     for _ in range(_ROUNDS):
-        made = _spun(scene, factor, wanted)
-        size = epsilon(made)
+        harder = _spun(scene, factor, wanted)
+        size = epsilon(harder)
         if size is None or not 0.0 < size < math.inf:
             return None
         if abs(size / wanted - 1.0) < _NEAR:
-            return made
+            return harder
         factor *= math.sqrt(wanted / size)
     return None
 

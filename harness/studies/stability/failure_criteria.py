@@ -218,8 +218,8 @@ def _turn_errors(e: Evaluation, truth: Motion) -> list[tuple[Symptom, float]]:
         number = float(len(due) - len(e.bounces))
         return [(Symptom(due[len(e.bounces)].time, number, "bounces missing"), 0.5)]
     pairs = [
-        (abs(found.angle_of_turn - true.angle_of_turn), true.time)
-        for found, true in zip(e.bounces, known, strict=False)
+        (abs(own.angle_of_turn - true.angle_of_turn), true.time)
+        for own, true in zip(e.bounces, known, strict=False)
     ]
     if not pairs:
         return []

@@ -288,12 +288,12 @@ def case_table(checks: Sequence[ReferenceCheck]) -> Table:
     rows = []
     for check in checks:
         solved = not check.refusal
-        made = f"solved: {check.outcome}" if solved else f"refused: {check.refusal}"
+        outcome = f"solved: {check.outcome}" if solved else f"refused: {check.refusal}"
         rows.append(
             {
                 "scene": check.scene,
                 "why": load(check.scene).cite.removeprefix("Hard because "),
-                "reference": check.failure or made,
+                "reference": check.failure or outcome,
                 "disagreement": check.disagreement if solved else math.nan,
                 "energy_error": check.energy_error if solved else math.nan,
                 "evaluations": check.evaluations if solved else None,
