@@ -21,7 +21,12 @@ Floats = NDArray[np.float64]
 Number = TypeVar("Number", float, Floats)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+_UNITS = {"rad_s": "rad/s", "m_s2": "m/s^2", "kg_m2": "kg m^2", "n_m": "N/m", "ns_m": "N s/m"}
+_UNITS |= {"per_s": "1/s", "hz": "Hz"}
+"""Units by the suffix of a column, where the two differ."""
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A number of a scene.
 
@@ -29,48 +34,32 @@ class Parameter:
     ----------
     name : str
         As a scene file has it, tables and keys joined by dots.
-    column : str
-        As the columns of a sweep have it, unit last.
-    unit : str
-        As axes are labelled; empty for a ratio.
+    suffix : str
+        Unit at the end of the name of its column; empty for a ratio.
     low, high : float
-        Between which, both exclusive, it has to lie.
+        Exclusive bounds.
     whole : bool
-        A count: it has whole values alone.
+        Whether it is a count, with whole values alone.
     """
 
     name: str
-    column: str
-    unit: str
+    suffix: str
     low: float = -math.inf
     high: float = math.inf
     whole: bool = False
 
+    @property
+    def column(self) -> str:
+        """Name of its column in a sweep, unit last."""
+        stem = self.name.replace(".", "_")
+        return f"{stem}_{self.suffix}" if self.suffix else stem
 
-_UNITS = {"rad_s": "rad/s", "m_s2": "m/s^2", "kg_m2": "kg m^2", "n_m": "N/m", "ns_m": "N s/m"}
-_POSITIVE = {"low": 0.0}
-_NOT_NEGATIVE = {"low": -math.ulp(0.0)}
-_NAMED = {
-    "gravity": ("m_s2", _NOT_NEGATIVE),
-    "can.mass": ("kg", _POSITIVE),
-    "can.radius": ("m", _POSITIVE),
-    "can.a": ("", _POSITIVE),
-    "can.c": ("", _POSITIVE),
-    "can.h": ("", _POSITIVE),
-    "can.A": ("kg_m2", _POSITIVE),
-    "can.C": ("kg_m2", _POSITIVE),
-    "can.H": ("m", _POSITIVE),
-    "release.phi": ("rad", {"low": 0.0, "high": math.pi / 2.0}),
-    "release.psi": ("rad", {}),
-    "release.theta": ("rad", {}),
-    "release.phi_dot": ("rad_s", {}),
-    "release.psi_dot": ("rad_s", {}),
-    "release.theta_dot": ("rad_s", {}),
-    "release.height": ("m", {}),
-    "horizon.bounces": ("", {"low": 0.0, "high": MOST_BOUNCES + 1.0}),
-    "horizon.seconds": ("s", _POSITIVE),
-}
-_WHOLE = frozenset({"horizon.bounces"})
+    @property
+    def unit(self) -> str:
+        """Unit on the axis of a figure; empty for a ratio."""
+        return _UNITS.get(self.suffix, self.suffix)
+
+
 _OF_EFFECTS = {
     "compliance.stiffness": "n_m",
     "compliance.damping": "ns_m",
@@ -91,31 +80,36 @@ _OF_EFFECTS = {
     "point_mass.y": "m",
     "point_mass.z": "m",
 }
-_SPOKEN = _UNITS | {"per_s": "1/s", "hz": "Hz"}
+"""Suffixes of the constants of effects; a constant that is not here is a ratio."""
 
-
-def _parameter(name: str, suffix: str, bounds: Mapping[str, float]) -> Parameter:
-    stem = name.replace(".", "_")
-    return Parameter(
-        name=name,
-        column=f"{stem}_{suffix}" if suffix else stem,
-        unit=_SPOKEN.get(suffix, suffix),
-        whole=name in _WHOLE,
-        **bounds,
-    )
-
-
-PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
-    {name: _parameter(name, suffix, bounds) for name, (suffix, bounds) in _NAMED.items()}
-    | {
-        f"effects.{effect}.{field.name}": _parameter(
-            f"effects.{effect}.{field.name}", _OF_EFFECTS.get(f"{effect}.{field.name}", ""), {}
-        )
+_ALL = (
+    Parameter("gravity", "m_s2", -math.ulp(0.0)),  # zero is allowed
+    Parameter("can.mass", "kg", 0.0),
+    Parameter("can.radius", "m", 0.0),
+    Parameter("can.a", "", 0.0),
+    Parameter("can.c", "", 0.0),
+    Parameter("can.h", "", 0.0),
+    Parameter("can.A", "kg_m2", 0.0),
+    Parameter("can.C", "kg_m2", 0.0),
+    Parameter("can.H", "m", 0.0),
+    Parameter("release.phi", "rad", 0.0, math.pi / 2.0),
+    Parameter("release.psi", "rad"),
+    Parameter("release.theta", "rad"),
+    Parameter("release.phi_dot", "rad_s"),
+    Parameter("release.psi_dot", "rad_s"),
+    Parameter("release.theta_dot", "rad_s"),
+    Parameter("release.height", "m"),
+    Parameter("horizon.bounces", "", 0.0, MOST_BOUNCES + 1.0, whole=True),
+    Parameter("horizon.seconds", "s", 0.0),
+    *(
+        Parameter(f"effects.{effect}.{each.name}", _OF_EFFECTS.get(f"{effect}.{each.name}", ""))
         for effect, kind in KINDS.items()
-        for field in fields(kind)
-        if field.type in {float, "float"}
-    }
+        for each in fields(kind)
+        if each.type in {float, "float"}
+    ),
 )
+
+PARAMETERS: Mapping[str, Parameter] = MappingProxyType({each.name: each for each in _ALL})
 """Every parameter by name."""
 
 
