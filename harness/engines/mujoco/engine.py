@@ -141,7 +141,7 @@ def state_of(world: MujocoWorld) -> Floats:
     return state
 
 
-Readings: TypeAlias = tuple[Floats, Floats, Floats]
+Readings: TypeAlias = tuple[Floats, ...]
 """Times (n,) before steps, the states (n, 14) then, and the sensors (n, 8) of these states."""
 
 
@@ -220,7 +220,9 @@ class MujocoSteps:
         """Return the readings since the last chunk; None without any."""
         if not self._parts:
             return None
-        times, states, sensors = map(np.concatenate, zip(*self._parts, strict=True))
+        if len(self._parts) > 1:  # a single part is not copied
+            self._parts = [tuple(map(np.concatenate, zip(*self._parts, strict=True)))]
+        times, states, sensors = self._parts[0]
         spans = None if self._sampling is None else np.array(self._spans)
         self._parts, self._spans = [], []
         return chunk_of(self._world, times, states, sensors, spans)
