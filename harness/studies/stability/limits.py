@@ -238,7 +238,7 @@ def limit_sentence(limits: Sequence[TimestepLimit]) -> str:
     (least, hardest), (most, easiest) = known[0], known[-1]
     return (
         f"Matched, the largest timestep that follows the exact motion lies between {least:.2g} s "
-        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have run."
+        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have one."
     )
 
 

@@ -7,6 +7,7 @@ import pytest
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.studies.stability.failure_criteria import ClassifiedRun, StabilityStatus, Symptom
+from harness.studies.stability.limits import TimestepLimit, limit_sentence
 from harness.studies.stability.study import engine_page, seen
 from models import load
 
@@ -74,3 +75,22 @@ def test_what_cures_a_case_is_told_with_its_largest_timestep() -> None:
     assert f"Cured by profile matched at 2e-05 s: tiny-can {flat}." in text
     assert f"Cured by nothing that was tried: hundred-g {flat}." in text
     assert "(largest phi since 0.001 rad, at 0.12 s)" in text
+
+
+def test_the_limits_of_an_engine_are_told_between_the_hardest_and_the_easiest_case() -> None:
+    least, most = (
+        TimestepLimit(
+            scene=scene,
+            engine="toy",
+            standard="accurate",
+            usable=(step,),
+            coarsest=1e-2,
+            finest=1e-6,
+        )
+        for scene, step in (("hundred-g", 1.4e-4), ("tall-can", 7.1e-3))
+    )
+    assert limit_sentence([most, least]) == (
+        "Matched, the largest timestep that follows the exact motion lies between 0.00014 s "
+        "(hundred-g) and 0.0071 s (tall-can) in the 2 cases that have one."
+    )
+    assert limit_sentence([]) == "No hard case is followed at any timestep that was tried."
