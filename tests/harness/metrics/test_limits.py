@@ -181,6 +181,13 @@ def test_two_errors_or_two_signs_are_no_flat_ladder() -> None:
     assert plateau((16.0, 4.0, 1.0), (1.0, 0.0, None)) is None
 
 
+def test_an_error_of_zero_is_left_out_of_a_ladder_and_one_of_minus_one_is_not() -> None:
+    for level in (1.0, -1.0):
+        found = plateau((64.0, 16.0, 4.0, 1.0), (level, 1.1 * level, 0.0, level))
+        assert found is not None
+        assert (found.timestep, found.rungs) == (64.0, 3)
+
+
 @pytest.mark.parametrize(("depth", "found"), [(-1e-6, 0.0), (0.0, 0.0), (1e-6, 1e-6)])
 def test_a_can_that_never_sank_has_no_penetration(
     depth: float, found: float, made: Made, gentle: Scene
