@@ -14,6 +14,7 @@ from harness.paper.audit.checks import (  # noqa: F401 - each registers its chec
     momenta,
     numbers,
     outer,
+    panels,
     reduced,
     references,
     steady_motions,

@@ -197,6 +197,8 @@ LOW = math.pi / 1000
 """Nutation of release: the friction that the fall asks for is in proportion to it."""
 RATES = (0.1, 0.05, 0.01, 0.005, 0.001)
 """Precessions at release, in sqrt(g/R), on which the friction at pi/100 depends."""
+LOW_RATE = 0.005
+"""Precession of the release at LOW, in sqrt(g/R)."""
 
 
 @cache
@@ -212,7 +214,7 @@ def friction_of_small_inertias() -> Fact:
     """Let a_p = a + h^2 fall to 0 in two ways, and compute the bounce of a thin disk."""
     a, h = sp.symbols("a h", positive=True)
     ratio = h / (a + h**2)
-    turn, friction = disk_bounce(0.005, LOW)
+    turn, friction = disk_bounce(LOW_RATE, LOW)
     thick, thin = (sp.limit(ratio.subs(a, h**n), h, 0) for n in (2, sp.Rational(1, 2)))
     said = ("large for every small a_p", "small for every small a_p", "at most 1/sqrt(a_p)")
     true = {
@@ -226,8 +228,9 @@ def friction_of_small_inertias() -> Fact:
         corrected=said[2],
         holds=true.__getitem__,
         how=f"sympy: as a_p -> 0, h/a_p -> {thick} with a = h^2 and {thin} with a = sqrt(h); "
-        f"h <= sqrt(a_p); exact bounce of a uniform thin disk released at pi/1000: turn {turn:.1f} "
-        f"degrees, largest |F|/N {friction:.3f}; at pi/100 with psi' = -theta' of "
-        f"{RATES[0]:g} to {RATES[-1]:g} sqrt(g/R) |F|/N is at most "
+        f"h <= sqrt(a_p); exact bounce of a uniform thin disk released at pi/1000 with "
+        f"{LOW_RATE:g} sqrt(g/R): turn {turn:.1f} degrees, largest |F|/N "
+        f"{friction:.3f}; at pi/100 with psi' = -theta' of {RATES[0]:g} to {RATES[-1]:g} "
+        f"sqrt(g/R) |F|/N is at most "
         + ", ".join(f"{disk_bounce(rate, release.PHI)[1]:.3f}" for rate in RATES),
     )

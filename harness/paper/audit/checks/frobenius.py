@@ -51,7 +51,12 @@ def _solvable(start: int, step: int) -> bool:
     for n in range(1, series.TERMS + 1):
         letter = sp.Integer(0) if n % step else sp.Symbol("p")
         left = sp.expand(series.second_order(found + letter * phi ** (start + n)))
-        answer = sp.solve(left.coeff(phi, start + n - 2), letter) if letter else []
+        rest = left.coeff(phi, start + n - 2)
+        if letter == 0:
+            if sp.cancel(rest) != 0:
+                return False
+            continue
+        answer = sp.solve(rest, letter)
         if not answer:
             return False
         found += answer[0] * phi ** (start + n)

@@ -7,15 +7,16 @@ import mpmath as mp
 import numpy as np
 import sympy as sp
 
+from harness.core.trajectory import Floats
 from harness.paper import release
 from harness.paper.audit import flat_motion, paper_can
 from harness.paper.audit import flat_series as series
 from harness.paper.audit.checks.inner import ARC, ARC_PRINTED, q
-from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check, check_each
+from harness.paper.audit.checks.reduced import derived
+from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
 from harness.paper.audit.newton_euler import contact_velocity
-from harness.paper.audit.symbols import B2, CAN, I, Psi, T, Theta, c_p, eps, k, psi
-from reference import PAPER_CAN, solve
-from reference.asymptotic.matched import boundary_rotation
+from harness.paper.audit.reduced_form import POWERS, bracket
+from harness.paper.audit.symbols import B0, B2, CAN, I, Psi, T, Theta, c_p, eps, k, psi
 from reference.integrable.cycle import exact_bounces
 
 t = sp.Symbol("t", positive=True)
@@ -240,9 +241,18 @@ def arcs_of_panel_a() -> Fact:
     )
 
 
+def _reduced_force(height: sp.Expr, nutations: Floats) -> Floats:
+    """Return the right side of (4.22) for a uniform disk; B_-2 is of the size of the release's."""
+    a_p = sp.Rational(1, 4) + height**2
+    disk = {series.h: height, series.c_p: sp.Rational(3, 2), series.k: 2 / (1 + 2 * a_p)}
+    values = disk | {B0: sp.Rational(4, 10**6), B2: sp.Rational(1, 10**5)}
+    coefficients = {name: float(derived(name).subs(values)) for name in POWERS}
+    return np.asarray(bracket(nutations, np.log(nutations), coefficients) - 1)
+
+
 @check("text:thick disk")
 def solutions_without_a_change_of_sense() -> Fact:
-    """Sign of d psi/dt in the inner and in the outer solution, for a thin and a thick disk."""
+    """Sign of d psi/dt, and of the force of (4.22), for a thin and a thick disk."""
     moments = {I: sp.Rational(1, 16), t: sp.Rational(1, 5), eps: sp.Rational(1, 100)}
     rates_ = ARC.diff(T), _outer_angle(sp.Rational(-3, 2)).diff(t)
     thickness = {"thin": 0, "thick": sp.Rational(1, 5)}
@@ -254,12 +264,21 @@ def solutions_without_a_change_of_sense() -> Fact:
         return all(value.subs(T, x) > 0 for value in values for x in (-3, 0, 3))
 
     keeping = {name for name in inertias if keeps_sense(name)}
+    # beyond the bounce the can overturns where the force of (4.22) changes its sign
+    beyond = np.linspace(0.01, math.pi / 2, 2000)
+    forces = {name: _reduced_force(height, beyond) for name, height in thickness.items()}
+    falling = {name for name, force in forces.items() if force.max() < 0}
     return Fact(
         printed=("thick",),
         corrected=("thick", "thin"),
-        holds=lambda names: set(names) == keeping,
-        how="sympy: both rates keep their sign for every a_p, with h = 0 too, although a thin disk "
-        "overturns: both solutions are for small phi",
+        holds=lambda names: set(names) == keeping & falling,
+        how="both rates keep their sign with h = 0 and with h = 1/5; the force of (4.22) is at "
+        "most "
+        + " and ".join(f"{force.max():.3f}" for force in forces.values())
+        + " from 0.01 to pi/2, while that on a disk at rest changes its sign, beyond which it "
+        "overturns, at "
+        + " and ".join(f"{sp.N(sp.deg(sp.acot(height)), 3)}" for height in thickness.values())
+        + " degrees",
     )
 
 
@@ -274,75 +293,6 @@ def outer_share_of_the_turn() -> Fact:
     )
 
 
-AGREES = 0.02
-"""Two curves closer than this share of the plot's height are one to the eye."""
-SMALLEST = 1e-8
-"""The smallest eps of fig01:sing_perturb, which shows what becomes of the motion as eps grows."""
-PANELS = {"a": (0.1001, -0.1), "c": (0.72667, 7.0), "d": (1.7267, 7.0)}
-"""Rates psi' and theta' of the panels of fig01:contact_pt_motion released at pi/100, in rad/s."""
-
-
-@cache
-def constants_of(panel: str) -> dict[str, float]:
-    """Return eps = B_-2^2 and the like square of B_0 of a release."""
-    with mp.workdps(30):
-        rates = [mp.mpf(repr(rate)) * paper_can.SECOND for rate in PANELS[panel]]
-        zero, two = flat_motion.constants(paper_can.PHI, *rates)
-        return {"eps": float(two**2), "B_0^2": float(zero**2)}
-
-
-@check_each({"text:panel c": ("c",), "text:panel d": ("d",)})
-def large_constant(panel: str) -> Fact:
-    """Compare eps and the like square of B_0."""
-    found, first = constants_of(panel), constants_of("a")
-    zeta = math.sqrt(found["B_0^2"] / found["eps"])
-    vertical = PAPER_CAN.c * sum(PANELS[panel]) * release.SECOND
-    return Fact(
-        printed="eps",
-        corrected="B_0^2",
-        holds=lambda name: found[name] > SMALLEST,
-        how=f"exact constants: eps = {found['eps']:.2e}, in a) {first['eps']:.2e}; B_0^2 = "
-        f"{found['B_0^2']:.2e}, in a) {first['B_0^2']:.2e}; the least eps of fig01:sing_perturb "
-        "is 1e-8",
-        correct=f"eps is {found['eps'] / first['eps']:.3g} times that of a); zeta = {zeta:.3g}, "
-        f"against the assumption zeta = O(1); the vertical angular momentum is large, H_z^G = "
-        f"{vertical:.2f} sqrt(g/R) m R^2, but it comes with B_0 and is not eps",
-    )
-
-
-@check("text:panel b")
-def fall_from_the_balance() -> Fact:
-    """Compute the first bounce of a release, and how far it has turned near the balance."""
-    balance = math.atan(1 / PAPER_CAN.h)
-
-    @cache
-    def fall(release_: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Return phi_min in parts of phi_0, the precession above 0.9 phi_0, and the turn."""
-        precession, short, rotation = release_
-        top = balance - short
-        solution = solve(release.problem(precession, top, rotation, bounces=1))
-        if not solution.bounces:
-            return math.inf, math.inf, 0.0
-        bounce = solution.bounces[0]
-        states = solution.at(np.linspace(0, bounce.time, 4000))
-        aside = float(np.degrees(np.abs(states.psi[states.phi > 0.9 * top]).max()))
-        return bounce.phi_min / top, aside, math.degrees(bounce.angle_of_turn)
-
-    def petals(release_: tuple[float, float, float]) -> bool:
-        low, aside, turn = fall(release_)
-        # falls into the inner region, on a line to the eye, and comes back
-        return low < release.INNER and aside < 10 and abs(turn) > 180  # noqa: PLR2004 - degrees
-
-    printed = (0.0, 1e-5, 2.0)
-    low, aside, turn = fall(printed)
-    return Fact(
-        printed=printed,
-        holds=petals,
-        how=f"exact: phi falls to {low:.3f} of phi_0; psi is within {aside:.1f} degrees above "
-        f"0.9 phi_0; the bounce turns by {turn:.1f} degrees",
-    )
-
-
 @check("caption:fig01:can_fall")
 def way_around_the_rim() -> Fact:
     """Compare the change of theta, which moves the contact round the rim, with that of psi."""
@@ -352,20 +302,4 @@ def way_around_the_rim() -> Fact:
         printed=1.0,
         holds=lambda share: abs(on_rim - share * on_plane) < 1e-3,  # noqa: PLR2004 - degrees
         how=f"exact release: {on_rim:.5f} degrees around the rim, {on_plane:.5f} on the plane",
-    )
-
-
-@check("caption:fig01:contact_pt_motion")
-def cusps_near_the_boundary() -> Fact:
-    """Compare the ratio of the rates with the line; theta' has to change its sign."""
-    solution = release.solved(release.problem(psi_dot=1.7267, theta_dot=7.0, bounces=3))
-    rates = solution.at(solution.grid()).theta_dot
-    ratio = 7 / 1.7267
-    line = boundary_rotation(PAPER_CAN, 1.0)
-    reverses = bool(rates.min() < 0 < rates.max())
-    return Fact(
-        printed=(1.7267, 7),
-        holds=lambda pair: abs(pair[1] / pair[0] / line - 1) < AGREES and reverses,
-        how=f"theta'/psi' = {ratio:.4f}, the line has {line:.4f}; theta' runs from "
-        f"{rates.min():.3g} to {rates.max():.3g} sqrt(g/R) over three bounces",
     )

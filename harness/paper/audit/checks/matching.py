@@ -38,7 +38,7 @@ def inner_in_outer_variable() -> Rate:
         remainder=remainder,
         stated=1,
         at=(1e-8, 1e-12),
-        source="eq01:inner_solution",
+        source="eq01:inner_solution, of the form alone; the remainder of (5.10) apart",
     )
 
 
@@ -190,12 +190,17 @@ def inner_region() -> Rate:
         before = mp.sqrt(paper_can.WIDTH) - mp.sqrt(paper_can.WIDTH - 2 * y)
         return sp.lambdify((I, T), form, "mpmath")(paper_can.WIDTH, before) / y - 1
 
+    printed = sp.sqrt(I) * T  # of (5.13), once eps is small beside phi^2
+    top = paper_can.WIDTH / 2
+    left = mp.findroot(lambda share: remainder(printed, share * top) - NEAR, (NEAR, 10 * NEAR))
     return Rate(
-        printed=sp.sqrt(I) * T,  # of (5.13), once eps is small beside phi^2
+        printed=printed,
         remainder=remainder,
         stated=1,
         at=(1e-6, 1e-9),
-        source="the fall, relative to phi: the error is 1 % at phi = 0.039 phi(0)",
+        source="the fall, for phi << phi(0), which is phi << 1 where I = O(1), as the expansion "
+        "assumes; in the paper's motion phi << pi/100: the error relative to phi is 1 % at phi = "
+        f"{mp.nstr(left, 2)} phi(0)",
     )
 
 
@@ -326,11 +331,11 @@ def outer_solution_departs() -> Fact:
         matched = math.sqrt(strength / width + width * gap**2) - gap**2 / 2
         return abs(matched - (width - t**2) / 2)
 
-    end = math.sqrt(width)
+    end, panel = math.sqrt(width), (width - 0.247**2) / 2
     return Fact(
         printed=0.247,
         holds=lambda start: apart(end) > SEEN * (width - start**2) / 2 > apart(start),
-        how=f"at t = sqrt(I) the two are {apart(end):.2e} apart, {apart(end) / 9.1e-4:.0%} of the "
-        f"panel, which starts at phi = {(width - 0.247**2) / 2:.2e}; at t = 0.247 "
+        how=f"at t = sqrt(I) the two are {apart(end):.2e} apart, {apart(end) / panel:.0%} of the "
+        f"panel, which starts at phi = {panel:.2e}; at t = 0.247 "
         f"{apart(0.247):.1e}",
     )

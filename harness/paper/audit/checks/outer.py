@@ -281,7 +281,7 @@ def _left(claim: dict[str, Expr], small: mp.mpf) -> mp.mpf:
 
     here = phi(at)
     force = bracket(here, mp.log(here), {n: NUMBERS[a_[n]] for n in POWERS})
-    start = abs(phi(mp.mpf(0)) - mp.mpf(width) / 2)
+    start = abs(phi(mp.mpf(0)) - mp.mpf(width) / 2) + abs(mp.diff(phi, mp.mpf(0)))
     return abs(mp.diff(phi, at, 2) - (small * force - 1)) + start
 
 
@@ -294,7 +294,7 @@ def outer_solution() -> Rate:
         corrected=OUTER | RIGHT_FORMS,
         stated=2,
         at=(1e-14, 1e-16),  # where eps^2 is small beside eps times the smallest J(0)
-        source="eq01:Phi_reduced and phi(0) = I/2",
+        source="eq01:Phi_reduced, phi(0) = I/2 and phi'(0) = 0",
     )
 
 

@@ -127,7 +127,7 @@ def coefficient_of_reduced(name: str) -> Both:
 
 @check("eq01:Phi_reduced_intermediate")
 def reduced_with_remainder() -> Both:
-    """Look for the terms that there are, and for the logarithms in the remainder."""
+    """Look for the terms that there are, the logarithms in the remainder, and the coefficients."""
     listed, terms = frozenset((-i, j) for i, j in POWERS.values()), series.drive_terms()
     there = frozenset(powers for powers in terms if powers[0] <= 0)
     most = max(logs for power, logs in terms if power == 1)
@@ -148,6 +148,7 @@ def reduced_with_remainder() -> Both:
             f"{mp.nstr(ratios[1], 4)} at 1e-12; coefficient of phi log^2 phi: "
             f"{terms[1, 2]}",
         ),
+        reduced_equation(),
     )
 
 

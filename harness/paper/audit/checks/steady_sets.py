@@ -1,14 +1,17 @@
 """Section 3: the sets of steady motions, their dimensions, and the cans that have them."""
 
+from functools import cache
+
 import mpmath as mp
 import sympy as sp
 
 from harness.paper.audit import paper_can
 from harness.paper.audit.checks.steady_motions import derived_rest_square
-from harness.paper.audit.checks.steady_paths import RADIUS, SIDE
+from harness.paper.audit.checks.steady_paths import SIDE
 from harness.paper.audit.evidence import Both, Fact, IdentityEvidence, check
 from harness.paper.audit.newton_euler import (
     EQUATIONS,
+    REACH,
     at_balance,
     centre_velocity,
     papers_accelerations,
@@ -32,6 +35,8 @@ from harness.paper.audit.symbols import (
     theta_dd,
 )
 
+DOUBLE = mp.mpf("1e-12")
+"""Below this a number of order one, computed with doubles among others, is zero."""
 CANS = tuple(
     dict(zip((a, c, h), map(sp.Rational, can), strict=True))
     for can in (
@@ -46,29 +51,42 @@ CANS = tuple(
 """Cans with a above, at and below c, and with h on both sides of c_p."""
 
 
+SPINNING = sp.Integer(1), sp.Integer(0)
+"""Psi and Theta of a can that spins about the vertical and does not rotate in its frame."""
+
+
 @check("text:balanced at rest")
 def balanced_and_at_rest() -> Both:
-    """Insert Theta = 0 into the radius and, for several cans, into the equation of Phi."""
-    drive = at_balance(papers_accelerations()[phi_dd])
+    """Ask of several cans which of them have such a motion, and whether its centre is at rest."""
+    derived = at_balance(papers_accelerations()[phi_dd])
+    printed = Psi * ((a - c) * h / REACH * Psi - c * Theta)  # (3.3), whose factor matters not here
+    speed = at_balance(SIDE)
 
-    def steady(rotation: Expr, can: dict[Expr, Expr]) -> bool:
-        return bool(sp.simplify(drive.subs(Theta, rotation).subs(can)) == 0)
+    def zero(form: Expr, rates: tuple[Expr, Expr], can: dict[Expr, Expr]) -> bool:
+        return bool(
+            sp.simplify(form.subs(dict(zip((Psi, Theta), rates, strict=True))).subs(can)) == 0
+        )
 
+    def rests(rates: tuple[Expr, Expr]) -> bool:
+        having = [can for can in CANS if zero(derived, rates, can)]
+        return bool(having) and all(zero(speed, rates, can) for can in having)
+
+    def occurs(condition: Expr) -> bool:
+        return all(
+            bool(condition.subs(can)) == zero(form, SPINNING, can)
+            for can in CANS
+            for form in (derived, printed)
+        )
+
+    paper = "does" if zero(derived, SPINNING, CANS[0]) else "does not"
     return Both(
-        IdentityEvidence(
-            printed=sp.Integer(0),
-            compared=lambda rotation: at_balance(RADIUS).subs(Theta, rotation),
-            derived=sp.Integer(0),
-            source="the radius at phi*",
-        ),
+        Fact(printed=SPINNING, holds=rests, how="sympy: true of every such motion"),
         Fact(
-            printed=sp.true,
-            corrected=sp.Eq(a, c),
-            holds=lambda condition: all(
-                bool(condition.subs(can)) == steady(sp.Integer(0), can) for can in CANS
-            ),
-            how="sympy: at phi* with Theta = 0 phi'' = "
-            "Psi^2 h (a - c)/((h^2 + 1) (a_p + 1)), which is 0 for a = c alone: of six cans three",
+            printed=sp.Eq(a, c),
+            holds=occurs,
+            how="by (3.3), printed or put right, there is one for a = c alone, so that for the "
+            f"paper's can, with a = {mp.nstr(paper_can.a, 4)} and c = {mp.nstr(paper_can.c, 4)}, "
+            f"the case {paper} occur",
         ),
     )
 
@@ -96,18 +114,39 @@ def steady_rolling() -> IdentityEvidence:
     )
 
 
+@cache
+def _steady_rotations(precession: int) -> dict[str, mp.mpf]:
+    """Return the Theta of steady motion with a precession, at phi* and elsewhere if there is one.
+
+    Inserted into the three equations of motion; where any Theta will do, it is 1.
+    """
+    forces = papers_accelerations()
+    found = {}
+    for name, place in {"phi*": mp.atan(1 / paper_can.h), "other": mp.radians(20)}.items():
+        here = CAN | {Psi: precession, Phi: 0, phi: place}
+        drive = sp.expand(forces[phi_dd].subs(here))
+        slope = drive.coeff(Theta, 1)
+        rotation = -drive.coeff(Theta, 0) / slope if abs(slope) > DOUBLE else sp.Integer(1)
+        left = [mp.mpmathify(form.subs(here).subs(Theta, rotation)) for form in forces.values()]
+        if max(map(abs, left)) < DOUBLE:
+            found[name] = mp.mpmathify(rotation)
+    return found
+
+
 def _nutations_of_steady_rolling(printed: tuple[str, ...]) -> Fact:
-    """Solve the equation of Phi for Theta with Psi = 1, at phi* and at other nutations."""
-    condition = papers_accelerations()[phi_dd].subs(CAN | {Psi: 1})
-    places = {"phi*": mp.atan(1 / paper_can.h), "other": mp.radians(20)}
-    # linear in Theta: there is a solution where Theta has a coefficient
-    there = {name for name, place in places.items() if condition.diff(Theta).subs(phi, place) != 0}
+    """Look for steady motions at phi* and at another nutation, with and without precession."""
+    rotations = _steady_rotations(1)
+    listed = ", ".join(f"{mp.nstr(x, 4)} at {_PLACES[name]}" for name, x in rotations.items())
+    straight = " and ".join(_PLACES[name] for name in _steady_rotations(0))
     return Fact(
         printed=printed,
         corrected=("phi*", "other"),
-        holds=lambda nutations: set(nutations) == there,
-        how="for Psi = 1 there is a Theta of steady rolling at phi* and at 20 degrees",
+        holds=lambda nutations: set(nutations) == set(rotations),
+        how=f"steady with Psi = 1: Theta = {listed}; with Psi = 0 at {straight} alone",
     )
+
+
+_PLACES = {"phi*": "phi*", "other": "20 degrees"}
 
 
 @check("eq01:equilibrium")
@@ -141,10 +180,6 @@ def _dimension(constraints: Expr, letters: tuple[Expr, ...], point: dict[Expr, m
     if max(abs(value) for value in values) > DOUBLE:
         raise ArithmeticError(f"the constraints do not hold at {point}")
     return len(letters) - int(slopes.rank(iszerofunc=lambda x: abs(x) < DOUBLE))
-
-
-DOUBLE = mp.mpf("1e-12")
-"""Below this a number of order one, computed with doubles among others, is zero."""
 
 
 @check("text:1-D manifold")
@@ -198,9 +233,15 @@ def dimension_of_rest() -> Fact:
 
 @check("text:lying and rolling")
 def rolling_on_its_side() -> Both:
-    """Insert it; and ask for which cans the rates are real."""
+    """Insert it; and ask whether the paper's can has it, and which others."""
     rates = papers_accelerations()
     spin = sp.sqrt(h / (c_p - h))
+    rate = mp.mpmathify(spin.subs(CAN))
+
+    def real(can: dict[Expr, Expr]) -> bool:
+        return bool(spin.subs(can).is_real)
+
+    taller = sum(not real(can) for can in CANS)
     return Both(
         IdentityEvidence(
             printed=sp.Matrix([sp.pi / 2, spin, spin]),
@@ -210,12 +251,12 @@ def rolling_on_its_side() -> Both:
             derived=sp.Integer(0),
             source=EQUATIONS,
         ),
+        Fact(printed=CANS[0], holds=real, how=f"its rates are real: +-{mp.nstr(rate, 4)}"),
         Fact(
-            printed=sp.true,
-            corrected=sp.Lt(h, c_p),
-            holds=lambda condition: all(
-                bool(condition.subs(can)) == bool(spin.subs(can).is_real) for can in CANS
-            ),
-            how="of six cans the rates are real for the four with h < c_p",
+            printed=sp.Lt(h, c_p),
+            holds=lambda condition: all(bool(condition.subs(can)) == real(can) for can in CANS),
+            how="the rates are real for h < c_p, as for the paper's can, with h = "
+            f"{mp.nstr(paper_can.h, 4)} and c_p = {mp.nstr(paper_can.c_p, 4)}; a taller can has no "
+            f"such motion (of {len(CANS)} cans {taller})",
         ),
     )

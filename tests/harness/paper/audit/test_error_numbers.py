@@ -15,18 +15,20 @@ import sympy as sp
 
 from harness.paper import release
 from harness.paper.audit import paper_can
-from harness.paper.audit.checks.friction import DISK, LOW, RATES, disk_bounce
-from harness.paper.audit.checks.locus import PANELS, constants_of
+from harness.paper.audit.checks.friction import DISK, LOW, LOW_RATE, RATES, disk_bounce
 from harness.paper.audit.checks.momenta import fall
-from harness.paper.audit.checks.numbers import SQUARE, predicted_peak
+from harness.paper.audit.checks.numbers import SQUARE, predicted_peak, rounded_peaks
 from harness.paper.audit.checks.outer import CLOSED_FORMS, time
+from harness.paper.audit.checks.panels import PANELS, constants_of
 from harness.paper.audit.checks.steady_motions import CRITICAL, PRINTED_CRITICAL
 from harness.paper.audit.claims import CLAIMS, ERRORS, PaperError, Weight
 from harness.paper.audit.evidence import Number
 from harness.paper.audit.flat_motion import exact_constants
 from harness.paper.audit.symbols import CAN
-from reference import PAPER_CAN
+from reference import PAPER_CAN, Parameters
+from reference.asymptotic.expansions import paper_constants
 from reference.asymptotic.small_nutation import reduced_equation
+from reference.problem.states import initial_states
 
 ERROR = {error.name: error for error in ERRORS}
 COUNTED = [error for error in ERRORS if error.weight is Weight.SUBSTANTIAL or error.name == "mass"]
@@ -36,13 +38,35 @@ PRINTED = {
     "units of eps and zeta": ("1.43e-10", "0.40"),
     "mass": ("0.043",),
     "unit of the release": ("0.1001", "0.1000"),
-    "exchanged peaks": ("3.5", "3575", "3449"),
+    "exchanged peaks": ("3.5", "3449"),
     "height of the cylinder": ("0.96", "0.48", "1.473"),
     "large eps in panels c) and d)": ("1e-8", "4e-6"),
-    # psi' of the releases of the disk
-    "friction at small a_p": ("0.1", "0.001", "0.005", "1000", "100"),
 }
 """Numbers of the paper, or those from which others are computed."""
+GROUPS = (
+    PAPER_CAN,
+    Parameters(
+        a=float(paper_can.MOMENT_A / SQUARE), c=float(paper_can.MOMENT_C / SQUARE), h=PAPER_CAN.h
+    ),
+)
+"""The printed groups, and those that the printed moments have with the one mass that fits."""
+
+
+@cache
+def bounds() -> dict[str, dict[str, tuple[float, float]]]:
+    """Return by the name of the error each bound typed there, between what has to lie around it."""
+    posed = release.problem(PANELS["d"][0], theta_dot=PANELS["d"][1], bounces=1)
+    found = [paper_constants(initial_states(posed), group) for group in GROUPS]
+    eps = [float(two[0]) ** 2 for _, two in found]
+    zetas = [abs(float(zero[0] / two[0])) for zero, two in found]
+    least, most = rounded_peaks()
+    return {
+        "large eps in panels c) and d)": {
+            "1e-12": (max(eps), constants_of("a")["eps"]),
+            "1e5": (1e4, min(zetas)),
+        },
+        "exchanged peaks": {"3575": (float(least), float(most))},
+    }
 
 
 def _turn(a_p: mp.mpf) -> mp.mpf:
@@ -63,7 +87,7 @@ def computed() -> dict[str, dict[str, object]]:
     spins = {name: float(p.c) * sum(PANELS[name]) * release.SECOND for name in "cd"}
     zetas = {name: np.sqrt(x["B_0^2"] / x["eps"]) for name, x in panels.items()}
     critical, printed = (mp.sqrt(mp.mpmathify(x.subs(CAN))) for x in (CRITICAL, PRINTED_CRITICAL))
-    _, friction = disk_bounce(0.005, LOW)
+    _, friction = disk_bounce(LOW_RATE, LOW)
     return {
         "mass": {
             "0.070": SQUARE / p.RADIUS**2,
@@ -89,6 +113,11 @@ def computed() -> dict[str, dict[str, object]]:
         },
         "height of the cylinder": {"0.866": mp.sqrt(3) / 2, "0.433": mp.sqrt(3) / 4},
         "friction at small a_p": {
+            "0.1": RATES[0],
+            "0.001": RATES[-1],
+            "0.005": LOW_RATE,
+            "100": math.pi / release.PHI,
+            "1000": math.pi / LOW,
             "402": _turn(mp.mpf(DISK.a)),
             "0.17": min(frictions),
             "0.24": max(frictions),
@@ -98,10 +127,8 @@ def computed() -> dict[str, dict[str, object]]:
         "logarithm of Theta + Psi": {"1.9e-6": axis[0], "5.3e-6": -axis[1]},
         "large eps in panels c) and d)": {
             "2.4e-9": panels["c"]["eps"],
-            "5.2e-13": panels["d"]["eps"],
             "3.8e-11": panels["a"]["eps"],
             "1.9e3": zetas["c"],
-            "1.4e5": zetas["d"],
             "0.29": spins["c"],
             "0.33": spins["d"],
             "63": panels["c"]["eps"] / panels["a"]["eps"],
@@ -122,7 +149,11 @@ def words(error: PaperError) -> str:
 
 @pytest.mark.parametrize("error", COUNTED, ids=[error.name for error in COUNTED])
 def test_every_number_of_a_grave_error_has_an_entry(error: PaperError) -> None:
-    known = {*computed().get(error.name, {}), *PRINTED.get(error.name, ())}
+    known = {
+        *computed().get(error.name, {}),
+        *PRINTED.get(error.name, ()),
+        *bounds().get(error.name, {}),
+    }
     for number in _NUMBER.findall(words(error)):
         if "." in number or "e" in number or len(number) > 2:
             assert number in known, f"{number} in {words(error)}"
@@ -133,6 +164,13 @@ def test_a_typed_number_is_what_is_computed(name: str) -> None:
     for typed, value in computed()[name].items():
         assert typed in words(ERROR[name]), typed
         assert Number(printed=typed, value=value, source="").near(), (typed, value)
+
+
+def test_a_typed_bound_is_one() -> None:
+    for name, limits in bounds().items():
+        for typed, (low, high) in limits.items():
+            assert typed in words(ERROR[name]), typed
+            assert low < float(typed) < high, typed
 
 
 def test_an_altered_number_is_refused() -> None:

@@ -5,6 +5,8 @@ from functools import cache
 import pytest
 
 from harness.paper.audit import CLAIMS, Claim, ClaimStatus, checks
+from harness.paper.audit import flat_series as series
+from harness.paper.audit.checks.frobenius import _solvable
 from harness.paper.audit.claims import WRONG
 from harness.paper.audit.evidence import CHECKS, Evidence, OutOfReach
 from tests.harness.paper.audit.wrong_claims import WRONG_CLAIMS, right_claim, wrong_claims
@@ -18,6 +20,15 @@ EVERY = pytest.mark.parametrize("claim", CLAIMS, ids=[claim.label for claim in C
 def evidence_of(label: str) -> Evidence:
     """Return the evidence about the claim as it is printed."""
     return CHECKS[label]()
+
+
+def test_steps_of_a_series_are_judged_by_the_equation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With h = 0 eq01:frob_ode has a solution in every other power, and none in every third."""
+    second_order = series.second_order
+    assert not _solvable(0, 2)
+    monkeypatch.setattr(series, "second_order", lambda psi: second_order(psi).subs(series.h, 0))
+    assert _solvable(0, 2)
+    assert not _solvable(0, 3)
 
 
 def test_every_wrong_claim_is_of_a_claim_of_the_paper() -> None:

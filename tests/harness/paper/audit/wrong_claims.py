@@ -15,6 +15,7 @@ from harness.paper.audit import CLAIMS, paper_can
 from harness.paper.audit.checks.inner import P, Q, q, root, x
 from harness.paper.audit.checks.outer import CLOSED_FORMS, INTEGRANDS, time
 from harness.paper.audit.checks.outer import t as outer_t
+from harness.paper.audit.checks.steady_sets import CANS
 from harness.paper.audit.evidence import (
     Both,
     Evidence,
@@ -88,7 +89,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "text:simultaneous impact": (sp.pi / 6, sp.atan(1 / h)),
     "text:range of phi": ((0 * phi, sp.pi), (0 * phi, sp.pi / 4), (-sp.pi / 2, sp.pi / 2)),
     # section 3
-    ("eq01:static_eqm", 1): (0, 2),
+    "text:only static equilibrium": (0, 2),
     "text:centre-like": lambda e: (2 * e.printed, e.printed / 2),
     "text:saddle at the balance": ("centre",),
     "text:range of S_rest": lambda e: (
@@ -101,8 +102,14 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "text:1-D set": (0, 2),
     ("eq01:equilibrium", 1): (("phi*",), ("other",)),
     "caption:fig01:eqm_comparison": (("phi*",), ()),
+    # straight rolling, and a balanced can that rotates too
+    ("text:balanced at rest", 0): (
+        (sp.Integer(0), sp.Integer(1)),
+        (sp.Integer(1), (a - c) * h / sp.sqrt(1 + h**2) / (c_p + h**2)),
+    ),
     ("text:balanced at rest", 1): (sp.false, a < c, a > c, sp.Ne(a, c)),
-    ("text:lying and rolling", 1): (sp.false, h > c_p, h < c, h < c_p + 1),
+    ("text:lying and rolling", 1): (CANS[4], CANS[5]),
+    ("text:lying and rolling", 2): (sp.false, h > c_p, h < c, h < c_p + 1),
     "eq01:comrest": (
         Psi * (Co - h * S) - Theta,
         Psi * (Co - h * S) + 2 * Theta,
@@ -155,6 +162,9 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         e.printed | {(-1, 2)},
     ),
     ("eq01:Phi_reduced_intermediate", 1): ((1, 0), (2, 2)),
+    ("eq01:Phi_reduced_intermediate", 2): lambda e: (
+        {**e.printed, name: -e.printed[name]} for name in POWERS
+    ),
     "text:quadratic coefficients": lambda e: (
         e.printed - {(1, 1)},
         e.printed | {(1, 0)},
@@ -190,6 +200,10 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
         e.printed | {"J_3": CLOSED_FORMS["J_3"]},
         e.printed | {"J_ll": CLOSED_FORMS["J_ll"]},
         e.printed | {"J_1": 2 * e.printed["J_1"]},
+        # another slope at the release, in single integrals and in the whole
+        e.printed | {"J_1": e.printed["J_1"] + time},
+        e.printed | {"J_3": e.printed["J_3"] + 5 * time},
+        e.printed | {"phi": e.printed["phi"] + eps * outer_t},
         *(e.printed | {"phi": other} for other in outer_solutions(e.printed["phi"])),
         *(e.printed | {"argument": other} for other in (outer_t, outer_t / I, outer_t**2 / I)),
     ),
@@ -235,7 +249,13 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "text:thick disk": (("thin",), ()),
     "text:panel b": ((2.0, 1e-5, 2.0), (0.0, 1e-5, 20.0), (0.0, 1e-5, 10.0)),
     "caption:fig01:can_fall": (0.5, 2.0, 0.99),
-    "caption:fig01:contact_pt_motion": ((0.72667, 7), (1.7267, -7), (1.7267, 7.2)),
+    "caption:fig01:contact_pt_motion": (
+        (0.72667, 7),
+        (1.7267, -7),
+        (1.7267, 7.2),
+        (17.267, 70),
+        (1.7267e-6, 7e-6),
+    ),
     **{
         label: (*mutated(h / (a + h**2)), h / (a + h**2 + 1))
         for label in ("text:bound approached", "text:higher order")
@@ -252,10 +272,11 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "text:F_y in proportion": (Psi, Psi * phi**2),
     "text:B_0 as momentum": ("H_z^G",),
     "text:the other constant": ("H_z^B", "H_z^G", "Theta + Psi"),
-    **dict.fromkeys(("text:constants as momenta", "text:momenta in short"), (("B_0",),)),
+    "text:momenta in short": (("H_z^B",), ("H_z^G",), ("H_z^B", "H_z^B")),
+    "text:constants as momenta": (("B_0",),),
     "text:eps as momenta": ("H_z^B", "H_z^G", "Theta + Psi"),
     "text:sum in proportion": ("H_z^G",),
-    "text:effect of friction": (("H_z^B",), ("H_z^G",)),
+    "text:effect of friction": ("beside the momenta",),
     "text:small F_y": ("F_x^I", "N"),
     "text:H_z^G as momentum": lambda e: (L_AXIS, e.printed - L_AXIS),
     "caption:fig01:conserved_quantity_diagram": lambda e: (
@@ -294,6 +315,7 @@ WRONG_CLAIMS: Mapping[str | tuple[str, int], WrongClaims] = {
     "caption:fig01:hamiltonian_3D": ("eqA:ham1",),
     "caption:reference of the contours": ("eqA:ham2",),
     "text:reference to panel d": ("fig01:eqm_comparison",),
+    "text:title of appendix A": (("eq01:theta_series",), ("eq01:psi_series",)),
     "text:bookmarks": ("(4.18)",),
     **dict.fromkeys(
         ("eq01:simultaneous", "text:slopes in (4.16)"), ((-1, 0, -2), (1, -2, 0), (1, 0, 0))
