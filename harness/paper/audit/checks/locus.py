@@ -272,8 +272,9 @@ def solutions_without_a_change_of_sense() -> Fact:
         printed=("thick",),
         corrected=("thick", "thin"),
         holds=lambda names: set(names) == keeping & falling,
-        how="both rates keep their sign with h = 0 and with h = 1/5; the force of (4.22) is at "
-        "most "
+        how="both rates keep their sign with h = "
+        + " and with h = ".join(map(str, thickness.values()))
+        + "; the force of (4.22) is at most "
         + " and ".join(f"{force.max():.3f}" for force in forces.values())
         + " from 0.01 to pi/2, while that on a disk at rest changes its sign, beyond which it "
         "overturns, at "

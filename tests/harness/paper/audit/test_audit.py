@@ -104,6 +104,30 @@ def test_what_holds_only_when_mended_does_not_hold(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    "label",
+    [
+        "text:balanced at rest",  # a condition, which the paper's can never meets
+        "text:lying and rolling",  # the paper speaks of its own can
+        "text:momenta in short",  # related to is not in proportion to
+        "text:effect of friction",  # small, if not beside the momenta
+    ],
+)
+def test_what_is_true_as_printed_is_not_called_false(
+    verdicts: dict[str, ClaimStatus], label: str
+) -> None:
+    assert verdicts[label] is ClaimStatus.HOLDS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("label", ["eq01:Phi_reduced_intermediate", "eq01:Phi_reduced", "app:a_0"])
+def test_an_equation_with_the_printed_a_0_is_false(
+    verdicts: dict[str, ClaimStatus], label: str
+) -> None:
+    assert verdicts[label] is ClaimStatus.FALSE
+
+
+@pytest.mark.slow
 def test_a_misprint_is_one_symbol_away_and_nothing_else_is(rows: tuple[AuditRow, ...]) -> None:
     for row in rows:
         claim = row.claim
