@@ -276,10 +276,9 @@ def solutions_without_a_change_of_sense() -> Fact:
         + " and with h = ".join(map(str, thickness.values()))
         + "; the force of (4.22) is at most "
         + " and ".join(f"{force.max():.3f}" for force in forces.values())
-        + " from 0.01 to pi/2, while that on a disk at rest changes its sign, beyond which it "
-        "overturns, at "
+        + " from 0.01 to pi/2, while the force on a disk at rest changes its sign at "
         + " and ".join(f"{sp.N(sp.deg(sp.acot(height)), 3)}" for height in thickness.values())
-        + " degrees",
+        + " degrees, beyond which the disk overturns",
     )
 
 

@@ -38,7 +38,8 @@ def inner_in_outer_variable() -> Rate:
         remainder=remainder,
         stated=1,
         at=(1e-8, 1e-12),
-        source="eq01:inner_solution, of the form alone; the remainder of (5.10) apart",
+        source="eq01:inner_solution, of the one-term form, which is what Van Dyke's rule rewrites; "
+        "the remainder of (5.10) apart",
     )
 
 

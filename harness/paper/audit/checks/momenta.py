@@ -240,7 +240,8 @@ def constants_from_momenta() -> Fact:
     return Fact(
         printed=("H_z^B", "H_z^G"),
         holds=related,
-        how="linear in H_z^B and H_z^G at each phi, and they in B_0 and B_-2 (40 digits, phi = "
+        how="at each phi B_0 and B_-2 are linear in H_z^B and H_z^G, and the other way round (40 "
+        "digits, phi = "
         f"{' and '.join(mp.nstr(x, 3) for x in PLACES)}); in proportion is another matter, see "
         "text:B_0 as momentum",
     )
@@ -297,8 +298,8 @@ def effect_of_friction() -> Fact:
         holds=lambda scale: bool(largest < SAME / 10 * sizes[scale]),
         how="small in themselves, as B_-2 is; but not beside the momenta: over a fall H_z^B "
         f"changes by c (1 - h^2 k)/c_p B_-2 log(phi_min/phi_0) = {mp.nstr(logarithm, 4)} (exactly "
-        f"{mp.nstr(low - top, 4)}), however small B_0, which is more than H_z^B itself; only the "
-        f"difference H_z^B - H_z^G is kept; {_change(*names)}",
+        f"{mp.nstr(low - top, 4)}), which is more than H_z^B itself, however small B_0 is; only "
+        f"the difference H_z^B - H_z^G is kept; {_change(*names)}",
     )
 
 

@@ -99,8 +99,8 @@ def fall_from_the_balance() -> Fact:
 
 @check("caption:fig01:contact_pt_motion")
 def cusps_near_the_boundary() -> Fact:
-    """Compare psi' with the line at the theta' of c), which d) has; theta' has to change sign."""
-    line, rotation = boundary_rotation(PAPER_CAN, 1.0), PANELS["c"][1]
+    """Compare the release with the line (6.4), and solve it: theta' has to change sign."""
+    line = boundary_rotation(PAPER_CAN, 1.0)
 
     def range_of(pair: tuple[float, float]) -> tuple[float, float]:
         """Return the least and the largest theta' over three bounces."""
@@ -109,9 +109,7 @@ def cusps_near_the_boundary() -> Fact:
         return float(rates.min()), float(rates.max())
 
     def cusps(pair: tuple[float, float]) -> bool:
-        there = rotation / line, rotation
-        near = all(abs(x / y - 1) < AGREES for x, y in zip(pair, there, strict=True))
-        if not near:
+        if abs(pair[0] * line / pair[1] - 1) >= AGREES:
             return False
         least, largest = range_of(pair)
         return least < 0 < largest
@@ -121,6 +119,6 @@ def cusps_near_the_boundary() -> Fact:
     return Fact(
         printed=printed,
         holds=cusps,
-        how=f"theta' is that of c), and on the line psi' = {rotation / line:.4f}; theta' runs from "
-        f"{least:.3g} to {largest:.3g} sqrt(g/R) over three bounces",
+        how=f"the line has psi' = {printed[1] / line:.4f} at theta' = {printed[1]:g}; theta' runs "
+        f"from {least:.3g} to {largest:.3g} sqrt(g/R) over three bounces",
     )

@@ -41,26 +41,6 @@ def reference(printed: str, meant: str) -> Fact:
     )
 
 
-@check("text:title of appendix A")
-def title_of_the_first_appendix() -> Fact:
-    """Look in the equations that the title cites for the symbols that the appendix lists."""
-    printed = {claim.label: claim.printed for claim in CLAIMS}
-    listed = [claim for claim in CLAIMS if claim.section == "A" and "&=" in claim.printed]
-    symbols = [claim.printed.partition(" &=")[0] for claim in listed]
-
-    def having(label: str) -> set[str]:
-        return {symbol for symbol in symbols if symbol in printed[label]}
-
-    cited, right = ("eq01:theta_orig", "eq01:psi_orig"), ("eq01:series_sols",)
-    shares = (f"{PLACES[label]} has {len(having(label))}" for label in (*cited, *right))
-    return Fact(
-        printed=cited,
-        corrected=right,
-        holds=lambda labels: set().union(*map(having, labels)) == set(symbols),
-        how=f"of the {len(symbols)} symbols listed {', '.join(shares)}",
-    )
-
-
 @check("text:bookmarks")
 def bookmarks() -> Fact:
     """Compare with the number that LaTeX gives to the label beside it."""

@@ -59,11 +59,12 @@ def places_of_rest() -> Fact:
     falls = [sp.lambdify(phi, fall.subs({a: 1, c: 1, h: x}), "mpmath") for x in heights]
     places = [mp.pi / 2 * n / 500 for n in range(501)]
     signs = [[mp.sign(f(place)) for place in places] for f in falls]
-    zeros = {sum(x != y for x, y in pairwise(row)) for row in signs}
+    zeros = [sum(x != y for x, y in pairwise(row)) for row in signs]
     return Fact(
         printed=1,
-        holds=lambda count: zeros == {count},
-        how=f"changes of sign of phi'' at rest in (0, pi/2), for h = {heights}: {sorted(zeros)}",
+        holds=lambda count: set(zeros) == {count},
+        how="how often phi'' at rest changes its sign in (0, pi/2): "
+        + ", ".join(f"{n} for h = {x}" for n, x in zip(zeros, heights, strict=True)),
     )
 
 

@@ -251,12 +251,16 @@ def rolling_on_its_side() -> Both:
             derived=sp.Integer(0),
             source=EQUATIONS,
         ),
-        Fact(printed=CANS[0], holds=real, how=f"its rates are real: +-{mp.nstr(rate, 4)}"),
+        Fact(
+            printed=CANS[0],
+            holds=real,
+            how=f"the rates of the paper's can are real, +-{mp.nstr(rate, 4)}",
+        ),
         Fact(
             printed=sp.Lt(h, c_p),
             holds=lambda condition: all(bool(condition.subs(can)) == real(can) for can in CANS),
-            how="the rates are real for h < c_p, as for the paper's can, with h = "
-            f"{mp.nstr(paper_can.h, 4)} and c_p = {mp.nstr(paper_can.c_p, 4)}; a taller can has no "
-            f"such motion (of {len(CANS)} cans {taller})",
+            how=f"they are real for h < c_p alone (h = {mp.nstr(paper_can.h, 4)}, c_p = "
+            f"{mp.nstr(paper_can.c_p, 4)}); of {len(CANS)} cans {taller} are taller and have no "
+            "such motion",
         ),
     )
