@@ -19,6 +19,8 @@ import typer
 
 from harness.core.case import Value
 from harness.core.errors import InvalidSettingError
+from harness.core.public_paths import RenamedValueWarning, warn_renamed
+from harness.engines.reference import RENAMED_METHODS, renamed_method
 from harness.engines.registry import engine
 from harness.execution.cache import CacheFolder
 from harness.execution.dask_cluster import dask_executor
@@ -220,6 +222,8 @@ def parse_settings(pairs: list[str]) -> tuple[tuple[str, Value], ...]:
             raise InvalidSettingError("--set", pair, "KEY=VALUE, such as impratio=10")
         if name in settings:
             raise InvalidSettingError("--set", pair, f"each name once, but '{name}' comes twice")
+        if name.rpartition(".")[2] == "method" and text in RENAMED_METHODS:
+            warn_renamed(renamed_method(text), RenamedValueWarning)
         settings[name] = _value(name, text)
     return tuple(settings.items())
 

@@ -61,7 +61,7 @@ def iterations(simulation: Simulation) -> float | None:
         quaternion, spin = trajectory.quaternion[place], trajectory.angular_velocity[place]
         stage = schedule_of(simulation)[0].next(quaternion.tolist(), spin.tolist())
         steps[number] = simulation.timestep if stage is None else stage.timestep
-        if hasattr(world, "set_timestep"):
+        if hasattr(world, "set_timestep"):  # a world of the previous release may lack it
             world.set_timestep(float(steps[number]))
         world.place(
             Pose(position=trajectory.position[place], quaternion=quaternion),

@@ -10,12 +10,14 @@ import pickle
 import signal
 import sys
 import traceback
+import warnings
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import FrameType
 
 from harness.core.errors import HarnessError
+from harness.core.public_paths import RenamedValueWarning
 from harness.execution.signals import SIGNALS
 
 READY = b"ready"
@@ -50,6 +52,8 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     _ignore_signals()
     # its group is in the background of a terminal, where it may still write errors
     signal.signal(signal.SIGTTOU, signal.SIG_IGN)
+    # of an old name in the options the owner has warned
+    warnings.simplefilter("ignore", RenamedValueWarning)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")
     for name in imports:

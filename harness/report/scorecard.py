@@ -46,7 +46,7 @@ _MOST = 3
 """Causes of a deviation in the table; the attribution's own tables have all."""
 
 
-def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row]]) -> Table:
+def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row] | None]) -> Table:
     """Return the causes of every deviation of an engine as it ships.
 
     Parameters
@@ -54,7 +54,7 @@ def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row]]) -> 
     verdicts : sequence of mapping
         Rows of the table of fidelity.
     rows_of : callable
-        Returns the rows of the tables of a name.
+        Returns the rows of the table of a name, or None where there is no such table.
     """
     rows: list[Row] = []
     unknown: dict[str, Row] = {}
@@ -64,8 +64,8 @@ def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row]]) -> 
             continue
         scene, engine = row["scene"], row["engine"]
         study = f"{scene}-{engine}"
-        if gaps := rows_of(f"{study}-gaps"):
-            rows += _of(row, gaps, rows_of(f"{study}-runs"))
+        if (gaps := rows_of(f"{study}-gaps")) is not None:
+            rows += _of(row, gaps, rows_of(f"{study}-runs") or ())
         else:  # once for a scene and engine: how the causes are found out
             command = f"rockingcan attribute {scene} --engine {engine}"
             unknown[study] = {
@@ -180,6 +180,8 @@ def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
     verdicts = rows_of(FIDELITY)
     if not verdicts:
         return ()
+    # of one study in several chapters the last counts
+    last = {table.name: table for table in tables}
     scenes = list(dict.fromkeys(row["scene"] for row in verdicts))
     headline = _HEADLINE if _HEADLINE in scenes else scenes[0]
     hard, prices = rows_of("verdicts"), rows_of(f"{headline}-prices")
@@ -189,7 +191,7 @@ def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
     ]
     return (
         table_of("engines", f"Scorecard: engines on {headline}", _SCORECARD, rows),
-        causes(verdicts, rows_of),
+        causes(verdicts, lambda name: records(last[name]) if name in last else None),
         *(
             table_of(
                 f"{scene}-engines", "The engines", _OF_SCENE, _rows(scene, verdicts), scene=scene

@@ -19,6 +19,7 @@ from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import features_of
 from harness.engines.contract import contract_violation
 from harness.engines.reference.to_reference_problem import (
+    BEYOND_DOUBLES,
     SENTENCES,
     Releases,
     bounces_of,
@@ -83,7 +84,7 @@ DEFAULT = (
 """Quantities of a sweep that names none."""
 
 
-BEYOND = f"{Outcome.NO_SOLUTION.value} (Its numbers are beyond what a double holds.)"
+BEYOND = f"{Outcome.NO_SOLUTION.value} ({BEYOND_DOUBLES})"
 NO_CAN = f"no such scene: `c` must be {AXIAL_INERTIA_ALLOWED}"
 
 
@@ -250,5 +251,6 @@ def _bounces(simulation: Simulation) -> tuple[Bounce, ...]:
     case, trajectory = simulation.case, simulation.trajectory
     if trajectory is not None and case.engine != "reference":
         return bounces(motion(trajectory, case.scene), case.scene.can)
-    unsolved = simulation.outcome is Outcome.NO_SOLUTION and trajectory is None
+    lost = simulation.outcome in {Outcome.NO_SOLUTION, Outcome.BROKEN}
+    unsolved = trajectory is None and lost
     return () if unsolved or case.engine != "reference" else solve_case(case).bounces

@@ -363,7 +363,10 @@ def _parting(own: Motion, near: Sequence[Motion]) -> float:
 
 
 def _over(off: float, allowed: float) -> float:
-    """Return the ratio of a difference to the allowed one; infinite where none is allowed."""
+    """Return the ratio of a difference to the allowed one.
+
+    Infinite where the difference is, and where none is allowed.
+    """
     if np.isinf(off):
         return np.inf
     return off / allowed if allowed else np.inf

@@ -198,7 +198,7 @@ def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
     k, n = len(core), A.shape[0]
     matrix = np.einsum("ab,ijb->iajb", A, J[np.ix_(core, core)]).reshape(k * n, k * n)
     forced = np.einsum("iajb,jm->iam", matrix.reshape(k, n, k, n), start[core])
-    # scipy's, as in `reference.radau`: of matrices as small as these it makes no threads
+    # scipy's, as in `reference.nonsmooth.radau_iia`: it makes no threads of matrices so small
     *_, change, _ = dgesv(np.eye(k * n) - matrix, forced.reshape(k * n, m))
     along = start[core, None] + change.reshape(k, n, m)
     rates = np.einsum("ijb,jbm->imb", J[:, core], along)

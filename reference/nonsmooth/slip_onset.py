@@ -186,7 +186,10 @@ def admissible(
 def _growing(
     equations: Equations, y: Floats, mode: Mode, rest: UnilateralHold
 ) -> tuple[tuple[SlipOnset, ...], int, bool]:
-    """Return the directions, their number without the condition G > 0, and whether n < 0."""
+    """Return the directions, how many only G <= 0 excludes, and whether n = -N G is negative.
+
+    n is the acceleration of the contact, along the normal, without a force of contact.
+    """
     steps = np.arange(SAMPLES) / SAMPLES
     _, across, contact = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
     angles = ASIDE + _roots(across)

@@ -6,6 +6,15 @@ state at any instant, so that an engine is compared on its own time grid.
 """
 
 from harness.engines.reference.engine import ReferenceEngine
-from reference import ENDING, PARTED, Agreement, Finding, Kind
+from reference import ENDING, PARTED, RENAMED_METHODS, Agreement, Finding, Kind, renamed_method
 
-__all__ = ["ENDING", "PARTED", "Agreement", "Finding", "Kind", "ReferenceEngine"]
+__all__ = [
+    "ENDING",
+    "PARTED",
+    "RENAMED_METHODS",
+    "Agreement",
+    "Finding",
+    "Kind",
+    "ReferenceEngine",
+    "renamed_method",
+]

@@ -26,6 +26,10 @@ HONOURS = frozenset(
 )
 """Effects that a reference model carries: those of a rigid can that stays on the plane."""
 
+_RATES = ("phi_dot", "psi_dot", "theta_dot")
+
+BEYOND_DOUBLES = "Its numbers are beyond what a double holds."
+
 _BEYOND = {
     "compliance": "The reference is rigid: it does not know how a compliant contact gives way.",
     "restitution": "The reference stays on the plane: it knows no impact that gives anything back.",
@@ -43,6 +47,9 @@ def refusal(scene: Scene) -> str:
     for name, sentence in _BEYOND.items():
         if name in scene.effects.declared():
             return sentence
+    rates = (getattr(scene.release, name) * natural_time(scene) for name in _RATES)
+    if scene.release.phi < LEAST or any(abs(rate) >= 1 / LEAST for rate in rates):
+        return BEYOND_DOUBLES
     return ""
 
 
@@ -109,8 +116,6 @@ def _gravity(scene: Scene) -> Gravity:
         phase=shake.phase,
     )
 
-
-_RATES = ("phi_dot", "psi_dot", "theta_dot")
 
 _SENTENCES = {Ending.FINISHED: Outcome.FINISHED.value, Ending.OVERTURNED: Outcome.OVERTURNED.value}
 

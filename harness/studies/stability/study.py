@@ -7,7 +7,7 @@ The report has a summary, one page an engine, the map, and a table of every run.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -341,7 +341,7 @@ def _map(engine: str, profile: str, own: Sequence[ClassifiedRun], names: Sequenc
 
 
 _RUNS = (
-    run_columns.SCENE,
+    replace(run_columns.SCENE, meaning="Name of the hard case, or of a release perturbed from it."),
     run_columns.ENGINE,
     run_columns.PROFILE,
     run_columns.TIMESTEP,

@@ -145,6 +145,16 @@ def test_an_old_name_of_a_method_is_a_line_on_standard_error(told: Command) -> N
     assert (old.code, new.code) == (0, 0)
 
 
+def test_processes_of_a_sweep_do_not_repeat_that_a_name_is_old(
+    typed: Command, tmp_path: Path
+) -> None:
+    words = ("--over", "release.psi_dot=1:2:3", "--quantity", "steps", "--set", "method=regular")
+    done = typed("sweep", "gentle-rock", *words, "--out", str(tmp_path / "out"), "--json")
+    assert done.code == 0
+    assert done.err.count("is called 'half-period' now") == 1
+    assert "RenamedValueWarning" not in done.err
+
+
 def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:
     answer = typed("reference", "paper-release", "--json")
     assert (answer.code, answer.err) == (0, "")

@@ -50,6 +50,7 @@ def test_the_last_motions_stay_in_memory(monkeypatch: pytest.MonkeyPatch) -> Non
         replace(load("slipping-rock"), effects=Effects(slip=Slip(mu=mu))) for mu in (0.1, 0.2, 0.3)
     ]
     first = [solution(scene) for scene in slipping]
+    assert len(module.SOLVED) == 2
     assert [solution(scene) for scene in slipping[1:]] == first[1:]
     # what "auto" means is what was solved, and no other model, nor another scene
     assert solution(slipping[2], "coulomb") is first[2]

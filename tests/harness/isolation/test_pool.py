@@ -164,6 +164,12 @@ def test_a_process_imports_the_modules_of_its_first_task_before_the_clock_runs()
         assert executor.submit(tasks.square, 3).result() == 9
 
 
+def test_the_module_of_a_function_among_the_arguments_is_one_of_them() -> None:
+    # as a task of a cluster hands its function over
+    with IsolatedProcessPool(1, Limits(seconds=2.0)) as executor:
+        assert executor.submit(tasks.called, slow_to_import.answer).result() == 42
+
+
 def test_what_cannot_be_started_is_told_and_the_next_is_done(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from harness.core.errors import UnknownEngineError
@@ -13,6 +14,10 @@ from harness.core.errors import UnknownEngineError
 
 def square(number: int) -> int:
     return number * number
+
+
+def called(function: Callable[[], int]) -> int:
+    return function()
 
 
 def process() -> int:

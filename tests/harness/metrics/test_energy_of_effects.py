@@ -8,7 +8,17 @@ import pytest
 
 from harness.core.trajectory import Trajectory
 from harness.metrics.energy import conserves_energy, energy, energy_drift
-from models import Effects, PointMass, Restitution, Scene, Slip, Tilt, quaternion
+from models import (
+    Compliance,
+    Damping,
+    Effects,
+    PointMass,
+    Restitution,
+    Scene,
+    Slip,
+    Tilt,
+    quaternion,
+)
 from tests.declared_effects import effects_of
 
 EPS = np.finfo(np.float64).eps
@@ -58,7 +68,13 @@ TAKE_OR_BRING = (
     "damping",
     "shake",
 )
-NOT_CONSERVED = [*map(effects_of, TAKE_OR_BRING), effects_of("tilt", "damping")]
+NOT_CONSERVED = [
+    *map(effects_of, TAKE_OR_BRING),
+    effects_of("tilt", "damping"),
+    Effects(compliance=Compliance(stiffness=2e4)),
+    Effects(damping=Damping(linear=0.1)),
+    Effects(damping=Damping(angular=0.1)),
+]
 
 
 @pytest.mark.parametrize("effects", CONSERVED)

@@ -78,7 +78,7 @@ def empty(gentle: Scene) -> Run:
 
 
 def rolled(made: Made, scene: Scene, end: float, psi: float = 1.0) -> Motion:
-    """Return five samples of a can, the last 0.1 s after the others, alone at 1 and 5 rad/s."""
+    """Return five samples of a can, the last 0.1 s after the one before, alone at 1 and 5 rad/s."""
     time = end - np.array((0.7, 0.5, 0.3, 0.1, 0.0))
     phi = np.array((0.1, 0.1, 0.2, 0.3, 0.4))
     psi_now = psi + np.array((-1.5, -1.0, -0.5, 0.0, 0.5))

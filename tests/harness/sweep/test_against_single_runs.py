@@ -159,6 +159,24 @@ def test_numbers_beyond_doubles_are_said_to_be(planned: Planned, tmp_path: Path)
     assert not missing.outcome.astype(str).str.startswith("finished").any()
 
 
+@pytest.mark.parametrize("quantity", ["angle_of_turn_deg", "peak_friction_ratio"])
+@pytest.mark.parametrize(
+    "axis",
+    [
+        "release.psi_dot=log:1:1e200:3",
+        "release.phi_dot=log:1e-3:1e160:2",
+        "release.phi=log:1e-200:0.3:2",
+    ],
+)
+def test_a_release_beyond_doubles_leaves_the_others_alone(
+    planned: Planned, tmp_path: Path, quantity: str, axis: str
+) -> None:
+    frame = carried_out(tmp_path / "out", planned("gentle-rock", axis, quantities=[quantity]))
+    beyond = frame.outcome.astype(str).str.contains("beyond what a double holds")
+    assert frame[quantity].isna().tolist() == beyond.tolist()
+    assert 0 < beyond.sum() < len(frame)
+
+
 def test_columns_carry_their_units_and_meaning(planned: Planned, tmp_path: Path) -> None:
     chosen = planned("gentle-rock", "release.psi_dot=1:2:2", "can.H=0.05:0.06:2")
     frame = carried_out(tmp_path / "out", chosen)

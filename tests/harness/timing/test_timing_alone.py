@@ -56,6 +56,9 @@ def test_a_process_for_timing_has_one_thread() -> None:
     with single_thread_executor() as executor:
         assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
         assert executor.submit(os.getpid).result() != os.getpid()
+        # no case's time is that of imports
+        modules = "'harness.evaluation.timing' in __import__('sys').modules"
+        assert executor.submit(eval, modules).result()
     assert dict(os.environ) == before
 
 

@@ -76,6 +76,14 @@ def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Section])
     assert causes["command"].tolist()[0] == "rockingcan run --close timestep"
 
 
+def test_of_two_attributions_of_an_engine_the_last_counts(studies: list[Section]) -> None:
+    once, twice = (tables(chapters)["causes"].frame for chapters in (studies, studies * 2))
+    turns = [f[f["quantity"] == once["quantity"][0]] for f in (once, twice)]
+    assert turns[0]["cause"].tolist() == ["timestep", "compliance"]
+    assert set(turns[1]["rank"]) == {1, 2}
+    assert turns[1].drop_duplicates()["cause"].tolist() == turns[0]["cause"].tolist()
+
+
 def test_a_scene_has_its_own_scorecard(studies: list[Section]) -> None:
     own = tables(studies)["gentle-rock-engines"]
     assert own.scene == "gentle-rock"
