@@ -163,7 +163,7 @@ def test_numbers_beyond_doubles_are_said_to_be(planned: Planned, tmp_path: Path)
 @pytest.mark.parametrize(
     "axis",
     [
-        "release.psi_dot=log:1:1e200:3",
+        "release.psi_dot=log:1:1e200:2",
         "release.phi_dot=log:1e-3:1e160:2",
         "release.phi=log:1e-200:0.3:2",
     ],
