@@ -6,7 +6,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.gate.scores import Score
-from harness.gate.spread import FEWEST, MOST, SIZES, member, members, spread
+from harness.gate.spread import FEWEST, MOST, SIZES, count, member, members, spread
 from models import load
 
 Make = Callable[..., Score]
@@ -69,3 +69,17 @@ def test_members_that_end_otherwise_count_as_endings(score: Make) -> None:
     assert found.spread == {PHI: 0.5}
     assert found.may_finish
     assert found.may_fail
+
+
+def test_each_case_runs_as_often_as_its_steps_allow(score: Callable[..., Score]) -> None:
+    cases = [Case(scene=load(name), engine="mujoco") for name in ("gentle-rock", "petals")]
+    scores = [score({"steps": steps}) for steps in (0.0, 1e6)]
+    assert count(cases, scores) == members(0) + members(1_000_000)
+    assert members(0) > members(1_000_000)
+
+
+def test_a_quantity_that_no_member_has_a_spread_of_none_or_nothing(
+    score: Callable[..., Score],
+) -> None:
+    alone = spread(score({"phi_rms_rad": 1.0}), [])
+    assert alone.spread == {"phi_rms_rad": 0.0}

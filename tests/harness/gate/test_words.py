@@ -71,3 +71,37 @@ def test_the_artefacts_hold_every_difference(score: Make, scores: MakeAll) -> No
     assert drawn == {"worse": [3.0], "undecidable": [1.0]}
     assert "1 of 2 have moved" in figure.seen
     assert any(isinstance(one, Prose) and one.name == "summary" for one in artefacts)
+
+
+def test_machines_that_differ_are_named_and_what_one_side_does_not_know_is_left_out(
+    score: Make, scores: MakeAll
+) -> None:
+    there = scores(
+        score({PHI: 1e-4}),
+        versions={"mujoco": "4.0.0", "pybullet": "3.2.7"},
+        made={"platform": "Linux A", "processor": "X", "python": "3.11"},
+    )
+    here = scores(score({PHI: 1e-4}), made={"platform": "Linux B", "processor": "X", "python": ""})
+    text = " ".join(sentences(differences(there, here), there, here, GATE))
+    assert "They differ in: platform 'Linux A' accepted, 'Linux B' found." in text
+    same = " ".join(sentences(differences(here, here), here, here, GATE))
+    assert "They differ" not in same
+
+
+def test_the_figure_of_factors_has_a_point_for_each_that_is_judged(
+    score: Make, scores: MakeAll
+) -> None:
+    values = {PHI: 1e-4, SLIP: 1.0, "cpu_s": 1.0}
+    accepted = scores(score(values), score({PHI: 0.0}, scene="petals"))
+    run = scores(score({PHI: 5e-4, SLIP: 1.2, "cpu_s": 9.0}), score({PHI: 1e-3}, scene="petals"))
+    artefacts = gate_report(differences(accepted, run), accepted, run, GATE)
+    (figure,) = (a for a in artefacts if isinstance(a, Figure))
+    (panel,) = figure.panels
+    assert "the largest factor, either way, is 5." in figure.seen
+    assert figure.columns == 1
+    assert panel.x_names is not None
+    assert "wall time" not in " ".join(panel.x_names)
+    drawn = sorted(float(y) for series in panel.series for y in series.y)
+    assert drawn == [1.2, 5.0]
+    (table,) = (a for a in artefacts if isinstance(a, Table))
+    assert set(table.frame["timestep_s"]) == {1e-3}

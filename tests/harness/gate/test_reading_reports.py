@@ -1,0 +1,75 @@
+"""A report of `validate` is read as scores; what is none is refused with the reason."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from harness.core.case import Case
+from harness.core.simulation import Outcome
+from harness.gate.baseline import RESULTS, BaselineError, gate_keys, read_scores
+from harness.report.atomic_folder import FORMAT, MANIFEST
+from models.catalogue import load
+
+Report = Callable[..., Path]
+
+GENTLE = Case(scene=load("gentle-rock"), engine="mujoco", timestep=1e-3)
+
+
+@pytest.fixture
+def report(tmp_path: Path) -> Report:
+    """Return a function that writes a report with one case, of which fields are replaced."""
+
+    def write(*, results: bool = True, case: bool = True, **replaced: Any) -> Path:
+        record = gate_keys(GENTLE, "quick", {"mujoco.impratio": "1"})
+        entry = {"digest": "ab", "outcome": Outcome.FLAT.value, "engine_version": "4.0.0", **record}
+        row = {"digest": "ab", "truth_pulls": False, "turn_resolved": True}
+        manifest = {
+            "format": FORMAT,
+            "cases": [entry] if case else [{"digest": "ab"}],
+            "provenance": {"rockingcan": "0.1.0", "python": "3.11"},
+            **replaced,
+        }
+        (tmp_path / MANIFEST).write_text(json.dumps(manifest), encoding="utf-8")
+        if results:
+            (tmp_path / RESULTS).parent.mkdir()
+            frame = pd.DataFrame([row | {"phi_rms_rad": 1e-3, "angle_of_turn_error_deg": 2.0}])
+            frame.to_parquet(tmp_path / RESULTS)
+        return tmp_path
+
+    return write
+
+
+def test_a_report_is_read_as_the_scores_of_its_cases(report: Report) -> None:
+    scores = read_scores(report())
+    (score,) = scores.scores.values()
+    assert (score.identity.scene, score.identity.engine) == ("gentle-rock", "mujoco")
+    assert (score.outcome, score.digest, score.truth_pulls) == (Outcome.FLAT.name, "ab", False)
+    assert dict(score.values) == {"phi_rms_rad": 1e-3, "angle_of_turn_error_deg": 2.0}
+    assert scores.versions == {"rockingcan": "0.1.0", "mujoco": "4.0.0"}
+    assert scores.settings == {"mujoco.impratio": "1"}
+    assert scores.suite == "quick"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"format": "another"}, "is no report of rockingcan"),
+        ({"results": False}, "is a report, but not of rockingcan validate"),
+        ({"case": False}, "is a report, but not of rockingcan validate"),
+        ({"provenance": None}, "cannot be read"),
+    ],
+)
+def test_another_report_is_refused(report: Report, wrong: dict[str, Any], said: str) -> None:
+    with pytest.raises(BaselineError, match=said):
+        read_scores(report(**wrong))
+
+
+def test_a_folder_that_is_none_and_one_without_a_report(tmp_path: Path) -> None:
+    with pytest.raises(BaselineError, match="is no folder; name one"):
+        read_scores(tmp_path / "nowhere")
+    with pytest.raises(BaselineError, match="is neither a report nor accepted results"):
+        read_scores(tmp_path)
