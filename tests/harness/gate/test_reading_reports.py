@@ -23,7 +23,7 @@ GENTLE = Case(scene=load("gentle-rock"), engine="mujoco", timestep=1e-3)
 def report(tmp_path: Path) -> Report:
     """Return a function that writes a report with one case, of which fields are replaced."""
 
-    def write(*, results: bool = True, case: bool = True, **replaced: Any) -> Path:
+    def write(*, results: bool = True, case: bool = True, **replaced: object) -> Path:
         record = gate_keys(GENTLE, "quick", {"mujoco.impratio": "1"})
         entry = {"digest": "ab", "outcome": Outcome.FLAT.value, "engine_version": "4.0.0", **record}
         row = {"digest": "ab", "truth_pulls": False, "turn_resolved": True}

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from harness.core.report_model import Figure, Prose, Table
 from harness.gate.comparison import differences
 from harness.gate.report import GATE, SIDES, gate_report, regressions, sentences
-from harness.gate.scores import Score, Scores
+from harness.gate.scores import QUANTITIES, QuantityKind, Score, Scores
 
 Make = Callable[..., Score]
 MakeAll = Callable[..., Scores]
 
-PHI, SLIP = "phi_rms_rad", "max_slip_m_s"
+PHI, SLIP, SUNK = "phi_rms_rad", "max_slip_m_s", "max_penetration_m"
 
 
 def test_a_regression_is_named(score: Make, scores: MakeAll) -> None:
@@ -91,16 +91,19 @@ def test_machines_that_differ_are_named_and_what_one_side_does_not_know_is_left_
 def test_the_figure_of_factors_has_a_point_for_each_that_is_judged(
     score: Make, scores: MakeAll
 ) -> None:
-    values = {PHI: 1e-4, SLIP: 1.0, "cpu_s": 1.0}
+    values = {PHI: 1e-4, SLIP: 1.0, "cpu_s": 1.0, SUNK: 1.0}
     accepted = scores(score(values), score({PHI: 0.0}, scene="petals"))
-    run = scores(score({PHI: 5e-4, SLIP: 1.2, "cpu_s": 9.0}), score({PHI: 1e-3}, scene="petals"))
+    run = scores(
+        score({PHI: 5e-4, SLIP: 1.2, "cpu_s": 9.0, SUNK: 0.0}), score({PHI: 1e-3}, scene="petals")
+    )
     artefacts = gate_report(differences(accepted, run), accepted, run, GATE)
     (figure,) = (a for a in artefacts if isinstance(a, Figure))
     (panel,) = figure.panels
     assert "the largest factor, either way, is 5." in figure.seen
     assert figure.columns == 1
     assert panel.x_names is not None
-    assert "wall time" not in " ".join(panel.x_names)
+    judged = [quantity for quantity in QUANTITIES if quantity.kind is not QuantityKind.TIME]
+    assert list(panel.x_names) == [quantity.words for quantity in judged]
     drawn = sorted(float(y) for series in panel.series for y in series.y)
     assert drawn == [1.2, 5.0]
     (table,) = (a for a in artefacts if isinstance(a, Table))
