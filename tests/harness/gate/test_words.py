@@ -108,3 +108,12 @@ def test_the_figure_of_factors_has_a_point_for_each_that_is_judged(
     assert drawn == [1.2, 5.0]
     (table,) = (a for a in artefacts if isinstance(a, Table))
     assert set(table.frame["timestep_s"]) == {1e-3}
+
+
+def test_a_quantity_that_only_one_side_has_is_said_in_words(score: Make, scores: MakeAll) -> None:
+    has = scores(score({PHI: 1e-4, SLIP: 1.0}, spread={PHI: 0.0, SLIP: 0.0}))
+    lacks = scores(score({PHI: 1e-4}, spread={PHI: 0.0}))
+    text = " ".join(sentences(differences(has, lacks), has, lacks, GATE))
+    assert "can no longer be told from the record" in text
+    text = " ".join(sentences(differences(lacks, has), lacks, has, GATE))
+    assert "could not be told from the record" in text
