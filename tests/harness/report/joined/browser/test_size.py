@@ -14,7 +14,9 @@ from harness.report.write import write_report
 Open = Callable[..., Any]
 
 LARGEST = 12e6  # bytes
-PATIENCE = 3.0  # s
+PATIENCE = 12.0
+"""Most time to read and sort a page, in that which the same browser takes for 3e8 steps of a loop: it
+is 5.4, and seconds would depend on the machine."""
 
 
 def noisy(number: int) -> Figure:
@@ -66,7 +68,10 @@ def test_a_large_page_answers_soon(browse: Open, made: Provenance, tmp_path: Pat
     head = page.locator("thead button").first
     head.click()
     assert head.locator("..").get_attribute("aria-sort") == "ascending"
-    assert busy(session) - before < PATIENCE
+    spent, before = busy(session) - before, busy(session)
+    page.evaluate("() => { let s = 0; for (let i = 0; i < 3e8; i++) s += i % 7; return s; }")
+    counting = busy(session) - before
+    assert spent < PATIENCE * counting
     page.locator(".figure").last.scroll_into_view_if_needed()
     page.locator(".figure.drawn").last.wait_for()
     assert page.locator(".figure.drawn").count() < copies  # none that no one has come near
