@@ -15,8 +15,8 @@ Open = Callable[..., Any]
 
 LARGEST = 12e6  # bytes
 PATIENCE = 12.0
-"""Most time to read and sort a page, in that which the same browser takes for 3e8 steps of a loop: it
-is 5.4, and seconds would depend on the machine."""
+"""Most time to read and sort a page, in that which the same browser takes for 3e8 steps of a loop.
+Found are 5 to 7; seconds would depend on the machine."""
 
 
 def noisy(number: int) -> Figure:
