@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from models.catalogue import load, names
-from models.mjcf import mjcf
-from models.urdf import ground_urdf, urdf
+from models.to_mjcf import mjcf
+from models.to_urdf import ground_urdf, urdf
 
 
 def model_files() -> Iterator[tuple[PurePosixPath, str]]:

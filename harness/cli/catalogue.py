@@ -31,9 +31,9 @@ from harness.execution.cache import (
 )
 from models.catalogue import load
 from models.catalogue import names as scene_names
-from models.mjcf import mjcf
+from models.to_mjcf import mjcf
 from models.scene import Horizon
-from models.urdf import urdf
+from models.to_urdf import urdf
 
 
 def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the command line

@@ -1,118 +1,31 @@
-"""The tree of commands; running a command, and turning errors into a message and a code.
+"""Running a command line, and turning errors into a message and a code.
 
 0 done; 1 a fidelity gate failed; 2 wrong use or bad input, with one message; 130 and 143 stopped by
 Ctrl-C and by SIGTERM, with what is done and how to go on. Standard output is for answers alone, and
 may lead to a disk that is full.
-
-`benchmark` and `faults` measure the project and not a scene: they start programs beside the tests
-of a source checkout, which a wheel does not ship, each in a process of its own with the options and
-the exit code of the command.
 """
 
 import io
 import os
 import shlex
-import signal
-import subprocess
 import sys
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
 from typer.exceptions import TyperException
 
-from harness.cli.catalogue import check, engines, export, scenes, store
-from harness.cli.motions import reference, run
-from harness.cli.paper import audit, gallery
-from harness.cli.reports import diff, report
-from harness.cli.studies import attribute, cost, effects, errors, stability
-from harness.cli.sweep import sweep
-from harness.cli.validate import validate
-from harness.core.errors import HarnessError, MissingCheckoutError, OutputError, ParityError
+from harness.cli.commands import app
+from harness.core.errors import CacheWarning, HarnessError, OutputError, ParityError
 from harness.core.public_paths import RenamedValueWarning
-from harness.execution.cache import CacheWarning
 from harness.execution.isolated_pool import end_background_worker
 from harness.execution.signals import Interrupted, exit_on_signal, handle_signals
 from models.errors import ModelError
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
-
-_CHECKOUT = Path(__file__).parents[2]
-
-
-def benchmark(context: typer.Context) -> None:
-    """Measure what the project claims about speed, as ratios in one run; some three minutes.
-
-    Leaves with code 1 if a claim does not hold on this machine. Needs a source checkout.
-    """
-    raise typer.Exit(run_program("benchmarks", context.args))
-
-
-def faults(context: typer.Context) -> None:
-    """Kill it, crash it, hang it, fill its disk, stop it, take its workers, sweep; write faults.md.
-
-    Leaves with code 1 if something was lost, or took too long. Needs a source checkout.
-    """
-    raise typer.Exit(run_program("faults", context.args))
-
-
-def run_program(name: str, arguments: list[str]) -> int:
-    """Run a program of the source checkout and return its exit code.
-
-    Parameters
-    ----------
-    name : str
-        Its folder in `tests`.
-    arguments : list of str
-
-    Raises
-    ------
-    MissingCheckoutError
-        If the tests are not beside the package.
-    """
-    if not (_CHECKOUT / "tests" / name / "__main__.py").is_file():
-        raise MissingCheckoutError(f"tests/{name}")
-    paths = [str(_CHECKOUT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    # -P: in a folder that has `tests` of its own, those are not meant
-    program = subprocess.Popen(  # noqa: S603 - our own program
-        [sys.executable, "-P", "-m", f"tests.{name}", *arguments],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
-    )
-    try:
-        return program.wait()
-    except Interrupted:  # the program says what is done; of Ctrl-C it has heard already
-        program.send_signal(signal.SIGTERM)
-        return program.wait()
-
-
-app = typer.Typer(
-    name="rockingcan",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="rich",
-    help=(
-        "How faithful is an engine's rolling contact? A drinks can, tipped on its rim, rocks down, "
-        "turns by 209 degrees, half of it in 40 microseconds, and rises again. The mathematics is "
-        "exact; this runs it in MuJoCo and PyBullet and says how far they are from it.\n\n"
-        "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
-    ),
-)
-for command in (
-    *(scenes, engines, check, export, reference, run),
-    *(validate, attribute, errors, cost, effects, stability, sweep),
-    *(report, diff, audit, gallery),
-):
-    app.command()(command)
-for command in (benchmark, faults):
-    # its options, --help too, are those of the program that it starts
-    passed_on = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
-    app.command(context_settings=passed_on)(command)
-app.add_typer(store, name="store")
-
 
 class _Answers(io.FileIO):
     """Standard output for answers. Raises once that it cannot write, and drops all that follows."""

@@ -143,6 +143,10 @@ class StoreError(HarnessError, ValueError):
     """An entry of a store is not what was written there."""
 
 
+class CacheWarning(UserWarning):
+    """A broken entry of the result cache was moved to the folder `aside`."""
+
+
 class ClusterError(HarnessError, OSError):
     """A cluster cannot be reached, or is not fit to run cases."""
 

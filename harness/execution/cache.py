@@ -24,7 +24,7 @@ from typing import Any
 
 import psutil
 
-from harness.core.errors import OutputError, StoreError
+from harness.core.errors import CacheWarning, OutputError, StoreError
 from harness.execution.atomic_write import write_atomically
 from harness.execution.cache_entry import CacheEntry, Metadata, read_entry, write_entry
 from harness.execution.signals import delay_signals
@@ -53,10 +53,6 @@ class NoCacheError(StoreError):
             f"there is no store at '{folder}': {reason}; name one with --store, or run something "
             "that keeps its results there"
         )
-
-
-class CacheWarning(UserWarning):
-    """A broken entry was moved to the folder `aside`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

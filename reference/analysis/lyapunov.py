@@ -18,7 +18,7 @@ from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.solution import Solution
-from reference.solve import solve
+from reference.solver import solve
 
 DISTURBANCE = 1e-12
 # Of a rate or an angle smaller than this the disturbance is one part in 1e12 of this.

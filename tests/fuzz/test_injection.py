@@ -14,8 +14,8 @@ from harness.core.report_model import Figure, Panel, Prose, Series, Table
 from harness.report.write import write_report
 from models import load
 from models.errors import ModelError
-from models.mjcf import mjcf
-from models.urdf import urdf
+from models.to_mjcf import mjcf
+from models.to_urdf import urdf
 from tests.fuzz.verdict import WRONG_USE, judged
 
 HARM = (

@@ -21,7 +21,7 @@ from models import (
     names,
     release_state,
 )
-from models.mjcf import mjcf
+from models.to_mjcf import mjcf
 
 EPS = np.finfo(np.float64).eps
 SPIN = Release(phi=0.3, psi=0.7, theta=-2.0, phi_dot=-0.5, psi_dot=5.0, theta_dot=3.0)

@@ -11,8 +11,8 @@ import pytest
 from models import Scene, load, release_state
 from models.gravity import gravity_vector
 from models.mass import body
-from models.mjcf import dof_damping, mjcf
-from models.urdf import urdf
+from models.to_mjcf import dof_damping, mjcf
+from models.to_urdf import urdf
 from tests.declared_effects import EFFECTS, declaring
 
 EPS = np.finfo(np.float64).eps

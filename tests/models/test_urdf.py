@@ -18,7 +18,7 @@ from models import (
     names,
     release_state,
 )
-from models.urdf import urdf
+from models.to_urdf import urdf
 
 FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 

@@ -18,7 +18,7 @@ from reference import (
 )
 from reference.analysis.validity import LIGHT
 from reference.equations.reaction_force import contact_force
-from reference.solve import METHODS
+from reference.solver import METHODS
 
 
 @pytest.mark.parametrize("method", METHODS)

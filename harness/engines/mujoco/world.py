@@ -17,7 +17,7 @@ from harness.engines import Case, Contact, Floats, RefusedModelError, Value
 from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
 from models.gravity import shaking
 from models.kinematics import to_body, to_world
-from models.mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
+from models.to_mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
 from models.mjcf_contact import friction_solref
 from models.state import Pose, Release, Twist
 

@@ -17,8 +17,8 @@ from harness.core.case import Case
 from harness.engines.registry import names as engine_names
 from models import load, names, read_scene
 from models.effects import modelling_choices
-from models.mjcf import mjcf
-from models.urdf import urdf
+from models.to_mjcf import mjcf
+from models.to_urdf import urdf
 
 Command = Callable[..., Any]
 

@@ -13,7 +13,7 @@ from harness.engines.mujoco.settings import matched_solref
 from harness.engines.registry import export_settings, variants
 from models import Damping, Effects, Slip, load
 from models.mjcf_contact import spring
-from models.urdf import urdf
+from models.to_urdf import urdf
 
 SCENE = load("gentle-rock")
 

@@ -148,7 +148,7 @@ def solve(
     ----------
     problem : Problem
     model : str
-        One of `MODELS`. "auto" takes the smallest that carries the problem (`reference.solve`),
+        One of `MODELS`. "auto" takes the smallest that carries the problem (`reference.solver`),
         and where that is "rolling" solves it twice (`reference.analysis.confirmation`): by the
         closed solution of the full equations, and by integrating one period of it. Where the two
         agree to within round-off the answer is the closed one, else the integration's; `agreement`
