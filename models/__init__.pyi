@@ -29,7 +29,7 @@ from .kinematics import (
     quaternion,
     to_body,
 )
-from .to_mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
+from .release import Release
 from .rim import (
     contact_offset,
     contact_point,
@@ -39,7 +39,8 @@ from .rim import (
 )
 from .scene import Horizon, Scene
 from .scene_file import read_scene, write_scene
-from .state import Pose, Release, Twist
+from .state import Pose, Twist
+from .to_mjcf import DEPTH_SENSOR, NET_SENSOR, mjcf
 from .to_urdf import GROUND_FRICTION, ground_urdf, urdf
 
 __all__ = [

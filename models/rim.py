@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from models.can import Can
 from models.effects import Effects
 from models.kinematics import Floats, angles, angular_velocity, quaternion
+from models.release import Release
 from models.scene import Scene
-from models.state import Pose, Release, Twist
+from models.state import Pose, Twist
 
 
 def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike, *, arc: float = 0.0) -> Floats:

@@ -8,7 +8,7 @@ from models.can import Can
 from models.effects import Effects, check_fits
 from models.errors import InvalidValueError
 from models.quantity import not_negative, positive
-from models.state import Release
+from models.release import Release
 
 NAME_PATTERN = r"[a-z0-9][a-z0-9._-]{0,63}"
 """Pattern of a scene's name: safe as a file name, an XML name and a table key alike."""

@@ -21,8 +21,8 @@ from models.can import Can
 from models.effects import KINDS, Effects
 from models.errors import InvalidValueError, ModelError, SceneFileError, shown
 from models.quantity import positive
+from models.release import Release
 from models.scene import Horizon, Scene
-from models.state import Release
 
 LARGEST_FILE = 1_000_000
 """Bytes; a scene takes a few hundred."""

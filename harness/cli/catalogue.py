@@ -12,11 +12,11 @@ from typing import Annotated, Any
 import typer
 
 from harness.cli import terminal
-from harness.cli.run_options import STORE, Json, SceneName, store_folder
+from harness.cli.options import STORE, Json
+from harness.cli.run_options import store_folder
 from harness.core.case import Case
-from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.core.errors import MissingPackageError
 from harness.core.report_model import Column, rows_of, table_of
-from harness.core.scene_limits import check_scene_limits
 from harness.engines.base import Setting
 from harness.engines.conformance import ClauseStatus, conform
 from harness.engines.probes import measure
@@ -30,53 +30,6 @@ from harness.execution.cache import (
     prune_cache,
 )
 from models.catalogue import load
-from models.catalogue import names as scene_names
-from models.to_mjcf import mjcf
-from models.scene import Horizon
-from models.to_urdf import urdf
-
-
-def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the command line
-    """List the scenes of the catalogue: what each is, and where it comes from."""
-    catalogue = [load(name) for name in scene_names()]
-    if json:
-        typer.echo(terminal.to_json({"scenes": [scene.to_dict() for scene in catalogue]}))
-        return
-    columns = ("scene", "phi_rad", "psi_dot_rad_s", "theta_dot_rad_s", "ends", "effects", "source")
-    rows = [
-        (
-            *(scene.name, scene.release.phi, scene.release.psi_dot, scene.release.theta_dot),
-            *(_end(scene.horizon), ", ".join(scene.effects.declared()) or "none", scene.cite),
-        )
-        for scene in catalogue
-    ]
-    terminal.stdout_console().print(terminal.table("Scenes", columns, rows))
-
-
-def _end(horizon: Horizon) -> str:
-    """Return in words when a run ends."""
-    return f"{horizon.seconds:g} s" if horizon.seconds else f"bounce {horizon.bounces}"
-
-
-def export(
-    scene: SceneName,
-    format_: Annotated[str, typer.Option("--format", help="mjcf or urdf.")],
-    out: Annotated[
-        Path | None, typer.Option(help="Write it here; to standard output if left out.")
-    ] = None,
-) -> None:
-    """Write a scene as a model that an engine opens."""
-    writers = {"mjcf": mjcf, "urdf": urdf}
-    if format_ not in writers:
-        raise InvalidSettingError("--format", format_, " or ".join(writers))
-    chosen = load(scene)
-    check_scene_limits(chosen)  # what overflows is no model
-    text = writers[format_](chosen)
-    if out is None:
-        typer.echo(text.rstrip("\n"))
-    else:
-        terminal.write_text(text, out)
-
 
 _STYLES = {
     ClauseStatus.PASSED: "green",

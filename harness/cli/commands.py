@@ -17,6 +17,12 @@ _PASSED_ON = {"ignore_unknown_options": True, "allow_extra_args": True, "help_op
 """Settings of a command whose options, --help too, are those of the program that it starts."""
 
 
+OF_A_SCENE = frozenset(
+    {"run", "reference", "sweep", "attribute", "errors", "cost", "effects", "export"}
+)
+"""Commands of which the first argument is a scene."""
+
+
 class DeferredCommand(TyperCommand):
     """A command of which the module is imported when it is called.
 
@@ -35,13 +41,17 @@ class DeferredCommand(TyperCommand):
         super().__init__(name, help=summary, rich_help_panel=panel)
         self._module = module
 
-    def make_context(
-        self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any
-    ) -> Any:
+    def make_context(  # type: ignore[override]
+        self, info_name: str | None, args: list[str], parent: object = None, **extra: object
+    ) -> object:
         """Return the context of the command itself, whose arguments are parsed here."""
+        if self.name in OF_A_SCENE and args and not args[0].startswith("-"):
+            from models.catalogue import load  # noqa: PLC0415 - help does without pydantic
+
+            load(args[0])  # a wrong scene is refused before engines are imported
         return self.imported().make_context(info_name, args, parent, **extra)
 
-    def imported(self) -> Any:
+    def imported(self) -> TyperCommand | TyperGroup:
         """Return the command itself."""
         name = str(self.name)
         found = getattr(import_module(f"harness.cli.{self._module}"), name)
@@ -63,11 +73,21 @@ COMMANDS = tuple(
         (RUN, "motions", "run", "One scene in one engine, held against the exact motion."),
         (RUN, "motions", "reference", "The exact motion in numbers, and the friction it needs."),
         (RUN, "sweep", "sweep", "A table, and maps, of a scene over its parameters."),
-        (RUN, "catalogue", "scenes", "The catalogue: what each scene is, and its source."),
+        (RUN, "scenes", "scenes", "The catalogue: what each scene is, and its source."),
         (UNDERSTAND, "studies", "attribute", "Which setting causes which part of an error."),
-        (UNDERSTAND, "studies", "errors", "Model form, discretisation and solver error, separately."),
+        (
+            UNDERSTAND,
+            "studies",
+            "errors",
+            "Model form, discretisation, solver: the error in parts.",
+        ),
         (UNDERSTAND, "studies", "cost", "What accuracy costs in time, and settings to paste."),
-        (UNDERSTAND, "studies", "stability", "How engines fail on hard cases, and at which timesteps."),
+        (
+            UNDERSTAND,
+            "studies",
+            "stability",
+            "How engines fail on hard cases, and at which timestep.",
+        ),
         (UNDERSTAND, "studies", "effects", "Which effects a scene needs, lacks and gets unasked."),
         (UNDERSTAND, "paper", "audit", "Every equation and number of the paper, checked."),
         (UNDERSTAND, "paper", "gallery", "Every figure of the paper, from our own solutions."),
@@ -75,10 +95,10 @@ COMMANDS = tuple(
         (GUARD, "reports", "diff", "What differs between two reports, case by case."),
         (GUARD, "checkout", "benchmark", "What the project claims about speed, measured."),
         (GUARD, "checkout", "faults", "What is lost when runs are killed, hang or fill the disk."),
-        (GUARD, "catalogue", "store", "The store of results: its entries, their state, less of them."),
+        (GUARD, "catalogue", "store", "What is kept of runs: list it, verify it, prune it."),
         (EXTEND, "catalogue", "engines", "The engines, or the settings of one in each profile."),
-        (EXTEND, "catalogue", "check", "Whether an engine's adapter keeps its contract, by clause."),
-        (EXTEND, "catalogue", "export", "A scene as a model that an engine opens."),
+        (EXTEND, "catalogue", "check", "Whether an adapter keeps its contract, clause by clause."),
+        (EXTEND, "scenes", "export", "A scene as a model that an engine opens."),
     )
 )
 """In the order of the help."""
@@ -118,7 +138,7 @@ app = typer.Typer(
 
 @app.callback()
 def _options(
-    version: Annotated[  # noqa: FBT002, ARG001 - a switch of the command line, read by its callback
+    version: Annotated[  # noqa: FBT002 - a switch of the command line, read by its callback
         bool,
         typer.Option("--version", callback=_show_version, is_eager=True, help="The version."),
     ] = False,

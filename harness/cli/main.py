@@ -27,6 +27,7 @@ from models.errors import ModelError
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
+
 class _Answers(io.FileIO):
     """Standard output for answers. Raises once that it cannot write, and drops all that follows."""
 

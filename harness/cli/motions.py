@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from harness.cli import run_options, terminal
+from harness.cli import options, run_options, terminal
 from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import OutputError, ParityError, TrajectoryError
@@ -33,13 +33,13 @@ Answer = dict[str, Any]
 
 
 def reference(
-    scene: run_options.SceneName,
+    scene: options.SceneName,
     model: Annotated[
         str, typer.Option(help="Which equations; auto takes the smallest that carries the scene.")
     ] = "auto",
     method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
     options = (("model", model), ("method", method), ("rtol", rtol))
@@ -57,15 +57,15 @@ def reference(
 
 
 def run(  # noqa: PLR0917 - a parameter an option
-    scene: run_options.SceneName,
-    engine: run_options.EngineName,
-    profile: run_options.Profile = "matched",
-    timestep: run_options.Timestep = None,
-    set_: run_options.Settings = None,
+    scene: options.SceneName,
+    engine: options.EngineName,
+    profile: options.Profile = "matched",
+    timestep: options.Timestep = None,
+    set_: options.Settings = None,
     out: Annotated[
         Path | None, typer.Option(help="Write the motion here, as .csv or .parquet.")
     ] = None,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Run a scene in an engine and hold it against the exact motion.
 

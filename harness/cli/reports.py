@@ -12,7 +12,7 @@ import typer
 from rich.markup import escape
 
 from harness.cli import terminal
-from harness.cli.run_options import Json
+from harness.cli.options import Json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.verdict import Status

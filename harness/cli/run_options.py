@@ -1,4 +1,4 @@
-"""The options that several commands share, each declared once, and the settings of `--set`.
+"""How a command runs its cases, and the settings of `--set`.
 
 Where cases run, within what limits and where results stay: `with_run_options` gives these options
 to a command, which receives them as one `RunOptions`.
@@ -17,6 +17,7 @@ from typing import Annotated
 
 import typer
 
+from harness.cli.options import PANEL, STORE, VARIABLE, Cluster, Jobs, MemoryLimit, TimeLimit
 from harness.core.case import Value
 from harness.core.errors import InvalidSettingError
 from harness.core.public_paths import RenamedValueWarning, warn_renamed
@@ -27,79 +28,7 @@ from harness.execution.dask_cluster import dask_executor
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits, default_limits
 
-SceneName = Annotated[
-    str,
-    typer.Argument(
-        metavar="SCENE",
-        help="A scene of the catalogue (see: rockingcan scenes) or the path of a scene file.",
-    ),
-]
-EngineName = Annotated[str, typer.Option(help="Which engine (see: rockingcan engines).")]
-Profile = Annotated[
-    str,
-    typer.Option(
-        help="default: as it ships; matched: only what the scene declares; adaptive: own steps."
-    ),
-]
-Timestep = Annotated[float | None, typer.Option(help="In seconds; the profile's own if left out.")]
-Settings = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="A setting by the engine's own name (see: rockingcan engines ENGINE); repeat it.",
-    ),
-]
-EngineNames = Annotated[
-    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
-]
-ReplacedFolder = Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")]
-ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
-Json = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
-]
-
-STORE = Path("reports/.store")
-"""Usual folder of the store, below the folder in which the command is run."""
-
-VARIABLE = "ROCKINGCAN_STORE"
-"""Environment variable that names another folder."""
-
 _GIB = 2.0**30
-
-_PANEL = "Running and resuming"
-
-Jobs = Annotated[
-    int | None,
-    typer.Option(min=1, help="Processes; one a core if left out.", rich_help_panel=_PANEL),
-]
-Cluster = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Run on a Dask cluster: its scheduler, such as tcp://host:8786.",
-        rich_help_panel=_PANEL,
-    ),
-]
-TimeLimit = Annotated[
-    float | None,
-    typer.Option(
-        metavar="SECONDS",
-        help="Stop a case that takes longer; half an hour if left out.",
-        rich_help_panel=_PANEL,
-    ),
-]
-"""An option for `limits_of`."""
-
-MemoryLimit = Annotated[
-    float | None,
-    typer.Option(
-        metavar="GIB",
-        help="Stop a case that uses more memory; 4, or a share of the machine's, if left out.",
-        rich_help_panel=_PANEL,
-    ),
-]
-"""An option for `limits_of`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,17 +106,17 @@ def _running(  # noqa: PLR0917 - a parameter an option
         Path | None,
         typer.Option(
             help=f"Folder where results are kept and found; {STORE} if left out.",
-            rich_help_panel=_PANEL,
+            rich_help_panel=PANEL,
         ),
     ] = None,
     no_store: Annotated[  # noqa: FBT002 - a switch of the command line
         bool,
-        typer.Option("--no-store", help="Neither keep nor find results.", rich_help_panel=_PANEL),
+        typer.Option("--no-store", help="Neither keep nor find results.", rich_help_panel=PANEL),
     ] = False,
     fresh: Annotated[  # noqa: FBT002 - a switch of the command line
         bool,
         typer.Option(
-            "--fresh", help="Run everything, and replace what is kept.", rich_help_panel=_PANEL
+            "--fresh", help="Run everything, and replace what is kept.", rich_help_panel=PANEL
         ),
     ] = False,
     time_limit: TimeLimit = None,

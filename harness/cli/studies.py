@@ -13,7 +13,7 @@ import typer
 from rich.markup import escape
 
 from harness import api
-from harness.cli import run_options, terminal
+from harness.cli import options, run_options, terminal
 from harness.cli.study_command import run_command, shown
 from harness.cli.terminal import write_text
 from harness.core.case import Case
@@ -41,8 +41,8 @@ from models.scene_file import write_scene
 
 @run_options.with_run_options
 def attribute(  # noqa: PLR0917 - a parameter an option
-    scene: run_options.SceneName,
-    engine: run_options.EngineName,
+    scene: options.SceneName,
+    engine: options.EngineName,
     timestep: Annotated[
         float | None, typer.Option(help="Of the matched end, in seconds; its own if left out.")
     ] = None,
@@ -50,8 +50,8 @@ def attribute(  # noqa: PLR0917 - a parameter an option
         list[str] | None,
         typer.Option(help="A gap to close before the others; repeat it. Such as: timestep."),
     ] = None,
-    out: run_options.ReportFolder = None,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    out: options.ReportFolder = None,
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
 ) -> None:
@@ -67,16 +67,16 @@ def attribute(  # noqa: PLR0917 - a parameter an option
 
 @run_options.with_run_options
 def errors(  # noqa: PLR0917 - a parameter an option
-    scene: run_options.SceneName,
-    engine: run_options.EngineName,
+    scene: options.SceneName,
+    engine: options.EngineName,
     profile: Annotated[str, typer.Option(help="default or matched.")] = "matched",
     timestep: Annotated[
         float | None,
         typer.Option(help="The coarsest of the ladder, in seconds; what suits if left out."),
     ] = None,
-    set_: run_options.Settings = None,
-    out: run_options.ReportFolder = None,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    set_: options.Settings = None,
+    out: options.ReportFolder = None,
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
 ) -> None:
@@ -109,8 +109,8 @@ _EFFECTS = (
 
 @run_options.with_run_options
 def effects(  # noqa: PLR0917 - a parameter an option
-    scene: run_options.SceneName,
-    engine: run_options.EngineNames = None,
+    scene: options.SceneName,
+    engine: options.EngineNames = None,
     timestep: Annotated[
         float | None, typer.Option(help="Of the engines, in seconds; their own if left out.")
     ] = None,
@@ -124,8 +124,8 @@ def effects(  # noqa: PLR0917 - a parameter an option
     tolerance: Annotated[
         float, typer.Option(help="Degrees of turn below which a change does not count.")
     ] = 0.1,
-    out: run_options.ReportFolder = None,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    out: options.ReportFolder = None,
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
 ) -> None:
@@ -169,9 +169,9 @@ def stability(
     suite: Annotated[
         str, typer.Option(help="quick: about two minutes; full: every hard case.")
     ] = "quick",
-    engine: run_options.EngineNames = None,
-    out: run_options.ReplacedFolder = Path("reports/stability"),
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    engine: options.EngineNames = None,
+    out: options.ReplacedFolder = Path("reports/stability"),
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
 ) -> None:
@@ -209,7 +209,7 @@ _HARD = "paper-release"
 
 @run_options.with_run_options
 def cost(  # noqa: PLR0917 - a parameter an option
-    scene: run_options.SceneName,
+    scene: options.SceneName,
     suite: Annotated[
         str, typer.Option(help="quick: two minutes; full: three decades, every hardness.")
     ] = "quick",
@@ -220,11 +220,11 @@ def cost(  # noqa: PLR0917 - a parameter an option
     out: Annotated[Path, typer.Option(help="Folder of the reports, one a scene.")] = Path(
         "reports/cost"
     ),
-    engine: run_options.EngineNames = None,
+    engine: options.EngineNames = None,
     tune: Annotated[
         str | None, typer.Option(help="Scene on which settings are chosen; another one.")
     ] = None,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
 ) -> None:

@@ -11,7 +11,7 @@ import pandas as pd
 import typer
 from rich.markup import escape
 
-from harness.cli import run_options, terminal
+from harness.cli import options, run_options, terminal
 from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
@@ -33,7 +33,7 @@ REPORT = "report"
 
 
 def sweep(  # noqa: PLR0917 - a parameter an option
-    scene: run_options.SceneName,
+    scene: options.SceneName,
     over: Annotated[
         list[str],
         typer.Option(
@@ -46,10 +46,10 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     sample: Annotated[str, typer.Option(help="grid, random, sobol or halton.")] = "grid",
     count: Annotated[int | None, typer.Option(help="Scenes of a sample.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of a sample; 0 if left out.")] = None,
-    engine: run_options.EngineName = "reference",
-    profile: run_options.Profile = "matched",
-    timestep: run_options.Timestep = None,
-    set_: run_options.Settings = None,
+    engine: options.EngineName = "reference",
+    profile: options.Profile = "matched",
+    timestep: options.Timestep = None,
+    set_: options.Settings = None,
     quantity: Annotated[
         list[str] | None,
         typer.Option(help="A column, such as angle_of_turn_deg or epsilon; repeat it."),
@@ -57,11 +57,11 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     against: Annotated[
         str | None, typer.Option(help="A quantity to draw the others against, such as epsilon.")
     ] = None,
-    jobs: run_options.Jobs = None,
-    on: run_options.Cluster = None,
-    time_limit: run_options.TimeLimit = None,
-    memory_limit: run_options.MemoryLimit = None,
-    json: run_options.Json = False,  # noqa: FBT002 - a switch of the command line
+    jobs: options.Jobs = None,
+    on: options.Cluster = None,
+    time_limit: options.TimeLimit = None,
+    memory_limit: options.MemoryLimit = None,
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """Vary parameters of a scene and write a row for each: a map of the turn, say.
 

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import (
@@ -21,11 +21,12 @@ from rich.progress import (
 from rich.table import Table
 
 from harness.core.errors import writing
-from harness.core.report_model import Table as Data
-from harness.core.simulation import ParityRow
 from harness.core.verdict import Verdict
 from harness.execution.atomic_write import write_atomically
-from harness.report.tables import records, shown
+
+if TYPE_CHECKING:
+    from harness.core.report_model import Table as Data
+    from harness.core.simulation import ParityRow
 
 _VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
 
@@ -79,14 +80,16 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
     return shown_table
 
 
-def table_artefact(artefact: Data, left_out: Collection[str] = ()) -> Table:
+def table_artefact(artefact: "Data", left_out: Collection[str] = ()) -> Table:
     """Return for the terminal the columns of a table that the page shows, but those left out."""
+    from harness.report.tables import records, shown  # noqa: PLC0415 - imports pandas and pyarrow
+
     columns = [name for name in shown(artefact) if name not in left_out]
     rows = [[row[name] for name in columns] for row in records(artefact)]
     return table(artefact.title, columns, rows)
 
 
-def parity(rows: Sequence[ParityRow]) -> Table:
+def parity(rows: "Sequence[ParityRow]") -> Table:
     """Return the parity table for the terminal, differences in colour."""
     columns = ("quantity", "unit", "declared", "found", "verdict", "how")
     cells = [{column: getattr(row, column) for column in columns} for row in rows]

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from harness import api
-from harness.cli import run_options, terminal
+from harness.cli import options, run_options, terminal
 from harness.cli.reports import joined_sections, show_changes
 from harness.cli.study_command import run_with_progress, shown
 from harness.core.errors import InvalidSettingError
@@ -59,8 +59,8 @@ def validate(  # noqa: PLR0917 - a parameter an option
     suite: Annotated[
         str, typer.Option(help="quick: a minute or so; full: long ladders, causes, three errors.")
     ] = "quick",
-    engine: run_options.EngineNames = None,
-    out: run_options.ReplacedFolder = Path("reports/latest"),
+    engine: options.EngineNames = None,
+    out: options.ReplacedFolder = Path("reports/latest"),
     set_: Annotated[
         list[str] | None,
         typer.Option(

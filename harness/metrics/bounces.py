@@ -3,7 +3,6 @@
 from itertools import pairwise
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from harness.core.bounce import PROMINENCE, Bounce
 from harness.core.trajectory import Floats
@@ -26,6 +25,8 @@ def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
     can : Can
         Its moments set how the rim moves between two samples of a bounce.
     """
+    from scipy.signal import find_peaks  # noqa: PLC0415 - takes half a second to import
+
     phi = motion.angles.phi
     minima, _ = find_peaks(-phi, prominence=PROMINENCE * phi.max())
     edges = [0, *minima.tolist(), len(phi) - 1]

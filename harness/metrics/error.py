@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from harness.core.bounce import Bounce
 from harness.core.trajectory import Floats
@@ -141,6 +140,8 @@ def hausdorff(first: Floats, second: Floats) -> float:
 
 def _farthest(points: Floats, curve: Floats) -> float:
     """Return the largest distance from points (n, 2) to a curve (m, 2)."""
+    from scipy.spatial import KDTree  # noqa: PLC0415 - takes half a second to import
+
     # where the curve crosses itself the nearest chord need not end in the nearest point
     _, near = KDTree(curve).query(points, k=min(_NEIGHBOURS, len(curve)))
     best = np.full(len(points), np.inf)

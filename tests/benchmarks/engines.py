@@ -13,8 +13,9 @@ from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import recorded_turn_error
 from models.catalogue import load
+from models.release import Release
 from models.rim import released
-from models.state import Pose, Release
+from models.state import Pose
 from tests.benchmarks.clock import Ratio, in_turns, seconds
 from tests.benchmarks.recording_loops import recording_loop
 

@@ -17,9 +17,10 @@ from harness.engines import Case, Contact, Floats, RefusedModelError, Value
 from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
 from models.gravity import shaking
 from models.kinematics import to_body, to_world
-from models.to_mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
 from models.mjcf_contact import friction_solref
-from models.state import Pose, Release, Twist
+from models.release import Release
+from models.state import Pose, Twist
+from models.to_mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
 
 _RELEASE = Release(phi=1.0)
 """Release in the model file; every run places the can anew."""

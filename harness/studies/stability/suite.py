@@ -15,8 +15,8 @@ import numpy as np
 from harness.core.case import Case
 from models.can import Can
 from models.catalogue import hard_names, load
+from models.release import Release
 from models.scene import Horizon, Scene
-from models.state import Release
 
 _QUICK = (
     "balance-1e-5",
