@@ -57,7 +57,9 @@ def check(
     ] = None,
     json: Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """Check an engine's adapter against its contract, or measure what the engine imposes.
+    """Whether an adapter keeps its contract, clause by clause.
+
+    Or, with --capabilities, what the engine adds of its own accord.
 
     Leaves with code 1 if a check of the contract fails.
     """
@@ -119,7 +121,10 @@ def engines(
     ] = None,
     json: Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """List the engines, or the settings of one: what it ships with and what `matched` takes."""
+    """The engines, or the settings of one in each profile.
+
+    What an engine ships with, and what `matched` takes.
+    """
     if json:
         typer.echo(terminal.to_json(engines_answer(name)))
         return

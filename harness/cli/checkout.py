@@ -19,7 +19,9 @@ _CHECKOUT = Path(__file__).parents[2]
 
 
 def benchmark(context: typer.Context) -> None:
-    """Measure what the project claims about speed, as ratios in one run; some three minutes.
+    """What the project claims about speed, measured.
+
+    As ratios within one run of some three minutes.
 
     Leaves with code 1 if a claim does not hold on this machine. Needs a source checkout.
     """
@@ -27,7 +29,9 @@ def benchmark(context: typer.Context) -> None:
 
 
 def faults(context: typer.Context) -> None:
-    """Kill it, crash it, hang it, fill its disk, stop it, take its workers, sweep; write faults.md.
+    """What is lost when runs are killed, hang or fill the disk.
+
+    Trials: kill, crash, hang, fill the disk, stop, take the workers, sweep. Writes faults.md.
 
     Leaves with code 1 if something was lost, or took too long. Needs a source checkout.
     """

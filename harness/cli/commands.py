@@ -6,7 +6,7 @@ engines, scipy and pandas take seconds to import, and are imported by the comman
 
 from importlib import import_module
 from importlib.metadata import version as version_of
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -107,10 +107,11 @@ COMMANDS = tuple(
 class Commands(TyperGroup):
     """The tree of commands."""
 
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**{**settings, "commands": list(COMMANDS)})
+    def __init__(self, **settings: object) -> None:
+        super().__init__(**settings)  # type: ignore[arg-type]
+        self.commands = {str(command.name): command for command in COMMANDS}
 
-    def list_commands(self, ctx: typer.Context) -> list[str]:
+    def list_commands(self, ctx: typer.Context) -> list[str]:  # noqa: ARG002 - as typer calls it
         """Return the names of the commands, in the order of the help."""
         return list(self.commands)
 

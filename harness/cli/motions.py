@@ -41,7 +41,10 @@ def reference(
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """Solve a scene exactly: period, turn, peak rates, friction that rolling calls for."""
+    """The exact motion in numbers, and the friction it needs.
+
+    Period, turn and peak rates of each bounce, by the smallest model that carries the scene.
+    """
     options = (("model", model), ("method", method), ("rtol", rtol))
     case = Case(scene=load(scene), engine="reference", options=options)
     evaluation = evaluate_without_truth(case)
@@ -67,7 +70,7 @@ def run(  # noqa: PLR0917 - a parameter an option
     ] = None,
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """Run a scene in an engine and hold it against the exact motion.
+    """One scene in one engine, held against the exact motion.
 
     For example: rockingcan run gentle-rock --engine mujoco --timestep 1e-4 --set impratio=10
     """

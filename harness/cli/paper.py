@@ -39,7 +39,10 @@ def audit(
         typer.Option(help="Write a report into this folder too, to join to those of others."),
     ] = None,
 ) -> None:
-    """Check every equation and number of the paper; write audit.md and audit.csv."""
+    """Every equation and number of the paper, checked.
+
+    Written to audit.md and audit.csv.
+    """
     try:
         # here and not above: sympy and mpmath are an extra, and every other command does without
         from harness.paper.audit.checks import audit as run  # noqa: PLC0415
@@ -72,7 +75,10 @@ def gallery(
         "reports/gallery"
     ),
 ) -> None:
-    """Draw every figure of the paper from our own solutions; write SVG, PNG and a page."""
+    """Every figure of the paper, from our own solutions.
+
+    Written as SVG and PNG, and as a page.
+    """
     check_writable(out)
     drawn: list[Figure | Prose] = [ABOUT]
     with terminal.progress_bar() as bar:

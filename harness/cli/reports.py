@@ -40,7 +40,9 @@ def report(
         "reports/all"
     ),
 ) -> None:
-    """Join the reports of several studies into one page, its scorecard filled from all of them.
+    """One page from the reports of several studies.
+
+    Its scorecard is filled from all of them.
 
     For example: rockingcan report reports/latest reports/stability reports/cost/paper-release
     """
@@ -94,7 +96,10 @@ def diff(
     ] = False,
     json: Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """Say what differs between two reports of validate, case by case, quantity by quantity.
+    """What differs between two reports, case by case.
+
+    They are reports of `validate`, or a report and accepted results; quantities are compared one by
+    one.
 
     For example: rockingcan diff reports/before reports/after --baseline reports/baseline
     """

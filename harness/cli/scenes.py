@@ -14,7 +14,7 @@ from models.scene import Horizon
 
 
 def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the command line
-    """List the scenes of the catalogue: what each is, and where it comes from."""
+    """The catalogue: what each scene is, and its source."""
     catalogue = [load(name) for name in names()]
     if json:
         typer.echo(terminal.to_json({"scenes": [scene.to_dict() for scene in catalogue]}))
@@ -42,7 +42,7 @@ def export(
         Path | None, typer.Option(help="Write it here; to standard output if left out.")
     ] = None,
 ) -> None:
-    """Write a scene as a model that an engine opens."""
+    """A scene as a model that an engine opens."""
     from models.to_mjcf import mjcf  # noqa: PLC0415 - the list of scenes does without numpy
     from models.to_urdf import urdf  # noqa: PLC0415
 

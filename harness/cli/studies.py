@@ -55,7 +55,9 @@ def attribute(  # noqa: PLR0917 - a parameter an option
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """Say who is to blame: close the gaps from default to matched one at a time, and each alone.
+    """Which setting causes which part of an error.
+
+    The gaps from default to matched are closed one after another, and each alone.
 
     For example: rockingcan attribute gentle-rock --engine mujoco
     """
@@ -80,7 +82,9 @@ def errors(  # noqa: PLR0917 - a parameter an option
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """Tell model form, discretisation and solver error apart, and what is not decidable.
+    """Model form, discretisation, solver: the error in parts.
+
+    And what is not decidable.
 
     For example: rockingcan errors gentle-rock --engine mujoco --set solref=0.005,1
     """
@@ -129,7 +133,9 @@ def effects(  # noqa: PLR0917 - a parameter an option
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """Say which effects a scene needs, which it lacks, what each costs, what engines impose.
+    """Which effects a scene needs, lacks and gets unasked.
+
+    And what each costs in time, and changes of the turn.
 
     For example: rockingcan effects gentle-rock --assume slip.mu=0.3
     """
@@ -175,7 +181,7 @@ def stability(
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """Run hard cases until engines fail, say how they fail, and from which timestep on."""
+    """How engines fail on hard cases, and at which timestep."""
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
     engines = api.stepping_engines(engine)
@@ -228,7 +234,9 @@ def cost(  # noqa: PLR0917 - a parameter an option
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """Say what accuracy costs: work-precision of every setting, a price list, settings to paste.
+    """What accuracy costs in time, and settings to paste.
+
+    Work-precision of every setting, and a price list.
 
     Interrupted, it goes on where it was when started again.
 

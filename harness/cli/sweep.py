@@ -63,7 +63,9 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     memory_limit: options.MemoryLimit = None,
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """Vary parameters of a scene and write a row for each: a map of the turn, say.
+    """A table, and maps, of a scene over its parameters.
+
+    Each combination of values is a row, of the exact motion or of an engine's.
 
     For example: rockingcan sweep paper-release --over release.psi_dot=-1:1:401
     --over release.theta_dot=-1:1:401 --out reports/signs

@@ -95,7 +95,10 @@ def validate(  # noqa: PLR0917 - a parameter an option
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """Run the validation suite in every engine and write the report: the main job."""
+    """A report on every engine and scene: the main job.
+
+    Every scene of the suite is run in every engine, and held against the exact motion.
+    """
     engines = api.stepping_engines(engine)
     chosen = run_options.engine_settings(set_ or [], engines)
     study = plan_comparison(suite, engines, chosen)
