@@ -1,4 +1,4 @@
-"""Values, arrays and frames in JSON's own types and back, without loss of a digit.
+"""Values and arrays in JSON's own types and back, without loss of a digit.
 
 The annotated types at the end say how pydantic stores the fields of artefacts.
 """
@@ -10,11 +10,8 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
-
-from harness.core.verdict import Status, Verdict
 
 
 def is_missing(value: object) -> bool:
@@ -49,47 +46,8 @@ def _decode_array(stored: Any) -> NDArray[np.float64]:  # noqa: ANN401 - whateve
     return values.reshape(stored["shape"])
 
 
-def _encode_cell(value: object) -> object:
-    if is_missing(value):
-        return None
-    if isinstance(value, Verdict):
-        return {"status": value.status.name, "text": value.text}
-    if isinstance(value, float) and math.isinf(value):
-        return {"inf": 1 if value > 0.0 else -1}
-    return to_plain(value)
-
-
-def _decode_cell(stored: object) -> object:
-    if not isinstance(stored, dict):
-        return stored
-    if "inf" in stored:
-        return stored["inf"] * math.inf
-    return Verdict(Status[stored["status"]], stored["text"])
-
-
-def _encode_frame(frame: pd.DataFrame) -> dict[str, Any]:
-    """Return each column with its type; infinite and missing cells have encodings of their own."""
-    return {
-        str(name): {
-            "dtype": str(frame[name].dtype),
-            "values": [_encode_cell(value) for value in frame[name].tolist()],
-        }
-        for name in frame.columns
-    }
-
-
-def _decode_frame(stored: Any) -> pd.DataFrame:  # noqa: ANN401 - whatever JSON holds
-    return pd.DataFrame(
-        {
-            name: pd.Series([_decode_cell(v) for v in column["values"]], dtype=column["dtype"])
-            for name, column in stored.items()
-        }
-    )
-
-
 Floats = Annotated[
     NDArray[np.float64], PlainValidator(_decode_array), PlainSerializer(_encode_array)
 ]
-Frame = Annotated[pd.DataFrame, PlainValidator(_decode_frame), PlainSerializer(_encode_frame)]
 Words = Annotated[Mapping[str, str], PlainSerializer(dict)]
 Record = Annotated[Mapping[str, Any], PlainSerializer(to_plain)]

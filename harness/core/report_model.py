@@ -4,13 +4,57 @@ An artefact knows nothing of files. A figure is data with its axes; the report c
 that draws it.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import pandas as pd
+from pydantic import PlainSerializer, PlainValidator
 
-from harness.core.plain_json import Floats, Frame, Words
+from harness.core.plain_json import Floats, Words, is_missing, to_plain
+from harness.core.verdict import Status, Verdict
+
+
+def _encode_cell(value: object) -> object:
+    if is_missing(value):
+        return None
+    if isinstance(value, Verdict):
+        return {"status": value.status.name, "text": value.text}
+    if isinstance(value, float) and math.isinf(value):
+        return {"inf": 1 if value > 0.0 else -1}
+    return to_plain(value)
+
+
+def _decode_cell(stored: object) -> object:
+    if not isinstance(stored, dict):
+        return stored
+    if "inf" in stored:
+        return stored["inf"] * math.inf
+    return Verdict(Status[stored["status"]], stored["text"])
+
+
+def _encode_frame(frame: pd.DataFrame) -> dict[str, Any]:
+    """Return each column with its type; infinite and missing cells have encodings of their own."""
+    return {
+        str(name): {
+            "dtype": str(frame[name].dtype),
+            "values": [_encode_cell(value) for value in frame[name].tolist()],
+        }
+        for name in frame.columns
+    }
+
+
+def _decode_frame(stored: Any) -> pd.DataFrame:  # noqa: ANN401 - whatever JSON holds
+    return pd.DataFrame(
+        {
+            name: pd.Series([_decode_cell(v) for v in column["values"]], dtype=column["dtype"])
+            for name, column in stored.items()
+        }
+    )
+
+
+Frame = Annotated[pd.DataFrame, PlainValidator(_decode_frame), PlainSerializer(_encode_frame)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -6,14 +6,17 @@ missed.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from harness.core.trajectory import Floats, Trajectory
 from models.kinematics import Angles, angles_of_record
 from models.scene import Scene
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _LIGHT = 1e-3
 """Share of the weight below which a can is about to lift off, as in `reference.analysis.validity`.
@@ -127,8 +130,10 @@ def contact_quality(motion: Motion) -> ContactQuality:
     )
 
 
-def motion_frame(motion: Motion) -> pd.DataFrame:
+def motion_frame(motion: Motion) -> "pd.DataFrame":
     """Return a motion as a DataFrame, a row a sample, with the units in the column names."""
+    import pandas as pd  # noqa: PLC0415 - takes half a second to import
+
     angles, trajectory = motion.angles, motion.trajectory
     columns = {"t_s": motion.time}
     for name in ("phi", "psi", "theta"):

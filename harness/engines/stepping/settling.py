@@ -12,7 +12,6 @@ the contact then bears just the load that rolling puts on it.
 """
 
 import numpy as np
-from scipy.optimize import brentq
 
 from harness.engines.base import Floats, World, signed_distance
 from models import Can, Pose, Scene, Twist, angles, contact_offset, quaternion
@@ -97,6 +96,8 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
         that is released elsewhere than on its rim.
     pose : Pose
     """
+    from scipy.optimize import brentq  # noqa: PLC0415 - takes half a second to import
+
     if scene.release.height != 0.0:
         return 0.0, pose
     world.place(pose, twist)
