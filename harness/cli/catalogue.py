@@ -15,7 +15,7 @@ from harness.cli import terminal
 from harness.cli.options import STORE, Json
 from harness.cli.run_options import store_folder
 from harness.core.case import Case
-from harness.core.errors import MissingPackageError
+from harness.core.errors import CacheWarning, MissingPackageError
 from harness.core.report_model import Column, rows_of, table_of
 from harness.engines.base import Setting
 from harness.engines.conformance import ClauseStatus, conform
@@ -24,7 +24,6 @@ from harness.engines.registry import engine, names
 from harness.evaluation.case_cache import is_current
 from harness.execution.cache import (
     CacheFolder,
-    CacheWarning,
     EntryState,
     inspect_cache,
     prune_cache,

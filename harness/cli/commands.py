@@ -6,7 +6,7 @@ engines, scipy and pandas take seconds to import, and are imported by the comman
 
 from importlib import import_module
 from importlib.metadata import version as version_of
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -41,9 +41,13 @@ class DeferredCommand(TyperCommand):
         super().__init__(name, help=summary, rich_help_panel=panel)
         self._module = module
 
-    def make_context(  # type: ignore[override]
-        self, info_name: str | None, args: list[str], parent: object = None, **extra: object
-    ) -> object:
+    def make_context(
+        self,
+        info_name: str | None,
+        args: list[str],
+        parent: Any = None,  # noqa: ANN401 - a context of the library that typer is made of
+        **extra: object,
+    ) -> Any:  # noqa: ANN401
         """Return the context of the command itself, whose arguments are parsed here."""
         if self.name in OF_A_SCENE and args and not args[0].startswith("-"):
             from models.catalogue import load  # noqa: PLC0415 - help does without pydantic
@@ -51,7 +55,7 @@ class DeferredCommand(TyperCommand):
             load(args[0])  # a wrong scene is refused before engines are imported
         return self.imported().make_context(info_name, args, parent, **extra)
 
-    def imported(self) -> TyperCommand | TyperGroup:
+    def imported(self) -> Any:  # noqa: ANN401 - a command or group of that library
         """Return the command itself."""
         name = str(self.name)
         found = getattr(import_module(f"harness.cli.{self._module}"), name)
@@ -111,7 +115,7 @@ class Commands(TyperGroup):
         super().__init__(**settings)  # type: ignore[arg-type]
         self.commands = {str(command.name): command for command in COMMANDS}
 
-    def list_commands(self, ctx: typer.Context) -> list[str]:  # noqa: ARG002 - as typer calls it
+    def list_commands(self, ctx: object) -> list[str]:  # noqa: ARG002 - as typer calls it
         """Return the names of the commands, in the order of the help."""
         return list(self.commands)
 

@@ -34,7 +34,7 @@ print(json.dumps([code, sorted(names - set(sys.stdlib_module_names))]), file=sys
 
 def imported(*words: str) -> tuple[int, frozenset[str]]:
     """Return the exit code of a command, and the packages that it imports."""
-    done = subprocess.run(
+    done = subprocess.run(  # noqa: S603 - our own program
         [sys.executable, "-c", PROGRAM, *words], capture_output=True, text=True, check=True
     )
     code, names = json.loads(done.stderr.splitlines()[-1])

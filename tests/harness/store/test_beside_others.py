@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.core.errors import CacheWarning
 from harness.execution.cache import (
     ASIDE,
     DRAFTS,
     CacheFolder,
-    CacheWarning,
     EntryState,
     inspect_cache,
     prune_cache,
