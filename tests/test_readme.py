@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.main import app
+from harness.cli.commands import COMMANDS
 from models.scene_file import read_scene
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -39,9 +39,7 @@ def test_the_scene_file_is_one(tmp_path: Path) -> None:
 def test_the_commands_exist() -> None:
     blocks = "\n".join(re.findall(r"```\n(.*?)```", README, flags=re.DOTALL))
     named = set(re.findall(r"^rockingcan (\w+)", blocks, flags=re.MULTILINE))
-    existing = {
-        command.callback.__name__ for command in app.registered_commands if command.callback
-    }
+    existing = {str(command.name) for command in COMMANDS}
     assert named <= existing
     assert {"scenes", "engines", "reference", "run", "validate", "export"} <= named
 

@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from harness.cli import checkout
+
 Command = Callable[..., Any]
 
 
@@ -44,8 +46,7 @@ def test_options_and_codes_are_those_of_the_program(
 def test_an_installed_package_says_where_the_program_is(
     told: Command, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    # by its full name: the package has a function of the same name
-    monkeypatch.setattr(sys.modules["harness.cli.main"], "_CHECKOUT", tmp_path)
+    monkeypatch.setattr(checkout, "_CHECKOUT", tmp_path)
     answer = told(name)
     assert answer.code == 2
     assert len(answer.err.splitlines()) == 1

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from harness.cli.main import app
+from harness.cli.commands import app
 from harness.studies.stability.failure_criteria import StabilityStatus
 from harness.studies.stability.suite import SUITES
 
