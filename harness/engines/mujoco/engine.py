@@ -106,9 +106,9 @@ def _unstable(data: mujoco.MjData) -> bool:
 
 def _sound(states: Floats) -> int:
     """Return how many states from the first on are valid: finite, at increasing times."""
-    # without autoreset a number that breaks stays broken, and time that has stopped stays: the last
-    # two states speak for all before them
-    if np.isfinite(states[-1]).all() and (len(states) == 1 or states[-1, 0] > states[-2, 0]):
+    # without autoreset a number that breaks stays broken: the last state speaks for all before it;
+    # time that has stopped starts again with the next stage, whose warnings MuJoCo has cleared
+    if np.isfinite(states[-1]).all() and (np.diff(states[:, 0]) > 0.0).all():
         return len(states)
     good = np.isfinite(states).all(axis=1)
     good &= np.diff(states[:, 0], prepend=-np.inf) > 0.0

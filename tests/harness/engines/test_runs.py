@@ -133,6 +133,15 @@ def test_a_run_that_blows_up_has_diverged_and_leaves_nothing_behind(  # noqa: PL
     assert list(tmp_path.iterdir()) == []  # no log file of an engine
 
 
+def test_a_stage_whose_time_stops_has_diverged() -> None:
+    # MuJoCo's rollout warns, repeats its state to the end of the stage, and goes on in the next one
+    run = evaluate(Case(scene=load("cusps"), engine="mujoco", profile="adaptive")).simulation
+    assert run.outcome is Outcome.DIVERGED
+    assert run.trajectory is not None
+    assert (np.diff(run.trajectory.time) > 0.0).all()
+    assert 0.0 < run.trajectory.time[-1] < 0.1
+
+
 @pytest.mark.parametrize(
     ("name", "options"),
     [("mujoco", {"margin": 1e300}), ("pybullet", {"collisionMargin": 1e300})],
