@@ -118,12 +118,15 @@ def solved_exactly(
     if valid.any():
         # rates near the largest double overflow: that they are not representable is the answer
         with np.errstate(all="ignore"):
-            inside = representable(_releases(scene, values, valid))
-        outcomes[np.flatnonzero(valid)[~inside]] = BEYOND
-        valid = outcomes == ""
+            releases = _releases(scene, values, valid)
+            inside = representable(releases)
+        if not inside.all():
+            outcomes[np.flatnonzero(valid)[~inside]] = BEYOND
+            valid = outcomes == ""
+            releases = _releases(scene, values, valid)
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if valid.any():
-        _solve(_releases(scene, values, valid), valid, numbers, outcomes)
+        _solve(releases, valid, numbers, outcomes)
     return pd.DataFrame({**numbers, "outcome": outcomes})
 
 

@@ -47,10 +47,12 @@ def refusal(scene: Scene) -> str:
     for name, sentence in _BEYOND.items():
         if name in scene.effects.declared():
             return sentence
-    rates = (getattr(scene.release, name) * natural_time(scene) for name in _RATES)
-    if scene.release.phi < LEAST or any(abs(rate) >= 1 / LEAST for rate in rates):
-        return BEYOND_DOUBLES
-    return ""
+    scales = {"phi": 1.0, **dict.fromkeys(_RATES, natural_time(scene))}
+    numbers = {
+        name: np.array(scale * getattr(scene.release, name)) for name, scale in scales.items()
+    }
+    inside = representable(Releases(np.array(natural_time(scene)), numbers))
+    return "" if inside else BEYOND_DOUBLES
 
 
 def problem(scene: Scene, seconds: float | None = None) -> Problem:
