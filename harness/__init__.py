@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from harness.core.public_paths import install, lazy_exports
 
 if TYPE_CHECKING:
-    from harness.api import compare, simulate, validate
+    from harness.api import Comparison, compare, plot, simulate, validate
     from harness.core.case import Case
     from harness.core.errors import HarnessError
     from harness.core.simulation import Outcome, Simulation
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Case",
+    "Comparison",
     "Evaluation",
     "HarnessError",
     "Outcome",
@@ -26,6 +27,7 @@ __all__ = [
     "compare",
     "engine_names",
     "load_scene",
+    "plot",
     "run_study",
     "scene_names",
     "simulate",
@@ -38,6 +40,7 @@ __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Case": "harness.core.case",
+        "Comparison": "harness.api",
         "Evaluation": "harness.evaluation.evaluation",
         "HarnessError": "harness.core.errors",
         "Outcome": "harness.core.simulation",
@@ -46,6 +49,7 @@ __getattr__, __dir__ = lazy_exports(
         "compare": "harness.api",
         "engine_names": "harness.engines.registry:names",
         "load_scene": "models.catalogue:load",
+        "plot": "harness.api",
         "run_study": "harness.studies.study",
         "scene_names": "models.catalogue:names",
         "simulate": "harness.api",

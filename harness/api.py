@@ -1,23 +1,50 @@
-"""The library face: simulate a scene, compare engines on it, run the suite; DataFrames out."""
+"""The library face: simulate a scene, compare engines on it, run the suite; DataFrames out.
 
-from collections.abc import Mapping, Sequence
+In a notebook results show themselves, and `plot` draws a quantity of them.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
+from typing import Any, ClassVar
 
 import pandas as pd
 
 from harness.core.case import Case, Value
 from harness.core.report_model import Artefact
 from harness.engines.registry import names
-from harness.evaluation.evaluate import evaluate, run_cases
+from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
-from harness.studies.comparison.study import EngineSettings, plan_comparison
-from harness.studies.comparison.tables import results
+from harness.progress import StudyBar, in_notebook
+from harness.studies.comparison.quantity_figures import NothingToDrawError, quantity_figure
+from harness.studies.comparison.study import ComparisonStudy, EngineSettings, plan_comparison
+from harness.studies.comparison.tables import results, run_table
 from harness.studies.study import Listener, run_study
 from models.catalogue import load
 from models.scene import Scene
+
+
+class Comparison(pd.DataFrame):
+    """A row for each run of a comparison, with the runs; a part of it is a plain DataFrame.
+
+    Parameters
+    ----------
+    evaluations : sequence of Evaluation
+        Of one scene.
+    """
+
+    _metadata: ClassVar[list[str]] = ["evaluations"]
+    evaluations: tuple[Evaluation, ...]
+
+    def __init__(self, evaluations: Sequence[Evaluation]) -> None:
+        super().__init__(results(evaluations).frame)  # type: ignore[call-arg]  # stubs have __new__
+        self.evaluations = tuple(evaluations)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the table of the report, and its first figure."""
+        return to_html(self)
 
 
 def simulate(
@@ -70,7 +97,7 @@ def compare(
     profiles: Sequence[str] = ("default", "matched"),
     timesteps: Sequence[float | None] = (None,),
     jobs: int = 1,
-) -> pd.DataFrame:
+) -> Comparison:
     """Run one scene in several engines and return a row for each run.
 
     Parameters
@@ -86,8 +113,8 @@ def compare(
 
     Returns
     -------
-    DataFrame
-        The columns of the table `results`, units in their names.
+    Comparison
+        A DataFrame with the columns of the table `results`, units in their names.
     """
     chosen = _scene(scene)
     cases = [
@@ -96,8 +123,65 @@ def compare(
         for profile in profiles
         for timestep in ((None,) if profile == "default" else timesteps)
     ]
-    with local_executor(jobs) as executor:
-        return results(run_cases(cases, executor)).frame
+    study = ComparisonStudy(suite="", designed=tuple(cases))
+    with local_executor(jobs) as executor, _notebook_bar() as show:
+        return Comparison(study.evaluations(run_study(study, executor=executor, on_progress=show)))
+
+
+@contextmanager
+def _notebook_bar() -> Iterator[Listener | None]:
+    """Yield the listener that shows a progress bar in a notebook; elsewhere a library is silent."""
+    if not in_notebook():
+        yield None
+        return
+    with StudyBar() as bar:
+        yield bar.show
+
+
+def plot(what: Evaluation | Comparison | Iterable[Evaluation], quantity: str = "") -> Any:  # noqa: ANN401 - plotly has no types
+    """Return the report's figure of a quantity: of one run, of several, or of a comparison.
+
+    Parameters
+    ----------
+    what : Evaluation, Comparison or iterable of Evaluation
+        Runs of one scene; each is drawn, beside the exact motion.
+    quantity : str
+        "phi", "psi" or "theta", over the whole run and in the first bounce; or a figure of the
+        report: "bounce", "angles", "locus", "friction", "residuals", "convergence". Left out, the
+        first of these that the runs have.
+
+    Returns
+    -------
+    plotly.graph_objects.Figure
+
+    Raises
+    ------
+    HarnessError
+        If there is no such quantity, if the runs do not have it, or are of several scenes.
+    """
+    from harness.report.plotly_renderer import plotly_figure  # noqa: PLC0415 - imports plotly
+
+    return plotly_figure(quantity_figure(_runs(what), quantity))
+
+
+def to_html(what: Evaluation | Comparison) -> str:
+    """Return a table of one run or of a comparison, and its first figure, as HTML."""
+    from harness.report.notebook import notebook_html  # noqa: PLC0415 - imports matplotlib
+
+    runs = _runs(what)
+    table = run_table(what) if isinstance(what, Evaluation) else results(runs)
+    try:
+        figure = quantity_figure(runs)
+    except NothingToDrawError:  # runs without a motion; the table says how they ended
+        figure = None
+    return notebook_html(table, figure)
+
+
+def _runs(what: Evaluation | Comparison | Iterable[Evaluation]) -> tuple[Evaluation, ...]:
+    """Return the runs of a result."""
+    if isinstance(what, Evaluation):
+        return (what,)
+    return what.evaluations if isinstance(what, Comparison) else tuple(what)
 
 
 def suite(
@@ -144,11 +228,15 @@ def validate(
     store : CacheFolder, optional
         Where evaluations are kept and found.
     on_progress : callable, optional
-        Is told of each evaluation as it is ready, as by `run_study`.
+        Is told of each evaluation as it is ready, as by `run_study`; in a notebook a progress bar
+        if left out.
     """
     study = plan_comparison(name, stepping_engines(engines), settings)
-    with nullcontext(executor) if executor else local_executor(jobs) as chosen:
-        done = run_study(study, executor=chosen, cache=store, on_progress=on_progress)
+    with (
+        nullcontext(executor) if executor else local_executor(jobs) as chosen,
+        nullcontext(on_progress) if on_progress else _notebook_bar() as show,
+    ):
+        done = run_study(study, executor=chosen, cache=store, on_progress=show)
     return study.evaluations(done), study.report(done)
 
 

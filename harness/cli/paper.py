@@ -11,6 +11,7 @@ from harness.core.errors import HarnessError, writing
 from harness.core.provenance import provenance
 from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
 from harness.paper.gallery import ABOUT, FIGURES
+from harness.progress import progress_bar
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import csv_text
 from harness.report.write import write_report
@@ -53,7 +54,7 @@ def audit(
     if page is not None:
         check_writable(page)
     rows: list[AuditRow] = []
-    with terminal.progress_bar() as bar:
+    with progress_bar() as bar:
         task = bar.add_task("reading the paper", total=len(CLAIMS))
         for row in run(CLAIMS, lambda claim: bar.update(task, description=claim.label)):
             rows.append(row)
@@ -81,7 +82,7 @@ def gallery(
     """
     check_writable(out)
     drawn: list[Figure | Prose] = [ABOUT]
-    with terminal.progress_bar() as bar:
+    with progress_bar() as bar:
         task = bar.add_task("drawing", total=len(FIGURES))
         for draw in FIGURES:
             figure = draw()

@@ -14,6 +14,7 @@ from harness.cli.terminal import to_json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.evaluation.timing import single_thread_executor
+from harness.progress import StudyBar
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import records
 from harness.report.write import write_report
@@ -25,32 +26,20 @@ Shown = Mapping[str, Collection[str]]
 
 def run_with_progress(study: Study, running: RunOptions) -> Results:
     """Run a study with a progress bar, on the executor and within the limits of the options."""
-    bar = terminal.progress_bar()
-    task = bar.add_task("starting the engines", total=None)
 
     def show(progress: StudyProgress) -> None:
-        bar.start()  # not before: wrong use is told without a bar
+        bar.show(progress)
         if not progress.label:
             running.kept(progress.kept, progress.total)
-        bar.update(
-            task,
-            completed=progress.done,
-            total=progress.total,
-            description=f"{progress.work}: {progress.label[:60]}",
-        )
 
-    try:
-        with running.executor() as executor:
-            return run_study(
-                study,
-                executor=executor,
-                cache=running.store,
-                on_progress=show,
-                timer=lambda: single_thread_executor(running.limits),
-            )
-    finally:
-        if bar.live.is_started:
-            bar.stop()
+    with StudyBar() as bar, running.executor() as executor:
+        return run_study(
+            study,
+            executor=executor,
+            cache=running.store,
+            on_progress=show,
+            timer=lambda: single_thread_executor(running.limits),
+        )
 
 
 def run_command(

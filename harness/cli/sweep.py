@@ -20,6 +20,7 @@ from harness.execution.dask_cluster import check_cluster_address, dask_executor
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.signals import Interrupted
+from harness.progress import progress_bar
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
 from harness.sweep.axes import read_axis
@@ -125,7 +126,7 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
         return
     done = 0
     try:
-        with terminal.progress_bar() as bar, _executor(chosen, jobs, on, limits) as executor:
+        with progress_bar() as bar, _executor(chosen, jobs, on, limits) as executor:
             # of what is left alone: what was there before took no time
             task = bar.add_task(chosen.base.scene.name, total=left)
 

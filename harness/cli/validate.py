@@ -32,6 +32,7 @@ from harness.gate.comparison import differences
 from harness.gate.report import GATE, gate_report, regressions
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import count, measured
+from harness.progress import progress_bar
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
@@ -200,7 +201,7 @@ def _accept(
 ) -> Path:
     """Measure how far each result is free to move, accept the run, and return the file."""
     own = list(scores.scores.values())
-    with running.executor() as executor, terminal.progress_bar() as bar:
+    with running.executor() as executor, progress_bar() as bar:
         task = bar.add_task("measuring the spread", total=count(study.designed, own))
         with_spread = measured(
             study.designed,

@@ -54,3 +54,9 @@ class Evaluation:
     findings: tuple[Finding, ...] = ()
     divergence: Divergence | None = None
     parts_at: float | None = None
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a table of the run, and its first figure in the report."""
+        from harness.api import to_html  # noqa: PLC0415 - a report is made of evaluations
+
+        return to_html(self)

@@ -2,7 +2,8 @@
 
 A panel becomes a description that plotly.js draws in the page: one graph a panel, so that a narrow
 screen can put the panels below each other. Colours are not in it: the page gives them by the kind
-of each curve, for its light or its dark face. Nothing else here knows plotly.
+of each curve, for its light or its dark face. A notebook gets the same curves as one figure of
+plotly, in the colours of the light face. Nothing else here knows plotly.
 """
 
 import base64
@@ -10,7 +11,7 @@ import gzip
 import html
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from plotly.offline import get_plotlyjs
@@ -18,7 +19,20 @@ from plotly.offline import get_plotlyjs
 from harness.core.report_model import Figure, Heatmap, Panel, Series
 from harness.core.trajectory import Floats
 from harness.report.simplify_curves import plottable
-from harness.report.style import BAR_WIDTH, PLAIN, SIGNED, Entry, LineStyle, entries, span
+from harness.report.style import (
+    BAR_WIDTH,
+    PAPER_LIGHT,
+    PLAIN,
+    SIGNED,
+    Entry,
+    LineStyle,
+    entries,
+    palette,
+    span,
+)
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure as PlotlyFigure
 
 SYMBOLS = ("circle", "diamond", "square", "triangle-up", "cross", "x", "star")
 
@@ -54,24 +68,77 @@ def description(figure: Figure, inks: Mapping[str, LineStyle]) -> list[dict[str,
         `linked` is the same number in panels that share their horizontal axis. A trace's `meta`
         holds its kind and the number of its legend entry. Texts are escaped for plotly's own HTML.
     """
-    legend = {entry.label: (number, entry) for number, entry in enumerate(entries(figure))}
     linked = _linked(figure.panels)
     return [
         {
             "data": [
-                *(() if panel.heat is None else (_cells(panel.heat),)),
-                *(
-                    _trace(series, panel, *legend[series.label], inks[series.kind])
-                    # the truth lies below
-                    for series in sorted(
-                        panel.series, key=lambda series: series.kind != "reference"
-                    )
-                ),
+                {key: _packed(v) if isinstance(v, np.ndarray) else v for key, v in trace.items()}
+                for trace in traces
             ],
             "layout": _layout(panel),
             "linked": group,
         }
-        for panel, group in zip(figure.panels, linked, strict=True)
+        for panel, traces, group in zip(figure.panels, _traces(figure, inks), linked, strict=True)
+    ]
+
+
+def plotly_figure(figure: Figure) -> "PlotlyFigure":
+    """Return a figure of plotly with all panels and a legend."""
+    from plotly.subplots import make_subplots  # noqa: PLC0415 - the page needs no figure objects
+
+    inks = palette(series.kind for panel in figure.panels for series in panel.series)
+    columns = max(1, min(figure.columns, len(figure.panels)))
+    rows = max(1, math.ceil(len(figure.panels) / columns))
+    titles = [_text(panel.title) for panel in figure.panels]
+    drawn = make_subplots(rows=rows, cols=columns, subplot_titles=titles)
+    listed: set[str] = set()
+    for number, (panel, traces) in enumerate(
+        zip(figure.panels, _traces(figure, inks), strict=True)
+    ):
+        place = {"row": number // columns + 1, "col": number % columns + 1}
+        for trace in traces:
+            kind = trace.pop("meta", {}).get("kind")
+            if kind is not None:  # cells have a colour bar instead
+                colour = {"color": inks[kind].light}
+                trace |= {"marker": {**trace.get("marker", {}), **colour}}
+                if "line" in trace:
+                    trace["line"] = {**trace["line"], **colour}
+                trace["showlegend"] = trace["name"] not in listed
+                listed.add(trace["name"])
+            drawn.add_trace(trace, **place)
+        layout = _layout(panel)
+        y_axis = layout["yaxis"]
+        if "scaleanchor" in y_axis:
+            y_axis["scaleanchor"] = f"x{number + 1}" if number else "x"
+        drawn.update_xaxes(layout["xaxis"], **place)
+        drawn.update_yaxes({**y_axis, "automargin": True}, **place)
+    return drawn.update_layout(
+        title={"text": _text(figure.title)},
+        template="plotly_white",
+        paper_bgcolor=PAPER_LIGHT,
+        plot_bgcolor=PAPER_LIGHT,
+        barmode="overlay",
+        height=_HEAD + rows * _ROW,
+        legend={"orientation": "h", "yanchor": "top", "y": -0.2 / rows},
+    )
+
+
+_HEAD, _ROW = 150, 300  # pixels: of title and legend, and of a row of panels
+
+
+def _traces(figure: Figure, inks: Mapping[str, LineStyle]) -> list[list[dict[str, Any]]]:
+    """Return the traces of each panel, without colours; numbers are arrays."""
+    legend = {entry.label: (number, entry) for number, entry in enumerate(entries(figure))}
+    return [
+        [
+            *(() if panel.heat is None else (_cells(panel.heat),)),
+            *(
+                _trace(series, panel, *legend[series.label], inks[series.kind])
+                # the truth lies below
+                for series in sorted(panel.series, key=lambda series: series.kind != "reference")
+            ),
+        ]
+        for panel in figure.panels
     ]
 
 
@@ -86,16 +153,16 @@ def _trace(
         "showlegend": False,  # the legend is the page's: buttons that a keyboard reaches
         "meta": {"kind": series.kind, "entry": number},
         "opacity": entry.opacity,
-        "x": _packed(x),
+        "x": x,
     }
     if series.mark == "bars":
         base = np.zeros(len(y)) if series.base is None else series.base
         trace |= {
             "type": "bar",
             "width": BAR_WIDTH,
-            "y": _packed(y - base),
-            "base": _packed(base),
-            "customdata": _packed(y),
+            "y": y - base,
+            "base": base,
+            "customdata": y,
         }
         numbers, texts = "%{customdata:.6g}", "hovertext"
     else:
@@ -107,7 +174,7 @@ def _trace(
                 "dash": ",".join(f"{length}px" for length in entry.dashes) or "solid",
             },
             "marker": {"size": 8, "symbol": SYMBOLS[entry.rank % len(SYMBOLS)]},
-            "y": _packed(y),
+            "y": y,
         }
         numbers, texts = "%{x:.6g}, %{y:.6g}", "text"
     if series.hover:
@@ -120,9 +187,9 @@ def _cells(heat: Heatmap) -> dict[str, Any]:
     low, high = span(heat)
     return {
         "type": "heatmap",
-        "x": _packed(heat.x),
-        "y": _packed(heat.y),
-        "z": {**_packed(heat.z.ravel()), "shape": f"{heat.z.shape[0]},{heat.z.shape[1]}"},
+        "x": heat.x,
+        "y": heat.y,
+        "z": heat.z,
         "zmin": low,
         "zmax": high,
         "colorscale": SIGNED[1] if heat.signed else PLAIN[1],
@@ -215,7 +282,8 @@ def _packed(values: Floats) -> dict[str, str]:
     largest = float(np.abs(finite).max()) if finite.size else 0.0
     single = largest <= _SINGLE_REACH * width and 1e-30 < width < 1e30  # noqa: PLR2004 # its exponents
     kind = "f4" if single else "f8"
-    return packed_array(values, kind)
+    shape = {"shape": ",".join(map(str, values.shape))} if values.ndim > 1 else {}
+    return {**packed_array(values.ravel(), kind), **shape}
 
 
 def packed_array(values: Floats, kind: str) -> dict[str, str]:

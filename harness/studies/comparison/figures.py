@@ -41,7 +41,9 @@ _ENDS = 2
 """Points of a curve in the zoom that are no samples: where it enters and where it leaves."""
 
 
-def scene_figures(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Figure, ...]:
+def scene_figures(
+    scene: str, evaluations: Sequence[Evaluation], runs: Sequence[Evaluation] | None = None
+) -> tuple[Figure, ...]:
     """Return the figures of one scene.
 
     Parameters
@@ -49,8 +51,10 @@ def scene_figures(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Figure
     scene : str
     evaluations : sequence of Evaluation
         All of this scene, of every engine; those without a motion are left out.
+    runs : sequence of Evaluation, optional
+        Those of which curves are drawn, each with a motion; `drawn_runs` if left out.
     """
-    drawn = drawn_runs(evaluations)
+    drawn = drawn_runs(evaluations) if runs is None else runs
     if not drawn:
         return ()
     # an exact can that falls in a plane does not turn, and has no inner region to look into

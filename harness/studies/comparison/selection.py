@@ -22,6 +22,10 @@ MM = 1e3
 """Millimetres in a metre."""
 
 
+EXACT = "exact"
+"""Legend entry of the exact motion."""
+
+
 def by_case(
     evaluations: Sequence[Evaluation], *names: str
 ) -> dict[tuple[str, ...], list[Evaluation]]:
@@ -54,10 +58,14 @@ def drawn_runs(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
 
 def label(e: Evaluation) -> str:
     """Return the legend entry of a run."""
-    case = e.simulation.case
+    case, timestep = e.simulation.case, e.simulation.timestep
+    if case.engine == "reference":
+        return EXACT
+    settings = "".join(f", {name}={value}" for name, value in case.options)
     if case.profile == "adaptive":
-        return f"{case.engine}, adaptive"
-    return f"{case.engine}, {case.profile}, {e.simulation.timestep:.2g} s"
+        return f"{case.engine}, adaptive{settings}"
+    step = "" if timestep is None else f", {timestep:.2g} s"
+    return f"{case.engine}, {case.profile}{step}{settings}"
 
 
 def digests(drawn: Sequence[Evaluation]) -> tuple[str, ...]:
@@ -81,7 +89,7 @@ def curve(
 
 def exact_curve(x: Floats, y: Floats) -> Series:
     """Return a curve of the exact motion."""
-    return Series(label="exact", kind="reference", x=x, y=y)
+    return Series(label=EXACT, kind="reference", x=x, y=y)
 
 
 _MOVED = frozenset({Outcome.FINISHED, Outcome.FLAT, Outcome.OVERTURNED, Outcome.TIMED_OUT})

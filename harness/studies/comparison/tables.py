@@ -125,6 +125,40 @@ def results(evaluations: Sequence[Evaluation]) -> Table:
     return table_of("results", "All cases", columns, evaluations)
 
 
+_OF_A_RUN = (
+    "angle_of_turn_deg",
+    "bounce_time_s",
+    "phi_min_rad",
+    "peak_psi_dot_rad_s",
+    "peak_friction_ratio",
+    "phi_rms_rad",
+    "contact_locus_rms_m",
+    "energy_drift",
+    "max_penetration_m",
+    "max_slip_m_s",
+    "steps",
+    "cpu_s",
+)
+"""Keys of what is told of a single run."""
+
+_QUANTITY = (
+    Column("quantity", "What was measured, with its unit."),
+    Column("run", "Of the run."),
+    Column("exact", "The same of the exact motion."),
+)
+
+
+def run_table(e: Evaluation) -> Table:
+    """Return the quantities of one run that it or the exact motion has, a row each."""
+    rows = [
+        {"quantity": quantity.axis, "run": quantity.of_run(e), "exact": quantity.of_truth(e)}
+        for quantity in map(QUANTITIES.__getitem__, _OF_A_RUN)
+    ]
+    known = [row for row in rows if not row["run"] is row["exact"] is None]
+    case = e.simulation.case
+    return table_of("run", f"{case.label()}: {e.simulation.ending}", _QUANTITY, known)
+
+
 _BOUNCES = (
     *run_columns.RUN,
     Column("bounce", "Number of the bounce, from 1."),

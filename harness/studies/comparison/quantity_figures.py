@@ -1,0 +1,103 @@
+"""The figure of one quantity of given runs: panels of the report's figures of their scene."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from itertools import chain
+
+import numpy as np
+
+from harness.core.errors import HarnessError
+from harness.core.report_model import Figure, Panel
+from harness.evaluation.evaluation import Evaluation
+from harness.studies.comparison.figures import scene_figures
+from harness.studies.comparison.selection import by_case
+
+ANGLES = ("phi", "psi", "theta")
+"""Each is a panel of two figures of the report: of the whole run, and of the first bounce."""
+
+FIGURES = ("bounce", "angles", "locus", "friction", "residuals", "convergence")
+"""Figures that the report has of a scene."""
+
+QUANTITIES_DRAWN = (*ANGLES, *FIGURES)
+
+
+class UnknownQuantityError(HarnessError, LookupError):
+    """No figure shows a quantity of that name."""
+
+    def __init__(self, name: str) -> None:
+        near = get_close_matches(name, QUANTITIES_DRAWN, 1)
+        meant = f"; did you mean '{near[0]}'?" if near else ";"
+        names = ", ".join(QUANTITIES_DRAWN)
+        super().__init__(f"no figure shows '{name}'{meant} there are: {names}")
+
+
+class NothingToDrawError(HarnessError, ValueError):
+    """The runs have no figure of a quantity, or are not of one scene."""
+
+
+def quantity_figure(evaluations: Sequence[Evaluation], quantity: str = "") -> Figure:
+    """Return the report's figure of a quantity, with all of the runs given.
+
+    Parameters
+    ----------
+    evaluations : sequence of Evaluation
+        Of one scene.
+    quantity : str
+        One of `QUANTITIES_DRAWN`; the first figure that the report has of the scene if left out.
+
+    Raises
+    ------
+    UnknownQuantityError
+    NothingToDrawError
+        If there are no runs, if they are of several scenes, or if none of them has the quantity.
+    """
+    if quantity and quantity not in QUANTITIES_DRAWN:
+        raise UnknownQuantityError(quantity)
+    scenes = [scene for (scene,) in by_case(evaluations, "scene")]
+    if len(scenes) != 1:
+        which = f"these are of {', '.join(scenes)}" if scenes else "there are none"
+        raise NothingToDrawError(f"a figure is of runs of one scene; {which}")
+    figures = _figures(scenes[0], evaluations)
+    chosen = quantity or next(iter(figures), "")
+    if chosen in figures:
+        return figures[chosen]
+    reasons = dict.fromkeys(e.simulation.ending for e in evaluations if e.motion is None)
+    what = f"the runs have no figure '{chosen}'" if chosen else "the runs have no figure"
+    have = f"they have: {', '.join(figures)}" if figures else "; ".join(reasons)
+    raise NothingToDrawError(f"{what}; {have}")
+
+
+def _figures(scene: str, evaluations: Sequence[Evaluation]) -> dict[str, Figure]:
+    """Return every figure in which something is drawn, by quantity."""
+    runs = [e for e in evaluations if e.motion is not None]
+    engines = [e for e in runs if e.simulation.case.engine != "reference"]
+    drawn = scene_figures(scene, evaluations, engines or runs)
+    if not engines:  # what a figure says is of engines
+        drawn = tuple(replace(figure, seen="") for figure in drawn)
+    own = {figure.name.removeprefix(f"{scene}-"): figure for figure in drawn}
+    figures = {name: figure for name, figure in own.items() if any(map(_visible, figure.panels))}
+    for angle in ANGLES:
+        panels = [
+            replace(panel, title=f"{panel.title}, {'whole run' if name == 'angles' else name}")
+            for name in ("angles", "bounce")
+            if name in figures
+            for panel in figures[name].panels
+            if panel.y_label.startswith(f"{angle} ")
+        ]
+        if panels:
+            title = panels[0].title.partition(",")[0]
+            figures[angle] = replace(
+                figures["angles"],
+                name=f"{scene}-{angle}",
+                title=title,
+                seen="",
+                panels=tuple(panels),
+                columns=len(panels),
+            )
+    return figures
+
+
+def _visible(panel: Panel) -> bool:
+    """Whether a curve of a panel has a point."""
+    return bool(np.isfinite([*chain.from_iterable(series.y for series in panel.series)]).any())
