@@ -9,6 +9,7 @@ from harness import api
 from harness.cli import terminal
 from harness.cli.main import main
 from harness.cli.terminal import to_json
+from harness.progress import progress_bar
 from tests.benchmarks.engines import engine_ratios
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios
@@ -37,7 +38,7 @@ def benchmark(
     Leaves with code 1 if a claim does not hold on this machine.
     """
     ratios = []
-    with terminal.progress_bar() as bar:
+    with progress_bar() as bar:
         task = bar.add_task("the reference", total=None)
         chosen = api.stepping_engines(engine)
         for part in (reference_ratios(), engine_ratios(chosen)):

@@ -14,6 +14,7 @@ from harness.cli.terminal import write_text
 from harness.core.errors import InvalidSettingError, OutputError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table
+from harness.progress import progress_bar
 from harness.report.tables import csv_text
 from tests.faults.programs import end_all
 from tests.faults.trial import Trial
@@ -78,7 +79,7 @@ def _tried(names: Sequence[str], demands: Demands) -> list[Trial]:
     """Carry trials out beside a progress bar; what an interrupted one began is ended."""
     found: list[Trial] = []
     with (
-        terminal.progress_bar() as bar,
+        progress_bar() as bar,
         tempfile.TemporaryDirectory(prefix="rockingcan-") as folder,
     ):
         task = bar.add_task("starting", total=len(names))
