@@ -1,7 +1,6 @@
 """The numbers that the project stands for: the truth against itself, the engines against it."""
 
 import math
-from collections.abc import Callable
 from dataclasses import fields, replace
 
 import numpy as np
@@ -17,9 +16,9 @@ from harness.metrics.convergence import observed_order
 from harness.metrics.energy import conserves_energy
 from harness.metrics.error import Errors
 from models import Compliance, Effects, Horizon, Scene, names
+from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
-Evaluator = Callable[..., Evaluation]
 
 
 def turn_error(e: Evaluation) -> float:
@@ -39,7 +38,7 @@ CATALOGUE = [
 
 
 @pytest.mark.parametrize("scene", CATALOGUE)
-def test_the_reference_has_no_error_against_itself(evaluated: Evaluator, scene: str) -> None:
+def test_the_reference_has_no_error_against_itself(scene: str) -> None:
     e = evaluated(scene, "reference")
     assert e.simulation.outcome is Outcome.FINISHED
     assert e.errors is not None
@@ -81,7 +80,7 @@ def test_the_reference_has_no_error_against_itself(evaluated: Evaluator, scene: 
     assert e.contact.lift_off_fraction == 0.0 or e.truth_pulls
 
 
-def test_the_paper_s_release_turns_by_what_the_mathematics_says(evaluated: Evaluator) -> None:
+def test_the_paper_s_release_turns_by_what_the_mathematics_says() -> None:
     (bounce,) = evaluated("paper-release", "reference").bounces
     # the turn to 15 digits, by quadrature: 209.363400462452 degrees
     assert math.degrees(bounce.angle_of_turn) == pytest.approx(209.363400462452, abs=1e-8)
@@ -89,14 +88,14 @@ def test_the_paper_s_release_turns_by_what_the_mathematics_says(evaluated: Evalu
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_the_gentle_release_turns_right(evaluated: Evaluator, name: str) -> None:
+def test_the_gentle_release_turns_right(name: str) -> None:
     # the margins that the project promises
     assert turn_error(evaluated("gentle-rock", name, 1e-4)) <= 0.15
     assert turn_error(evaluated("gentle-rock", name, 1e-5)) <= 0.02
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_errors_of_a_matched_engine_are_of_first_order(evaluated: Evaluator, name: str) -> None:
+def test_errors_of_a_matched_engine_are_of_first_order(name: str) -> None:
     steps = (3e-4, 1e-4, 3e-5, 1e-5)
     errors = [evaluated("gentle-rock", name, step).errors for step in steps]
     found = observed_order(steps, [e.phi_rms for e in errors if e is not None])
@@ -105,14 +104,14 @@ def test_errors_of_a_matched_engine_are_of_first_order(evaluated: Evaluator, nam
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_the_paper_s_release_turns_right(evaluated: Evaluator, name: str) -> None:
+def test_the_paper_s_release_turns_right(name: str) -> None:
     e = evaluated("paper-release", name, 1e-6)
     assert turn_error(e) <= 0.15  # the margin that the project promises
     assert e.simulation.outcome is Outcome.FINISHED
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_as_shipped_an_engine_is_far_worse(evaluated: Evaluator, name: str) -> None:
+def test_as_shipped_an_engine_is_far_worse(name: str) -> None:
     e = evaluated("gentle-rock", name, None, "default")
     matched = evaluated("gentle-rock", name, 1e-4)
     assert e.errors is not None
@@ -121,7 +120,7 @@ def test_as_shipped_an_engine_is_far_worse(evaluated: Evaluator, name: str) -> N
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_a_circle_is_rolled_with_an_error_of_first_order(evaluated: Evaluator, name: str) -> None:
+def test_a_circle_is_rolled_with_an_error_of_first_order(name: str) -> None:
     steps = (1e-3, 3e-4, 1e-4)
     errors = [evaluated("steady-rolling", name, step).errors for step in steps]
     assert all(e is not None for e in errors)
@@ -131,9 +130,7 @@ def test_a_circle_is_rolled_with_an_error_of_first_order(evaluated: Evaluator, n
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_an_effect_without_a_reference_is_run_but_not_judged(
-    evaluated: Evaluator, brief: Scene, name: str
-) -> None:
+def test_an_effect_without_a_reference_is_run_but_not_judged(brief: Scene, name: str) -> None:
     soft = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4, damping=10.0)))
     e = evaluated(soft, name, 1e-3)
     assert e.simulation.outcome is Outcome.FINISHED
@@ -143,9 +140,7 @@ def test_an_effect_without_a_reference_is_run_but_not_judged(
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_a_scene_that_slips_is_held_against_a_truth_that_slips(
-    evaluated: Evaluator, name: str
-) -> None:
+def test_a_scene_that_slips_is_held_against_a_truth_that_slips(name: str) -> None:
     errors = [evaluated("friction-below", name, step).errors for step in (1e-3, 1e-4)]
     assert errors[0] is not None
     assert errors[1] is not None
@@ -153,9 +148,7 @@ def test_a_scene_that_slips_is_held_against_a_truth_that_slips(
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_an_engine_that_outlives_its_horizon_is_compared_up_to_its_end(
-    evaluated: Evaluator, name: str
-) -> None:
+def test_an_engine_that_outlives_its_horizon_is_compared_up_to_its_end(name: str) -> None:
     e = evaluated("gentle-rock", name, 1e-4)
     assert e.motion is not None
     assert e.truth is not None

@@ -1,25 +1,21 @@
 """The catalogue's scenes with a plane that tilts or shakes, or weight off the axis, in engines."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from harness.engines.reference.assumption_checks import findings
-from harness.evaluation.evaluation import Evaluation
 from harness.metrics.convergence import observed_order
 from models import Horizon, load
+from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
 STEPS = (5e-5, 2.5e-5, 1.25e-5)
-Evaluator = Callable[..., Evaluation]
 
 
 @pytest.mark.parametrize("scene", ["tilted-plane", "shaken-plane", "off-centre-mass"])
 @pytest.mark.parametrize("name", ENGINES)
-def test_errors_under_effects_are_of_first_order(
-    evaluated: Evaluator, name: str, scene: str
-) -> None:
+def test_errors_under_effects_are_of_first_order(name: str, scene: str) -> None:
     # up to about the first minimum of phi; at 1e-4 s the order of phi is not yet seen in MuJoCo
     piece = replace(load(scene), horizon=Horizon(seconds=0.3))
     errors = [evaluated(piece, name, step).errors for step in STEPS]
@@ -32,9 +28,7 @@ def test_errors_under_effects_are_of_first_order(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ENGINES)
-def test_of_a_chaotic_scene_no_error_is_given_but_when_it_parts(
-    evaluated: Evaluator, name: str
-) -> None:
+def test_of_a_chaotic_scene_no_error_is_given_but_when_it_parts(name: str) -> None:
     scene = load("chaotic-can")
     e = evaluated(scene, name, 1e-4)
     assert e.errors is None

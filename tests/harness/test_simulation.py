@@ -1,7 +1,6 @@
 """Simulations: locked, picklable, and outcomes that a person can read."""
 
 import pickle
-from collections.abc import Callable
 from dataclasses import fields, replace
 
 import numpy as np
@@ -9,19 +8,19 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome, ParityRow, Simulation
-from harness.core.trajectory import Trajectory
 from models import Scene
+from tests.support.trajectories import make_trajectory
 
 
 @pytest.fixture
-def simulation(gentle: Scene, made: Callable[..., Trajectory]) -> Simulation:
+def simulation(gentle: Scene) -> Simulation:
     """Return a simulation with every field set."""
     row = ParityRow(quantity="mass", unit="kg", declared=1.0, found=1.0, how="", verdict="equal")
     return Simulation(
         case=Case(scene=gentle, engine="mujoco"),
         outcome=Outcome.FINISHED,
         note="well",
-        trajectory=made(3),
+        trajectory=make_trajectory(3),
         engine_version="1",
         model="mujoco",
         timestep=1e-4,

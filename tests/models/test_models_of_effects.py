@@ -13,7 +13,7 @@ from models.gravity import gravity_vector
 from models.mass import body
 from models.to_mjcf import dof_damping, mjcf
 from models.to_urdf import urdf
-from tests.declared_effects import EFFECTS, declaring
+from tests.support.declared_effects import EFFECTS, declaring
 
 EPS = np.finfo(np.float64).eps
 

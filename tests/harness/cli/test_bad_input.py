@@ -3,18 +3,17 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.engines import registry
 from models import names
+from tests.support.command_line import Answer, Command
 
 WRONG_USE = 2
-Command = Callable[..., Any]
 
 
-def is_one_clear_message(answer: Any, *parts: str) -> None:  # noqa: ANN401 - of the conftest
+def is_one_clear_message(answer: Answer, *parts: str) -> None:
     """Assert that an answer is one message with these parts, and nothing else."""
     assert answer.code == WRONG_USE, answer
     assert answer.out == ""
@@ -50,42 +49,42 @@ SCENE_FAULTS = {
 
 @pytest.mark.parametrize("fault", SCENE_FAULTS)
 def test_a_faulty_scene_file_is_refused_by_file_and_key(
-    told: Command, scene_file: Callable[..., Path], fault: str
+    rockingcan: Command, scene_file: Callable[..., Path], fault: str
 ) -> None:
     old, new, parts = SCENE_FAULTS[fault]
     path = scene_file((old, new))
-    answer = told("run", str(path), "--engine", "mujoco")
+    answer = rockingcan("run", str(path), "--engine", "mujoco")
     is_one_clear_message(answer, str(path), *parts)
 
 
 @pytest.mark.parametrize("command", ["reference", "run", "export"])
 def test_every_command_refuses_a_faulty_scene(
-    told: Command, scene_file: Callable[..., Path], command: str
+    rockingcan: Command, scene_file: Callable[..., Path], command: str
 ) -> None:
     more = {"reference": (), "run": ("--engine", "mujoco"), "export": ("--format", "mjcf")}
     path = scene_file(("mass", "mass = -1.0"))
-    is_one_clear_message(told(command, str(path), *more[command]), str(path), "mass")
-    is_one_clear_message(told(command, "rolling-stone", *more[command]), *names())
+    is_one_clear_message(rockingcan(command, str(path), *more[command]), str(path), "mass")
+    is_one_clear_message(rockingcan(command, "rolling-stone", *more[command]), *names())
 
 
-def test_a_scene_file_that_is_not_there_is_named(told: Command, tmp_path: Path) -> None:
+def test_a_scene_file_that_is_not_there_is_named(rockingcan: Command, tmp_path: Path) -> None:
     path = tmp_path / "nothing.toml"
-    is_one_clear_message(told("reference", str(path)), str(path))
-    is_one_clear_message(told("reference", str(tmp_path)), str(tmp_path))
+    is_one_clear_message(rockingcan("reference", str(path)), str(path))
+    is_one_clear_message(rockingcan("reference", str(tmp_path)), str(tmp_path))
 
 
-def test_an_unknown_engine_is_answered_with_those_there_are(told: Command) -> None:
+def test_an_unknown_engine_is_answered_with_those_there_are(rockingcan: Command) -> None:
     for words in (
         ("run", "gentle-rock", "--engine", "ode"),
         ("engines", "ode"),
         ("validate", "--engine", "ode"),
     ):
-        is_one_clear_message(told(*words), "'ode'", "mujoco", "pybullet", "reference")
+        is_one_clear_message(rockingcan(*words), "'ode'", "mujoco", "pybullet", "reference")
 
 
 @pytest.mark.parametrize("timestep", ["0", "-1e-3", "nan", "inf"])
-def test_a_timestep_that_is_none_is_refused(told: Command, timestep: str) -> None:
-    answer = told("run", "gentle-rock", "--engine", "mujoco", "--timestep", timestep)
+def test_a_timestep_that_is_none_is_refused(rockingcan: Command, timestep: str) -> None:
+    answer = rockingcan("run", "gentle-rock", "--engine", "mujoco", "--timestep", timestep)
     is_one_clear_message(answer, "timestep", "a positive number of seconds")
 
 
@@ -106,9 +105,9 @@ def test_a_timestep_that_is_none_is_refused(told: Command, timestep: str) -> Non
     ids=str,
 )
 def test_a_faulty_option_is_named_with_what_is_allowed(
-    told: Command, words: tuple[str, ...], parts: tuple[str, ...]
+    rockingcan: Command, words: tuple[str, ...], parts: tuple[str, ...]
 ) -> None:
-    is_one_clear_message(told("run", "gentle-rock", "--engine", "mujoco", *words), *parts)
+    is_one_clear_message(rockingcan("run", "gentle-rock", "--engine", "mujoco", *words), *parts)
 
 
 @pytest.mark.parametrize(
@@ -127,8 +126,8 @@ def test_a_faulty_option_is_named_with_what_is_allowed(
     ],
     ids=" ".join,
 )
-def test_other_wrong_use_is_refused(told: Command, words: tuple[str, ...]) -> None:
-    is_one_clear_message(told(*words))
+def test_other_wrong_use_is_refused(rockingcan: Command, words: tuple[str, ...]) -> None:
+    is_one_clear_message(rockingcan(*words))
 
 
 @pytest.mark.parametrize(
@@ -145,9 +144,9 @@ def test_other_wrong_use_is_refused(told: Command, words: tuple[str, ...]) -> No
     ids=str,
 )
 def test_only_the_choice_of_the_reference_that_is_wrong_is_named(
-    told: Command, words: tuple[str, ...], parts: tuple[str, ...]
+    rockingcan: Command, words: tuple[str, ...], parts: tuple[str, ...]
 ) -> None:
-    is_one_clear_message(told("reference", "gentle-rock", *words), *parts)
+    is_one_clear_message(rockingcan("reference", "gentle-rock", *words), *parts)
 
 
 @pytest.mark.parametrize(
@@ -159,41 +158,41 @@ def test_only_the_choice_of_the_reference_that_is_wrong_is_named(
     ],
 )
 def test_an_effect_weaker_than_an_engine_takes_is_refused_naming_those_that_can(
-    told: Command, scene_file: Callable[..., Path], effect: str, key: str, value: str
+    rockingcan: Command, scene_file: Callable[..., Path], effect: str, key: str, value: str
 ) -> None:
     path = scene_file(("[effects]", f"[effects.{effect}]\n{key} = {value}"))
-    answer = told("run", str(path), "--engine", "mujoco")
+    answer = rockingcan("run", str(path), "--engine", "mujoco")
     able = "engines that can: pybullet, reference"
     is_one_clear_message(answer, f"'effects.{effect}.{key}' = 9e-06", "1e-05 or more", able)
 
 
 @pytest.mark.parametrize("ratio", ["0", "-1"])
-def test_a_ratio_that_mujoco_does_not_have_is_refused(told: Command, ratio: str) -> None:
+def test_a_ratio_that_mujoco_does_not_have_is_refused(rockingcan: Command, ratio: str) -> None:
     words = ("run", "gentle-rock", "--engine", "mujoco", "--set", f"impratio={ratio}")
-    is_one_clear_message(told(*words), "impratio", ratio, "greater than zero")
+    is_one_clear_message(rockingcan(*words), "impratio", ratio, "greater than zero")
 
 
-def test_stability_judges_engines_that_take_timesteps(told: Command) -> None:
-    answer = told("stability", "--engine", "reference")
+def test_stability_judges_engines_that_take_timesteps(rockingcan: Command) -> None:
+    answer = rockingcan("stability", "--engine", "reference")
     is_one_clear_message(answer, "'reference'", "mujoco, pybullet", "engines that take timesteps")
-    bogus = told("stability", "--engine", "bogus")
+    bogus = rockingcan("stability", "--engine", "bogus")
     is_one_clear_message(bogus, "'bogus'; there are: mujoco, pybullet, reference")
 
 
 def test_a_misspelt_constant_of_an_effect_is_one_message(
-    told: Command, scene_file: Callable[..., Path]
+    rockingcan: Command, scene_file: Callable[..., Path]
 ) -> None:
     path = scene_file(("[effects]", "[effects.slip]\nnu = 0.3"))
-    answer = told("reference", str(path))
+    answer = rockingcan("reference", str(path))
     is_one_clear_message(answer, "'effects.slip.nu' is unknown", "allowed are mu")
     assert "missing" not in answer.err
 
 
 def test_of_several_faults_each_line_is_a_message_of_its_own(
-    told: Command, scene_file: Callable[..., Path]
+    rockingcan: Command, scene_file: Callable[..., Path]
 ) -> None:
     path = scene_file(("[effects]", "[effects.compliance]\nstifness = 1e4\nx = 1.0"))
-    answer = told("reference", str(path))
+    answer = rockingcan("reference", str(path))
     assert answer.code == WRONG_USE
     lines = answer.err.splitlines()
     assert len(lines) == 2
@@ -201,10 +200,10 @@ def test_of_several_faults_each_line_is_a_message_of_its_own(
 
 
 def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
-    told: Command, scene_file: Callable[..., Path]
+    rockingcan: Command, scene_file: Callable[..., Path]
 ) -> None:
     path = scene_file(("[effects]", "[effects.compliance]\nstiffness = 1e4"))
-    is_one_clear_message(told("reference", str(path)), "compliance", "mujoco, pybullet")
+    is_one_clear_message(rockingcan("reference", str(path)), "compliance", "mujoco, pybullet")
 
 
 @pytest.mark.parametrize(
@@ -217,14 +216,14 @@ def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
     ],
 )
 def test_a_model_too_small_is_refused_naming_the_smallest_that_carries_the_scene(
-    told: Command, scene: str, model: str, needed: str
+    rockingcan: Command, scene: str, model: str, needed: str
 ) -> None:
-    is_one_clear_message(told("reference", scene, "--model", model), model, needed)
+    is_one_clear_message(rockingcan("reference", scene, "--model", model), model, needed)
 
 
 @pytest.mark.parametrize("place", ["below a file", "in no folder", "a folder"])
 def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(
-    told: Command, tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch
+    rockingcan: Command, tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
     (tmp_path / "folder.csv").mkdir()
@@ -239,13 +238,13 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_runs(
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.setattr("harness.cli.motions.evaluate", lambda _: pytest.fail("it ran"))
     is_one_clear_message(
-        told("run", "gentle-rock", "--engine", "mujoco", "--out", str(out)), str(out)
+        rockingcan("run", "gentle-rock", "--engine", "mujoco", "--out", str(out)), str(out)
     )
     assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_a_report_that_cannot_be_written_is_refused_before_anything_runs(
-    told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rockingcan: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
     monkeypatch.setattr(
@@ -253,7 +252,7 @@ def test_a_report_that_cannot_be_written_is_refused_before_anything_runs(
     )
     before = sorted(tmp_path.rglob("*"))
     for out in (tmp_path / "file", tmp_path / "file" / "report"):
-        is_one_clear_message(told("validate", "--out", str(out)), str(out))
+        is_one_clear_message(rockingcan("validate", "--out", str(out)), str(out))
     assert sorted(tmp_path.rglob("*")) == before
     assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
 
@@ -271,22 +270,27 @@ class Missing:
 
 
 def test_a_missing_engine_package_says_how_to_install_it(
-    told: Command, monkeypatch: pytest.MonkeyPatch
+    rockingcan: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     entries = registry._entries() | {"mujoco": Missing()}  # noqa: SLF001 - where they come in
     monkeypatch.setattr(registry, "_entries", lambda: entries)
     registry.engine.cache_clear()
     try:
         for words in (("run", "gentle-rock", "--engine", "mujoco"), ("validate",)):
-            is_one_clear_message(told(*words), "'mujoco'", "pip install mujoco")
-        assert told("engines").code == 0  # the list goes on without it
+            is_one_clear_message(rockingcan(*words), "'mujoco'", "pip install mujoco")
+        assert rockingcan("engines").code == 0  # the list goes on without it
     finally:
         registry.engine.cache_clear()
 
 
-def test_as_a_process_of_its_own_too(typed: Command, scene_file: Callable[..., Path]) -> None:
+def test_as_a_process_of_its_own_too(
+    rockingcan_process: Command, scene_file: Callable[..., Path]
+) -> None:
     path = scene_file(("mass", "mass = -1.0"))
-    is_one_clear_message(typed("run", str(path), "--engine", "pybullet"), str(path), "mass")
     is_one_clear_message(
-        typed("run", "gentle-rock", "--engine", "pybullet", "--timestep", "0"), "timestep"
+        rockingcan_process("run", str(path), "--engine", "pybullet"), str(path), "mass"
+    )
+    is_one_clear_message(
+        rockingcan_process("run", "gentle-rock", "--engine", "pybullet", "--timestep", "0"),
+        "timestep",
     )

@@ -3,15 +3,12 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.cli import checkout
-
-Command = Callable[..., Any]
+from tests.support.command_line import Command
 
 
 @pytest.mark.parametrize(
@@ -44,10 +41,10 @@ def test_options_and_codes_are_those_of_the_program(
 
 @pytest.mark.parametrize("name", ["faults", "benchmark"])
 def test_an_installed_package_says_where_the_program_is(
-    told: Command, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    rockingcan: Command, name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(checkout, "_CHECKOUT", tmp_path)
-    answer = told(name)
+    answer = rockingcan(name)
     assert answer.code == 2
     assert len(answer.err.splitlines()) == 1
     assert "source checkout" in answer.err

@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
@@ -19,8 +18,7 @@ from models import load, names, read_scene
 from models.effects import modelling_choices
 from models.to_mjcf import mjcf
 from models.to_urdf import urdf
-
-Command = Callable[..., Any]
+from tests.support.command_line import Command
 
 BOUNCE = {
     "time_s",
@@ -48,28 +46,28 @@ CONTACT = {"max_penetration_m", "max_slip_m_s", "lift_off_fraction", "multi_cont
 @pytest.mark.parametrize(
     "command", ["", "scenes", "engines", "reference", "run", "validate", "export"]
 )
-def test_every_command_teaches(told: Command, command: str) -> None:
-    answer = told(*command.split(), "--help")
+def test_every_command_teaches(rockingcan: Command, command: str) -> None:
+    answer = rockingcan(*command.split(), "--help")
     assert (answer.code, answer.err) == (0, "")
     assert "Usage" in answer.out
     assert len(answer.out.split()) > 20
 
 
-def test_scenes_are_listed(told: Command) -> None:
-    answer = told("scenes", "--json")
+def test_scenes_are_listed(rockingcan: Command) -> None:
+    answer = rockingcan("scenes", "--json")
     assert answer.code == 0
     assert [scene["name"] for scene in answer.json()["scenes"]] == list(names())
-    listed = told("scenes")
+    listed = rockingcan("scenes")
     assert listed.code == 0
     assert all(name in listed.out for name in names())
 
 
-def test_engines_are_listed(told: Command) -> None:
-    assert told("engines", "--json").json()
-    listed = told("engines")
+def test_engines_are_listed(rockingcan: Command) -> None:
+    assert rockingcan("engines", "--json").json()
+    listed = rockingcan("engines")
     assert listed.code == 0
     assert all(name in listed.out for name in engine_names())
-    assert "impratio" in told("engines", "mujoco").out
+    assert "impratio" in rockingcan("engines", "mujoco").out
 
 
 MODEL = {
@@ -97,66 +95,70 @@ MODEL = {
     ],
 )
 def test_the_smallest_model_is_taken_and_said(
-    told: Command, scene: str, model: str, equations: int
+    rockingcan: Command, scene: str, model: str, equations: int
 ) -> None:
-    found = told("reference", scene, "--json").json()
+    found = rockingcan("reference", scene, "--json").json()
     assert (found["model"], found["equations"]) == (model, equations)
     assert found["why"].endswith(".")
-    assert f"Model: {model}, {equations} equations." in told("reference", scene).out
+    assert f"Model: {model}, {equations} equations." in rockingcan("reference", scene).out
 
 
-def test_a_larger_model_is_taken_where_it_is_asked_for(told: Command) -> None:
-    found = told("reference", "gentle-rock", "--model", "general", "--json").json()
+def test_a_larger_model_is_taken_where_it_is_asked_for(rockingcan: Command) -> None:
+    found = rockingcan("reference", "gentle-rock", "--model", "general", "--json").json()
     assert found["model"] == "general"
     assert "rolling" in found["why"]
 
 
-def test_phases_and_findings_are_said(told: Command) -> None:
-    found = told("reference", "slipping-rock", "--json").json()
+def test_phases_and_findings_are_said(rockingcan: Command) -> None:
+    found = rockingcan("reference", "slipping-rock", "--json").json()
     assert [phase["kind"] for phase in found["phases"]] == ["stick", "slip"]
-    (finding,) = told("reference", "wobble", "--json").json()["findings"]
+    (finding,) = rockingcan("reference", "wobble", "--json").json()["findings"]
     assert finding["model"] == "coulomb"
-    assert "Finding: Rolling needs a friction of 1.021" in told("reference", "wobble").out
+    assert "Finding: Rolling needs a friction of 1.021" in rockingcan("reference", "wobble").out
 
 
-def test_the_choice_behind_each_declared_effect_is_said(told: Command) -> None:
-    found = told("reference", "chaotic-can", "--json").json()
+def test_the_choice_behind_each_declared_effect_is_said(rockingcan: Command) -> None:
+    found = rockingcan("reference", "chaotic-can", "--json").json()
     assert found["modelling_choices"] == list(modelling_choices(load("chaotic-can").effects))
     assert len(found["modelling_choices"]) == 2
     # the terminal breaks lines
-    shown = " ".join(told("reference", "chaotic-can").out.split())
-    run = told("run", "slipping-rock", "--engine", "reference").out
+    shown = " ".join(rockingcan("reference", "chaotic-can").out.split())
+    run = rockingcan("run", "slipping-rock", "--engine", "reference").out
     assert all(f"Modelling choice: {choice}" in shown for choice in found["modelling_choices"])
     assert "Modelling choice: Friction has one coefficient, static equal to kinetic" in run
-    assert told("reference", "gentle-rock", "--json").json()["modelling_choices"] == []
+    assert rockingcan("reference", "gentle-rock", "--json").json()["modelling_choices"] == []
 
 
-def test_an_old_name_of_a_method_is_a_line_on_standard_error(told: Command) -> None:
-    old = told("reference", "paper-release", "--method", "regular", "--json")
-    new = told("reference", "paper-release", "--method", "half-period", "--json")
+def test_an_old_name_of_a_method_is_a_line_on_standard_error(rockingcan: Command) -> None:
+    old = rockingcan("reference", "paper-release", "--method", "regular", "--json")
+    new = rockingcan("reference", "paper-release", "--method", "half-period", "--json")
     assert old.err == (
         "rockingcan: warning: method 'regular' is called 'half-period' now; "
         "the old name goes with the next release\n"
     )
     assert new.err == ""
     times = {"wall_s", "cpu_s", "setup_s"}
-    without = [{k: v for k, v in told.json().items() if k not in times} for told in (old, new)]
+    without = [
+        {k: v for k, v in rockingcan.json().items() if k not in times} for rockingcan in (old, new)
+    ]
     assert without[0] == without[1]
     assert (old.code, new.code) == (0, 0)
 
 
 def test_processes_of_a_sweep_do_not_repeat_that_a_name_is_old(
-    typed: Command, tmp_path: Path
+    rockingcan_process: Command, tmp_path: Path
 ) -> None:
     words = ("--over", "release.psi_dot=1:2:3", "--quantity", "steps", "--set", "method=regular")
-    done = typed("sweep", "gentle-rock", *words, "--out", str(tmp_path / "out"), "--json")
+    done = rockingcan_process(
+        "sweep", "gentle-rock", *words, "--out", str(tmp_path / "out"), "--json"
+    )
     assert done.code == 0
     assert done.err.count("is called 'half-period' now") == 1
     assert "RenamedValueWarning" not in done.err
 
 
-def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:
-    answer = typed("reference", "paper-release", "--json")
+def test_the_reference_answers_in_the_promised_keys(rockingcan_process: Command) -> None:
+    answer = rockingcan_process("reference", "paper-release", "--json")
     assert (answer.code, answer.err) == (0, "")
     found = answer.json()
     assert set(found) == MOTION | MODEL
@@ -174,10 +176,10 @@ def test_the_reference_answers_in_the_promised_keys(typed: Command) -> None:
 
 @pytest.mark.parametrize("name", ["mujoco", "pybullet", "reference"])
 def test_a_run_answers_in_the_promised_keys_and_with_nothing_else(
-    typed: Command, name: str
+    rockingcan_process: Command, name: str
 ) -> None:
     words = () if name == "reference" else ("--timestep", "1e-3")
-    answer = typed("run", "gentle-rock", "--engine", name, *words, "--json")
+    answer = rockingcan_process("run", "gentle-rock", "--engine", name, *words, "--json")
     assert (answer.code, answer.err) == (0, "")
     found = answer.json()
     assert set(found) == MOTION | {"errors", "contact", "divergence", "parts_at_s"}
@@ -189,9 +191,11 @@ def test_a_run_answers_in_the_promised_keys_and_with_nothing_else(
     assert found["scene"] == "gentle-rock"
 
 
-def test_a_chaotic_run_says_when_it_parts_and_how_fast_disturbances_grow(told: Command) -> None:
+def test_a_chaotic_run_says_when_it_parts_and_how_fast_disturbances_grow(
+    rockingcan: Command,
+) -> None:
     words = ("run", "chaotic-can", "--engine", "mujoco", "--timestep", "1e-3")
-    found, shown = told(*words, "--json").json(), told(*words).out
+    found, shown = rockingcan(*words, "--json").json(), rockingcan(*words).out
     divergence, parts_at = found["divergence"], found["parts_at_s"]
     assert divergence["chaotic"]
     assert divergence["growth"] > 1e4
@@ -202,9 +206,9 @@ def test_a_chaotic_run_says_when_it_parts_and_how_fast_disturbances_grow(told: C
     assert "Errors" not in shown  # no row of dashes
 
 
-def test_a_run_that_is_not_chaotic_says_nothing_of_chaos(told: Command) -> None:
+def test_a_run_that_is_not_chaotic_says_nothing_of_chaos(rockingcan: Command) -> None:
     words = ("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-4")
-    found, shown = told(*words, "--json").json(), told(*words).out
+    found, shown = rockingcan(*words, "--json").json(), rockingcan(*words).out
     assert (found["divergence"], found["parts_at_s"]) == (None, None)
     assert "Errors" in shown
     assert "haotic" not in shown
@@ -212,25 +216,25 @@ def test_a_run_that_is_not_chaotic_says_nothing_of_chaos(told: Command) -> None:
 
 
 def test_what_is_unknown_is_null_and_not_nan(
-    told: Command, scene_file: Callable[..., Path]
+    rockingcan: Command, scene_file: Callable[..., Path]
 ) -> None:
     # the reference is rigid: there is no truth to hold a compliant contact against
     path = scene_file(("[effects]", "[effects.compliance]\nstiffness = 1e5\ndamping = 10.0"))
-    answer = told("run", str(path), "--engine", "mujoco", "--timestep", "1e-3", "--json")
+    answer = rockingcan("run", str(path), "--engine", "mujoco", "--timestep", "1e-3", "--json")
     assert answer.code == 0
     assert answer.json()["errors"]["phi_rms_rad"] is None
 
 
-def test_a_run_for_people_shows_parity_and_bounces(told: Command) -> None:
-    answer = told("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3")
+def test_a_run_for_people_shows_parity_and_bounces(rockingcan: Command) -> None:
+    answer = rockingcan("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3")
     assert answer.code == 0
     assert "radius R" in answer.out
     assert "angle_of_turn" in answer.out
 
 
-def test_a_mismatch_is_an_answer_and_a_failure(told: Command) -> None:
+def test_a_mismatch_is_an_answer_and_a_failure(rockingcan: Command) -> None:
     words = ("run", "gentle-rock", "--engine", "pybullet", "--timestep", "1e-3")
-    answer = told(*words, "--set", "collisionMargin=0.001", "--json")
+    answer = rockingcan(*words, "--set", "collisionMargin=0.001", "--json")
     assert answer.code != 0
     assert answer.json()["outcome"].startswith("mismatch")
     assert "rim deviation" in answer.err
@@ -239,11 +243,11 @@ def test_a_mismatch_is_an_answer_and_a_failure(told: Command) -> None:
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_a_motion_is_written_with_units_in_its_columns(
-    told: Command, tmp_path: Path, suffix: str
+    rockingcan: Command, tmp_path: Path, suffix: str
 ) -> None:
     out = tmp_path / f"motion{suffix}"
     words = ("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3", "--json")
-    assert told(*words, "--out", str(out)).code == 0
+    assert rockingcan(*words, "--out", str(out)).code == 0
     assert [path.name for path in tmp_path.iterdir()] == [out.name]
     frame = pd.read_csv(out) if suffix == ".csv" else pd.read_parquet(out)
     assert {"t_s", "phi_rad"} <= set(frame.columns)
@@ -251,19 +255,19 @@ def test_a_motion_is_written_with_units_in_its_columns(
     assert frame.phi_rad.iloc[0] == pytest.approx(0.4, rel=1e-12, abs=0)
 
 
-def test_settings_can_be_spelt_as_the_command_of_a_case_spells_them(told: Command) -> None:
+def test_settings_can_be_spelt_as_the_command_of_a_case_spells_them(rockingcan: Command) -> None:
     words = ("run", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3", "--json")
-    plain = told(*words).json()
-    same = told(
+    plain = rockingcan(*words).json()
+    same = rockingcan(
         *words, "--set", "solref=0.002,1.0", "--set", "impratio=100.0", "--set", "cone=elliptic"
     ).json()
-    other = told(*words, "--set", "solref=0.02,1.0").json()
+    other = rockingcan(*words, "--set", "solref=0.02,1.0").json()
     assert same["errors"] == plain["errors"]
     assert other["errors"] != plain["errors"]
 
 
 def test_the_command_of_a_case_runs_that_case(
-    told: Command, monkeypatch: pytest.MonkeyPatch
+    rockingcan: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     options = (("solref", (0.1 + 0.2, 1.0)), ("cone", "elliptic"), ("iterations", 7))
     boxed = (("URDF_USE_IMPLICIT_CYLINDER", True), ("contactERP", None), ("collisionMargin", 0.0))
@@ -280,29 +284,29 @@ def test_the_command_of_a_case_runs_that_case(
             raise KeyboardInterrupt
 
         monkeypatch.setattr("harness.cli.motions.evaluate", stop)
-        told(*case.command().split()[1:])
+        rockingcan(*case.command().split()[1:])
         assert ran == [case]
         assert ran[0].digest("1") == case.digest("1")
 
 
 @pytest.mark.parametrize(("kind", "write"), [("mjcf", mjcf), ("urdf", urdf)])
 def test_an_export_is_the_model_itself(
-    told: Command, tmp_path: Path, kind: str, write: Callable[..., str]
+    rockingcan: Command, tmp_path: Path, kind: str, write: Callable[..., str]
 ) -> None:
     scene = load("petals")
-    said = told("export", "petals", "--format", kind)
+    said = rockingcan("export", "petals", "--format", kind)
     assert (said.code, said.err) == (0, "")
     assert said.out.rstrip("\n") == write(scene).rstrip("\n")
     out = tmp_path / "model.xml"
-    assert told("export", "petals", "--format", kind, "--out", str(out)).code == 0
+    assert rockingcan("export", "petals", "--format", kind, "--out", str(out)).code == 0
     assert out.read_text(encoding="utf-8").rstrip("\n") == write(scene).rstrip("\n")
     assert [path.name for path in tmp_path.iterdir()] == ["model.xml"]
 
 
-def test_a_scene_may_be_a_file(told: Command, scene_file: Callable[..., Path]) -> None:
+def test_a_scene_may_be_a_file(rockingcan: Command, scene_file: Callable[..., Path]) -> None:
     path = scene_file(("name", 'name = "mine"'))
     assert read_scene(path).name == "mine"
-    assert told("reference", str(path), "--json").json()["scene"] == "mine"
+    assert rockingcan("reference", str(path), "--json").json()["scene"] == "mine"
 
 
 @pytest.mark.slow

@@ -1,14 +1,11 @@
 """The command line: refusals at once, and a price list of a real engine to paste from."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from harness.studies.cost import design, points
-
-Command = Callable[..., Any]
+from tests.support.command_line import Command
 
 
 @pytest.mark.parametrize(
@@ -21,9 +18,9 @@ Command = Callable[..., Any]
     ],
 )
 def test_wrong_use_is_refused_before_anything_runs(
-    told: Command, tmp_path: Path, words: tuple[str, ...], said: str
+    rockingcan: Command, tmp_path: Path, words: tuple[str, ...], said: str
 ) -> None:
-    answer = told("cost", "gentle-rock", *words, "--out", str(tmp_path / "out"))
+    answer = rockingcan("cost", "gentle-rock", *words, "--out", str(tmp_path / "out"))
     assert answer.code == 2
     assert said in answer.err
     assert not (tmp_path / "out").exists()
@@ -31,7 +28,7 @@ def test_wrong_use_is_refused_before_anything_runs(
 
 @pytest.mark.slow
 def test_a_price_list_with_what_to_paste(
-    told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rockingcan: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(points.RUNGS, "quick", (1.0, 0.3))
     monkeypatch.setitem(points.RUNGS, "tuning", (1.0, 0.3))
@@ -42,11 +39,11 @@ def test_a_price_list_with_what_to_paste(
     monkeypatch.setattr(design, "variants", lambda name: known(name)[:3])
     words = ("cost", "gentle-rock", "--engine", "mujoco", "--target", "40")
     out = tmp_path / "out"
-    answer = told(*words, "--jobs", "1", "--out", str(out))
+    answer = rockingcan(*words, "--jobs", "1", "--out", str(out))
     assert answer.code == 0, answer.err
     assert "<option timestep=" in answer.out
     assert (out / "gentle-rock" / "index.html").exists()
     assert any((out / "scenes").glob("*.toml"))
-    again = told(*words, "--jobs", "1", "--out", str(out), "--json").json()
+    again = rockingcan(*words, "--jobs", "1", "--out", str(out), "--json").json()
     assert {row["target_deg"] for row in again["prices"]} == {40.0}
     assert any(row["paste"] for row in again["prices"])

@@ -1,43 +1,41 @@
 """The commands of the store, and options of running that exclude each other."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-Command = Callable[..., Any]
+from tests.support.command_line import Command
 
 RUN = ("attribute", "gentle-rock", "--engine", "mujoco", "--jobs", "1")
 
 
 @pytest.mark.slow
-def test_a_second_run_does_nothing_and_says_so(told: Command, tmp_path: Path) -> None:
+def test_a_second_run_does_nothing_and_says_so(rockingcan: Command, tmp_path: Path) -> None:
     words = ("--store", str(tmp_path))
-    first = told(*RUN, "--json", *words)
+    first = rockingcan(*RUN, "--json", *words)
     assert "already in the store" not in first.err
-    again = told(*RUN, "--json", *words)
+    again = rockingcan(*RUN, "--json", *words)
     assert again.out == first.out
-    listed = told("store", "list", "--json", *words).json()["entries"]
+    listed = rockingcan("store", "list", "--json", *words).json()["entries"]
     count = len(listed)
     assert f"{count} of {count} already in the store '{tmp_path}'" in again.err
     assert {entry["state"] for entry in listed} == {"whole"}
     assert all(entry["command"].startswith("rockingcan run gentle-rock") for entry in listed)
-    assert f"{count} entries" in told("store", "list", *words).out
+    assert f"{count} entries" in rockingcan("store", "list", *words).out
 
     broken = next(tmp_path.glob("evaluations/??/*.result"))
     broken.write_bytes(broken.read_bytes()[:-1])
-    verified = told("store", "verify", *words)
+    verified = rockingcan("store", "verify", *words)
     assert verified.code == 1
     assert f"{count - 1} of {count} entries are whole" in verified.out
-    assert told("store", "verify", *words).code == 0
+    assert rockingcan("store", "verify", *words).code == 0
 
-    third = told(*RUN, "--json", *words)
+    third = rockingcan(*RUN, "--json", *words)
     assert third.out == first.out
     assert f"{count - 1} of {count} already in the store" in third.err
-    assert "removed 0 entries" in told("store", "prune", *words).out
-    assert f"removed {count} entries" in told("store", "prune", "--all", *words).out
-    assert told("store", "list", "--json", *words).json()["entries"] == []
+    assert "removed 0 entries" in rockingcan("store", "prune", *words).out
+    assert f"removed {count} entries" in rockingcan("store", "prune", "--all", *words).out
+    assert rockingcan("store", "list", "--json", *words).json()["entries"] == []
 
 
 @pytest.mark.parametrize(
@@ -50,18 +48,18 @@ def test_a_second_run_does_nothing_and_says_so(told: Command, tmp_path: Path) ->
     ],
 )
 def test_options_that_make_no_sense_are_refused(
-    told: Command, words: tuple[str, ...], said: str
+    rockingcan: Command, words: tuple[str, ...], said: str
 ) -> None:
-    answer = told("attribute", "gentle-rock", "--engine", "mujoco", *words)
+    answer = rockingcan("attribute", "gentle-rock", "--engine", "mujoco", *words)
     assert answer.code == 2
     assert said in answer.err
 
 
-def test_an_empty_folder_is_a_store_of_nothing(told: Command, tmp_path: Path) -> None:
+def test_an_empty_folder_is_a_store_of_nothing(rockingcan: Command, tmp_path: Path) -> None:
     words = ("--store", str(tmp_path))
-    assert "0 entries" in told("store", "list", *words).out
-    assert told("store", "verify", *words).code == 0
-    assert told("store", "prune", *words).code == 0
+    assert "0 entries" in rockingcan("store", "list", *words).out
+    assert rockingcan("store", "verify", *words).code == 0
+    assert rockingcan("store", "prune", *words).code == 0
     assert list(tmp_path.iterdir()) == []
 
 
@@ -71,14 +69,14 @@ def test_an_empty_folder_is_a_store_of_nothing(told: Command, tmp_path: Path) ->
     [("none", "it is not there"), ("file", "Not a directory"), ("mine", "it has no 'journal")],
 )
 def test_what_is_no_store_is_refused_and_left_alone(
-    told: Command, tmp_path: Path, command: str, what: str, reason: str
+    rockingcan: Command, tmp_path: Path, command: str, what: str, reason: str
 ) -> None:
     (tmp_path / "file").write_text("mine", encoding="utf-8")
     chapters = [tmp_path / "mine" / name for name in ("aside/thesis.txt", "drafts/chapter1.md")]
     for chapter in chapters:
         chapter.parent.mkdir(parents=True)
         chapter.write_text("a year of work", encoding="utf-8")
-    answer = told("store", command, "--store", str(tmp_path / what))
+    answer = rockingcan("store", command, "--store", str(tmp_path / what))
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith(f"rockingcan: there is no store at '{tmp_path / what}': {reason}")
     assert len(answer.err.splitlines()) == 1

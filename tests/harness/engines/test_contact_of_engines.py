@@ -1,6 +1,5 @@
 """The contact that engines report: theirs, of the instant of the pose, and at rest at first."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,17 +9,15 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Trajectory
 from harness.engines.reference.truth import truth
-from harness.evaluation.evaluation import Evaluation
 from models import Horizon, Scene, contact_point, load
+from tests.support.evaluations import evaluated, stepped
 
 ENGINES = ("mujoco", "pybullet")
 EPS = np.finfo(np.float64).eps
-Stepper = Callable[[Case, int], Trajectory]
-Evaluator = Callable[..., Evaluation]
 
 
 @pytest.fixture(params=ENGINES)
-def steps(request: pytest.FixtureRequest, gentle: Scene, stepped: Stepper) -> Trajectory:
+def steps(request: pytest.FixtureRequest, gentle: Scene) -> Trajectory:
     """Return every step of the gentle release up to and through its bounce."""
     return stepped(Case(scene=gentle, engine=request.param, timestep=1e-3), 300)
 
@@ -63,7 +60,7 @@ def test_the_contact_point_is_the_lowest_point_of_the_rim_of_the_same_state(
 @pytest.mark.parametrize("timestep", [1e-4, 1e-5])
 @pytest.mark.parametrize("name", ENGINES)
 def test_the_contact_bears_the_true_load_from_the_first_step_on(
-    stepped: Stepper, name: str, scene: str, timestep: float
+    name: str, scene: str, timestep: float
 ) -> None:
     own = load(scene)
     steps = stepped(Case(scene=own, engine=name, timestep=timestep), 10)
@@ -80,9 +77,7 @@ def test_the_contact_bears_the_true_load_from_the_first_step_on(
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_without_settling_there_would_be_a_start_up_bounce(
-    evaluated: Evaluator, brief: Scene, name: str
-) -> None:
+def test_without_settling_there_would_be_a_start_up_bounce(brief: Scene, name: str) -> None:
     depth = evaluated(brief, name, 1e-3).simulation.static_penetration
     # MuJoCo: (1 - d) (2 dt)^2 g with impedance d = 0.9, 3.9 micrometres; PyBullet is rigid up to
     # the residual at which its solver stops
@@ -92,9 +87,7 @@ def test_without_settling_there_would_be_a_start_up_bounce(
 
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("scene", ["gentle-rock", "wobble"])
-def test_accelerations_agree_with_the_exact_ones_to_first_order(
-    stepped: Stepper, name: str, scene: str
-) -> None:
+def test_accelerations_agree_with_the_exact_ones_to_first_order(name: str, scene: str) -> None:
     own = load(scene)
     errors = {}
     for timestep in (2e-4, 1e-4, 5e-5):
@@ -116,7 +109,7 @@ def test_accelerations_agree_with_the_exact_ones_to_first_order(
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_a_can_that_flies_has_no_contact(evaluated: Evaluator, brief: Scene, name: str) -> None:
+def test_a_can_that_flies_has_no_contact(brief: Scene, name: str) -> None:
     release = replace(brief.release, phi_dot=60.0)  # the centre then falls away from the rim
     scene = replace(brief, release=release, horizon=Horizon(seconds=5e-3))
     e = evaluated(scene, name, 1e-4)

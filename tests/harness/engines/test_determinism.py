@@ -1,7 +1,6 @@
 """The same case gives the same bits: again, after another case, and in another process."""
 
 import multiprocessing
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import fields, replace
 
@@ -13,6 +12,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
 from harness.evaluation.evaluate import run_cases
 from models import Can, Effects, Scene, Slip
+from tests.support.trajectories import make_trajectory
 
 ENGINES = ("mujoco", "pybullet")
 
@@ -95,10 +95,9 @@ def test_the_result_does_not_depend_on_how_the_run_is_cut(
     assert len({one.constraint_rows for one in runs}) == 1
 
 
-Made = Callable[..., Trajectory]
-
-
-def test_the_comparison_of_bits_is_able_to_fail(made: Made) -> None:
+def test_the_comparison_of_bits_is_able_to_fail() -> None:
     nan = np.full(3, np.nan)
-    assert same_bits(made(3, penetration=nan), made(3, penetration=nan))
-    assert not same_bits(made(3), made(3, penetration=np.array((0.0, 5e-324, 0.0))))
+    assert same_bits(make_trajectory(3, penetration=nan), make_trajectory(3, penetration=nan))
+    assert not same_bits(
+        make_trajectory(3), make_trajectory(3, penetration=np.array((0.0, 5e-324, 0.0)))
+    )

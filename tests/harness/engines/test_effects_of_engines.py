@@ -34,7 +34,7 @@ from models import (
     names,
     quaternion,
 )
-from tests.declared_effects import declaring, effects_of
+from tests.support.declared_effects import declaring, effects_of
 
 ENGINES = ("mujoco", "pybullet")
 EFFECTS = {

@@ -1,6 +1,5 @@
 """Model parity of both engines: equal where matched, owned up to where shipped, fatal elsewhere."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -8,12 +7,10 @@ import pytest
 from harness.core.case import Case, Value
 from harness.core.simulation import Outcome, ParityRow
 from harness.engines.registry import engine
-from harness.evaluation.evaluation import Evaluation
 from models import Can, Effects, Scene, Slip, load
+from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
-Evaluator = Callable[..., Evaluation]
-
 CANS = {
     "paper": Can.from_groups(mass=0.043, radius=0.037, a=0.727, c=0.615, h=1.473),
     "flat heavy disk": Can.from_groups(mass=2.0, radius=0.2, a=0.27, c=0.5, h=0.1),
@@ -69,9 +66,7 @@ def test_matched_engines_have_any_gravity(gentle: Scene, name: str, gravity: flo
 
 @pytest.mark.parametrize("mu", [0.3, 0.0])
 @pytest.mark.parametrize("name", ENGINES)
-def test_a_declared_friction_is_that_of_the_pair(
-    evaluated: Evaluator, brief: Scene, name: str, mu: float
-) -> None:
+def test_a_declared_friction_is_that_of_the_pair(brief: Scene, name: str, mu: float) -> None:
     scene = replace(brief, effects=Effects(slip=Slip(mu=mu)))
     e = evaluated(scene, name, 1e-3)
     assert e.simulation.outcome is Outcome.FINISHED
@@ -127,7 +122,7 @@ def test_pybullet_as_it_ships_goes_its_own_way_and_says_so(
     ],
 )
 def test_what_the_matched_profile_undoes_stops_the_run_when_it_is_back(
-    evaluated: Evaluator, gentle: Scene, setting: str, value: Value, quantities: set[str]
+    gentle: Scene, setting: str, value: Value, quantities: set[str]
 ) -> None:
     e = evaluated(gentle, "pybullet", 1e-3, **{setting: value})
     assert e.simulation.outcome is Outcome.MISMATCH
@@ -137,9 +132,7 @@ def test_what_the_matched_profile_undoes_stops_the_run_when_it_is_back(
     assert e.errors is None
 
 
-def test_frictionless_contact_stops_a_mujoco_run_that_must_not_slip(
-    evaluated: Evaluator, gentle: Scene
-) -> None:
+def test_frictionless_contact_stops_a_mujoco_run_that_must_not_slip(gentle: Scene) -> None:
     e = evaluated(gentle, "mujoco", 1e-3, condim=1)
     assert e.simulation.outcome is Outcome.MISMATCH
     assert e.simulation.note == "friction of the pair"

@@ -10,7 +10,7 @@ from harness.core.errors import RefusedModelError
 from harness.core.simulation import ParityRow
 from harness.engines.registry import engine
 from models import Drilling, Effects, RollingResistance, Scene
-from tests.declared_effects import EFFECTS, declaring
+from tests.support.declared_effects import EFFECTS, declaring
 
 PROBED = {
     "slip": {"friction of the pair": 0.3},

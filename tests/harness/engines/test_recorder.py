@@ -1,6 +1,5 @@
 """The recorder: dense by angle, sparse in time, and blind to how a run is cut."""
 
-from collections.abc import Callable
 from dataclasses import fields, replace
 from itertools import pairwise
 
@@ -13,19 +12,17 @@ from harness.core.trajectory import Trajectory, take
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.recording import Chunk, Recorder
 from models import Scene, load, quaternion
+from tests.support.trajectories import make_trajectory
 
 GENTLE = load("gentle-rock")
 # as the docstrings have them, and not imported: whoever changes one is told
 TIME_STEP = natural_time(GENTLE) / 200.0
 ANGLE_STEP = 0.02
-Made = Callable[..., Trajectory]
 
 
-def turned(
-    made: Made, time: np.ndarray, phi: np.ndarray, psi: np.ndarray, theta: np.ndarray
-) -> Trajectory:
+def turned(time: np.ndarray, phi: np.ndarray, psi: np.ndarray, theta: np.ndarray) -> Trajectory:
     """Return a trajectory with these angles."""
-    return made(len(time), time=time, quaternion=quaternion(phi, psi, theta))
+    return make_trajectory(len(time), time=time, quaternion=quaternion(phi, psi, theta))
 
 
 def chunk(part: Trajectory) -> Chunk:
@@ -52,11 +49,11 @@ def recorded(whole: Trajectory, cuts: list[int], scene: Scene = GENTLE) -> Traje
 
 
 @pytest.fixture(scope="module")
-def wild(made: Made) -> Trajectory:
+def wild() -> Trajectory:
     """Return a motion that rests, races and rests again, in steps that divide nothing evenly."""
     time = np.arange(3000) * 1.7e-5
     psi = 2.0 * np.arctan((time - time[1500]) / 1e-4)
-    return turned(made, time, np.full(3000, 0.01), psi, -0.9 * psi + time)
+    return turned(time, np.full(3000, 0.01), psi, -0.9 * psi + time)
 
 
 def test_not_a_bit_depends_on_the_cuts(wild: Trajectory) -> None:
@@ -74,18 +71,18 @@ def test_not_a_bit_depends_on_the_cuts(wild: Trajectory) -> None:
     np.testing.assert_array_equal(singly.time, whole.time)
 
 
-def test_round_off_at_the_threshold_does_not_depend_on_the_cuts(made: Made) -> None:
+def test_round_off_at_the_threshold_does_not_depend_on_the_cuts() -> None:
     # steps of a tenth of the sampling interval: the tenth sum of 0.1 is 1, or an ulp less
     time = np.arange(1001) * (TIME_STEP / 10.0)
-    still = turned(made, time, np.full(1001, 0.4), np.zeros(1001), np.zeros(1001))
+    still = turned(time, np.full(1001, 0.4), np.zeros(1001), np.zeros(1001))
     times = [recorded(still, list(range(n, 1001, n))).time for n in (1, 3, 7, 10, 1001)]
     for other in times[1:]:
         np.testing.assert_array_equal(other, times[0])
 
 
-def test_where_nothing_turns_samples_keep_to_their_interval_in_time(made: Made) -> None:
+def test_where_nothing_turns_samples_keep_to_their_interval_in_time() -> None:
     time = np.arange(5000) * (TIME_STEP / 7.3)
-    still = turned(made, time, np.full(5000, 0.4), np.zeros(5000), np.zeros(5000))
+    still = turned(time, np.full(5000, 0.4), np.zeros(5000), np.zeros(5000))
     gaps = np.diff(recorded(still, []).time)[:-1]  # the last sample is kept whatever its distance
     # a sample is kept at the first step at or past the interval
     assert gaps.min() > TIME_STEP * (1.0 - 1.0 / 7.3)
@@ -93,13 +90,13 @@ def test_where_nothing_turns_samples_keep_to_their_interval_in_time(made: Made) 
 
 
 @pytest.mark.parametrize("angle", ["phi", "psi", "theta"])
-def test_where_the_can_turns_samples_keep_to_their_angle(made: Made, angle: str) -> None:
+def test_where_the_can_turns_samples_keep_to_their_angle(angle: str) -> None:
     n = 20_000
     time = np.arange(n) * 1e-9  # 20 microseconds: time alone would call for no sample
     sweep = np.linspace(0.0, 1.5, n)
     angles = {"phi": np.full(n, 0.4), "psi": np.zeros(n), "theta": np.zeros(n)}
     angles[angle] = 0.01 + sweep if angle == "phi" else 4.0 * sweep  # past a branch of the others
-    kept = recorded(turned(made, time, **angles), [])
+    kept = recorded(turned(time, **angles), [])
     path = np.interp(kept.time, time, angles[angle])
     # psi moves the sum and the difference of psi and theta alike, and so does theta: the path
     # counts each of them, which is twice the angle
@@ -110,10 +107,10 @@ def test_where_the_can_turns_samples_keep_to_their_angle(made: Made, angle: str)
     assert step.min() >= 0.9 * share * ANGLE_STEP  # the interval in time takes less than a tenth
 
 
-def test_a_turn_within_one_step_is_kept_on_both_sides(made: Made) -> None:
+def test_a_turn_within_one_step_is_kept_on_both_sides() -> None:
     time = np.arange(100) * 1e-8
     psi = np.where(np.arange(100) < 50, 0.0, 3.0)
-    kept = recorded(turned(made, time, np.full(100, 1e-4), psi, -psi), [])
+    kept = recorded(turned(time, np.full(100, 1e-4), psi, -psi), [])
     assert {0.0, time[50], time[99]} <= set(kept.time.tolist())
 
 

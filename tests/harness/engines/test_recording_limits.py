@@ -21,10 +21,10 @@ from harness.engines.probes.flight import flight, turn
 from harness.engines.stepping.recording import Chunk, SamplingInterval, record
 from harness.engines.stepping.settling import hovering_distance, settle
 from models import Can, Pose, Scene, Twist, contact_point, load, quaternion, release_state
+from tests.support.trajectories import make_trajectory
 
 GENTLE = load("gentle-rock")
 INTERVAL = 3e-4
-Made = Callable[..., Trajectory]
 
 
 def prepared(trajectory: Trajectory | None = None) -> Simulation:
@@ -43,10 +43,8 @@ def prepared(trajectory: Trajectory | None = None) -> Simulation:
 @pytest.mark.parametrize(
     ("steps", "outcome"), [(99_999_999, Outcome.TIMED_OUT), (100_000_000, Outcome.TOO_SLOW)]
 )
-def test_a_run_of_a_hundred_million_steps_does_not_end(
-    made: Made, steps: int, outcome: Outcome
-) -> None:
-    one = made(1, quaternion=quaternion(np.array([0.3]), np.zeros(1), np.zeros(1)))
+def test_a_run_of_a_hundred_million_steps_does_not_end(steps: int, outcome: Outcome) -> None:
+    one = make_trajectory(1, quaternion=quaternion(np.array([0.3]), np.zeros(1), np.zeros(1)))
     chunk = Chunk(
         times=one.time,
         quaternions=one.quaternion,
@@ -186,9 +184,9 @@ def test_a_turn_is_exact_to_a_billionth(over: float, greatest: float) -> None:
 @pytest.mark.parametrize(("off", "sound"), [(0.99e-6, True), (1.01e-6, False)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_quaternion_is_normalised_in_single_precision_at_least(
-    made: Made, off: float, sign: float, *, sound: bool
+    off: float, sign: float, *, sound: bool
 ) -> None:
-    long = made(2, quaternion=np.outer(np.ones(2), (1.0 + sign * off, 0.0, 0.0, 0.0)))
+    long = make_trajectory(2, quaternion=np.outer(np.ones(2), (1.0 + sign * off, 0.0, 0.0, 0.0)))
     answer = prepared(long)
     assert (contract_violation(answer, answer.case) == "") is sound
 

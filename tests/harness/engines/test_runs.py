@@ -1,6 +1,5 @@
 """Runs of both engines: where they end, what they are refused, and how they fail."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,13 +16,12 @@ from harness.core.errors import (
 from harness.core.simulation import Outcome
 from harness.engines.registry import engine
 from harness.evaluation.evaluate import evaluate
-from harness.evaluation.evaluation import Evaluation
 from models import Can, Effects, Horizon, RoundedRim, Scene, load
+from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
 ALL = ("mujoco", "pybullet", "reference")
 EPS = np.finfo(np.float64).eps
-Evaluator = Callable[..., Evaluation]
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -45,9 +43,7 @@ def test_a_horizon_in_seconds_ends_at_the_last_whole_step(
 
 
 @pytest.mark.parametrize("name", ENGINES)
-def test_samples_lie_on_the_grid_of_the_engine(
-    evaluated: Evaluator, gentle: Scene, name: str
-) -> None:
+def test_samples_lie_on_the_grid_of_the_engine(gentle: Scene, name: str) -> None:
     s = evaluated(gentle, name, 1e-4).simulation
     assert s.trajectory is not None
     steps = np.rint(s.trajectory.time / 1e-4)
@@ -60,7 +56,7 @@ def test_samples_lie_on_the_grid_of_the_engine(
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_a_horizon_in_bounces_ends_just_past_the_maximum_that_closes_the_last(
-    evaluated: Evaluator, gentle: Scene, name: str
+    gentle: Scene, name: str
 ) -> None:
     e = evaluated(gentle, name, 1e-4)
     assert e.motion is not None
@@ -280,9 +276,7 @@ def test_as_shipped_means_that_nothing_is_written_into_the_model() -> None:
     np.testing.assert_array_equal(found.model.geom_solimp[0], defaults["solimp"])
 
 
-def test_a_pyramidal_case_counts_the_rows_of_its_pyramid(
-    evaluated: Evaluator, brief: Scene
-) -> None:
+def test_a_pyramidal_case_counts_the_rows_of_its_pyramid(brief: Scene) -> None:
     # elliptic: the normal and two tangents; pyramidal: two edges for each tangent
     elliptic = evaluated(brief, "mujoco", 1e-3).simulation
     pyramidal = evaluated(brief, "mujoco", 1e-3, cone="pyramidal").simulation

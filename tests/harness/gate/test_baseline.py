@@ -2,7 +2,6 @@
 
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,20 +17,18 @@ from harness.gate.baseline import (
     read_baseline,
     write_baseline,
 )
-from harness.gate.scores import Score, Scores
-
-Make = Callable[..., Score]
-MakeAll = Callable[..., Scores]
+from harness.gate.scores import Scores
+from tests.support.gate_scores import make_score, make_scores
 
 
 @pytest.fixture
-def some(score: Make, scores: MakeAll) -> Scores:
-    first = score(
+def some() -> Scores:
+    first = make_score(
         {"phi_rms_rad": 0.1 + 0.2, "steps": 100.0},
         spread={"phi_rms_rad": 1.2345e-9, "steps": 0.0, "angle_of_turn_error_deg": None},
         endings={"FINISHED": 5},
     )
-    return scores(first, score(scene="petals", outcome="FLAT"), made={"platform": "here"})
+    return make_scores(first, make_score(scene="petals", outcome="FLAT"), made={"platform": "here"})
 
 
 def test_what_is_read_is_what_was_written(some: Scores, tmp_path: Path) -> None:
@@ -69,12 +66,10 @@ def test_the_file_is_for_everyone_to_read_and_of_version_1(some: Scores, tmp_pat
         read_baseline(path.parent)
 
 
-def test_what_is_no_number_is_not_written_and_letters_are_as_they_are(
-    score: Make, scores: MakeAll, tmp_path: Path
-) -> None:
+def test_what_is_no_number_is_not_written_and_letters_are_as_they_are(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
-        write_baseline(scores(score({"phi_rms_rad": math.nan})), tmp_path)
-    path = write_baseline(scores(score(), made={"platform": "Zürich"}), tmp_path)
+        write_baseline(make_scores(make_score({"phi_rms_rad": math.nan})), tmp_path)
+    path = write_baseline(make_scores(make_score(), made={"platform": "Zürich"}), tmp_path)
     assert "Zürich" in path.read_text(encoding="utf-8")
 
 

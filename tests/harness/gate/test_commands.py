@@ -3,40 +3,25 @@
 import json
 import shutil
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from harness.cli.main import code_of
 from harness.gate import spread
 from harness.gate.baseline import FILE, read_scores
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a command left."""
-
-    code: int
-    out: str
-    err: str
-
-
-Told = Callable[..., Answer]
+from tests.support.command_line import Answer, Command
 
 
 @pytest.fixture
-def told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Told:
-    """Return a function that runs a command of this process, which says things in wide lines."""
+def told(rockingcan: Command, monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Return a function that runs a command, which says things in wide lines, folded into one."""
     monkeypatch.setenv("COLUMNS", "200")
 
     def run(*words: object) -> Answer:
-        capsys.readouterr()
-        code = code_of([str(word) for word in words])
-        said = capsys.readouterr()
-        return Answer(code, " ".join(said.out.split()), said.err)
+        answer = rockingcan(*words)
+        return replace(answer, out=" ".join(answer.out.split()))
 
     return run
 
@@ -57,7 +42,7 @@ QUICK = ("validate", "--engine", "mujoco", "--no-store", "--jobs", 2)
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("brief")
-def test_accept_then_pass_then_catch_then_compare(told: Told, tmp_path: Path) -> None:
+def test_accept_then_pass_then_catch_then_compare(told: Command, tmp_path: Path) -> None:
     baseline, before, after = (tmp_path / name for name in ("baseline", "before", "after"))
     baseline.mkdir()
     (baseline / "figure.png").write_bytes(b"stays")
@@ -121,7 +106,7 @@ def test_accept_then_pass_then_catch_then_compare(told: Told, tmp_path: Path) ->
 def test_wrong_use_is_told_before_anything_runs(
     words: tuple[str, ...],
     said: str,
-    told: Told,
+    told: Command,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -135,7 +120,7 @@ def test_wrong_use_is_told_before_anything_runs(
 
 
 def test_a_diff_needs_two_folders_that_can_be_compared(
-    told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    told: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert told("diff", "a", "b").code == 2

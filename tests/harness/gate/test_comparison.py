@@ -1,17 +1,13 @@
 """The rule: beyond the tolerance and beyond a factor, the same whichever of the two comes first."""
 
-from collections.abc import Callable
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.core.verdict import Status
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, differences, judge
-from harness.gate.scores import BY_COLUMN, QUANTITIES, Score, Scores
-
-Make = Callable[..., Score]
-MakeAll = Callable[..., Scores]
+from harness.gate.scores import BY_COLUMN, QUANTITIES
+from tests.support.gate_scores import make_score, make_scores
 
 PHI = "phi_rms_rad"
 MAGNITUDES = st.floats(0.0, 1e6)
@@ -35,12 +31,13 @@ MAGNITUDES = st.floats(0.0, 1e6)
     ],
 )
 def test_the_rule(
-    numbers: tuple[float | None, ...], change: Status, score: Make, scores: MakeAll
+    numbers: tuple[float | None, ...],
+    change: Status,
 ) -> None:
     accepted, found, spread = numbers
-    first = score({} if accepted is None else {PHI: accepted}, spread={PHI: spread})
-    second = score({} if found is None else {PHI: found})
-    _, quantity = differences(scores(first), scores(second))
+    first = make_score({} if accepted is None else {PHI: accepted}, spread={PHI: spread})
+    second = make_score({} if found is None else {PHI: found})
+    _, quantity = differences(make_scores(first), make_scores(second))
     assert quantity.status is change
     if spread is not None:
         assert quantity.tolerance == SPREADS * spread + BY_COLUMN[PHI].floor
@@ -63,9 +60,11 @@ def test_nothing_within_the_factor_has_changed(a: float, factor: float) -> None:
     assert judge(a, factor * a, 0.0)[0] is Status.SAME
 
 
-def test_signs_do_not_count(score: Make, scores: MakeAll) -> None:
+def test_signs_do_not_count() -> None:
     turn = "angle_of_turn_error_deg"
-    _, found = differences(scores(score({turn: -2.0})), scores(score({turn: 2.0})))
+    _, found = differences(
+        make_scores(make_score({turn: -2.0})), make_scores(make_score({turn: 2.0}))
+    )
     assert (found.first, found.second, found.status) == (2.0, 2.0, Status.SAME)
 
 
@@ -83,54 +82,52 @@ def test_a_run_that_no_longer_finishes_is_worse(
     outcomes: tuple[str, str],
     endings: dict[str, int],
     change: Status,
-    score: Make,
-    scores: MakeAll,
 ) -> None:
     first, second = outcomes
     values = {PHI: 1.0}
-    accepted = scores(score(values, outcome=first, endings=endings))
-    found = differences(accepted, scores(score({PHI: 9.0}, outcome=second)))
+    accepted = make_scores(make_score(values, outcome=first, endings=endings))
+    found = differences(accepted, make_scores(make_score({PHI: 9.0}, outcome=second)))
     assert found[0].quantity == OUTCOME
     assert found[0].status is change
     # numbers of a run that ended early are those of another length
     assert len(found) == (2 if (first, second) == ("FINISHED", "FINISHED") else 1)
 
 
-def test_what_is_missing_and_what_is_new(score: Make, scores: MakeAll) -> None:
-    old, new = score({PHI: 1.0}, scene="petals"), score({PHI: 1.0}, scene="wobble")
-    both = score({PHI: 1.0})
-    found = differences(scores(both, old), scores(both, new))
+def test_what_is_missing_and_what_is_new() -> None:
+    old, new = make_score({PHI: 1.0}, scene="petals"), make_score({PHI: 1.0}, scene="wobble")
+    both = make_score({PHI: 1.0})
+    found = differences(make_scores(both, old), make_scores(both, new))
     assert {one.identity.scene: one.status for one in found if one.quantity == OUTCOME} == {
         "gentle-rock": Status.SAME,
         "petals": Status.MISSING,
         "wobble": Status.NEW,
     }
-    owed = differences(scores(both, old), scores(both), expected=[both.identity])
+    owed = differences(make_scores(both, old), make_scores(both), expected=[both.identity])
     assert all(one.status is Status.SAME for one in owed)
 
 
-def test_times_and_errors_where_the_plane_would_pull_are_not_judged(
-    score: Make, scores: MakeAll
-) -> None:
-    first = score({PHI: 1.0, "max_slip_m_s": 1.0, "wall_s": 1.0}, truth_pulls=True)
-    second = score({PHI: 9.0, "max_slip_m_s": 9.0, "wall_s": 9.0}, truth_pulls=True)
-    found = {one.quantity: one.status for one in differences(scores(first), scores(second))}
+def test_times_and_errors_where_the_plane_would_pull_are_not_judged() -> None:
+    first = make_score({PHI: 1.0, "max_slip_m_s": 1.0, "wall_s": 1.0}, truth_pulls=True)
+    second = make_score({PHI: 9.0, "max_slip_m_s": 9.0, "wall_s": 9.0}, truth_pulls=True)
+    found = {
+        one.quantity: one.status for one in differences(make_scores(first), make_scores(second))
+    }
     assert found[PHI] is Status.NOT_JUDGED
     assert found["wall_s"] is Status.NOT_JUDGED
     assert found["max_slip_m_s"] is Status.WORSE
 
 
-def test_two_motions_are_not_compared(score: Make, scores: MakeAll) -> None:
-    first, second = score({PHI: 1.0}), score({PHI: 9.0})
+def test_two_motions_are_not_compared() -> None:
+    first, second = make_score({PHI: 1.0}), make_score({PHI: 9.0})
     object.__setattr__(second, "scene_digest", "another")
-    (found,) = differences(scores(first), scores(second))
+    (found,) = differences(make_scores(first), make_scores(second))
     assert found.status is Status.NOT_JUDGED
     assert "scene has changed" in found.note
 
 
-def test_a_spread_can_be_borrowed(score: Make, scores: MakeAll) -> None:
-    first, second = scores(score({PHI: 1.0})), scores(score({PHI: 2.0}))
-    lender = scores(score({PHI: 1.0}, spread={PHI: 1.0}))
+def test_a_spread_can_be_borrowed() -> None:
+    first, second = make_scores(make_score({PHI: 1.0})), make_scores(make_score({PHI: 2.0}))
+    lender = make_scores(make_score({PHI: 1.0}, spread={PHI: 1.0}))
     assert differences(first, second)[1].status is Status.WORSE
     assert differences(first, second, spreads=lender)[1].status is Status.SAME
 

@@ -1,15 +1,11 @@
 """The spread: members that nobody could tell apart, and the largest departure among them."""
 
-from collections.abc import Callable
-
 import pytest
 
 from harness.core.case import Case
-from harness.gate.scores import Score
 from harness.gate.spread import FEWEST, MOST, SIZES, count, member, members, spread
 from models import load
-
-Make = Callable[..., Score]
+from tests.support.gate_scores import make_score
 
 PHI = "phi_rms_rad"
 
@@ -46,40 +42,40 @@ def test_long_runs_have_few_members(steps: int, count: int) -> None:
     assert members(steps) == count
 
 
-def test_a_spread_is_the_largest_departure(score: Make) -> None:
+def test_a_spread_is_the_largest_departure() -> None:
     found = spread(
-        score({PHI: 1.0, "steps": 10.0}),
-        [score({PHI: 1.5, "steps": 10.0}), score({PHI: 0.25, "steps": 12.0})],
+        make_score({PHI: 1.0, "steps": 10.0}),
+        [make_score({PHI: 1.5, "steps": 10.0}), make_score({PHI: 0.25, "steps": 12.0})],
     )
     assert found.spread == {PHI: 0.75, "steps": 2.0}
     assert found.members == 2
     assert found.endings == {"FINISHED": 3}
 
 
-def test_what_only_some_members_show_is_not_decidable(score: Make) -> None:
-    found = spread(score({PHI: 1.0}), [score({PHI: 1.5}), score({})])
+def test_what_only_some_members_show_is_not_decidable() -> None:
+    found = spread(make_score({PHI: 1.0}), [make_score({PHI: 1.5}), make_score({})])
     assert found.spread == {PHI: None}
-    found = spread(score({}), [score({PHI: 1.5}), score({})])
+    found = spread(make_score({}), [make_score({PHI: 1.5}), make_score({})])
     assert found.spread == {PHI: None}
 
 
-def test_members_that_end_otherwise_count_as_endings(score: Make) -> None:
-    found = spread(score({PHI: 1.0}), [score({PHI: 1.5}), score({PHI: 9.0}, outcome="FLAT")])
+def test_members_that_end_otherwise_count_as_endings() -> None:
+    found = spread(
+        make_score({PHI: 1.0}), [make_score({PHI: 1.5}), make_score({PHI: 9.0}, outcome="FLAT")]
+    )
     assert found.endings == {"FINISHED": 2, "FLAT": 1}
     assert found.spread == {PHI: 0.5}
     assert found.may_finish
     assert found.may_fail
 
 
-def test_each_case_runs_as_often_as_its_steps_allow(score: Callable[..., Score]) -> None:
+def test_each_case_runs_as_often_as_its_steps_allow() -> None:
     cases = [Case(scene=load(name), engine="mujoco") for name in ("gentle-rock", "petals")]
-    scores = [score({"steps": steps}) for steps in (0.0, 1e6)]
+    scores = [make_score({"steps": steps}) for steps in (0.0, 1e6)]
     assert count(cases, scores) == members(0) + members(1_000_000)
     assert members(0) > members(1_000_000)
 
 
-def test_a_quantity_that_no_member_has_a_spread_of_none_or_nothing(
-    score: Callable[..., Score],
-) -> None:
-    alone = spread(score({"phi_rms_rad": 1.0}), [])
+def test_a_quantity_that_no_member_has_a_spread_of_none_or_nothing() -> None:
+    alone = spread(make_score({"phi_rms_rad": 1.0}), [])
     assert alone.spread == {"phi_rms_rad": 0.0}

@@ -5,7 +5,6 @@ changes one in the code is told which sentence no longer holds.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -27,9 +26,7 @@ from harness.gate.scores import (
 )
 from harness.gate.spread import member, members
 from models import Scene, load
-
-Make = Callable[..., Score]
-MakeAll = Callable[..., Scores]
+from tests.support.gate_scores import make_score, make_scores
 
 PHI = "phi_rms_rad"
 
@@ -43,10 +40,11 @@ PHI = "phi_rms_rad"
     ],
 )
 def test_a_tolerance_is_four_spreads(
-    found: float, change: Status, score: Make, scores: MakeAll
+    found: float,
+    change: Status,
 ) -> None:
-    accepted = scores(score({PHI: 1.0}, spread={PHI: 0.25}))
-    _, quantity = differences(accepted, scores(score({PHI: found})))
+    accepted = make_scores(make_score({PHI: 1.0}, spread={PHI: 0.25}))
+    _, quantity = differences(accepted, make_scores(make_score({PHI: found})))
     assert quantity.status is change
     assert quantity.tolerance == pytest.approx(1.0, abs=2e-12)  # and what round-off makes
 
@@ -81,28 +79,31 @@ def test_both_limits_must_be_exceeded_not_met() -> None:
     ],
 )
 def test_a_factor_is_second_over_first_and_a_severity_the_larger_over_the_smaller(
-    first: Number, second: Number, factor: Number, severity: float, score: Make
+    first: Number, second: Number, factor: Number, severity: float
 ) -> None:
     found = Difference(
-        identity=score().identity, quantity=PHI, first=first, second=second, status=Status.SAME
+        identity=make_score().identity, quantity=PHI, first=first, second=second, status=Status.SAME
     )
     assert (found.factor, found.severity) == (factor, severity)
 
 
 @pytest.mark.parametrize("pulled", [(True, False), (False, True)])
 def test_an_error_is_not_judged_where_either_exact_motion_pulls(
-    pulled: tuple[bool, bool], score: Make, scores: MakeAll
+    pulled: tuple[bool, bool],
 ) -> None:
     first, second = (
-        scores(score({PHI: value}, truth_pulls=one))
+        make_scores(make_score({PHI: value}, truth_pulls=one))
         for value, one in zip((1.0, 9.0), pulled, strict=True)
     )
     assert differences(first, second)[1].status is Status.NOT_JUDGED
 
 
-def test_of_two_spreads_the_larger_counts(score: Make, scores: MakeAll) -> None:
-    first, second = scores(score({PHI: 1.0}, spread={PHI: 0.5})), scores(score({PHI: 2.0}))
-    lender = scores(score({PHI: 1.0}, spread={PHI: 0.1}))
+def test_of_two_spreads_the_larger_counts() -> None:
+    first, second = (
+        make_scores(make_score({PHI: 1.0}, spread={PHI: 0.5})),
+        make_scores(make_score({PHI: 2.0})),
+    )
+    lender = make_scores(make_score({PHI: 1.0}, spread={PHI: 0.1}))
     assert differences(first, second, spreads=lender)[1].spread == 0.5
 
 
@@ -146,11 +147,12 @@ def test_a_motion_is_named_by_16_digits_that_heed_no_name_and_no_order(gentle: S
     ],
 )
 def test_below_its_floor_nothing_counts_as_a_change(
-    column: str, floor: float, score: Make, scores: MakeAll
+    column: str,
+    floor: float,
 ) -> None:
-    accepted = scores(score({column: 0.0}))
+    accepted = make_scores(make_score({column: 0.0}))
     for found, change in ((0.99 * floor, Status.SAME), (1.01 * floor, Status.WORSE)):
-        _, quantity = differences(accepted, scores(score({column: found})))
+        _, quantity = differences(accepted, make_scores(make_score({column: found})))
         assert quantity.status is change
 
 
@@ -208,10 +210,13 @@ def test_a_suite_may_have_grown_by_a_quarter() -> None:
 
 
 @pytest.mark.parametrize(("count", "words"), [(12, "s-12 in"), (13, "and 1 more, in the table")])
-def test_twelve_cases_are_named(count: int, words: str, score: Make, scores: MakeAll) -> None:
+def test_twelve_cases_are_named(
+    count: int,
+    words: str,
+) -> None:
     names = [f"s-{number:02d}" for number in range(1, count + 1)]
-    first = scores(*(score({PHI: 1.0}, scene=name) for name in names))
-    second = scores(*(score({PHI: 2.0}, scene=name) for name in names))
+    first = make_scores(*(make_score({PHI: 1.0}, scene=name) for name in names))
+    second = make_scores(*(make_score({PHI: 2.0}, scene=name) for name in names))
     text = " ".join(sentences(differences(first, second), first, second, GATE))
     assert words in text
     assert ("more, in the table" in text) is (count > 12)
@@ -223,9 +228,9 @@ def test_twelve_cases_are_named(count: int, words: str, score: Make, scores: Mak
     [(1.2341e-7, 1.24e-7), (1.23e-7, 1.23e-7), (9.991e-3, 1e-2), (5e-324, 1e-300), (0.0, 0.0)],
 )
 def test_a_spread_is_kept_in_three_digits_rounded_up(
-    spread: float, kept: float, score: Make, scores: MakeAll, tmp_path: object
+    spread: float, kept: float, tmp_path: object
 ) -> None:
-    write_baseline(scores(score({PHI: 1.0}, spread={PHI: spread})), tmp_path)  # type: ignore[arg-type]
+    write_baseline(make_scores(make_score({PHI: 1.0}, spread={PHI: spread})), tmp_path)  # type: ignore[arg-type]
     (found,) = read_baseline(tmp_path).scores.values()  # type: ignore[arg-type]
     assert found.spread[PHI] == kept
 
@@ -261,7 +266,7 @@ def test_a_score_holds_the_numbers_that_are_known(resolved: object, turn: object
     ],
 )
 def test_a_run_may_finish_or_fail_where_one_member_does(
-    outcome: str, endings: dict[str, int], score: Make, *, finish: bool, fail: bool
+    outcome: str, endings: dict[str, int], *, finish: bool, fail: bool
 ) -> None:
-    found = score(outcome=outcome, endings=endings)
+    found = make_score(outcome=outcome, endings=endings)
     assert (found.may_finish, found.may_fail) == (finish, fail)

@@ -13,9 +13,9 @@ from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, regressions, sentences
 from harness.gate.scores import Score, Scores, scored
 from harness.gate.spread import MOST, SIZES, measured, member
+from models import load
 
 Held = Callable[[Sequence[Case]], tuple[Difference, ...]]
-Accept = Callable[..., Scores]
 
 REPEATS = 10
 
@@ -24,6 +24,19 @@ def gathered(own: Sequence[Score]) -> Scores:
     """Return scores as a run of a suite has them."""
     by_identity = {one.identity: one for one in own}
     return Scores(suite="coarse", scores=MappingProxyType(by_identity), versions={})
+
+
+@pytest.fixture(scope="module")
+def coarse() -> tuple[Case, ...]:
+    """Return cases that cost little and amplify much, one of them too coarse for its bounce."""
+    return tuple(
+        Case(scene=load(scene), engine=engine, profile=profile, timestep=timestep)
+        for scene, profile, timestep in (
+            ("gentle-rock", "matched", 1e-3),
+            ("paper-release", "default", None),
+        )
+        for engine in ("mujoco", "pybullet")
+    )
 
 
 @pytest.fixture(scope="module")

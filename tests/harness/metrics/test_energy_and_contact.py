@@ -1,26 +1,24 @@
 """Energy and the quality of contact, on motions where both are known."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.core.trajectory import Trajectory
 from harness.metrics.energy import energy, energy_drift
 from harness.metrics.motion import contact_quality, motion, motion_frame
 from models import Scene, quaternion
+from tests.support.trajectories import make_trajectory
 
 EPS = np.finfo(np.float64).eps
-Made = Callable[..., Trajectory]
 
 
-def test_energy_is_the_sum_of_its_parts(made: Made, gentle: Scene) -> None:
+def test_energy_is_the_sum_of_its_parts(gentle: Scene) -> None:
     can, g = gentle.can, gentle.gravity
     lying = quaternion(np.pi / 2.0, 0.7, 0.2)[None]  # the axis points to (-cos psi, -sin psi, 0)
     axis = -np.array((np.cos(0.7), np.sin(0.7), 0.0))
     across = np.array((0.0, 0.0, 1.0))
-    one = made(
+    one = make_trajectory(
         1,
         quaternion=lying,
         position=np.array(((0.0, 0.0, 2.0),)),
@@ -36,15 +34,15 @@ def test_energy_is_the_sum_of_its_parts(made: Made, gentle: Scene) -> None:
     assert energy(one, gentle)[0] == pytest.approx(expected, rel=8 * EPS, abs=0)
 
 
-def test_drift_is_the_largest_departure_with_its_sign(made: Made, gentle: Scene) -> None:
+def test_drift_is_the_largest_departure_with_its_sign(gentle: Scene) -> None:
     heights = np.array((1.0, 1.2, 0.5, 0.9))
-    rising = made(4, position=np.column_stack((np.zeros((4, 2)), heights)))
+    rising = make_trajectory(4, position=np.column_stack((np.zeros((4, 2)), heights)))
     assert energy_drift(rising, gentle) == pytest.approx(
         -0.5 / gentle.can.radius, rel=8 * EPS, abs=0
     )
 
 
-def test_quality_counts_time_and_not_samples(made: Made, gentle: Scene) -> None:
+def test_quality_counts_time_and_not_samples(gentle: Scene) -> None:
     time = np.array((0.0, 1.0, 2.0, 2.1, 2.2, 10.0))
     force = np.outer(np.array((1.0, 1.0, 0.0, 0.0, 1.0, 1.0)), (0.0, 0.0, 1.0))
     point = np.zeros((6, 3))
@@ -52,7 +50,7 @@ def test_quality_counts_time_and_not_samples(made: Made, gentle: Scene) -> None:
     velocity = np.outer(np.array((0.1, 0.2, 9.0, 9.0, 0.3, 0.0)), (0.6, 0.8, 5.0))
     found = contact_quality(
         motion(
-            made(
+            make_trajectory(
                 6,
                 time=time,
                 contact_force=force,
@@ -71,8 +69,8 @@ def test_quality_counts_time_and_not_samples(made: Made, gentle: Scene) -> None:
     assert found.multi_contact_fraction == pytest.approx(1.0 / 10.0, rel=64 * EPS, abs=0)
 
 
-def test_a_can_that_never_touches_has_neither_depth_nor_slip(made: Made, gentle: Scene) -> None:
-    aloft = made(
+def test_a_can_that_never_touches_has_neither_depth_nor_slip(gentle: Scene) -> None:
+    aloft = make_trajectory(
         3,
         contact_force=np.zeros((3, 3)),
         contact_point=np.full((3, 3), np.nan),
@@ -84,10 +82,10 @@ def test_a_can_that_never_touches_has_neither_depth_nor_slip(made: Made, gentle:
     assert found.lift_off_fraction == pytest.approx(1.0, abs=4 * EPS)
 
 
-def test_slip_is_that_of_the_material_at_the_contact(made: Made, gentle: Scene) -> None:
+def test_slip_is_that_of_the_material_at_the_contact(gentle: Scene) -> None:
     # a wheel of radius 2 that rolls to +x at 6 m/s turns at 3 rad/s about +y
     n = 3
-    rolling = made(
+    rolling = make_trajectory(
         n,
         position=np.tile((0.0, 0.0, 2.0), (n, 1)),
         velocity=np.tile((6.0, 0.0, 0.0), (n, 1)),
@@ -98,29 +96,29 @@ def test_slip_is_that_of_the_material_at_the_contact(made: Made, gentle: Scene) 
     np.testing.assert_array_equal(motion(sliding, gentle).slip, 1.5)
 
 
-def test_the_friction_ratio_is_that_of_the_forces(made: Made, gentle: Scene) -> None:
+def test_the_friction_ratio_is_that_of_the_forces(gentle: Scene) -> None:
     force = np.array(((3.0, 4.0, 10.0), (0.0, 0.0, 0.0), (1.0, 0.0, -2.0)))
-    found = motion(made(3, contact_force=force), gentle)
+    found = motion(make_trajectory(3, contact_force=force), gentle)
     assert found.friction_ratio[0] == 0.5
     assert np.isnan(found.friction_ratio[1:]).all()  # no contact, and a plane that pulls
     np.testing.assert_array_equal(found.touching, (True, False, False))
 
 
-def test_a_can_about_to_lift_off_has_no_friction_ratio(made: Made, gentle: Scene) -> None:
+def test_a_can_about_to_lift_off_has_no_friction_ratio(gentle: Scene) -> None:
     """Of a normal force that is round-off it would be 1e15."""
     weight = gentle.can.mass * gentle.gravity
     force = weight * np.array(
         ((0.2, 0.0, 1.0), (0.2, 0.0, 1.01e-3), (0.2, 0.0, 0.99e-3), (0.2, 0.0, 1e-16))
     )
-    found = motion(made(4, contact_force=force, contact_point=np.zeros((4, 3))), gentle)
+    found = motion(make_trajectory(4, contact_force=force, contact_point=np.zeros((4, 3))), gentle)
     assert found.friction_ratio[:2] == pytest.approx([0.2, 0.2 / 1.01e-3])
     assert np.isnan(found.friction_ratio[2:]).all()
     assert found.touching.all()
 
 
-def test_a_table_of_a_motion_has_a_column_for_each_component(made: Made, gentle: Scene) -> None:
+def test_a_table_of_a_motion_has_a_column_for_each_component(gentle: Scene) -> None:
     turned = np.array((0.5, -0.1, 0.7, 0.5))
-    one = made(
+    one = make_trajectory(
         1,
         quaternion=turned[None],
         position=np.array(((1.0, 2.0, 3.0),)),

@@ -1,12 +1,10 @@
 """Energy where a scene declares effects: by its definition anew, or told to be no constant."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.core.trajectory import Trajectory
 from harness.metrics.energy import conserves_energy, energy, energy_drift
 from models import (
     Compliance,
@@ -19,20 +17,20 @@ from models import (
     Tilt,
     quaternion,
 )
-from tests.declared_effects import effects_of
+from tests.support.declared_effects import effects_of
+from tests.support.trajectories import make_trajectory
 
 EPS = np.finfo(np.float64).eps
-Made = Callable[..., Trajectory]
 
 
-def test_a_point_mass_adds_its_own_energy(made: Made, gentle: Scene) -> None:
+def test_a_point_mass_adds_its_own_energy(gentle: Scene) -> None:
     point = PointMass(mass=0.01, x=0.02, y=0.005, z=-0.01)
     weighted = replace(gentle, effects=Effects(point_mass=point))
     psi, spin, velocity = 0.7, np.array((1.0, -2.0, 3.0)), np.array((0.3, 0.1, -0.2))
     turned = np.array(
         ((np.cos(psi), -np.sin(psi), 0.0), (np.sin(psi), np.cos(psi), 0.0), (0.0, 0.0, 1.0))
     )
-    one = made(
+    one = make_trajectory(
         1,
         quaternion=quaternion(0.0, psi, 0.0)[None],
         position=np.array(((0.0, 0.0, 2.0),)),
@@ -46,9 +44,9 @@ def test_a_point_mass_adds_its_own_energy(made: Made, gentle: Scene) -> None:
     assert added == pytest.approx(own, rel=64 * EPS, abs=0)
 
 
-def test_down_a_tilted_plane_energy_is_lost_by_height(made: Made, gentle: Scene) -> None:
+def test_down_a_tilted_plane_energy_is_lost_by_height(gentle: Scene) -> None:
     tilted = replace(gentle, effects=Effects(tilt=Tilt(angle=0.1, direction=np.pi / 2.0)))
-    down = made(2, position=np.array(((0.0, 0.0, 1.0), (0.0, 3.0, 1.0))))
+    down = make_trajectory(2, position=np.array(((0.0, 0.0, 1.0), (0.0, 3.0, 1.0))))
     change = np.diff(energy(down, tilted))[0]
     assert change == pytest.approx(-gentle.can.mass * 9.81 * 3.0 * np.sin(0.1), rel=64 * EPS, abs=0)
 
@@ -78,24 +76,24 @@ NOT_CONSERVED = [
 
 
 @pytest.mark.parametrize("effects", CONSERVED)
-def test_what_takes_nothing_has_a_drift(made: Made, gentle: Scene, effects: Effects) -> None:
+def test_what_takes_nothing_has_a_drift(gentle: Scene, effects: Effects) -> None:
     scene = replace(gentle, effects=effects)
     assert conserves_energy(scene)
-    assert energy_drift(made(3), scene) == 0.0
+    assert energy_drift(make_trajectory(3), scene) == 0.0
 
 
 @pytest.mark.parametrize("effects", NOT_CONSERVED)
-def test_what_takes_or_brings_has_none(made: Made, gentle: Scene, effects: Effects) -> None:
+def test_what_takes_or_brings_has_none(gentle: Scene, effects: Effects) -> None:
     scene = replace(gentle, effects=effects)
     assert not conserves_energy(scene)
-    assert energy_drift(made(3), scene) is None
+    assert energy_drift(make_trajectory(3), scene) is None
 
 
-def test_without_gravity_there_is_no_scale(made: Made, gentle: Scene) -> None:
-    assert energy_drift(made(3), replace(gentle, gravity=0.0)) is None
+def test_without_gravity_there_is_no_scale(gentle: Scene) -> None:
+    assert energy_drift(make_trajectory(3), replace(gentle, gravity=0.0)) is None
 
 
-def test_a_point_mass_is_where_the_can_has_turned_it(made: Made, gentle: Scene) -> None:
+def test_a_point_mass_is_where_the_can_has_turned_it(gentle: Scene) -> None:
     """In any orientation, by the vectors of the body's axes."""
     point = PointMass(mass=0.01, x=0.02, y=0.005, z=-0.01)
     weighted = replace(gentle, effects=Effects(point_mass=point))
@@ -103,6 +101,6 @@ def test_a_point_mass_is_where_the_can_has_turned_it(made: Made, gentle: Scene) 
     w, v = turned[0], turned[1:]
     place = np.array((point.x, point.y, point.z))
     place = place + 2.0 * w * np.cross(v, place) + 2.0 * np.cross(v, np.cross(v, place))
-    one = made(1, quaternion=turned[None])
+    one = make_trajectory(1, quaternion=turned[None])
     added = energy(one, weighted)[0] - energy(one, gentle)[0]
     assert added == pytest.approx(point.mass * 9.81 * place[2], rel=64 * EPS, abs=0)

@@ -1,7 +1,6 @@
 """Errors on motions whose differences are known."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,14 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.core.bounce import Bounce
-from harness.core.trajectory import Trajectory
 from harness.metrics.error import Errors, errors, hausdorff
 from harness.metrics.motion import Motion, motion, shares
 from models import Scene, load, quaternion
+from tests.support.trajectories import make_trajectory
 
 EPS = np.finfo(np.float64).eps
 SCENE = load("gentle-rock")
-Made = Callable[..., Trajectory]
 
 
 def ring(radius: float, n: int, start: float = 0.0) -> np.ndarray:
@@ -27,7 +25,6 @@ def ring(radius: float, n: int, start: float = 0.0) -> np.ndarray:
 
 
 def told(
-    made: Made,
     time: np.ndarray,
     phi: np.ndarray,
     psi: np.ndarray,
@@ -37,7 +34,7 @@ def told(
     """Return a motion with these angles and this locus; theta is -psi."""
     n = len(time)
     locus = np.column_stack((points, np.zeros(n)))
-    trajectory = made(
+    trajectory = make_trajectory(
         n, time=time, quaternion=quaternion(phi, psi, -psi), contact_point=locus, **more
     )
     return motion(trajectory, SCENE)
@@ -62,10 +59,10 @@ def time() -> np.ndarray:
 
 
 @pytest.fixture
-def true(made: Made, time: np.ndarray) -> Motion:
+def true(time: np.ndarray) -> Motion:
     """Return a motion on a circle of 1 m."""
     n = len(time)
-    return told(made, time, np.full(n, 0.3), 6.0 * time, ring(1.0, n - 1))
+    return told(time, np.full(n, 0.3), 6.0 * time, ring(1.0, n - 1))
 
 
 def test_a_motion_has_no_error_against_itself(true: Motion) -> None:
@@ -78,9 +75,9 @@ def test_a_motion_has_no_error_against_itself(true: Motion) -> None:
     assert found.angle_of_turn == (0.0,)
 
 
-def test_a_constant_offset_is_its_own_rms(made: Made, time: np.ndarray, true: Motion) -> None:
+def test_a_constant_offset_is_its_own_rms(time: np.ndarray, true: Motion) -> None:
     n = len(time)
-    found = told(made, time, np.full(n, 0.3 + 1e-3), 6.0 * time + 2e-3, ring(1.01, n - 1))
+    found = told(time, np.full(n, 0.3 + 1e-3), 6.0 * time + 2e-3, ring(1.01, n - 1))
     e = compared(found, true, 0.5)
     # differences of angles up to 6 rad
     exact = {"rel": 1e-12 / 1e-3}
@@ -95,29 +92,29 @@ def test_a_constant_offset_is_its_own_rms(made: Made, time: np.ndarray, true: Mo
     assert e.contact_locus_max == pytest.approx(0.01, **exact)
 
 
-def test_a_mean_is_one_over_time_and_not_over_samples(made: Made, time: np.ndarray) -> None:
+def test_a_mean_is_one_over_time_and_not_over_samples(time: np.ndarray) -> None:
     # an error during the last thousandth of the time, where half of the samples crowd
     n = len(time)
     late = np.where(time > 0.999, 1e-2, 0.0)
     assert np.mean(late > 0.0) > 0.4
     phi = np.full(n, 0.3)
-    true = told(made, time, phi, 0.0 * time, ring(1.0, n - 1))
-    found = told(made, time, phi + late, 0.0 * time, ring(1.0, n - 1))
+    true = told(time, phi, 0.0 * time, ring(1.0, n - 1))
+    found = told(time, phi + late, 0.0 * time, ring(1.0, n - 1))
     e = compared(found, true)
     # sqrt(1/1000), to the width of one sample beside it
     assert e.phi_rms == pytest.approx(1e-2 * math.sqrt(1e-3), rel=0.05)
 
 
-def test_before_and_after_the_bounce_are_told_apart(made: Made, time: np.ndarray) -> None:
+def test_before_and_after_the_bounce_are_told_apart(time: np.ndarray) -> None:
     n = len(time)
     phi = np.full(n, 0.3)
-    true = told(made, time, phi, 0.0 * time, ring(1.0, n - 1))
-    found = told(made, time, phi + np.where(time <= 0.5, 1e-3, 4e-3), 0.0 * time, ring(1.0, n - 1))
+    true = told(time, phi, 0.0 * time, ring(1.0, n - 1))
+    found = told(time, phi + np.where(time <= 0.5, 1e-3, 4e-3), 0.0 * time, ring(1.0, n - 1))
     e = compared(found, true, 0.5)
     assert e.phi_rms_before == pytest.approx(1e-3, rel=1e-9)
     assert e.phi_rms_after == pytest.approx(4e-3, rel=1e-9)
     at_the_bounce = phi + np.where(time == time[7], 1e-3, 0.0)
-    sample = told(made, time, at_the_bounce, 0.0 * time, true.locus)
+    sample = told(time, at_the_bounce, 0.0 * time, true.locus)
     assert compared(sample, true, float(time[7])).phi_rms_after == 0.0
     two = (bounce(0.5), bounce(0.9))  # the first of them is where before ends
     assert errors(found, true, two, two, true.locus).phi_rms_before == e.phi_rms_before
@@ -128,11 +125,11 @@ def test_before_and_after_the_bounce_are_told_apart(made: Made, time: np.ndarray
 
 @pytest.mark.parametrize("angle", [1e-9, 1e-3, 3.0])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_orientations_are_compared_as_rotations(made: Made, angle: float, sign: float) -> None:
+def test_orientations_are_compared_as_rotations(angle: float, sign: float) -> None:
     n = 5
     time = np.arange(n, dtype=float)
     flat = np.full(n, 0.3)
-    true = told(made, time, flat, 0.1 * time, ring(1.0, n - 1))
+    true = told(time, flat, 0.1 * time, ring(1.0, n - 1))
     axis = np.array((0.6, 0.0, 0.8))
     w, v = math.cos(angle / 2.0), math.sin(angle / 2.0) * axis
     q = true.trajectory.quaternion
@@ -147,12 +144,12 @@ def test_orientations_are_compared_as_rotations(made: Made, angle: float, sign: 
     assert found.rotation_rms == pytest.approx(angle, abs=8 * EPS)
 
 
-def test_near_flat_opposite_psi_and_theta_are_hardly_a_rotation(made: Made) -> None:
+def test_near_flat_opposite_psi_and_theta_are_hardly_a_rotation() -> None:
     n = 5
     time = np.arange(n, dtype=float)
     nearly_flat = np.full(n, 1e-6)
-    true = told(made, time, nearly_flat, 0.0 * time, ring(1.0, n - 1))
-    found = told(made, time, nearly_flat, 0.0 * time + 2.0, ring(1.0, n - 1))
+    true = told(time, nearly_flat, 0.0 * time, ring(1.0, n - 1))
+    found = told(time, nearly_flat, 0.0 * time + 2.0, ring(1.0, n - 1))
     e = compared(found, true)
     assert e.psi_rms == pytest.approx(2.0, rel=1e-9)
     assert e.rotation_rms == pytest.approx(2.0 * 1e-6 * math.sin(1.0), rel=1e-6)
@@ -172,26 +169,26 @@ def test_bounces_are_compared_in_pairs_and_signed(true: Motion) -> None:
     assert errors(true, true, (), (bounce(0.5),), true.locus).angle_of_turn == ()
 
 
-def test_the_largest_errors_are_those_of_a_single_sample(made: Made) -> None:
+def test_the_largest_errors_are_those_of_a_single_sample() -> None:
     n = 11
     time, flat = np.arange(n, dtype=float), np.full(n, 0.3)
     points = np.column_stack((time, 0.0 * time))
-    true = told(made, time, flat, 0.0 * time, points)
+    true = told(time, flat, 0.0 * time, points)
     once = np.where(time == 3.0, 1.0, 0.0)
-    found = told(made, time, flat + 1e-3 * once, 0.0 * time, points + np.outer(once, (0.0, 0.25)))
+    found = told(time, flat + 1e-3 * once, 0.0 * time, points + np.outer(once, (0.0, 0.25)))
     e = compared(found, true)
     assert e.phi_max == pytest.approx(1e-3, rel=1e-9)
     assert e.contact_locus_max == 0.25
 
 
-def test_where_nothing_touches_the_locus_is_left_out(made: Made) -> None:
+def test_where_nothing_touches_the_locus_is_left_out() -> None:
     n = 11
     time = np.arange(n, dtype=float)
     points = np.column_stack((time, 0.0 * time))
-    true = told(made, time, np.full(n, 0.3), 0.0 * time, points)
+    true = told(time, np.full(n, 0.3), 0.0 * time, points)
     lifted = points + np.array((0.0, 0.25))
     lifted[4:7] = np.nan
-    found = told(made, time, np.full(n, 0.3), 0.0 * time, lifted)
+    found = told(time, np.full(n, 0.3), 0.0 * time, lifted)
     e = compared(found, true)
     assert e.contact_locus_rms == pytest.approx(0.25, rel=4 * EPS, abs=0)
     assert e.contact_locus_max == pytest.approx(0.25, rel=4 * EPS, abs=0)
@@ -250,12 +247,12 @@ def test_one_instant_has_the_whole_share() -> None:
     np.testing.assert_array_equal(shares(np.array((0.3,))), (1.0,))
 
 
-def test_the_release_decides_the_branch_of_psi_and_theta(made: Made, gentle: Scene) -> None:
+def test_the_release_decides_the_branch_of_psi_and_theta(gentle: Scene) -> None:
     release = replace(gentle.release, psi=7.0, theta=-9.0)
     n = 4
     psi = 7.0 + 0.1 * np.arange(n)
     q = quaternion(np.full(n, 0.3), psi, np.full(n, -9.0))
-    found = motion(made(n, quaternion=q), replace(gentle, release=release))
+    found = motion(make_trajectory(n, quaternion=q), replace(gentle, release=release))
     np.testing.assert_allclose(found.angles.psi, psi, atol=64 * EPS, rtol=0)
     np.testing.assert_allclose(found.angles.theta, -9.0, atol=64 * EPS, rtol=0)
 

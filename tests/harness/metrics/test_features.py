@@ -1,15 +1,14 @@
 """Bounces read off motions whose bounces are known: phi exp(i chi) on a straight line."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from harness.core.trajectory import Trajectory
 from harness.metrics.bounces import bounces
 from harness.metrics.motion import Motion, motion
 from models import Can, Scene, angular_velocity, load, quaternion
+from tests.support.trajectories import make_trajectory
 
 SCENE = load("paper-release")
 CAN: Can = SCENE.can
@@ -17,12 +16,9 @@ A_P = CAN.a + CAN.h**2
 SLOWNESS = np.sqrt(A_P / (A_P + 1.0))
 EPS = np.finfo(np.float64).eps
 AMPLITUDE, RATE = 0.03, 40.0  # rad, rad/s: phi rises to the amplitude and back in pi/RATE
-Made = Callable[..., Trajectory]
 
 
-def rocking(
-    made: Made, time: np.ndarray, nearest: float, sign: float = 1.0, ratio: float = 0.3
-) -> Motion:
+def rocking(time: np.ndarray, nearest: float, sign: float = 1.0, ratio: float = 0.3) -> Motion:
     """Return a motion whose maxima lie at RATE t = pi/2 + n pi, and whose minima half way between.
 
     phi exp(i chi) is AMPLITUDE sin(RATE t) + i nearest cos(RATE t), an ellipse. It is traversed
@@ -41,7 +37,7 @@ def rocking(
     force = np.column_stack((np.full(n, ratio), np.zeros(n), np.ones(n)))
     release = replace(SCENE.release, psi=float(psi[0]), theta=float(theta[0]))
     return motion(
-        made(
+        make_trajectory(
             n,
             time=time,
             quaternion=quaternion(phi, psi, theta),
@@ -64,11 +60,9 @@ def dense(nearest: float, start: float, end: float) -> np.ndarray:
 
 @pytest.mark.parametrize("nearest", [5e-3, 1e-4, 4.2e-5])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_bounce_is_read_off_from_maximum_to_maximum(
-    made: Made, nearest: float, sign: float
-) -> None:
+def test_a_bounce_is_read_off_from_maximum_to_maximum(nearest: float, sign: float) -> None:
     time = dense(nearest, 0.3 * np.pi, 2.7 * np.pi)
-    (first, second) = bounces(rocking(made, time, nearest, sign), CAN)
+    (first, second) = bounces(rocking(time, nearest, sign), CAN)
     for number, found in enumerate((first, second)):
         assert found.resolved
         # half way between two extrema is where the cubic between two samples is exact to the
@@ -86,12 +80,12 @@ def test_a_bounce_is_read_off_from_maximum_to_maximum(
         assert found.peak_friction_ratio == 0.3 / 1.0
 
 
-def test_the_error_of_the_turn_falls_at_least_with_the_square_of_the_spacing(made: Made) -> None:
+def test_the_error_of_the_turn_falls_at_least_with_the_square_of_the_spacing() -> None:
     nearest = 5e-3
     errors = []
     for n in (101, 201):
         time = np.linspace(0.3 * np.pi, 1.7 * np.pi, n) / RATE
-        (found,) = bounces(rocking(made, time, nearest), CAN)
+        (found,) = bounces(rocking(time, nearest), CAN)
         errors.append(abs(found.angle_of_turn - np.pi / SLOWNESS))
     # the zero of phi' is found to second order, and psi moves evenly there: at least second order
     assert errors[1] < errors[0] / 3.5
@@ -99,7 +93,7 @@ def test_the_error_of_the_turn_falls_at_least_with_the_square_of_the_spacing(mad
 
 @pytest.mark.parametrize("offset", [0.0, 0.2, 0.5, 0.8])
 def test_of_a_bounce_between_two_samples_the_minimum_is_that_of_the_straight_line(
-    made: Made, offset: float
+    offset: float,
 ) -> None:
     nearest = 4.2e-5
     width = nearest / AMPLITUDE / RATE  # in which psi moves by a radian
@@ -107,16 +101,16 @@ def test_of_a_bounce_between_two_samples_the_minimum_is_that_of_the_straight_lin
     near = np.pi / RATE + (np.arange(-400, 400) + offset) * step
     far = np.linspace(0.3 * np.pi, 1.7 * np.pi, 2001) / RATE
     time = np.unique(np.concatenate((far[np.abs(far - np.pi / RATE) > 400 * step], near)))
-    (found,) = bounces(rocking(made, time, nearest), CAN)
+    (found,) = bounces(rocking(time, nearest), CAN)
     assert found.resolved
     # over two samples the ellipse is a straight line to (step RATE)^2, 3e-6
     assert found.phi_min == pytest.approx(nearest, rel=1e-4)
     assert abs(found.time - np.pi / RATE) < 1e-4 * width
 
 
-def test_a_record_too_coarse_to_count_turns_says_so(made: Made) -> None:
+def test_a_record_too_coarse_to_count_turns_says_so() -> None:
     time = np.linspace(0.3 * np.pi, 1.7 * np.pi, 400) / RATE
-    (found,) = bounces(rocking(made, time, 4.2e-5), CAN)
+    (found,) = bounces(rocking(time, 4.2e-5), CAN)
     assert not found.resolved
 
 
@@ -133,26 +127,28 @@ def test_a_record_too_coarse_to_count_turns_says_so(made: Made) -> None:
         (0.3, 0.9, 0),
     ],
 )
-def test_only_complete_bounces_count(made: Made, start: float, end: float, complete: int) -> None:
+def test_only_complete_bounces_count(start: float, end: float, complete: int) -> None:
     time = dense(5e-3, start * np.pi, end * np.pi)
-    assert len(bounces(rocking(made, time, 5e-3), CAN)) == complete
+    assert len(bounces(rocking(time, 5e-3), CAN)) == complete
 
 
-def test_a_ripple_is_no_bounce(made: Made) -> None:
+def test_a_ripple_is_no_bounce() -> None:
     time = np.linspace(0.0, 1.0, 2001)
     phi = 0.4 - 0.1 * time + 0.0015 * np.sin(60.0 * time)
     zero = np.zeros_like(time)
-    record = motion(made(len(time), time=time, quaternion=quaternion(phi, zero, zero)), SCENE)
+    record = motion(
+        make_trajectory(len(time), time=time, quaternion=quaternion(phi, zero, zero)), SCENE
+    )
     assert bounces(record, CAN) == ()
 
 
-def test_a_bounce_without_contact_has_no_friction_ratio(made: Made) -> None:
+def test_a_bounce_without_contact_has_no_friction_ratio() -> None:
     time = dense(5e-3, 0.3 * np.pi, 1.7 * np.pi)
-    rocked = rocking(made, time, 5e-3)
+    rocked = rocking(time, 5e-3)
     (found,) = bounces(replace(rocked, friction_ratio=np.full(len(time), np.nan)), CAN)
     assert np.isnan(found.peak_friction_ratio)
 
 
-def test_a_single_sample_has_no_bounce(made: Made, gentle: Scene) -> None:
-    one = motion(made(1, quaternion=quaternion(0.3, 0.0, 0.0)[None]), gentle)
+def test_a_single_sample_has_no_bounce(gentle: Scene) -> None:
+    one = motion(make_trajectory(1, quaternion=quaternion(0.3, 0.0, 0.0)[None]), gentle)
     assert bounces(one, CAN) == ()

@@ -11,15 +11,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.core.trajectory import Trajectory
 from harness.metrics import convergence
 from harness.metrics.bounces import bounces
 from harness.metrics.convergence import asymptotic_order, observed_order, pareto_front, plateau
 from harness.metrics.error import hausdorff
 from harness.metrics.motion import Motion, contact_quality, motion
 from models import Scene, angular_velocity, quaternion
-
-Made = Callable[..., Trajectory]
+from tests.support.trajectories import make_trajectory
 
 HALVES = (1.0, 0.5, 0.25)
 
@@ -190,32 +188,32 @@ def test_an_error_of_zero_is_left_out_of_a_ladder_and_one_of_minus_one_is_not() 
 
 @pytest.mark.parametrize(("depth", "found"), [(-1e-6, 0.0), (0.0, 0.0), (1e-6, 1e-6)])
 def test_a_can_that_never_sank_has_no_penetration(
-    depth: float, found: float, made: Made, gentle: Scene
+    depth: float, found: float, gentle: Scene
 ) -> None:
-    hovering = made(2, penetration=np.full(2, depth))
+    hovering = make_trajectory(2, penetration=np.full(2, depth))
     assert contact_quality(motion(hovering, gentle)).max_penetration == found
 
 
-def test_what_is_unknown_of_a_contact_is_nothing(made: Made, gentle: Scene) -> None:
+def test_what_is_unknown_of_a_contact_is_nothing(gentle: Scene) -> None:
     unknown = np.full((2, 3), np.nan)
     found = contact_quality(
-        motion(made(2, penetration=unknown[:, 0], contact_point=unknown), gentle)
+        motion(make_trajectory(2, penetration=unknown[:, 0], contact_point=unknown), gentle)
     )
     assert (found.max_penetration, found.max_slip, found.lift_off_fraction) == (0.0, 0.0, 1.0)
 
 
 @pytest.mark.parametrize(("counts", "share"), [((1, 1), 0.0), ((1, 2), 0.5), ((2, 2), 1.0)])
 def test_several_points_are_two_or_more(
-    counts: tuple[int, int], share: float, made: Made, gentle: Scene
+    counts: tuple[int, int], share: float, gentle: Scene
 ) -> None:
-    touching = made(2, contact_count=np.array(counts))
+    touching = make_trajectory(2, contact_count=np.array(counts))
     assert contact_quality(motion(touching, gentle)).multi_contact_fraction == share
 
 
-def rocked(made: Made, scene: Scene, time: np.ndarray, phi: np.ndarray, rate: np.ndarray) -> int:
+def rocked(scene: Scene, time: np.ndarray, phi: np.ndarray, rate: np.ndarray) -> int:
     """Return the bounces of a can that rocks in a plane."""
     still = np.zeros(len(time))
-    record = made(
+    record = make_trajectory(
         len(time),
         time=time,
         quaternion=quaternion(phi, still, still),
@@ -226,26 +224,24 @@ def rocked(made: Made, scene: Scene, time: np.ndarray, phi: np.ndarray, rate: np
 
 @pytest.mark.parametrize(("depth", "found"), [(0.0101, 1), (0.0099, 0)])
 def test_a_bounce_stands_out_by_a_hundredth_of_the_largest_phi(
-    depth: float, found: int, made: Made, gentle: Scene
+    depth: float, found: int, gentle: Scene
 ) -> None:
     time = np.linspace(0.0, 1.0, 401)
     phi = 0.1 * (1.0 - depth * np.sin(np.pi * time) ** 2)
     rate = -0.1 * depth * np.pi * np.sin(2.0 * np.pi * time)
-    assert rocked(made, gentle, time, phi, rate) == found
+    assert rocked(gentle, time, phi, rate) == found
 
 
-def test_a_ripple_of_a_small_phi_stands_out_from_it_and_not_from_the_largest(
-    made: Made, gentle: Scene
-) -> None:
+def test_a_ripple_of_a_small_phi_stands_out_from_it_and_not_from_the_largest(gentle: Scene) -> None:
     time = np.linspace(0.0, 1.0, 401)
     phi = 0.21 + 0.19 * np.cos(2.0 * np.pi * time) - 1e-3 * np.cos(100.0 * np.pi * time)
-    assert rocked(made, gentle, time, phi, np.zeros(401)) == 1
+    assert rocked(gentle, time, phi, np.zeros(401)) == 1
 
 
-def sampled(made: Made, scene: Scene, phi: tuple[float, ...], rate: tuple[float, ...]) -> Motion:
+def sampled(scene: Scene, phi: tuple[float, ...], rate: tuple[float, ...]) -> Motion:
     """Return the motion of a can that rocks in a plane, a sample a second; phi in tenths."""
     still = np.zeros(len(phi))
-    record = made(
+    record = make_trajectory(
         len(phi),
         quaternion=quaternion(0.1 * np.array(phi), still, still),
         angular_velocity=angular_velocity(0.1 * np.array(phi), still, np.array(rate), still, still),
@@ -257,8 +253,8 @@ TWO = ((3.0, 2.0, 1.0, 2.0, 3.0, 2.0, 1.0, 2.0, 3.0), (0.0,) * 9)
 """Two bounces, from sample 0 to 4 and from there to 8."""
 
 
-def test_a_bounce_holds_the_samples_from_maximum_to_maximum(made: Made, gentle: Scene) -> None:
-    rest = sampled(made, gentle, *TWO)
+def test_a_bounce_holds_the_samples_from_maximum_to_maximum(gentle: Scene) -> None:
+    rest = sampled(gentle, *TWO)
     seen = replace(
         rest,
         angles=replace(rest.angles, psi_dot=np.array((1.0, 0, 0, 0, -2.0, 9.0, 0, 0, 0))),
@@ -271,10 +267,8 @@ def test_a_bounce_holds_the_samples_from_maximum_to_maximum(made: Made, gentle: 
 
 
 @pytest.mark.parametrize("place", range(9))
-def test_a_turn_is_unresolved_where_a_step_within_its_bounce_is(
-    place: int, made: Made, gentle: Scene
-) -> None:
-    rest = sampled(made, gentle, *TWO)
+def test_a_turn_is_unresolved_where_a_step_within_its_bounce_is(place: int, gentle: Scene) -> None:
+    rest = sampled(gentle, *TWO)
     lost = np.arange(9) == place  # the step that ends with this sample
     first, second = bounces(replace(rest, angles=replace(rest.angles, unresolved=lost)), gentle.can)
     assert first.resolved is not (1 <= place <= 4)
@@ -295,17 +289,16 @@ def test_a_bounce_of_a_few_samples_begins_and_ends_at_its_maxima(
     phi: tuple[float, ...],
     rate: tuple[float, ...],
     ends: tuple[float, float],
-    made: Made,
     gentle: Scene,
 ) -> None:
-    (found,) = bounces(sampled(made, gentle, phi, rate), gentle.can)
+    (found,) = bounces(sampled(gentle, phi, rate), gentle.can)
     assert (found.start, found.end) == pytest.approx(ends, abs=1e-9)
 
 
 @pytest.mark.parametrize(("share", "found"), [(0.9e-6, 1), (1.1e-6, 0)])
 @pytest.mark.parametrize("end", ["first", "last"])
 def test_a_record_that_begins_or_ends_within_a_millionth_of_rest_has_its_maximum_there(
-    share: float, found: int, end: str, made: Made, gentle: Scene
+    share: float, found: int, end: str, gentle: Scene
 ) -> None:
     time = np.linspace(0.0, 1.0, 401)
     phi = 0.1 + 0.05 * np.cos(2.0 * np.pi * time)
@@ -313,7 +306,7 @@ def test_a_record_that_begins_or_ends_within_a_millionth_of_rest_has_its_maximum
     rate[0] = rate[-1] = 0.0
     largest = float(np.abs(rate).max())
     rate[{"first": 0, "last": -1}[end]] = share * largest
-    assert rocked(made, gentle, time, phi, rate) == found
+    assert rocked(gentle, time, phi, rate) == found
 
 
 def test_a_curve_has_two_ends() -> None:
@@ -325,7 +318,7 @@ def test_a_curve_has_two_ends() -> None:
 
 @pytest.mark.parametrize(("turn", "phi_min"), [(0.099, 0.95), (0.101, math.cos(0.0505))])
 def test_from_a_tenth_of_a_radian_of_the_rim_on_a_minimum_is_that_of_a_straight_line(
-    turn: float, phi_min: float, made: Made, gentle: Scene
+    turn: float, phi_min: float, gentle: Scene
 ) -> None:
     # two samples at the same phi with phi' = -+ v: a cubic in time dips by v/4, and the chord of
     # phi exp(i chi) by what its cosine says; both records begin and end with a rest
@@ -334,7 +327,7 @@ def test_from_a_tenth_of_a_radian_of_the_rim_on_a_minimum_is_that_of_a_straight_
     can = gentle.can
     psi = np.array((0.0, 0.0, 0.0, 1.0, 1.0, 1.0)) * turn / can.slowness
     still = np.zeros(6)
-    record = made(
+    record = make_trajectory(
         6,
         quaternion=quaternion(phi, psi, still),
         angular_velocity=angular_velocity(phi, psi, rate, still, still),

@@ -1,7 +1,6 @@
 """Each quantity reads its own number of a run, in its own unit, and none where there is none."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -10,13 +9,11 @@ import pytest
 from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
-from harness.core.trajectory import Trajectory
 from harness.metrics.error import Errors
 from harness.metrics.motion import ContactQuality, Motion, motion
 from harness.metrics.quantities import QUANTITIES, finite, turn_error
 from models import Horizon, Scene, angular_velocity, quaternion
-
-Made = Callable[..., Trajectory]
+from tests.support.trajectories import make_trajectory
 
 BOUNCE = Bounce(
     start=0.5,
@@ -77,13 +74,13 @@ def empty(gentle: Scene) -> Run:
     )
 
 
-def rolled(made: Made, scene: Scene, end: float, psi: float = 1.0) -> Motion:
+def rolled(scene: Scene, end: float, psi: float = 1.0) -> Motion:
     """Return five samples of a can, the last 0.1 s after the one before, alone at 1 and 5 rad/s."""
     time = end - np.array((0.7, 0.5, 0.3, 0.1, 0.0))
     phi = np.array((0.1, 0.1, 0.2, 0.3, 0.4))
     psi_now = psi + np.array((-1.5, -1.0, -0.5, 0.0, 0.5))
     return motion(
-        made(
+        make_trajectory(
             5,
             time=time,
             position=np.outer((0.0, 0.0, 0.0, 0.0, 1.0), (0.7, 0.8, 0.0)),
@@ -97,12 +94,12 @@ def rolled(made: Made, scene: Scene, end: float, psi: float = 1.0) -> Motion:
 
 
 @pytest.fixture
-def full(empty: Run, made: Made, gentle: Scene) -> Run:
+def full(empty: Run, gentle: Scene) -> Run:
     """Return a run of which everything was measured."""
     return replace(
         empty,
-        motion=rolled(made, gentle, 1.95),
-        truth=rolled(made, gentle, 2.0, psi=1.25),
+        motion=rolled(gentle, 1.95),
+        truth=rolled(gentle, 2.0, psi=1.25),
         bounces=(BOUNCE, TRUE_BOUNCE),
         true_bounces=(TRUE_BOUNCE, BOUNCE),
         energy_drift=-0.125,
@@ -224,9 +221,9 @@ def test_a_turn_has_an_error_where_both_completed_it(full: Run) -> None:
     ("end", "known"), [(1.901, True), (1.899, False), (2.099, True), (2.101, False)]
 )
 def test_an_angle_is_carried_on_by_one_interval_at_most(
-    full: Run, made: Made, gentle: Scene, end: float, *, known: bool
+    full: Run, gentle: Scene, end: float, *, known: bool
 ) -> None:
-    run = replace(full, motion=rolled(made, gentle, end))
+    run = replace(full, motion=rolled(gentle, end))
     assert (QUANTITIES["psi_end_deg"].of_run(run) is not None) is known
 
 

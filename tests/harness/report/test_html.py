@@ -175,12 +175,14 @@ def test_hostile_texts_stay_texts(page: Page, hostile_page: Page) -> None:
     assert hostile_page.all("h1")[0][2].startswith("Two engines </script>")
 
 
-def test_a_long_table_says_how_much_of_it_is_in_its_files(made: Provenance, tmp_path: Path) -> None:
+def test_a_long_table_says_how_much_of_it_is_in_its_files(
+    provenance: Provenance, tmp_path: Path
+) -> None:
     def written(count: int) -> str:
         frame = pd.DataFrame({"n": range(count)})
         table = Table(name="long", title="Long", frame=frame, columns={"n": "A number."})
         out = tmp_path / str(count)
-        page = write_report([table], out, title="t", cases=(), provenance=made)
+        page = write_report([table], out, title="t", cases=(), provenance=provenance)
         assert len((out / "tables" / "long.csv").read_text(encoding="utf-8").splitlines()) > count
         return page.read_text(encoding="utf-8")
 

@@ -52,7 +52,7 @@ def test_a_label_is_one_legend_entry_in_all_panels(artefacts: tuple[Artefact, ..
         assert [trace["meta"]["entry"] for trace in panel["data"]] == [0, 1, 2]
 
 
-def test_texts_are_escaped(hostile: tuple[Artefact, ...]) -> None:
+def test_texts_are_escaped(hostile_artefacts: tuple[Artefact, ...]) -> None:
     def texts(told: object) -> list[str]:
         if isinstance(told, dict):
             return [t for key, v in told.items() if key != "meta" for t in texts(v)]
@@ -60,7 +60,7 @@ def test_texts_are_escaped(hostile: tuple[Artefact, ...]) -> None:
             return [t for value in told for t in texts(value)]
         return [told] if isinstance(told, str) else []
 
-    for figure in figures(hostile):
+    for figure in figures(hostile_artefacts):
         for text in texts(described(figure)):
             plain = text.replace("<br>", "").replace("<extra>", "").replace("</extra>", "")
             assert "<" not in plain

@@ -52,8 +52,8 @@ def test_svg_is_well_formed_and_says_what_the_figure_says(
         assert {series.label for series in panel.series} <= texts
 
 
-def test_no_text_becomes_an_element_or_a_formula(hostile: tuple[Artefact, ...]) -> None:
-    for figure in figures(hostile):
+def test_no_text_becomes_an_element_or_a_formula(hostile_artefacts: tuple[Artefact, ...]) -> None:
+    for figure in figures(hostile_artefacts):
         root = ET.fromstring(draw(figure).svg)  # noqa: S314 # written by this test
         names = {element.tag.removeprefix(SVG) for element in root.iter()}
         assert not names & {"script", "img", "image", "foreignObject", "a"}

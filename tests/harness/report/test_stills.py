@@ -54,9 +54,9 @@ def steps(path: str) -> Sequence[str]:
 
 
 def test_nothing_is_lost_and_it_is_shorter_than_in_base64(
-    artefacts: tuple[Artefact, ...], hostile: tuple[Artefact, ...]
+    artefacts: tuple[Artefact, ...], hostile_artefacts: tuple[Artefact, ...]
 ) -> None:
-    figures = [a for a in (*artefacts, *hostile) if isinstance(a, Figure)]
+    figures = [a for a in (*artefacts, *hostile_artefacts) if isinstance(a, Figure)]
     assert figures
     for figure in figures:
         svg = drawn(figure)

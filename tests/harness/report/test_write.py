@@ -39,10 +39,10 @@ def test_every_file_is_there(report: Path) -> None:
     ]
 
 
-def test_the_manifest_tells_every_other_file(report: Path, made: Provenance) -> None:
+def test_the_manifest_tells_every_other_file(report: Path, provenance: Provenance) -> None:
     manifest = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["format"] == "rockingcan-report"
-    assert manifest["provenance"] == made.to_dict()
+    assert manifest["provenance"] == provenance.to_dict()
     assert [case["digest"] for case in manifest["cases"]] == [
         "0123456789abcdef",
         "fedcba9876543210",
@@ -58,11 +58,15 @@ def test_the_manifest_tells_every_other_file(report: Path, made: Provenance) -> 
 
 
 def test_the_same_report_gives_the_same_bytes(
-    report: Path, artefacts: tuple[Artefact, ...], made: Provenance, tmp_path: Path
+    report: Path, artefacts: tuple[Artefact, ...], provenance: Provenance, tmp_path: Path
 ) -> None:
     told = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
     page = write_report(
-        artefacts, tmp_path / "again", title=told["title"], cases=told["cases"], provenance=made
+        artefacts,
+        tmp_path / "again",
+        title=told["title"],
+        cases=told["cases"],
+        provenance=provenance,
     )
     again = json.loads((page.parent / "manifest.json").read_text(encoding="utf-8"))
     assert again == told
@@ -90,27 +94,27 @@ def test_hostile_texts_stay_texts_in_the_summary(hostile_report: Path) -> None:
         assert "<" not in text.replace("\\<", "")
 
 
-def test_a_case_says_what_json_cannot(made: Provenance, tmp_path: Path) -> None:
+def test_a_case_says_what_json_cannot(provenance: Provenance, tmp_path: Path) -> None:
     case = {
         "digest": "a",
         "solref": (0.02, np.float64(1.0)),
         "clamp": math.inf,
         "rows": np.int64(3),
     }
-    write_report((), tmp_path / "report", title="", cases=[case], provenance=made)
+    write_report((), tmp_path / "report", title="", cases=[case], provenance=provenance)
     text = (tmp_path / "report" / "manifest.json").read_text(encoding="utf-8")
     assert json.loads(text, parse_constant=pytest.fail)["cases"] == [
         {"digest": "a", "solref": [0.02, 1.0], "clamp": "inf", "rows": 3}
     ]
 
 
-def test_a_report_of_nothing_is_a_report(made: Provenance, tmp_path: Path) -> None:
-    page = write_report((), tmp_path / "report", title="Nothing", cases=[], provenance=made)
+def test_a_report_of_nothing_is_a_report(provenance: Provenance, tmp_path: Path) -> None:
+    page = write_report((), tmp_path / "report", title="Nothing", cases=[], provenance=provenance)
     assert "Nothing" in page.read_text(encoding="utf-8")
 
 
-def test_a_folder_of_something_else_is_refused(made: Provenance, tmp_path: Path) -> None:
+def test_a_folder_of_something_else_is_refused(provenance: Provenance, tmp_path: Path) -> None:
     (tmp_path / "precious").touch()
     with pytest.raises(OutputError, match="not empty"):
-        write_report((), tmp_path, title="", cases=[], provenance=made)
+        write_report((), tmp_path, title="", cases=[], provenance=provenance)
     assert names(tmp_path) == ["precious"]

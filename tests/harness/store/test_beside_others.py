@@ -17,19 +17,13 @@ from harness.execution.cache import (
     prune_cache,
 )
 from harness.execution.cache_entry import CacheEntry
-from tests.harness.store.test_store import KEY, content, put
+from tests.support.cache_entries import KEY, content, put
 
 OTHER = KEY[:-2] + "cd"
 """In the folder of `KEY`."""
 
 _ARRAYS = f"-{12 * 'a'}.parquet"
 """Of a file that earlier releases kept."""
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> CacheFolder:
-    """Return an empty store."""
-    return CacheFolder(folder=tmp_path / "store")
 
 
 def folder_in_place_of(path: Path) -> None:

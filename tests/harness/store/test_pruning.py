@@ -15,16 +15,10 @@ from harness.execution.cache import (
     inspect_cache,
     prune_cache,
 )
-from tests.harness.store.test_store import KEY, cut, put
+from tests.support.cache_entries import KEY, cut, put
 
 YESTERDAY = 86_400.0
 """s: by then no program is writing, or reading, what was written."""
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> CacheFolder:
-    """Return an empty store."""
-    return CacheFolder(folder=tmp_path / "store")
 
 
 def aged(*paths: Path) -> None:

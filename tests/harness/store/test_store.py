@@ -9,7 +9,6 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,31 +25,7 @@ from harness.execution.cache import (
     prune_cache,
 )
 from harness.execution.cache_entry import Metadata
-
-ABOUT = Metadata(label="a case", code="today")
-KEY = "ab" * 16
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> CacheFolder:
-    """Return an empty store."""
-    return CacheFolder(folder=tmp_path / "store")
-
-
-def content(seed: int = 0) -> dict[str, Any]:
-    """Return a record with arrays, odd numbers among them."""
-    numbers = np.random.default_rng(seed).normal(size=(50, 3))
-    # two NaNs of different bits, and both zeros: equal or not, each is to come back as it is
-    odd = np.array([0x7FF8000000000001, 0xFFF8000000000000, 0x8000000000000000, 0], dtype=np.uint64)
-    numbers[:4, 0] = odd.view(np.float64)
-    record = {"x": 0.1, "pair": (1, 2.0), "none": None}
-    return record | {"points": numbers, "time": np.linspace(0, 1, 50), "count": np.arange(50)}
-
-
-def put(store: CacheFolder, key: str = KEY, seed: int = 0) -> Path:
-    """Keep an entry and return its file."""
-    store.put("things", key, ABOUT, content(seed))
-    return store.path("things", key)
+from tests.support.cache_entries import KEY, content, cut, put
 
 
 def test_what_is_kept_comes_back_bit_for_bit(store: CacheFolder) -> None:
@@ -81,10 +56,6 @@ def test_fresh_finds_nothing_and_replaces_what_is_there(store: CacheFolder) -> N
     found = store.get("things", KEY)
     assert found is not None
     assert found["points"].tobytes() == content(1)["points"].tobytes()
-
-
-def cut(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
 def flip(path: Path) -> None:

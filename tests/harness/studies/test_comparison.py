@@ -1,7 +1,7 @@
 """The comparison study: what it designs, and what it reads from real runs of two scenes."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from harness.studies.comparison.study import comparison_report
 from harness.studies.comparison.suite import SUITES, suite_cases
 from harness.studies.comparison.tables import results
 from models import load, names
+from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
 SCENES = ("gentle-rock", "steady-rolling")
@@ -19,7 +20,7 @@ Found = Mapping[str, Artefact]
 
 
 @pytest.fixture(scope="module")
-def runs(evaluated: Callable[..., Evaluation]) -> list[Evaluation]:
+def runs() -> list[Evaluation]:
     """Return quick runs of a scene that bounces and of one that does not, and one that stops."""
     found = []
     for scene in SCENES:

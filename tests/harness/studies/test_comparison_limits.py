@@ -20,7 +20,7 @@ from harness.studies.comparison.fidelity import fidelity, scorecard_verdict
 from harness.studies.comparison.selection import followed_best
 from models import quaternion
 from models.kinematics import angles
-from tests.harness.studies.changed_motions import (
+from tests.support.changed_motions import (
     SCENE,
     Change,
     changed,

@@ -1,6 +1,6 @@
 """Scenes with effects in the comparison: a chaotic one, and one that an engine lacks."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
@@ -16,6 +16,7 @@ from harness.studies.comparison.study import comparison_report
 from harness.studies.comparison.suite import Unsupported, split_unsupported, suite_cases
 from models import Horizon, RoundedRim, Scene, load
 from models.effects import modelling_choices
+from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
 Found = Mapping[str, Artefact]
@@ -35,13 +36,13 @@ def verdicts(found: Found, table: str, column: str, **where: str) -> set[object]
 
 
 @pytest.fixture(scope="module")
-def chaos(evaluated: Callable[..., Evaluation]) -> list[Evaluation]:
+def chaos() -> list[Evaluation]:
     """Return runs of the chaotic can, of which one falls over after it has parted."""
     return [evaluated("chaotic-can", name, 2e-4) for name in ENGINES]
 
 
 @pytest.fixture(scope="module")
-def found(chaos: list[Evaluation], evaluated: Callable[..., Evaluation]) -> Found:
+def found(chaos: list[Evaluation]) -> Found:
     slipping = [evaluated("slipping-rock", name, 1e-3) for name in ENGINES]
     left_out = Unsupported(scene="slipping-rock", engine="toy", effects=("slip",))
     return {a.name: a for a in comparison_report([*chaos, *slipping], [left_out])}
@@ -105,9 +106,7 @@ def test_every_scene_says_what_its_exact_motion_supposes(
     assert f"grows by e in {divergence.lyapunov_time:.2g} s" in text.text
 
 
-def test_a_broken_assumption_is_told_with_the_model_that_would_carry_it(
-    evaluated: Callable[..., Evaluation],
-) -> None:
+def test_a_broken_assumption_is_told_with_the_model_that_would_carry_it() -> None:
     e = evaluated("wobble", "mujoco", 1e-3)
     text = next(a for a in comparison_report([e]) if a.name == "wobble-assumptions")
     assert isinstance(text, Prose)
@@ -126,9 +125,7 @@ def test_slip_is_no_fault_where_the_scene_lets_the_can_slip(found: Found) -> Non
     assert "not decidable: the scene does not conserve its energy" in energy
 
 
-def test_the_off_centre_can_has_no_more_to_spend_than_its_fall_gives(
-    evaluated: Callable[..., Evaluation],
-) -> None:
+def test_the_off_centre_can_has_no_more_to_spend_than_its_fall_gives() -> None:
     e = evaluated("off-centre-mass", "mujoco", 1e-3)
     table = next(a for a in comparison_report([e]) if a.name == "fidelity")
     assert isinstance(table, Table)

@@ -1,7 +1,6 @@
 """A row of a sweep is what a single run of its scene says."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,20 +13,17 @@ from harness.core.case import Case
 from harness.engines.reference.truth import solve_case
 from harness.evaluation.evaluate import evaluate
 from harness.sweep.parameters import scene_at
-from harness.sweep.plan import SweepPlan
 from models import Horizon, load
 from reference import PAPER_CAN, Problem
 from reference.asymptotic.small_nutation import reduced_of
-from tests.harness.sweep.conftest import carried_out
-
-Planned = Callable[..., SweepPlan]
+from tests.support.sweeps import carried_out, make_plan
 
 ROUND_OFF = 1e-11
 """Of a quadrature of tens of terms beside another with other companions in its chunk."""
 
 
-def test_exact_rows_are_those_of_the_reference(planned: Planned, tmp_path: Path) -> None:
-    chosen = planned(
+def test_exact_rows_are_those_of_the_reference(tmp_path: Path) -> None:
+    chosen = make_plan(
         "gentle-rock", "release.psi_dot=0.5:3:3", "can.h=0.5:2:3", "gravity=1.6:9.81:2"
     )
     assert chosen.exact
@@ -45,17 +41,17 @@ def test_exact_rows_are_those_of_the_reference(planned: Planned, tmp_path: Path)
         assert frame.peak_psi_dot_rad_s[row] == pytest.approx(bounce.peak_psi_dot, rel=ROUND_OFF)
 
 
-def test_the_papers_release_turns_as_it_does(planned: Planned, tmp_path: Path) -> None:
+def test_the_papers_release_turns_as_it_does(tmp_path: Path) -> None:
     frame = carried_out(
         tmp_path / "out",
-        planned("paper-release", "gravity=9.81:9.81:1", quantities=["angle_of_turn_deg"]),
+        make_plan("paper-release", "gravity=9.81:9.81:1", quantities=["angle_of_turn_deg"]),
     )
     # fifteen digits from heyoka's Taylor integrator
     assert frame.angle_of_turn_deg[0] == pytest.approx(209.363400462452, rel=1e-11)
 
 
-def test_epsilon_is_that_of_the_reduced_equation(planned: Planned, tmp_path: Path) -> None:
-    chosen = planned("paper-release", "release.psi_dot=0.05:0.5:4", quantities=["epsilon"])
+def test_epsilon_is_that_of_the_reduced_equation(tmp_path: Path) -> None:
+    chosen = make_plan("paper-release", "release.psi_dot=0.05:0.5:4", quantities=["epsilon"])
     frame = carried_out(tmp_path / "out", chosen)
     scene = load("paper-release")
     T = math.sqrt(scene.can.radius / scene.gravity)
@@ -70,8 +66,8 @@ def test_epsilon_is_that_of_the_reduced_equation(planned: Planned, tmp_path: Pat
         assert found == pytest.approx(reduced_of(problem).B_minus_two ** 2, rel=1e-12, abs=0)
 
 
-def test_runs_of_an_engine_are_those_of_its_adapter(planned: Planned, tmp_path: Path) -> None:
-    chosen = planned(
+def test_runs_of_an_engine_are_those_of_its_adapter(tmp_path: Path) -> None:
+    chosen = make_plan(
         "gentle-rock",
         "release.psi_dot=1.5:2.5",
         sample="sobol",
@@ -94,12 +90,12 @@ def test_runs_of_an_engine_are_those_of_its_adapter(planned: Planned, tmp_path: 
         )
 
 
-def test_runs_of_other_lengths_are_those_of_their_scenes(planned: Planned, tmp_path: Path) -> None:
+def test_runs_of_other_lengths_are_those_of_their_scenes(tmp_path: Path) -> None:
     words = ["period_s", "steps", "energy_drift"]
     more = {"engine": "mujoco", "timestep": 1e-3, "quantities": words}
-    counted = carried_out(tmp_path / "a", planned("petals", "horizon.bounces=1:3:3", **more))
+    counted = carried_out(tmp_path / "a", make_plan("petals", "horizon.bounces=1:3:3", **more))
     assert counted.horizon_bounces.tolist() == [1.0, 2.0, 3.0]
-    timed = carried_out(tmp_path / "b", planned("petals", "horizon.seconds=0.01:1.5:2", **more))
+    timed = carried_out(tmp_path / "b", make_plan("petals", "horizon.seconds=0.01:1.5:2", **more))
     horizons = [Horizon(bounces=n) for n in (1, 2, 3)] + [Horizon(seconds=s) for s in (0.01, 1.5)]
     rows = [*counted.itertuples(), *timed.itertuples()]
     for horizon, row in zip(horizons, rows, strict=True):
@@ -112,8 +108,8 @@ def test_runs_of_other_lengths_are_those_of_their_scenes(planned: Planned, tmp_p
     assert str(timed.outcome[0]).startswith("no bounce")
 
 
-def test_what_only_a_whole_motion_has_is_solved_for(planned: Planned, tmp_path: Path) -> None:
-    chosen = planned(
+def test_what_only_a_whole_motion_has_is_solved_for(tmp_path: Path) -> None:
+    chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:3:2", quantities=["peak_friction_ratio", "period_s"]
     )
     assert not chosen.exact
@@ -124,12 +120,10 @@ def test_what_only_a_whole_motion_has_is_solved_for(planned: Planned, tmp_path: 
         assert ratio == bounce.peak_friction_ratio
 
 
-def test_a_scene_without_a_bounce_says_why_and_has_no_number(
-    planned: Planned, tmp_path: Path
-) -> None:
+def test_a_scene_without_a_bounce_says_why_and_has_no_number(tmp_path: Path) -> None:
     frame = carried_out(
         tmp_path / "out",
-        planned("gentle-rock", "can.c=0.2:3:5", "gravity=0:9.81:2", "release.height=-1:1:3"),
+        make_plan("gentle-rock", "can.c=0.2:3:5", "gravity=0:9.81:2", "release.height=-1:1:3"),
     )
     bounced = frame.outcome.astype(str).str.startswith("finished")
     assert bounced.sum() == 2  # the lightest spins on the plane, under gravity
@@ -139,10 +133,10 @@ def test_a_scene_without_a_bounce_says_why_and_has_no_number(
         assert part in words
 
 
-def test_the_same_in_runs_of_an_engine(planned: Planned, tmp_path: Path) -> None:
+def test_the_same_in_runs_of_an_engine(tmp_path: Path) -> None:
     frame = carried_out(
         tmp_path / "out",
-        planned(
+        make_plan(
             "gentle-rock", "can.c=0.5:3:2", engine="mujoco", timestep=1e-3, quantities=["period_s"]
         ),
     )
@@ -150,9 +144,9 @@ def test_the_same_in_runs_of_an_engine(planned: Planned, tmp_path: Path) -> None
     assert "no rigid body has C greater than 2A" in str(frame.outcome[1])
 
 
-def test_numbers_beyond_doubles_are_said_to_be(planned: Planned, tmp_path: Path) -> None:
+def test_numbers_beyond_doubles_are_said_to_be(tmp_path: Path) -> None:
     frame = carried_out(
-        tmp_path / "out", planned("gentle-rock", "release.psi_dot=log:1e-200:1e300:11")
+        tmp_path / "out", make_plan("gentle-rock", "release.psi_dot=log:1e-200:1e300:11")
     )
     missing = frame[frame.angle_of_turn_deg.isna()]
     assert len(missing)
@@ -169,16 +163,16 @@ def test_numbers_beyond_doubles_are_said_to_be(planned: Planned, tmp_path: Path)
     ],
 )
 def test_a_release_beyond_doubles_leaves_the_others_alone(
-    planned: Planned, tmp_path: Path, quantity: str, axis: str
+    tmp_path: Path, quantity: str, axis: str
 ) -> None:
-    frame = carried_out(tmp_path / "out", planned("gentle-rock", axis, quantities=[quantity]))
+    frame = carried_out(tmp_path / "out", make_plan("gentle-rock", axis, quantities=[quantity]))
     beyond = frame.outcome.astype(str).str.contains("beyond what a double holds")
     assert frame[quantity].isna().tolist() == beyond.tolist()
     assert 0 < beyond.sum() < len(frame)
 
 
-def test_columns_carry_their_units_and_meaning(planned: Planned, tmp_path: Path) -> None:
-    chosen = planned("gentle-rock", "release.psi_dot=1:2:2", "can.H=0.05:0.06:2")
+def test_columns_carry_their_units_and_meaning(tmp_path: Path) -> None:
+    chosen = make_plan("gentle-rock", "release.psi_dot=1:2:2", "can.H=0.05:0.06:2")
     frame = carried_out(tmp_path / "out", chosen)
     assert list(frame.columns[:3]) == ["row", "release_psi_dot_rad_s", "can_H_m"] or list(
         frame.columns[:3]

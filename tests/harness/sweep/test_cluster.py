@@ -3,7 +3,6 @@
 import importlib
 import os
 import signal
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +11,14 @@ import pytest
 from harness.execution.dask_cluster import dask_executor
 from harness.execution.limits import default_limits
 from harness.sweep.folder import opened
-from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
-from tests.harness.sweep.conftest import carried_out, contents, table
-
-Planned = Callable[..., SweepPlan]
+from tests.support.sweeps import carried_out, contents, make_plan, table
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's own threads are not ours
-def test_a_worker_is_killed_and_the_sweep_is_the_same(planned: Planned, tmp_path: Path) -> None:
-    chosen = planned(
+def test_a_worker_is_killed_and_the_sweep_is_the_same(tmp_path: Path) -> None:
+    chosen = make_plan(
         "gentle-rock",
         "release.psi_dot=1.5:2.5",
         sample="sobol",

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -16,12 +15,9 @@ from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.sweep.folder import PlanMismatchError, opened
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
-from tests.harness.sweep.conftest import carried_out, contents, table
+from tests.support.sweeps import carried_out, contents, make_plan, table
 
-Planned = Callable[..., SweepPlan]
-
-
-pytestmark = pytest.mark.usefixtures("small")
+pytestmark = pytest.mark.usefixtures("small_partitions")
 
 
 class Stopped(Exception):  # noqa: N818 - stands for a signal
@@ -29,9 +25,9 @@ class Stopped(Exception):  # noqa: N818 - stands for a signal
 
 
 def test_a_second_start_does_what_is_missing_and_nothing_else(
-    chosen: SweepPlan, tmp_path: Path
+    sweep_of_225: SweepPlan, tmp_path: Path
 ) -> None:
-    carried_out(tmp_path / "whole", chosen)
+    carried_out(tmp_path / "whole", sweep_of_225)
     made: list[int] = []
 
     def stop(part: pd.DataFrame) -> None:
@@ -40,15 +36,15 @@ def test_a_second_start_does_what_is_missing_and_nothing_else(
             raise Stopped
 
     out = tmp_path / "resumed"
-    with opened(out, chosen) as folder, pytest.raises(Stopped):
+    with opened(out, sweep_of_225) as folder, pytest.raises(Stopped):
         run_sweep(folder, SerialExecutor(), stop)
     assert len(contents(out)) == 2
-    with opened(out, chosen) as folder:
+    with opened(out, sweep_of_225) as folder:
         assert folder.missing() == [2, 3, 4]
         run_sweep(folder, SerialExecutor(), lambda part: made.append(part.index[0] // 50))
     assert made == [0, 1, 2, 3, 4]
     assert contents(out) == contents(tmp_path / "whole")
-    with opened(out, chosen) as folder:
+    with opened(out, sweep_of_225) as folder:
         run_sweep(folder, SerialExecutor(), lambda part: pytest.fail(f"{part} was made again"))
 
 
@@ -60,10 +56,10 @@ def file_of(out: Path, index: int) -> Path:
 
 @pytest.mark.parametrize("damage", ["cut short", "emptied", "of another sweep", "a folder"])
 def test_a_damaged_partition_is_set_aside_and_made_again(
-    chosen: SweepPlan, planned: Planned, tmp_path: Path, damage: str
+    sweep_of_225: SweepPlan, tmp_path: Path, damage: str
 ) -> None:
     out = tmp_path / "out"
-    carried_out(out, chosen)
+    carried_out(out, sweep_of_225)
     before = contents(out)
     victim = file_of(out, 3)
     content = victim.read_bytes()
@@ -75,22 +71,22 @@ def test_a_damaged_partition_is_set_aside_and_made_again(
         victim.unlink()
         victim.mkdir()
     else:
-        other = planned("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+        other = make_plan("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
         carried_out(tmp_path / "other", other)
         victim.write_bytes(file_of(tmp_path / "other", 3).read_bytes())
-    with opened(out, chosen) as folder:
+    with opened(out, sweep_of_225) as folder:
         assert folder.missing() == [3]
         assert [path.name for path in folder.damaged] == [victim.name]
         run_sweep(folder, SerialExecutor())
     assert contents(out) == before
 
 
-def test_no_bit_of_a_partition_can_change_unseen(chosen: SweepPlan, tmp_path: Path) -> None:
+def test_no_bit_of_a_partition_can_change_unseen(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    carried_out(out, chosen)
+    carried_out(out, sweep_of_225)
     victim = file_of(out, 0)
     whole = victim.read_bytes()
-    with opened(out, chosen) as folder:
+    with opened(out, sweep_of_225) as folder:
         for place in range(0, len(whole), 7):  # all regions of the file, all bits of a byte
             hurt = bytearray(whole)
             hurt[place] ^= 1 << place % 8
@@ -104,14 +100,16 @@ def test_no_bit_of_a_partition_can_change_unseen(chosen: SweepPlan, tmp_path: Pa
         assert sum(map(len, folder.read())) == 225
 
 
-def test_a_partition_that_is_there_twice_counts_once(chosen: SweepPlan, tmp_path: Path) -> None:
+def test_a_partition_that_is_there_twice_counts_once(
+    sweep_of_225: SweepPlan, tmp_path: Path
+) -> None:
     out = tmp_path / "out"
-    whole = carried_out(out, chosen)
+    whole = carried_out(out, sweep_of_225)
     before = contents(out)
     sound = file_of(out, 3)
     twin = sound.with_name(f"{sound.stem[:-32]}{'f' * 32}.parquet")
     twin.write_bytes(sound.read_bytes())
-    with opened(out, chosen) as folder:
+    with opened(out, sweep_of_225) as folder:
         with pytest.raises(OutputError, match="run the sweep again"):
             list(folder.read())
         assert folder.missing() == []
@@ -121,22 +119,24 @@ def test_a_partition_that_is_there_twice_counts_once(chosen: SweepPlan, tmp_path
 
 
 def test_another_sweep_is_refused_and_the_difference_named(
-    chosen: SweepPlan, planned: Planned, tmp_path: Path
+    sweep_of_225: SweepPlan, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    carried_out(out, chosen)
+    carried_out(out, sweep_of_225)
     before = contents(out)
-    other = planned("gentle-rock", "release.psi_dot=1:3:16", "release.theta_dot=-2:0:15")
+    other = make_plan("gentle-rock", "release.psi_dot=1:3:16", "release.theta_dot=-2:0:15")
     with pytest.raises(PlanMismatchError, match=r"over.*release\.psi_dot=1\.0:3\.0:15"):
         opened(out, other).__enter__()
-    third = planned("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+    third = make_plan("petals", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
     with pytest.raises(PlanMismatchError, match="the scene"):
         opened(out, third).__enter__()
     assert contents(out) == before
 
 
 @pytest.mark.parametrize("thing", ["a file", "a folder of others", "a broken plan"])
-def test_what_is_no_sweep_is_left_alone(chosen: SweepPlan, tmp_path: Path, thing: str) -> None:
+def test_what_is_no_sweep_is_left_alone(
+    sweep_of_225: SweepPlan, tmp_path: Path, thing: str
+) -> None:
     out = tmp_path / "out"
     if thing == "a file":
         out.write_text("mine")
@@ -145,15 +145,15 @@ def test_what_is_no_sweep_is_left_alone(chosen: SweepPlan, tmp_path: Path, thing
         name = "thesis.tex" if thing == "a folder of others" else "sweep.json"
         (out / name).write_text("mine")
     with pytest.raises(OutputError, match="out"):
-        opened(out, chosen).__enter__()
+        opened(out, sweep_of_225).__enter__()
     left = out if out.is_file() else next(out.iterdir())
     assert left.read_text() == "mine"
 
 
 def test_reading_leaves_no_thread_that_could_outlive_the_program(
-    chosen: SweepPlan, tmp_path: Path
+    sweep_of_225: SweepPlan, tmp_path: Path
 ) -> None:
-    carried_out(tmp_path / "out", chosen)
+    carried_out(tmp_path / "out", sweep_of_225)
     program = f"""
 import sys
 from pathlib import Path
@@ -185,34 +185,32 @@ print(threads() - before)
     assert done.stdout == "0\n"
 
 
-def test_a_draft_that_a_killed_sweep_left_goes(chosen: SweepPlan, tmp_path: Path) -> None:
+def test_a_draft_that_a_killed_sweep_left_goes(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
     out = tmp_path / "out"
     (out / "parts").mkdir(parents=True)
     draft = out / "parts" / ".part-000000-0.parquet.draft"
     draft.write_bytes(b"half")
-    carried_out(out, chosen)
+    carried_out(out, sweep_of_225)
     assert not draft.exists()
 
 
 def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
-    chosen: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    sweep_of_225: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(_handle: int) -> None:
         raise OSError(28, "No space left on device")
 
     out = tmp_path / "out"
-    with opened(out, chosen) as folder, monkeypatch.context() as patched:
+    with opened(out, sweep_of_225) as folder, monkeypatch.context() as patched:
         patched.setattr(os, "fsync", full)
         with pytest.raises(OutputError, match=r"No space left.*goes on"):
             run_sweep(folder, SerialExecutor())
     assert list((out / "parts").iterdir()) == []
-    carried_out(out, chosen)
+    carried_out(out, sweep_of_225)
 
 
-def test_threads_and_processes_make_the_same_bytes(
-    chosen: SweepPlan, planned: Planned, tmp_path: Path
-) -> None:
-    runs = planned(
+def test_threads_and_processes_make_the_same_bytes(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
+    runs = make_plan(
         "gentle-rock",
         "release.psi_dot=1.5:2.5",
         sample="random",
@@ -221,8 +219,8 @@ def test_threads_and_processes_make_the_same_bytes(
         timestep=2e-3,
         quantities=["angle_of_turn_deg", "angle_of_turn_error_deg"],
     )
-    carried_out(tmp_path / "serial", chosen)
-    with opened(tmp_path / "threads", chosen) as folder, ThreadPoolExecutor(3) as executor:
+    carried_out(tmp_path / "serial", sweep_of_225)
+    with opened(tmp_path / "threads", sweep_of_225) as folder, ThreadPoolExecutor(3) as executor:
         run_sweep(folder, executor)
     assert contents(tmp_path / "threads") == contents(tmp_path / "serial")
     carried_out(tmp_path / "runs-serial", runs)
@@ -231,8 +229,8 @@ def test_threads_and_processes_make_the_same_bytes(
     assert contents(tmp_path / "runs") == contents(tmp_path / "runs-serial")
 
 
-def test_the_plan_beside_the_table_says_what_it_is(chosen: SweepPlan, tmp_path: Path) -> None:
-    carried_out(tmp_path / "out", chosen)
+def test_the_plan_beside_the_table_says_what_it_is(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
+    carried_out(tmp_path / "out", sweep_of_225)
     told = json.loads((tmp_path / "out" / "sweep.json").read_text())
-    assert told["digest"] == chosen.digest()
-    assert told["plan"] == chosen.to_dict()
+    assert told["digest"] == sweep_of_225.digest()
+    assert told["plan"] == sweep_of_225.to_dict()

@@ -2,7 +2,6 @@
 
 import os
 import signal
-from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,9 @@ from harness.execution.worker import Loss, LostTaskError
 from harness.sweep.folder import opened
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
-from tests.harness.sweep.conftest import carried_out, contents, table
+from tests.support.sweeps import carried_out, contents, make_plan, table
 
-Planned = Callable[..., SweepPlan]
-
-
-pytestmark = pytest.mark.usefixtures("small")
+pytestmark = pytest.mark.usefixtures("small_partitions")
 
 
 class Deadly(Executor):
@@ -47,10 +43,8 @@ class Deadly(Executor):
         return future
 
 
-def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(
-    planned: Planned, tmp_path: Path
-) -> None:
-    chosen = planned(
+def test_a_scene_that_kills_its_process_is_named_and_the_others_are_had(tmp_path: Path) -> None:
+    chosen = make_plan(
         "gentle-rock",
         "release.psi_dot=1.5:2.5:8",
         engine="mujoco",
@@ -84,9 +78,9 @@ class Mute:
 
 
 def test_an_error_that_cannot_be_said_is_an_outcome_too(
-    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    chosen = planned(
+    chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:2:4", engine="mujoco", quantities=["period_s"]
     )
     for place in ("sweep.values", "evaluation.evaluate", "evaluation.case_cache"):
@@ -96,7 +90,7 @@ def test_an_error_that_cannot_be_said_is_an_outcome_too(
 
 
 def test_what_is_written_while_a_signal_comes_is_counted(
-    chosen: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    sweep_of_225: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     counted: list[int] = []
     real = os.fsync
@@ -109,7 +103,7 @@ def test_what_is_written_while_a_signal_comes_is_counted(
     before = {number: signal.getsignal(number) for number in SIGNALS}
     handle_signals()
     try:
-        with opened(tmp_path / "out", chosen) as folder:
+        with opened(tmp_path / "out", sweep_of_225) as folder:
             monkeypatch.setattr(os, "fsync", interrupting)
             with pytest.raises(Interrupted):
                 run_sweep(

@@ -1,7 +1,6 @@
 """Plans: which scenes, cut how, and what is refused before anything runs."""
 
 import tracemalloc
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -13,15 +12,15 @@ from hypothesis import strategies as st
 from harness.core.errors import HarnessError
 from harness.sweep.axes import Axis, read_axis
 from harness.sweep.parameters import PARAMETERS, scene_at
-from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.plan import plan_sweep
 from models import load
+from tests.support.sweeps import make_plan
 
 TURN = ("angle_of_turn_deg",)
-Planned = Callable[..., SweepPlan]
 
 
-def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest(planned: Planned) -> None:
-    chosen = planned("gentle-rock", "release.psi_dot=-1:1:3", "can.h=log:0.1:10:3")
+def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest() -> None:
+    chosen = make_plan("gentle-rock", "release.psi_dot=-1:1:3", "can.h=log:0.1:10:3")
     values = chosen.values(range(chosen.rows))
     assert chosen.rows == 9
     assert values["release.psi_dot"].tolist() == [-1.0] * 3 + [0.0] * 3 + [1.0] * 3
@@ -44,8 +43,8 @@ def test_values_of_a_grid_are_those_of_numpy_to_the_bit(
 
 
 @pytest.mark.parametrize("spacing", ["", "log:"])
-def test_a_long_axis_takes_no_memory(planned: Planned, spacing: str) -> None:
-    chosen = planned("gentle-rock", f"release.psi_dot={spacing}0.5:2:60000000")
+def test_a_long_axis_takes_no_memory(spacing: str) -> None:
+    chosen = make_plan("gentle-rock", f"release.psi_dot={spacing}0.5:2:60000000")
     tracemalloc.start()
     try:
         first, last = chosen.values(chosen.span(0)), chosen.values(chosen.span(1831))
@@ -101,16 +100,17 @@ def test_bounces_of_a_sample_are_whole_and_none_is_left_out() -> None:
         assert np.abs(counts - even).max() <= 1.0  # a point at an end belongs to one side
 
 
-def test_another_seed_is_another_sample(planned: Planned) -> None:
+def test_another_seed_is_another_sample() -> None:
     first, other = (
-        planned("gentle-rock", "can.h=1:2", sample="random", count=9, seed=seed) for seed in (0, 1)
+        make_plan("gentle-rock", "can.h=1:2", sample="random", count=9, seed=seed)
+        for seed in (0, 1)
     )
     assert not np.array_equal(first.values(range(9))["can.h"], other.values(range(9))["can.h"])
     assert first.digest() != other.digest()
 
 
-def test_partitions_hold_every_row_once(planned: Planned) -> None:
-    chosen = planned("gentle-rock", "can.h=1:2:100000")
+def test_partitions_hold_every_row_once() -> None:
+    chosen = make_plan("gentle-rock", "can.h=1:2:100000")
     rows = [row for index in range(chosen.partitions) for row in chosen.span(index)]
     assert rows == list(range(100_000))
 
@@ -183,10 +183,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], dict[str, Any], tuple[str, ...]]] = {
 
 
 @pytest.mark.parametrize("fault", REFUSED)
-def test_wrong_use_is_refused_with_what_is_allowed(planned: Planned, fault: str) -> None:
+def test_wrong_use_is_refused_with_what_is_allowed(fault: str) -> None:
     over, more, parts = REFUSED[fault]
     with pytest.raises(HarnessError) as caught:
-        planned("gentle-rock", *over, **more)
+        make_plan("gentle-rock", *over, **more)
     for part in parts:
         assert part in str(caught.value)
 
@@ -207,11 +207,9 @@ def test_wrong_use_is_refused_with_what_is_allowed(planned: Planned, fault: str)
         ),
     ],
 )
-def test_a_refusal_says_once_what_is_allowed(
-    planned: Planned, over: str, more: dict[str, Any], allowed: str
-) -> None:
+def test_a_refusal_says_once_what_is_allowed(over: str, more: dict[str, Any], allowed: str) -> None:
     with pytest.raises(HarnessError) as caught:
-        planned("gentle-rock", over, **more)
+        make_plan("gentle-rock", over, **more)
     assert str(caught.value).endswith(allowed)
 
 
@@ -220,25 +218,25 @@ def test_nothing_to_vary_is_refused() -> None:
         plan_sweep(load("gentle-rock"), [])
 
 
-def test_a_digest_tells_plans_apart(planned: Planned) -> None:
-    first = planned("gentle-rock", "can.h=1:2:3")
-    assert first.digest() == planned("gentle-rock", "can.h=1:2:3").digest()
+def test_a_digest_tells_plans_apart() -> None:
+    first = make_plan("gentle-rock", "can.h=1:2:3")
+    assert first.digest() == make_plan("gentle-rock", "can.h=1:2:3").digest()
     others = [
-        planned("petals", "can.h=1:2:3"),
-        planned("gentle-rock", "can.h=1:2:4"),
-        planned("gentle-rock", "can.h=log:1:2:3"),
-        planned("gentle-rock", "can.h=1:2:3", quantities=TURN),
-        planned("gentle-rock", "can.h=1:2:3", engine="mujoco", timestep=1e-3),
+        make_plan("petals", "can.h=1:2:3"),
+        make_plan("gentle-rock", "can.h=1:2:4"),
+        make_plan("gentle-rock", "can.h=log:1:2:3"),
+        make_plan("gentle-rock", "can.h=1:2:3", quantities=TURN),
+        make_plan("gentle-rock", "can.h=1:2:3", engine="mujoco", timestep=1e-3),
         replace(first, engine_version="0"),
     ]
     assert len({first.digest(), *(other.digest() for other in others)}) == 1 + len(others)
 
 
-def test_the_exact_bounce_knows_no_horizon(planned: Planned) -> None:
+def test_the_exact_bounce_knows_no_horizon() -> None:
     """A run may end before its bounce does; the formula has the whole bounce."""
-    assert planned("gentle-rock", "release.phi=0.2:0.3:2", quantities=("period_s",)).exact
+    assert make_plan("gentle-rock", "release.phi=0.2:0.3:2", quantities=("period_s",)).exact
     for axis in ("horizon.seconds=1e-3:2e-3:2", "horizon.bounces=1:2:2"):
-        assert not planned("gentle-rock", axis, quantities=("period_s",)).exact
+        assert not make_plan("gentle-rock", axis, quantities=("period_s",)).exact
 
 
 def test_an_axis_reads_back_as_it_is_written() -> None:

@@ -3,7 +3,6 @@
 import fcntl
 import json
 import os
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,29 +12,26 @@ import pytest
 from harness.core.errors import OutputError
 from harness.sweep.folder import PlanMismatchError, opened
 from harness.sweep.plan import SweepPlan, digest_of
-from tests.harness.sweep.conftest import carried_out, contents
+from tests.support.sweeps import carried_out, contents, make_plan
 
-Planned = Callable[..., SweepPlan]
-
-
-pytestmark = pytest.mark.usefixtures("small")
+pytestmark = pytest.mark.usefixtures("small_partitions")
 
 
-def test_two_sweeps_do_not_share_a_folder(chosen: SweepPlan, tmp_path: Path) -> None:
+def test_two_sweeps_do_not_share_a_folder(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
     with (
-        opened(tmp_path / "out", chosen),
+        opened(tmp_path / "out", sweep_of_225),
         pytest.raises(OutputError, match="already at work"),
     ):
-        opened(tmp_path / "out", chosen).__enter__()
-    with opened(tmp_path / "out", chosen):  # the lock goes with its holder
+        opened(tmp_path / "out", sweep_of_225).__enter__()
+    with opened(tmp_path / "out", sweep_of_225):  # the lock goes with its holder
         pass
 
 
 def test_of_two_sweeps_begun_at_once_in_an_empty_folder_one_is_refused(
-    chosen: SweepPlan, planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    sweep_of_225: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
-    other = planned("gentle-rock", "release.psi_dot=1:3:2")
+    other = make_plan("gentle-rock", "release.psi_dot=1:3:2")
     real = fcntl.flock
 
     def late(*words: Any) -> None:  # noqa: ANN401 - as fcntl has it
@@ -45,17 +41,17 @@ def test_of_two_sweeps_begun_at_once_in_an_empty_folder_one_is_refused(
 
     monkeypatch.setattr(fcntl, "flock", late)
     with pytest.raises(PlanMismatchError):
-        opened(out, chosen).__enter__()
+        opened(out, sweep_of_225).__enter__()
     assert json.loads((out / "sweep.json").read_text())["digest"] == other.digest()
     assert [other.digest() in name for name in contents(out)] == [True]
 
 
 @pytest.mark.parametrize("damage", ["emptied", "cut short", "a number changed"])
 def test_a_plan_that_cannot_be_read_says_what_to_do_and_that_helps(
-    chosen: SweepPlan, planned: Planned, tmp_path: Path, damage: str
+    sweep_of_225: SweepPlan, tmp_path: Path, damage: str
 ) -> None:
     out = tmp_path / "out"
-    carried_out(out, chosen)
+    carried_out(out, sweep_of_225)
     (out / "report").mkdir()
     place = out / "sweep.json"
     whole = place.read_text()
@@ -63,20 +59,20 @@ def test_a_plan_that_cannot_be_read_says_what_to_do_and_that_helps(
     place.write_text(hurt[damage])
     before = contents(out)
     with pytest.raises(OutputError, match=r"plan .* cannot be read .*remove '.*sweep\.json' and"):
-        opened(out, chosen).__enter__()
+        opened(out, sweep_of_225).__enter__()
     assert place.read_text() == hurt[damage]
     place.unlink()
     # partitions without a plan are of another sweep for all others
     with pytest.raises(PlanMismatchError, match="its partitions"):
-        opened(out, planned("petals", "release.psi_dot=1:3:15")).__enter__()
-    with opened(out, chosen) as folder:
+        opened(out, make_plan("petals", "release.psi_dot=1:3:15")).__enter__()
+    with opened(out, sweep_of_225) as folder:
         assert folder.missing() == []
     assert place.read_text() == whole
     assert contents(out) == before
 
 
 def test_a_plan_is_on_the_disk_before_it_has_its_name(
-    chosen: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    sweep_of_225: SweepPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     flushed: list[str] = []
     real = os.fsync
@@ -87,43 +83,45 @@ def test_a_plan_is_on_the_disk_before_it_has_its_name(
         real(handle)
 
     monkeypatch.setattr(os, "fsync", fsync)
-    with opened(tmp_path / "out", chosen):
+    with opened(tmp_path / "out", sweep_of_225):
         assert flushed[0].startswith(".sweep.json.")
         assert flushed[1:] == ["out"]
 
 
 @pytest.mark.parametrize("part", ["sources", "numpy", "scipy"])
 def test_a_sweep_that_another_program_began_is_not_gone_on_with(
-    chosen: SweepPlan, tmp_path: Path, part: str
+    sweep_of_225: SweepPlan, tmp_path: Path, part: str
 ) -> None:
     out = tmp_path / "out"
-    carried_out(out, replace(chosen, program=tuple({**dict(chosen.program), part: "0"}.items())))
+    carried_out(
+        out, replace(sweep_of_225, program=tuple({**dict(sweep_of_225.program), part: "0"}.items()))
+    )
     before = contents(out)
     words = rf"this sweep as another program made it, with {part} 0 \(now .*--out, or remove"
     with pytest.raises(PlanMismatchError, match=words):
-        opened(out, chosen).__enter__()
+        opened(out, sweep_of_225).__enter__()
     assert contents(out) == before
     (out / "sweep.json").unlink()
     with pytest.raises(PlanMismatchError, match="its partitions"):
-        opened(out, chosen).__enter__()
+        opened(out, sweep_of_225).__enter__()
 
 
 def test_a_plan_that_does_not_say_which_program_began_it_is_refused(
-    chosen: SweepPlan, tmp_path: Path
+    sweep_of_225: SweepPlan, tmp_path: Path
 ) -> None:
     place = tmp_path / "out" / "sweep.json"
     place.parent.mkdir()
-    told = chosen.to_dict()
+    told = sweep_of_225.to_dict()
     del told["program"]
     content = {"format": "rockingcan-sweep", "digest": digest_of(told), "plan": told}
     place.write_text(json.dumps(content))
     with pytest.raises(PlanMismatchError, match="another program made it, with no word of which"):
-        opened(place.parent, chosen).__enter__()
+        opened(place.parent, sweep_of_225).__enter__()
 
 
 @pytest.mark.parametrize("engine", ["reference", "mujoco"])
 def test_the_program_of_a_plan_is_its_engines_and_that_of_sweeps(
-    engine: str, planned: Planned, monkeypatch: pytest.MonkeyPatch
+    engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[tuple[str, ...]] = []
 
@@ -132,9 +130,11 @@ def test_the_program_of_a_plan_is_its_engines_and_that_of_sweeps(
         return "0123456789abcdef"
 
     monkeypatch.setattr("harness.sweep.plan.code_fingerprint", asking)
-    made = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
+    made = make_plan("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
     assert dict(made.program)["sources"] == "0123456789abcdef"
     assert asked == [(engine, "harness.sweep.plan")]
     monkeypatch.undo()
-    again = planned("gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"])
+    again = make_plan(
+        "gentle-rock", "release.psi_dot=1:3:2", engine=engine, quantities=["period_s"]
+    )
     assert again.digest() != made.digest()

@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -15,9 +14,7 @@ from harness.sweep.folder import opened
 from harness.sweep.partition import compute, compute_for
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
-from tests.harness.sweep.conftest import table
-
-Planned = Callable[..., SweepPlan]
+from tests.support.sweeps import make_plan, table
 
 ENGINE = """
 import time
@@ -70,10 +67,10 @@ def rates(log: Path) -> list[float]:
 
 @pytest.mark.slow
 def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
-    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     log = installed(tmp_path, monkeypatch, "patient", seconds=0.3)
-    chosen = planned(
+    chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:1.9:18", engine="patient", quantities=["period_s"]
     )
     limits = Limits(seconds=5.0)  # of 5.4 that the partition takes
@@ -89,10 +86,10 @@ def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
 
 @pytest.mark.slow
 def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
-    planned: Planned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     log = installed(tmp_path, monkeypatch, "stuck", seconds=0.0)
-    chosen = planned(
+    chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:3:9", engine="stuck", quantities=["period_s"]
     )
     limits = Limits(seconds=4.0)
@@ -107,10 +104,8 @@ def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
     assert rates(log).count(2.0) == 2
 
 
-def test_a_task_takes_on_what_it_has_time_for(
-    planned: Planned, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    chosen = planned(
+def test_a_task_takes_on_what_it_has_time_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:3:100", engine="mujoco", quantities=["epsilon"]
     )
     clock = 0.0
@@ -137,8 +132,8 @@ def test_a_task_takes_on_what_it_has_time_for(
     assert [len(block) for block in blocks] == [90]
 
 
-def test_rows_in_blocks_are_to_the_bit_those_of_the_whole(planned: Planned) -> None:
-    chosen = planned(
+def test_rows_in_blocks_are_to_the_bit_those_of_the_whole() -> None:
+    chosen = make_plan(
         "gentle-rock",
         "release.psi_dot=1.5:2.5:12",
         engine="mujoco",

@@ -3,8 +3,6 @@
 They are written out here and not imported: whoever changes one in the code is told.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -13,36 +11,35 @@ from harness.core.errors import InvalidSettingError
 from harness.sweep.overview import Curves, Map
 from harness.sweep.plan import SweepPlan
 from harness.sweep.values import SOURCES
+from tests.support.sweeps import make_plan
 
-Planned = Callable[..., SweepPlan]
 
-
-def test_a_sweep_has_a_billion_scenes_at_most(planned: Planned) -> None:
+def test_a_sweep_has_a_billion_scenes_at_most() -> None:
     def of(count: int) -> SweepPlan:
-        return planned("gentle-rock", f"release.psi_dot=0.5:2:{count}")
+        return make_plan("gentle-rock", f"release.psi_dot=0.5:2:{count}")
 
     assert of(1_000_000_000).rows == 1_000_000_000
     with pytest.raises(InvalidSettingError, match="at most 1000000000 scenes in all"):
         of(1_000_000_001)
 
 
-def test_a_partition_has_32768_exact_bounces_or_256_runs(planned: Planned) -> None:
+def test_a_partition_has_32768_exact_bounces_or_256_runs() -> None:
     axis = "release.psi_dot=0.5:2:99999"
-    assert planned("gentle-rock", axis).rows_per_partition == 32_768
-    runs = planned("gentle-rock", axis, engine="mujoco", timestep=1e-3)
+    assert make_plan("gentle-rock", axis).rows_per_partition == 32_768
+    runs = make_plan("gentle-rock", axis, engine="mujoco", timestep=1e-3)
     assert runs.rows_per_partition == 256
 
 
 @pytest.mark.parametrize(("count", "cells"), [(399, 399), (400, 400), (401, 400)])
-def test_a_map_has_four_hundred_cells_across(planned: Planned, count: int, cells: int) -> None:
-    plan = planned("gentle-rock", f"release.psi_dot=1:2:{count}", "release.theta_dot=1:2:3")
+def test_a_map_has_four_hundred_cells_across(count: int, cells: int) -> None:
+    plan = make_plan("gentle-rock", f"release.psi_dot=1:2:{count}", "release.theta_dot=1:2:3")
     assert Map(plan).image(plan.quantities[0]).shape == (3, cells)
 
 
 @pytest.mark.parametrize(("scenes", "cells"), [(199, 9), (200, 10), (201, 10)])
-def test_a_cell_has_two_scenes_of_a_sample(planned: Planned, scenes: int, cells: int) -> None:
+def test_a_cell_has_two_scenes_of_a_sample(scenes: int, cells: int) -> None:
     axes = ("release.psi_dot=1:2", "release.theta_dot=1:2")
-    plan = planned("gentle-rock", *axes, sample="random", count=scenes, seed=1)
+    plan = make_plan("gentle-rock", *axes, sample="random", count=scenes, seed=1)
     assert Map(plan).image(plan.quantities[0]).shape == (cells, cells)
 
 
@@ -56,9 +53,9 @@ def curves(plan: SweepPlan, values: np.ndarray) -> Curves:
 
 
 @pytest.mark.parametrize(("names", "panels"), [(5, 5), (6, 6), (7, 6)])
-def test_six_quantities_are_drawn(planned: Planned, names: int, panels: int) -> None:
+def test_six_quantities_are_drawn(names: int, panels: int) -> None:
     asked = tuple(SOURCES)[:names]
-    plan = planned(
+    plan = make_plan(
         "gentle-rock", "release.psi_dot=1:2:4", engine="mujoco", timestep=1e-3, quantities=asked
     )
     assert len(plan.quantities) == names
@@ -66,16 +63,14 @@ def test_six_quantities_are_drawn(planned: Planned, names: int, panels: int) -> 
 
 
 @pytest.mark.parametrize(("scenes", "points"), [(20_000, 20_000), (20_001, 10_001)])
-def test_a_curve_has_twenty_thousand_points(planned: Planned, scenes: int, points: int) -> None:
-    plan = planned("gentle-rock", f"release.psi_dot=1:2:{scenes}")
+def test_a_curve_has_twenty_thousand_points(scenes: int, points: int) -> None:
+    plan = make_plan("gentle-rock", f"release.psi_dot=1:2:{scenes}")
     x, _ = curves(plan, np.ones(scenes)).curve(plan.quantities[0])
     assert len(x) == points
 
 
 @pytest.mark.parametrize(("largest", "log"), [(99.9, False), (100.1, True)])
-def test_from_two_decades_on_an_axis_is_logarithmic(
-    planned: Planned, largest: float, *, log: bool
-) -> None:
-    plan = planned("gentle-rock", "release.psi_dot=1:2:3")
+def test_from_two_decades_on_an_axis_is_logarithmic(largest: float, *, log: bool) -> None:
+    plan = make_plan("gentle-rock", "release.psi_dot=1:2:3")
     (panel, *_) = curves(plan, np.array([1.0, 2.0, largest])).figure().panels
     assert panel.log_y is log

@@ -3,9 +3,7 @@
 import fcntl
 import os
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import pytest
 
@@ -24,8 +22,7 @@ from harness.evaluation.timing import (
 from harness.execution.limits import Limits
 from harness.execution.worker import Loss, LostTaskError
 from models import Scene
-
-Evaluator = Callable[..., Any]
+from tests.support.evaluations import evaluated
 
 
 def test_a_case_that_takes_its_process_along_is_named_and_not_timed(gentle: Scene) -> None:
@@ -89,14 +86,14 @@ def test_two_tasks_of_one_program_are_not_at_once_either() -> None:
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_solver_iterations_are_counted(engine: str, gentle: Scene, evaluated: Evaluator) -> None:
+def test_solver_iterations_are_counted(engine: str, gentle: Scene) -> None:
     one = evaluated(gentle, engine, 1e-3)
     found = iterations(one.simulation)
     assert found is not None
     assert 1.0 <= found <= 50.0
 
 
-def test_more_sweeps_are_more_iterations(gentle: Scene, evaluated: Evaluator) -> None:
+def test_more_sweeps_are_more_iterations(gentle: Scene) -> None:
     few = iterations(evaluated(gentle, "pybullet", 1e-3, numSolverIterations=2).simulation)
     many = iterations(evaluated(gentle, "pybullet", 1e-3).simulation)
     assert few is not None

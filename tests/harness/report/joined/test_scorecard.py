@@ -18,8 +18,8 @@ def rows(table: Table) -> "dict[tuple[str, str], pd.Series[object]]":
     return {(row["engine"], row["profile"]): row for _, row in table.frame.iterrows()}
 
 
-def test_a_row_is_filled_from_three_studies(studies: list[Section]) -> None:
-    row = rows(tables(studies)["engines"])["mujoco", "matched"]
+def test_a_row_is_filled_from_three_studies(study_sections: list[Section]) -> None:
+    row = rows(tables(study_sections)["engines"])["mujoco", "matched"]
     assert row["turn_error_deg"] == 0.3
     assert row["locus_error_mm"] == 1.0
     assert str(row["turn_error_deg_verdict"]) == "agrees"
@@ -30,8 +30,8 @@ def test_a_row_is_filled_from_three_studies(studies: list[Section]) -> None:
     assert str(row["price_s_s_verdict"]) == "cheapest"
 
 
-def test_what_was_not_measured_is_said_with_the_command(studies: list[Section]) -> None:
-    alone = [chapter for chapter in studies if chapter.compares]
+def test_what_was_not_measured_is_said_with_the_command(study_sections: list[Section]) -> None:
+    alone = [chapter for chapter in study_sections if chapter.compares]
     for row in rows(tables(alone)["engines"]).values():
         assert pd.isna(row["stability_percent"])
         assert (
@@ -46,7 +46,7 @@ def test_what_was_not_measured_is_said_with_the_command(studies: list[Section]) 
     ]
 
 
-def test_a_failure_in_a_hard_case_is_named(studies: list[Section]) -> None:
+def test_a_failure_in_a_hard_case_is_named(study_sections: list[Section]) -> None:
     def coarse(chapter: Section) -> Section:
         return replace(
             chapter,
@@ -58,14 +58,16 @@ def test_a_failure_in_a_hard_case_is_named(studies: list[Section]) -> None:
             ),
         )
 
-    row = rows(tables([coarse(chapter) for chapter in studies])["engines"])["mujoco", "matched"]
+    row = rows(tables([coarse(chapter) for chapter in study_sections])["engines"])[
+        "mujoco", "matched"
+    ]
     assert row["stability_percent"] == 50.0
     words = "deviates: 1 of 2 hard cases fail"
     assert str(row["stability_percent_verdict"]) == words
 
 
-def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Section]) -> None:
-    causes = tables(studies)["causes"].frame
+def test_causes_are_ranked_by_size_with_their_experiment(study_sections: list[Section]) -> None:
+    causes = tables(study_sections)["causes"].frame
     turn, locus = (rows for _, rows in causes.groupby("quantity", sort=False))
     assert turn["cause"].tolist() == ["timestep", "compliance"]
     assert turn["rank"].tolist() == [1, 2]
@@ -76,32 +78,34 @@ def test_causes_are_ranked_by_size_with_their_experiment(studies: list[Section])
     assert causes["command"].tolist()[0] == "rockingcan run --close timestep"
 
 
-def test_of_two_attributions_of_an_engine_the_last_counts(studies: list[Section]) -> None:
-    once, twice = (tables(chapters)["causes"].frame for chapters in (studies, studies * 2))
+def test_of_two_attributions_of_an_engine_the_last_counts(study_sections: list[Section]) -> None:
+    once, twice = (
+        tables(chapters)["causes"].frame for chapters in (study_sections, study_sections * 2)
+    )
     turns = [f[f["quantity"] == once["quantity"][0]] for f in (once, twice)]
     assert turns[0]["cause"].tolist() == ["timestep", "compliance"]
     assert set(turns[1]["rank"]) == {1, 2}
     assert turns[1].drop_duplicates()["cause"].tolist() == turns[0]["cause"].tolist()
 
 
-def test_a_scene_has_its_own_scorecard(studies: list[Section]) -> None:
-    own = tables(studies)["gentle-rock-engines"]
+def test_a_scene_has_its_own_scorecard(study_sections: list[Section]) -> None:
+    own = tables(study_sections)["gentle-rock-engines"]
     assert own.scene == "gentle-rock"
     assert len(own.frame) == 2
     assert "price_s_s" not in own.frame
 
 
-def test_a_report_without_a_comparison_has_none(studies: list[Section]) -> None:
-    assert derived([chapter for chapter in studies if not chapter.compares]) == ()
+def test_a_report_without_a_comparison_has_none(study_sections: list[Section]) -> None:
+    assert derived([chapter for chapter in study_sections if not chapter.compares]) == ()
 
 
-def test_every_column_is_told(studies: list[Section]) -> None:
-    for table in derived(studies):
+def test_every_column_is_told(study_sections: list[Section]) -> None:
+    for table in derived(study_sections):
         assert list(table.columns) == list(table.frame.columns)
         assert all(meaning.endswith(".") for meaning in table.columns.values())
 
 
-def test_the_summary_has_numbers_with_verdicts(joined: Path) -> None:
-    text = (joined / "summary.md").read_text(encoding="utf-8")
+def test_the_summary_has_numbers_with_verdicts(joined_report: Path) -> None:
+    text = (joined_report / "summary.md").read_text(encoding="utf-8")
     assert "0.3, deviates by a factor 3" in text
     assert "2.5, cheapest" in text

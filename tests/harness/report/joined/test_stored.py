@@ -24,20 +24,20 @@ def contents(folder: Path) -> dict[str, bytes]:
     }
 
 
-@pytest.mark.parametrize("name", ["joined", "hostile_joined"])
+@pytest.mark.parametrize("name", ["joined_report", "hostile_joined_report"])
 def test_what_is_read_back_makes_the_same_report(
-    name: str, request: pytest.FixtureRequest, made: Provenance, tmp_path: Path
+    name: str, request: pytest.FixtureRequest, provenance: Provenance, tmp_path: Path
 ) -> None:
     folder: Path = request.getfixturevalue(name)
     title = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["title"]
-    write_chapters(read_report(folder), tmp_path / "again", title=title, provenance=made)
+    write_chapters(read_report(folder), tmp_path / "again", title=title, provenance=provenance)
     assert contents(tmp_path / "again") == contents(folder)
 
 
 def test_joining_what_was_written_apart_is_the_same_as_writing_it_together(
-    studies: list[Section], joined: Path, made: Provenance, tmp_path: Path
+    study_sections: list[Section], joined_report: Path, provenance: Provenance, tmp_path: Path
 ) -> None:
-    for number, chapter in enumerate(studies):
+    for number, chapter in enumerate(study_sections):
         write_report(
             chapter.artefacts,
             tmp_path / str(number),
@@ -46,13 +46,15 @@ def test_joining_what_was_written_apart_is_the_same_as_writing_it_together(
             provenance=chapter.provenance,
         )
     parts = [
-        chapter for number in range(len(studies)) for chapter in read_report(tmp_path / str(number))
+        chapter
+        for number in range(len(study_sections))
+        for chapter in read_report(tmp_path / str(number))
     ]
-    write_chapters(parts, tmp_path / "together", title="All studies", provenance=made)
-    assert contents(tmp_path / "together") == contents(joined)
+    write_chapters(parts, tmp_path / "together", title="All studies", provenance=provenance)
+    assert contents(tmp_path / "together") == contents(joined_report)
 
 
-def test_every_kind_of_cell_comes_back(made: Provenance, tmp_path: Path) -> None:
+def test_every_kind_of_cell_comes_back(provenance: Provenance, tmp_path: Path) -> None:
     frame = pd.DataFrame(
         {
             "float": [0.1 + 0.2, np.nan, np.inf, -np.inf],
@@ -73,7 +75,7 @@ def test_every_kind_of_cell_comes_back(made: Provenance, tmp_path: Path) -> None
         tmp_path / "report",
         title="t",
         cases=(),
-        provenance=made,
+        provenance=provenance,
     )
     (chapter,) = read_report(tmp_path / "report")
     table, drawn = chapter.artefacts
@@ -83,7 +85,7 @@ def test_every_kind_of_cell_comes_back(made: Provenance, tmp_path: Path) -> None
     assert drawn.panels[0].x_range == (0.0, 1.0)
     assert drawn.panels[0].heat is not None
     np.testing.assert_array_equal(drawn.panels[0].heat.z, heat.z)
-    assert chapter.provenance.to_dict() == made.to_dict()
+    assert chapter.provenance.to_dict() == provenance.to_dict()
 
 
 def test_a_folder_without_a_report_is_refused(tmp_path: Path) -> None:
@@ -101,15 +103,17 @@ def test_a_broken_record_is_refused(text: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("version", [1, 3])
-def test_another_version_is_refused(version: int, joined: Path, tmp_path: Path) -> None:
-    told = json.loads((joined / "artefacts.json").read_text(encoding="utf-8"))
+def test_another_version_is_refused(version: int, joined_report: Path, tmp_path: Path) -> None:
+    told = json.loads((joined_report / "artefacts.json").read_text(encoding="utf-8"))
     (tmp_path / "artefacts.json").write_text(json.dumps(told | {"version": version}))
     with pytest.raises(ReportError, match=f"of version {version}, this reads 2; write"):
         read_report(tmp_path)
 
 
-def test_a_case_of_two_studies_is_listed_once(joined: Path, studies: list[Section]) -> None:
-    manifest = json.loads((joined / "manifest.json").read_text(encoding="utf-8"))
+def test_a_case_of_two_studies_is_listed_once(
+    joined_report: Path, study_sections: list[Section]
+) -> None:
+    manifest = json.loads((joined_report / "manifest.json").read_text(encoding="utf-8"))
     digests = [case["digest"] for case in manifest["cases"]]
     assert len(digests) == len(set(digests)) == 3
-    assert sum(len(chapter.cases) for chapter in studies) == 4
+    assert sum(len(chapter.cases) for chapter in study_sections) == 4

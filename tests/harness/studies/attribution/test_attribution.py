@@ -3,7 +3,6 @@
 import json
 import math
 import shlex
-from collections.abc import Callable
 
 import pandas as pd
 import pytest
@@ -11,13 +10,12 @@ import pytest
 from harness.cli.main import code_of
 from harness.core.report_model import Figure, Prose, Table
 from harness.core.simulation import Outcome
-from harness.evaluation.evaluation import Evaluation
 from harness.studies.attribution.study import Attribution, AttributionStudy
 from harness.studies.shared.ablation import ablation_path, total
 from harness.studies.study import run_study
-from models import Scene
+from models import Scene, load
+from tests.support.evaluations import evaluated
 
-Evaluator = Callable[..., Evaluation]
 _SCALES = {"turn_error_deg": 360.0, "contact_locus_rms_m": 0.1, "phi_rms_rad": 1.0}
 
 
@@ -37,7 +35,7 @@ def test_no_run_is_stopped_at_the_gate(found: Attribution) -> None:
     assert {e.simulation.outcome for e in found.evaluations.values()} == {Outcome.FINISHED}
 
 
-def test_the_parts_sum_to_the_whole(found: Attribution, evaluated: Evaluator) -> None:
+def test_the_parts_sum_to_the_whole(found: Attribution) -> None:
     shipped = evaluated("gentle-rock", found.path.engine, profile="default").errors
     matched = evaluated("gentle-rock", found.path.engine).errors
     assert shipped is not None
@@ -113,8 +111,10 @@ def test_who_is_to_blame(found: Attribution) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_a_turn_that_cannot_be_counted_is_not_attributed(paper: Scene, engine: str) -> None:
-    study = AttributionStudy(path=ablation_path(paper, engine, 1e-6, first=("timestep",)))
+def test_a_turn_that_cannot_be_counted_is_not_attributed(engine: str) -> None:
+    study = AttributionStudy(
+        path=ablation_path(load("paper-release"), engine, 1e-6, first=("timestep",))
+    )
     found = study.findings(run_study(study))
     turn, locus = found.accounts["turn_error_deg"], found.accounts["contact_locus_rms_m"]
     assert turn.whole is None  # a step as shipped is longer than the bounce

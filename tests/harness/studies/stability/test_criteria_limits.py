@@ -5,7 +5,6 @@ code is told which sentence no longer holds.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -20,7 +19,7 @@ from harness.metrics.motion import Motion, motion
 from harness.studies.stability.failure_criteria import StabilityStatus, classify, stuck_flat
 from models import Horizon, Scene, quaternion
 from models.kinematics import angles
-from tests.harness.studies.changed_motions import (
+from tests.support.changed_motions import (
     SCENE,
     Change,
     changed,
@@ -29,9 +28,9 @@ from tests.harness.studies.changed_motions import (
     run_of,
     turn_further,
 )
+from tests.support.trajectories import make_trajectory
 
 CAN = SCENE.can
-Made = Callable[..., Trajectory]
 
 
 def verdict(exact: Trajectory, change: Change, scene: Scene = SCENE) -> tuple[StabilityStatus, str]:
@@ -107,11 +106,11 @@ def test_a_bounce_is_missing_that_ends_before_98_percent_of_the_motion(
     assert ("bounces missing" in words) is missing
 
 
-def leaning(made: Made, *phi: float, last: float = 1.0) -> Motion:
+def leaning(*phi: float, last: float = 1.0) -> Motion:
     """Return a motion that leans so far at even times from 0 on."""
     tilts = np.array(phi)
     zero = np.zeros(len(tilts))
-    record = made(
+    record = make_trajectory(
         len(tilts),
         time=np.linspace(0.0, last, len(tilts)),
         quaternion=quaternion(tilts, zero, zero),
@@ -126,25 +125,23 @@ def flat(own: Motion, true: Motion | None, scene: Scene = SCENE) -> bool:
 
 
 @pytest.mark.parametrize(("share", "lies"), [(0.0499, True), (0.0501, False)])
-def test_below_a_twentieth_of_the_largest_phi_a_can_is_flat(
-    made: Made, share: float, *, lies: bool
-) -> None:
-    own = leaning(made, 0.4, 0.4 * share, 0.4 * share)
-    assert flat(own, leaning(made, 0.4, 0.01, 0.4)) is lies
+def test_below_a_twentieth_of_the_largest_phi_a_can_is_flat(share: float, *, lies: bool) -> None:
+    own = leaning(0.4, 0.4 * share, 0.4 * share)
+    assert flat(own, leaning(0.4, 0.01, 0.4)) is lies
 
 
 @pytest.mark.parametrize(("share", "rises"), [(0.499, False), (0.501, True)])
 def test_above_half_of_the_largest_phi_the_exact_motion_is_not_flat(
-    made: Made, share: float, *, rises: bool
+    share: float, *, rises: bool
 ) -> None:
-    own = leaning(made, 0.4, 0.001, 0.001)
-    assert flat(own, leaning(made, 0.4, 0.01, 0.4 * share)) is rises
+    own = leaning(0.4, 0.001, 0.001)
+    assert flat(own, leaning(0.4, 0.01, 0.4 * share)) is rises
 
 
 @pytest.mark.parametrize(("share", "lies"), [(0.99, False), (1.01, True)])
 def test_without_an_exact_motion_a_can_is_flat_after_a_natural_time(
-    made: Made, share: float, *, lies: bool
+    share: float, *, lies: bool
 ) -> None:
     lasting = share * math.sqrt(CAN.radius / SCENE.gravity)
-    own = leaning(made, 0.4, 0.001, 0.001, last=2.0 * lasting)
+    own = leaning(0.4, 0.001, 0.001, last=2.0 * lasting)
     assert flat(own, None) is lies

@@ -15,7 +15,7 @@ from harness.studies.stability.failure_criteria import (
     free_rotation,
 )
 from models import Horizon, Scene, angular_velocity, load, quaternion, to_body
-from tests.harness.studies.changed_motions import Fields, changed, exact_trajectory, run_of
+from tests.support.changed_motions import Fields, changed, exact_trajectory, run_of
 
 Change = Callable[[Fields, np.ndarray], None]
 

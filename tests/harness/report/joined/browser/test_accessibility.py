@@ -1,12 +1,11 @@
 """The page by the rules of axe-core: contrast, landmarks, names, order; light, dark and narrow."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-Open = Callable[..., Any]
+from tests.support.browser import Open
 
 EVERYTHING = "article { content-visibility: visible !important; }"
 """Lays out what is far from the reader, too, so that it can be looked at."""
@@ -15,14 +14,16 @@ RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "be
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (1400, "dark"), (375, "light")])
-def test_axe_finds_nothing(width: int, scheme: str, browse: Open, axe: str, joined: Path) -> None:
-    page = browse(joined, width, color_scheme=scheme)
+def test_axe_finds_nothing(
+    width: int, scheme: str, browse: Open, axe: str, joined_report: Path
+) -> None:
+    page = browse(joined_report, width, color_scheme=scheme)
     assert complaints(page, axe) == []
 
 
 @pytest.mark.slow
-def test_axe_finds_nothing_in_a_real_report(browse: Open, axe: str, real: Path) -> None:
-    assert complaints(browse(real, color_scheme="dark"), axe) == []
+def test_axe_finds_nothing_in_a_real_report(browse: Open, axe: str, real_report: Path) -> None:
+    assert complaints(browse(real_report, color_scheme="dark"), axe) == []
 
 
 def complaints(page: Any, axe: str) -> list[tuple[str, object, str]]:  # noqa: ANN401
@@ -39,8 +40,10 @@ def complaints(page: Any, axe: str) -> list[tuple[str, object, str]]:  # noqa: A
     ]
 
 
-def test_everything_that_answers_can_be_reached_by_keyboard(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_everything_that_answers_can_be_reached_by_keyboard(
+    browse: Open, joined_report: Path
+) -> None:
+    page = browse(joined_report)
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.className") == "skip"
     reached = "button, a[href], input, select, summary, .graph, .scroll"

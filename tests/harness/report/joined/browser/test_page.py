@@ -1,12 +1,12 @@
 """The page in a browser, from disk and without a network: it draws, answers and fits."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-Open = Callable[..., Any]
+from tests.support.browser import Open
+
 PHONE = 375
 MINUS, NOTHING = "\N{MINUS SIGN}", "\N{EN DASH}"
 
@@ -25,16 +25,16 @@ def column(page: Any, number: int) -> list[str]:  # noqa: ANN401
     return [text.strip() for text in cells.all_text_contents()]
 
 
-def test_every_figure_draws_without_a_network(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_every_figure_draws_without_a_network(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     assert page.locator(".graph").evaluate_all(TRACES) == [3, 3, 3, 1, 1]
     assert page.locator(".figure.drawn").count() == 3
     assert not page.locator(".still").first.is_visible()  # the pictures are for paper
     assert page.locator(".modebar-btn").count() == 0  # none that sends anything away
 
 
-def test_a_link_in_the_contents_leads_there_and_draws(browse: Open, real: Path) -> None:
-    page = browse(real, whole=False)
+def test_a_link_in_the_contents_leads_there_and_draws(browse: Open, real_report: Path) -> None:
+    page = browse(real_report, whole=False)
     assert page.locator(".figure.drawn").count() == 0  # none is near the top of the page
     page.locator("nav a[href^='#figure-']").last.click()
     last = page.locator(".figure").last
@@ -43,8 +43,8 @@ def test_a_link_in_the_contents_leads_there_and_draws(browse: Open, real: Path) 
     assert page.locator(".figure.drawn").count() < page.locator(".figure").count()
 
 
-def test_every_figure_of_a_real_report_draws(browse: Open, real: Path) -> None:
-    page = browse(real)
+def test_every_figure_of_a_real_report_draws(browse: Open, real_report: Path) -> None:
+    page = browse(real_report)
     drawn = page.locator(".graph").evaluate_all(TRACES)
     assert len(drawn) == 3 + 3 + 1 + 2 + 2  # angles in the bounce and all, locus, friction, errors
     assert min(drawn) >= 2
@@ -52,8 +52,8 @@ def test_every_figure_of_a_real_report_draws(browse: Open, real: Path) -> None:
     assert page.locator(".figure.failed").count() == 0
 
 
-def test_the_legend_hides_and_shows(browse: Open, joined: Path) -> None:
-    figure = browse(joined).locator(".figure").first
+def test_the_legend_hides_and_shows(browse: Open, joined_report: Path) -> None:
+    figure = browse(joined_report).locator(".figure").first
     entry, graph = figure.locator(".entry").nth(1), figure.locator(".graph").first
     shown = graph.locator(".trace")
     entry.click()
@@ -64,8 +64,8 @@ def test_the_legend_hides_and_shows(browse: Open, joined: Path) -> None:
     assert entry.get_attribute("aria-pressed") == "true"
 
 
-def test_an_engine_is_shown_alone_and_again_with_all(browse: Open, joined: Path) -> None:
-    figure = browse(joined).locator(".figure").first
+def test_an_engine_is_shown_alone_and_again_with_all(browse: Open, joined_report: Path) -> None:
+    figure = browse(joined_report).locator(".figure").first
     entry, shown = figure.locator(".entry").nth(1), figure.locator(".graph").first.locator(".trace")
     pressed = figure.locator(".entry[aria-pressed=true]")
     entry.click(modifiers=["Shift"])
@@ -76,8 +76,10 @@ def test_an_engine_is_shown_alone_and_again_with_all(browse: Open, joined: Path)
     assert pressed.count() == 3
 
 
-def test_a_drag_zooms_panels_over_the_same_times_together(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_a_drag_zooms_panels_over_the_same_times_together(
+    browse: Open, joined_report: Path
+) -> None:
+    page = browse(joined_report)
     graph = page.locator(".figure").first.locator(".graph").first
     graph.scroll_into_view_if_needed()
     box = graph.locator(".nsewdrag").bounding_box()
@@ -98,8 +100,8 @@ def test_a_drag_zooms_panels_over_the_same_times_together(browse: Open, joined: 
     assert spans(page) == before
 
 
-def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     graph = page.locator(".figure").first.locator(".graph").first
     before = spans(page)[0]
     graph.press("+")
@@ -115,8 +117,10 @@ def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined: Path) -> N
     assert spans(page)[0] == before
 
 
-def test_tables_sort_numbers_by_value_and_put_nothing_last(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_tables_sort_numbers_by_value_and_put_nothing_last(
+    browse: Open, joined_report: Path
+) -> None:
+    page = browse(joined_report)
     head = page.locator("#table-scorecard thead th").nth(1)
     head.locator("button").click()
     assert head.get_attribute("aria-sort") == "ascending"
@@ -129,8 +133,8 @@ def test_tables_sort_numbers_by_value_and_put_nothing_last(browse: Open, joined:
     assert column(page, 1) == ["late", "mujoco", "pybullet"]
 
 
-def test_a_number_leads_to_its_case(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_a_number_leads_to_its_case(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     place = page.locator("#case-0123456789abcdef")
     assert not place.is_visible()
     page.locator("#table-engines a.case").first.click()
@@ -138,7 +142,7 @@ def test_a_number_leads_to_its_case(browse: Open, joined: Path) -> None:
     assert "rockingcan run gentle-rock" in place.inner_text()
 
 
-@pytest.mark.parametrize("name", ["joined", "hostile_joined", "real"])
+@pytest.mark.parametrize("name", ["joined_report", "hostile_joined_report", "real_report"])
 def test_no_sideways_scroll_on_a_phone(
     name: str, browse: Open, request: pytest.FixtureRequest
 ) -> None:
@@ -147,16 +151,18 @@ def test_no_sideways_scroll_on_a_phone(
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
 
 
-def test_hostile_texts_do_not_run(browse: Open, joined: Path, hostile_joined: Path) -> None:
-    page, plain = browse(hostile_joined), browse(joined)
+def test_hostile_texts_do_not_run(
+    browse: Open, joined_report: Path, hostile_joined_report: Path
+) -> None:
+    page, plain = browse(hostile_joined_report), browse(joined_report)
     assert page.title().startswith("=1+1</script><script>")
     assert page.locator(".graph").evaluate_all(TRACES) == [3, 3, 3, 1, 1]
     assert page.locator("script").count() == plain.locator("script").count()
     assert page.locator("img[onerror]").count() == 0
 
 
-def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     page.emulate_media(media="print")
     for still in page.locator(".still").all():
         still.wait_for(state="visible")  # with the next frame
@@ -164,8 +170,8 @@ def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined: Path) 
         assert not page.locator(hidden).first.is_visible(), hidden
 
 
-def test_without_scripts_pictures_and_tables_are_there(browse: Open, joined: Path) -> None:
-    page = browse(joined, whole=False, java_script_enabled=False)
+def test_without_scripts_pictures_and_tables_are_there(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report, whole=False, java_script_enabled=False)
     assert all(one.is_visible() for one in page.locator(".still").all())
     assert not page.locator(".replay").first.is_visible()
     assert page.locator("#table-engines tbody tr").count() == 2

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-Open = Callable[..., Any]
+from tests.support.browser import Open
 
 PAINTED = "canvases => canvases.map((canvas) => canvas.toDataURL())"
 
@@ -37,16 +37,16 @@ def pictures(element: Any) -> list[str]:  # noqa: ANN401
     return [str(one) for one in element.locator("canvas").evaluate_all(PAINTED)]
 
 
-def test_reference_and_engine_are_drawn_side_by_side(browse: Open, joined: Path) -> None:
-    element = replay(browse(joined))
+def test_reference_and_engine_are_drawn_side_by_side(browse: Open, joined_report: Path) -> None:
+    element = replay(browse(joined_report))
     exact, engine = pictures(element)
     assert exact != engine  # which is late, and has its own colour
     names = [name.strip() for name in element.locator("figcaption").all_text_contents()]
     assert names == ["exact", "MuJoCo"]
 
 
-def test_it_plays_to_its_end_and_again(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_it_plays_to_its_end_and_again(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     element = replay(page)
     play = element.locator(".play")
     assert play.inner_text() == "Play"
@@ -60,8 +60,8 @@ def test_it_plays_to_its_end_and_again(browse: Open, joined: Path) -> None:
     wait_until(page, lambda: 0 < frame(element) < LAST)
 
 
-def test_a_pause_holds_it(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_a_pause_holds_it(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     element = replay(page)
     element.locator("select").select_option("0.0625")
     element.locator(".play").press("Enter")
@@ -72,8 +72,8 @@ def test_a_pause_holds_it(browse: Open, joined: Path) -> None:
     assert frame(element) == held < LAST
 
 
-def test_the_slider_answers_to_the_keyboard(browse: Open, joined: Path) -> None:
-    element = replay(browse(joined))
+def test_the_slider_answers_to_the_keyboard(browse: Open, joined_report: Path) -> None:
+    element = replay(browse(joined_report))
     slider = element.locator("input")
     before = pictures(element)
     slider.press("ArrowRight")
@@ -84,15 +84,15 @@ def test_the_slider_answers_to_the_keyboard(browse: Open, joined: Path) -> None:
     assert slider.get_attribute("aria-valuetext") == "990.000 milliseconds"
 
 
-def test_it_goes_to_the_bounce(browse: Open, joined: Path) -> None:
-    element = replay(browse(joined))
+def test_it_goes_to_the_bounce(browse: Open, joined_report: Path) -> None:
+    element = replay(browse(joined_report))
     element.locator(".to-bounce").press("Enter")
     assert frame(element) == BOUNCE
     assert element.locator(".clock").inner_text().startswith("500.0000 ms; a second of watching")
 
 
-def test_who_wants_no_motion_gets_steps(browse: Open, joined: Path) -> None:
-    page = browse(joined, reduced_motion="reduce")
+def test_who_wants_no_motion_gets_steps(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report, reduced_motion="reduce")
     element = replay(page)
     button = element.locator(".play")
     assert button.inner_text() == "Step"
@@ -102,15 +102,15 @@ def test_who_wants_no_motion_gets_steps(browse: Open, joined: Path) -> None:
     assert frame(element) == stepped > 0
 
 
-def test_nothing_moves_by_itself(browse: Open, joined: Path) -> None:
-    page = browse(joined)
+def test_nothing_moves_by_itself(browse: Open, joined_report: Path) -> None:
+    page = browse(joined_report)
     element = replay(page)
     page.wait_for_timeout(300)
     assert frame(element) == 0
 
 
-def test_a_real_can_rolls(browse: Open, real: Path) -> None:
-    element = replay(browse(real, whole=False))
+def test_a_real_can_rolls(browse: Open, real_report: Path) -> None:
+    element = replay(browse(real_report, whole=False))
     before = pictures(element)
     element.locator(".to-bounce").click()
     for early, now in zip(before, pictures(element), strict=True):

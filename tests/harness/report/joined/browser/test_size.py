@@ -1,6 +1,5 @@
 """A page as large as that of the full suite may be answers within three seconds."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,7 @@ import pandas as pd
 from harness.core.provenance import Provenance
 from harness.core.report_model import Figure, Panel, Series, Table
 from harness.report.write import write_report
-
-Open = Callable[..., Any]
+from tests.support.browser import Open
 
 LARGEST = 12e6  # bytes
 PATIENCE = 12.0
@@ -43,10 +41,10 @@ def tables() -> list[Table]:
     return [table(0, 10), *(table(number, 400) for number in range(1, 9))]
 
 
-def test_a_large_page_answers_soon(browse: Open, made: Provenance, tmp_path: Path) -> None:
+def test_a_large_page_answers_soon(browse: Open, provenance: Provenance, tmp_path: Path) -> None:
     def write(name: str, *figures: Figure) -> Path:
         artefacts = (*figures, *tables())
-        return write_report(artefacts, tmp_path / name, title="t", cases=(), provenance=made)
+        return write_report(artefacts, tmp_path / name, title="t", cases=(), provenance=provenance)
 
     one, two = write("one", noisy(0)), write("two", noisy(0), noisy(1))
     each = two.stat().st_size - one.stat().st_size

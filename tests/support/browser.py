@@ -6,28 +6,24 @@ It is the Chromium that is installed, driven by Playwright; nothing is downloade
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.core.case import Case
-from harness.core.provenance import Provenance
-from harness.evaluation.evaluate import run_cases
-from harness.report.write import write_report
-from harness.studies.comparison.study import comparison_report
-from models.catalogue import load
-
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+_ROOT = Path(__file__).parents[2]
+
 DESK, PHONE = 1400, 375
 
 Open = Callable[..., Any]
+"""Opens the page of a report's folder."""
 
 
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """Give a browser, or say why these tests are left out."""
+@contextmanager
+def running_chromium() -> Iterator[Any]:
+    """Give a browser, or skip the test that asks for it."""
     if CHROMIUM is None:
         pytest.skip("chromium is not on the path: the page is not tried in a browser")
     playwright = pytest.importorskip(
@@ -39,8 +35,8 @@ def chromium() -> Iterator[Any]:
         browser.close()
 
 
-@pytest.fixture
-def browse(chromium: Any) -> Iterator[Open]:  # noqa: ANN401 - a browser of an optional package
+@contextmanager
+def watched_pages(chromium: Any) -> Iterator[Open]:  # noqa: ANN401 - of an optional package
     """Give a function that opens a report; at the end nothing may have been complained of."""
     said: list[str] = []
     fetched: list[str] = []
@@ -74,35 +70,9 @@ def see_all(page: Any) -> None:  # noqa: ANN401
     page.evaluate("scrollTo(0, 0)")
 
 
-@pytest.fixture(scope="session")
-def real(made: Provenance, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a report of both engines on one scene, as `validate` writes it."""
-    scene, out = load("gentle-rock"), tmp_path_factory.mktemp("real") / "report"
-    cases = [
-        Case(scene=scene, engine=engine, profile=profile, timestep=step)
-        for engine in ("mujoco", "pybullet")
-        for profile, step in (("default", None), ("adaptive", None), ("matched", 1e-3))
-    ]
-    evaluations = run_cases(cases)
-    told = [
-        {
-            "digest": e.simulation.case.digest(e.simulation.engine_version),
-            "label": e.simulation.case.label(),
-            "command": e.simulation.case.command(),
-        }
-        for e in evaluations
-    ]
-    write_report(
-        comparison_report(evaluations), out, title="Two engines", cases=told, provenance=made
-    )
-    return out
-
-
-@pytest.fixture(scope="session")
-def axe() -> str:
-    """Return the text of axe-core, or say why these tests are left out."""
-    root = Path(__file__).parents[5]
-    packed = root / ".cache" / "axe" / "node_modules" / "axe-core" / "axe.min.js"
+def axe_core() -> str:
+    """Return the text of axe-core, or skip the test that asks for it."""
+    packed = _ROOT / ".cache" / "axe" / "node_modules" / "axe-core" / "axe.min.js"
     path = Path(os.environ.get("AXE_CORE") or packed)
     if not path.is_file():
         pytest.skip(

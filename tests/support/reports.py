@@ -1,4 +1,4 @@
-"""One small report with everything in it, and one whose every text tries to break out."""
+"""Reports: a small one with everything in it, its texts as given, and one of real runs."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,12 +6,18 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
-import pytest
 
+from harness.core.case import Case
 from harness.core.provenance import Commit, Provenance
 from harness.core.report_model import Artefact, Figure, Panel, Prose, Series, Table
 from harness.core.verdict import Status, Verdict
+from harness.evaluation.evaluate import run_cases
 from harness.report.write import write_report
+from harness.studies.comparison.study import comparison_report
+from models import load
+
+Words = Callable[[str], str]
+"""Makes each text of a report."""
 
 HOSTILE = "</script><script>document.title='owned'</script><img src=x onerror=owned()>&\"'$_{%|`"
 
@@ -29,7 +35,7 @@ CASES = (
 )
 
 
-def angles(words: Callable[[str], str]) -> Figure:
+def angles(words: Words) -> Figure:
     """Return two panels over the same times and a third over others."""
     time = np.linspace(0.0, 0.2, 500)
     phi = np.abs(0.4 * np.cos(21.0 * time)) + 0.003
@@ -79,7 +85,7 @@ def angles(words: Callable[[str], str]) -> Figure:
     )
 
 
-def order(words: Callable[[str], str]) -> Figure:
+def order(words: Words) -> Figure:
     """Return points on logarithmic axes, of a kind without a name of its own, with hover texts."""
     step = np.array([1e-3, 1e-4, 1e-5, 1e-6])
     return Figure(
@@ -109,7 +115,7 @@ def order(words: Callable[[str], str]) -> Figure:
     )
 
 
-def locus(words: Callable[[str], str]) -> Figure:
+def locus(words: Words) -> Figure:
     """Return a closed curve in the plane."""
     turn = np.linspace(0.0, 2.0 * np.pi, 300)
     curve = Series(
@@ -132,7 +138,7 @@ def locus(words: Callable[[str], str]) -> Figure:
     )
 
 
-def scorecard(words: Callable[[str], str]) -> Table:
+def scorecard(words: Words) -> Table:
     """Return a table with numbers, a hole, a verdict and links to cases."""
     frame = pd.DataFrame(
         {
@@ -151,7 +157,7 @@ def scorecard(words: Callable[[str], str]) -> Table:
     return Table(name=words("scorecard"), title=words("Scorecard"), frame=frame, columns=told)
 
 
-def everything(words: Callable[[str], str]) -> tuple[Artefact, ...]:
+def everything(words: Words) -> tuple[Artefact, ...]:
     """Return artefacts of all kinds; `words` makes each of their texts."""
     parity = pd.DataFrame({"quantity": [words("mass")], "found_kg": [0.043]})
     return (
@@ -180,8 +186,8 @@ def everything(words: Callable[[str], str]) -> tuple[Artefact, ...]:
     )
 
 
-@pytest.fixture(scope="session")
-def made() -> Provenance:
+def provenance() -> Provenance:
+    """Return where a report was made, as another machine would tell it."""
     return Provenance(
         rockingcan="0.1.0",
         python="3.11.7",
@@ -194,32 +200,42 @@ def made() -> Provenance:
     )
 
 
-@pytest.fixture(scope="session")
-def artefacts() -> tuple[Artefact, ...]:
-    return everything(lambda text: text)
+def hostile_words(text: str) -> str:
+    """Return a text that tries to break out."""
+    return f"{text} {HOSTILE}"
 
 
-@pytest.fixture(scope="session")
-def hostile() -> tuple[Artefact, ...]:
-    return everything(lambda text: f"{text} {HOSTILE}")
-
-
-@pytest.fixture(scope="session")
-def report(
-    artefacts: tuple[Artefact, ...], made: Provenance, tmp_path_factory: pytest.TempPathFactory
-) -> Path:
-    """Return the folder of a written report."""
-    out = tmp_path_factory.mktemp("written") / "report"
-    write_report(artefacts, out, title="Two engines", cases=CASES, provenance=made)
+def write_small_report(out: Path, words: Words = str) -> Path:
+    """Write a report of every kind of artefact, and return its folder."""
+    cases = [{key: words(value) for key, value in case.items()} for case in CASES]
+    write_report(
+        everything(words), out, title=words("Two engines"), cases=cases, provenance=provenance()
+    )
     return out
 
 
-@pytest.fixture(scope="session")
-def hostile_report(
-    hostile: tuple[Artefact, ...], made: Provenance, tmp_path_factory: pytest.TempPathFactory
-) -> Path:
-    """Return the folder of a written report whose every text tries to break out."""
-    out = tmp_path_factory.mktemp("hostile") / "report"
-    cases = [{key: f"{value} {HOSTILE}" for key, value in case.items()} for case in CASES]
-    write_report(hostile, out, title=f"Two engines {HOSTILE}", cases=cases, provenance=made)
+def write_real_report(out: Path) -> Path:
+    """Write a report of both engines on one scene as `validate` does, and return its folder."""
+    scene = load("gentle-rock")
+    cases = [
+        Case(scene=scene, engine=engine, profile=profile, timestep=step)
+        for engine in ("mujoco", "pybullet")
+        for profile, step in (("default", None), ("adaptive", None), ("matched", 1e-3))
+    ]
+    evaluations = run_cases(cases)
+    told = [
+        {
+            "digest": e.simulation.case.digest(e.simulation.engine_version),
+            "label": e.simulation.case.label(),
+            "command": e.simulation.case.command(),
+        }
+        for e in evaluations
+    ]
+    write_report(
+        comparison_report(evaluations),
+        out,
+        title="Two engines",
+        cases=told,
+        provenance=provenance(),
+    )
     return out

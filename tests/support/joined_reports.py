@@ -1,28 +1,25 @@
-"""A report of four small studies, and the same with every text trying to break out."""
+"""A report of four small studies, its texts as given, and texts that try to break out."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Body, Prose, Replay, Table
 from harness.core.verdict import Status, Verdict
 from harness.report.layout import Section
 from harness.report.write import write_chapters
+from tests.support.reports import Words, provenance
 
 HOSTILE = (
     "=1+1</script><script>document.title='owned'</script><img src=x onerror=owned()>&\"'\x0b]]>"
 )
 
-Words = Callable[[str], str]
-
 DIGEST = "0123456789abcdef"
-"""Of a case that the fixtures of a single report list."""
+"""Of a case that the small report lists too."""
 
 EXPERIMENT = "aaaabbbbccccdddd"
 
@@ -201,34 +198,17 @@ CASES = [
 ]
 
 
-@pytest.fixture(scope="session")
-def studies(artefacts: tuple[Artefact, ...], made: Provenance) -> list[Section]:
-    return chapters(artefacts, made, CASES, lambda text: text)
+def hostile_words(text: str) -> str:
+    """Return a text that tries to break out."""
+    return f"{HOSTILE} {text}"
 
 
-@pytest.fixture(scope="session")
-def joined(
-    studies: list[Section], made: Provenance, tmp_path_factory: pytest.TempPathFactory
-) -> Path:
-    """Return the folder of a report of four studies."""
-    out = tmp_path_factory.mktemp("joined") / "report"
-    write_chapters(studies, out, title="All studies", provenance=made)
-    return out
-
-
-@pytest.fixture(scope="session")
-def hostile_joined(
-    hostile: tuple[Artefact, ...], made: Provenance, tmp_path_factory: pytest.TempPathFactory
-) -> Path:
-    """Return the same, of a scene file whose every text tries to break out."""
-    out = tmp_path_factory.mktemp("hostile-joined") / "report"
-
-    def evil(text: str) -> str:
-        return f"{HOSTILE} {text}"
-
+def write_joined_report(artefacts: tuple[Artefact, ...], out: Path, words: Words = str) -> Path:
+    """Write a report of four studies, and return its folder."""
     cases = [
-        {key: evil(value) if key != "digest" else value for key, value in case.items()}
+        {key: words(value) if key != "digest" else value for key, value in case.items()}
         for case in CASES
     ]
-    write_chapters(chapters(hostile, made, cases, evil), out, title=evil("All"), provenance=made)
+    sections = chapters(artefacts, provenance(), cases, words)
+    write_chapters(sections, out, title=words("All studies"), provenance=provenance())
     return out

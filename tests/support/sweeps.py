@@ -1,43 +1,22 @@
-"""Small sweeps of the paper's can."""
+"""Sweeps carried out in this process, and what they left."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
-import pytest
 
 from harness.execution.isolated_pool import SerialExecutor
-from harness.sweep import plan
 from harness.sweep.axes import read_axis
 from harness.sweep.folder import opened
 from harness.sweep.plan import SweepPlan, plan_sweep
 from harness.sweep.run import run_sweep
 from models import load
 
-Planned = Callable[..., SweepPlan]
 
-
-@pytest.fixture
-def planned() -> Planned:
-    """Return a function that plans a sweep of a scene over axes as they are typed."""
-
-    def make(scene: str, *over: str, **more: object) -> SweepPlan:
-        return plan_sweep(load(scene), [read_axis(text) for text in over], **more)  # type: ignore[arg-type]
-
-    return make
-
-
-@pytest.fixture
-def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cut sweeps small, so that a few rows are many partitions."""
-    monkeypatch.setattr(plan, "EXACT_ROWS", 50)
-    monkeypatch.setattr(plan, "ENGINE_ROWS", 3)
-
-
-@pytest.fixture
-def chosen(planned: Planned) -> SweepPlan:
-    """Return a sweep of 225 releases."""
-    return planned("gentle-rock", "release.psi_dot=1:3:15", "release.theta_dot=-2:0:15")
+def make_plan(scene: str, *over: str, **more: Any) -> SweepPlan:  # noqa: ANN401 - its arguments
+    """Plan a sweep of a scene over axes as they are typed."""
+    return plan_sweep(load(scene), [read_axis(text) for text in over], **more)
 
 
 def carried_out(out: Path, chosen: SweepPlan) -> pd.DataFrame:

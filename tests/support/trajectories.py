@@ -1,0 +1,24 @@
+"""Trajectories made by hand."""
+
+from typing import Any
+
+import numpy as np
+
+from harness.core.trajectory import Trajectory
+
+
+def make_trajectory(samples: int, **given: Any) -> Trajectory:  # noqa: ANN401 - arrays by name
+    """Return a trajectory of n samples, s apart, at rest at the origin but for what is given."""
+    ones = np.ones(samples)
+    fields = {
+        "time": np.arange(samples, dtype=float),
+        "position": np.zeros((samples, 3)),
+        "quaternion": np.outer(ones, (1.0, 0.0, 0.0, 0.0)),
+        "velocity": np.zeros((samples, 3)),
+        "angular_velocity": np.zeros((samples, 3)),
+        "contact_point": np.zeros((samples, 3)),
+        "contact_force": np.outer(ones, (0.0, 0.0, 1.0)),
+        "penetration": np.zeros(samples),
+        "contact_count": np.ones(samples, dtype=np.int64),
+    }
+    return Trajectory(**(fields | given))
