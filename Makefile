@@ -1,5 +1,8 @@
-# `make validate` and `make test` need Python 3.11 or later with pip, and nothing else.
-PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3,$(if $(shell command -v $(name) 2>/dev/null),$(name))))
+# `make validate` and `make test` need Python 3.11 or later with pip, and nothing else: the first
+# that runs, since a name on the path may be a shim of one that is not installed.
+PYTHON ?= $(or $(firstword $(foreach name,python3.11 python3.12 python3.13 python3,$(shell \
+	$(name) -c 'import sys; sys.version_info >= (3, 11) and print("$(name)")' 2>/dev/null))),\
+	$(error no Python 3.11 or later is on the path: name one with PYTHON=...))
 VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= quick

@@ -12,7 +12,7 @@ import pandas as pd
 
 from harness.core.case import Case, Value
 from harness.core.report_model import Artefact
-from harness.engines.registry import names
+from harness.engines.registry import left_out, names
 from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
@@ -104,7 +104,7 @@ def compare(
     ----------
     scene : Scene or str
     engines : sequence of str, optional
-        All but the reference if left out.
+        All that are installed but the reference if left out.
     profiles : sequence of str
     timesteps : sequence of float or None
         s; None is the profile's own. Profile "default" runs at its own timestep only.
@@ -194,7 +194,7 @@ def suite(
     name : str
         "quick" or "full".
     engines : sequence of str, optional
-        All but the reference if left out.
+        All that are installed but the reference if left out.
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
     """
@@ -218,7 +218,7 @@ def validate(
     name : str
         "quick" or "full".
     engines : sequence of str, optional
-        All but the reference if left out.
+        All that are installed but the reference if left out.
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
     jobs : int
@@ -241,10 +241,10 @@ def validate(
 
 
 def stepping_engines(engines: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the engines to compare: those named, or all but the reference."""
+    """Return the engines to compare: those named, or all that are installed but the reference."""
     if engines:
         return tuple(dict.fromkeys(engines))
-    return tuple(name for name in names() if name != "reference")
+    return tuple(name for name in names() if name not in {"reference", *left_out()})
 
 
 def _scene(scene: Scene | str) -> Scene:

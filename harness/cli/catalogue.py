@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 
 from harness.cli import terminal
 from harness.cli.options import STORE, Json
@@ -174,7 +175,7 @@ def _engine_answer(name: str) -> dict[str, Any]:
 def _row(answer: dict[str, Any]) -> tuple[str, ...]:
     """Return the row of an engine."""
     if not answer["installed"]:
-        return answer["name"], "not installed", answer["message"], ""
+        return answer["name"], "not installed", escape(answer["message"]), ""
     imposes = "; ".join(f"{effect}: {what}" for effect, what in answer["imposes"].items())
     honours = ", ".join(answer["honours"])
     return answer["name"], answer["version"], honours or "the ideal can only", imposes or "nothing"

@@ -135,7 +135,7 @@ app = typer.Typer(
     help=(
         "How faithful is an engine's rolling contact? A drinks can, tipped on its rim, rocks down, "
         "turns by 209 degrees, half of it in 40 microseconds, and rises again. The mathematics is "
-        "exact; this runs it in MuJoCo and PyBullet and says how far they are from it.\n\n"
+        "exact; this runs it in every engine installed and says how far each is from it.\n\n"
         "Start with [bold]rockingcan validate[/], then open reports/latest/index.html."
     ),
 )

@@ -19,7 +19,7 @@ from harness.cli.terminal import write_text
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, MissingPackageError
 from harness.core.report_model import Artefact, Table
-from harness.engines.registry import export_settings, timestep_of
+from harness.engines.registry import export_settings, left_out, timestep_of
 from harness.report.atomic_folder import check_writable
 from harness.studies.attribution.study import AttributionStudy
 from harness.studies.cost.design import plan_cost
@@ -145,7 +145,10 @@ def effects(  # noqa: PLR0917 - a parameter an option
     words = tuple(_assumption(word) for word in assume or ())
     plan = plan_effects(load(scene), engines, timestep=timestep, words=words, tolerance=tolerance)
     study = EffectsStudy(plan=plan)
-    run_command(study, running, out=out, json=json, answer=study.answer, show=_show_effects)
+    absent = () if engine else left_out()
+    run_command(
+        study, running, out=out, json=json, answer=study.answer, absent=absent, show=_show_effects
+    )
 
 
 def _show_effects(done: Results, artefacts: Sequence[Artefact]) -> None:
@@ -193,7 +196,8 @@ def stability(
     study = StabilityStudy(suite=SUITES[suite], engines=engines)
     names = {"largest-timesteps": (), "random-scenes": (), "summary": ()}
     show = shown(names | {f"verdict-{name}": () for name in engines})
-    done = run_command(study, running, out=out, json=json, show=show)
+    absent = () if engine else left_out()
+    done = run_command(study, running, out=out, json=json, absent=absent, show=show)
     if any(check.failure for checks in study.checks(done) for check in checks):
         raise typer.Exit(1)
 
@@ -270,7 +274,10 @@ def cost(  # noqa: PLR0917 - a parameter an option
         else:
             _print_settings(costs, target)
 
-    run_command(study, running, out=out / chosen.name, json=json, answer=study.answer, show=show)
+    folder, absent = out / chosen.name, () if engine else left_out()
+    run_command(
+        study, running, out=folder, json=json, answer=study.answer, absent=absent, show=show
+    )
 
 
 def _print_settings(costs: Cost, target: float) -> None:

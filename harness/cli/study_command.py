@@ -13,6 +13,7 @@ from harness.cli.run_options import RunOptions
 from harness.cli.terminal import to_json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
+from harness.engines.registry import how_to_add
 from harness.evaluation.timing import single_thread_executor
 from harness.progress import StudyBar
 from harness.report.atomic_folder import check_writable
@@ -49,6 +50,7 @@ def run_command(
     out: Path | None,
     json: bool,
     answer: Callable[[Results], Mapping[str, Any]] | None = None,
+    absent: Sequence[str] = (),
     show: Callable[[Results, Sequence[Artefact]], None],
 ) -> Results:
     """Run a study, write its report, and print its tables and words, or one JSON object.
@@ -62,15 +64,17 @@ def run_command(
     json : bool
     answer : callable, optional
         Returns what `--json` prints; all tables by name, row by row, if left out.
+    absent : sequence of str
+        Engines that would have run if they were installed.
     show : callable
         Prints what a person reads.
     """
     if out is not None:
         check_writable(out)
     done = run_with_progress(study, running)
-    artefacts = study.report(done)
+    artefacts, notes = study.report(done), not_installed(absent)
     page = out and write_report(
-        _with_summary(artefacts),
+        [*_with_summary(artefacts), *notes],
         out,
         title=f"rockingcan, {study.name}",
         cases=done.manifest(),
@@ -81,9 +85,17 @@ def run_command(
         typer.echo(to_json(answer(done) if answer else {a.name: records(a) for a in tables}))
         return done
     show(done, artefacts)
+    shown({"summary": ()})(done, notes)
     if page is not None:
         terminal.stdout_console().print(f"\nThe report: {page}")
     return done
+
+
+def not_installed(engines: Sequence[str]) -> tuple[Prose, ...]:
+    """Return what a report and the terminal say of engines that are absent; nothing without any."""
+    sentence = how_to_add(engines)
+    text = f"{sentence[:1].upper()}{sentence[1:]}."
+    return (Prose(name="summary", title="Engines", text=text),) if engines else ()
 
 
 def _with_summary(artefacts: Sequence[Artefact]) -> list[Artefact]:

@@ -13,22 +13,24 @@ import typer
 from harness import api
 from harness.cli import options, run_options, terminal
 from harness.cli.reports import joined_sections, show_changes
-from harness.cli.study_command import run_with_progress, shown
+from harness.cli.study_command import not_installed, run_with_progress, shown
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
+from harness.engines.registry import left_out
 from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import (
     FILE,
     BaselineError,
+    cases_of_absent,
     check_place,
     gate_keys,
     read_scores,
     required_cases,
     write_baseline,
 )
-from harness.gate.comparison import differences
+from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, gate_report, regressions
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import count, measured
@@ -101,6 +103,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
     Every scene of the suite is run in every engine, and held against the exact motion.
     """
     engines = api.stepping_engines(engine)
+    absent = () if engine else left_out()
     chosen = run_options.engine_settings(set_ or [], engines)
     study = plan_comparison(suite, engines, chosen)
     check_writable(out)
@@ -110,15 +113,15 @@ def validate(  # noqa: PLR0917 - a parameter an option
         allowed = "nothing beside --set: accepted results are an engine's own"
         raise InvalidSettingError("--accept", accept, allowed)
     place = (baseline or _BASELINE) if accept else None
-    gate = _open_gate(study, place or baseline, accept=accept, every_engine=not engine)
+    gate = _open_gate(study, place or baseline, absent, accept=accept, every_engine=not engine)
     if running.store is not None and (gate is not None or accept):
         # an engine that was built anew often has the version of its last release, and so its
         # results the key of those that are kept: a gate looks into no store
         running = replace(running, store=replace(running.store, fresh=True))
     done = run_with_progress(study, running)
-    evaluations, artefacts = study.evaluations(done), study.report(done)
+    evaluations, artefacts = study.evaluations(done), (*study.report(done), *not_installed(absent))
     scores = _scores(study, evaluations, settings)
-    compared = differences(gate.accepted, scores, expected=gate.owed) if gate else ()
+    compared = gate.compare(scores) if gate else ()
     changes = gate_report(compared, gate.accepted, scores, GATE) if gate else ()
     comparison = Section(
         title=f"rockingcan, {study.name}",
@@ -149,16 +152,37 @@ def validate(  # noqa: PLR0917 - a parameter an option
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Gate:
-    """Accepted results, and those of their cases that a run must have."""
+    """Accepted results, those of their cases that a run must have, and engines that are absent."""
 
     accepted: Scores
     owed: tuple[CaseIdentity, ...]
+    absent: tuple[str, ...]
+
+    def compare(self, scores: Scores) -> tuple[Difference, ...]:
+        """Return the differences of a run from the accepted results."""
+        return differences(self.accepted, scores, expected=self.owed, not_installed=self.absent)
 
 
 def _open_gate(
-    study: ComparisonStudy, folder: Path | None, *, accept: bool, every_engine: bool
+    study: ComparisonStudy,
+    folder: Path | None,
+    absent: tuple[str, ...],
+    *,
+    accept: bool,
+    every_engine: bool,
 ) -> _Gate | None:
     """Return the accepted results for a run, or refuse before anything runs; None without any.
+
+    Parameters
+    ----------
+    study : ComparisonStudy
+    folder : Path, optional
+        Of the accepted results.
+    absent : tuple of str
+        Engines that would run if they were installed.
+    accept : bool
+    every_engine : bool
+        False if only some engines were chosen.
 
     Raises
     ------
@@ -174,11 +198,12 @@ def _open_gate(
     try:
         accepted = read_scores(folder)
         owed = required_cases(accepted, study.suite, study.designed, every_engine=every_engine)
+        owed += cases_of_absent(accepted, study.suite, absent)
     except BaselineError:
         if not accept:
             raise
         return None  # what does not fit is what is to be replaced
-    return _Gate(accepted=accepted, owed=owed)
+    return _Gate(accepted=accepted, owed=tuple(dict.fromkeys(owed)), absent=absent)
 
 
 def _scores(

@@ -19,12 +19,12 @@ class UnknownEngineError(HarnessError, LookupError):
 
 
 class MissingPackageError(HarnessError, ImportError):
-    """The Python package behind an engine cannot be imported."""
+    """The Python package behind an engine, or another optional part, cannot be imported."""
 
-    def __init__(self, engine: str, package: str, reason: str) -> None:
+    def __init__(self, part: str, package: str, reason: str, install: str) -> None:
         super().__init__(
-            f"engine '{engine}' needs the package '{package}', which cannot be imported "
-            f"({reason}); install it with: pip install {package}"
+            f"{part} needs the package '{package}', which cannot be imported "
+            f"({reason}); install it with: {install}"
         )
 
 

@@ -15,11 +15,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from harness.core.engine_packages import engine_packages
 from harness.core.plain_json import Words
 
 PACKAGES = (
-    "mujoco",
-    "pybullet",
     "numpy",
     "scipy",
     "pandas",
@@ -29,12 +28,9 @@ PACKAGES = (
     "matplotlib",
     "plotly",
 )
-"""Packages whose version can change a number or the look of a report."""
+"""Packages whose version, beside those of engines, can change a number or a report's look."""
 
 UNKNOWN = "unknown"
-
-ENGINE_ENTRY_POINTS = "rockingcan.engines"
-"""Group of entry points under which packages register engines."""
 
 _GIT_PATIENCE_S = 10.0  # a checkout on a slow network disk answers in seconds; longer is a hang
 
@@ -56,7 +52,7 @@ class Provenance:
     rockingcan, python : str
         Versions.
     packages : mapping of str to str
-        Versions of `PACKAGES`, as far as they are installed.
+        Versions of engines' packages and `PACKAGES`, as far as they are installed.
     platform, processor : str
     cores : int
         Cores that this process may use.
@@ -92,7 +88,7 @@ class Provenance:
 
 def provenance() -> Provenance:
     """Return the provenance of a result that is written now."""
-    versions = {name: version_of(name) for name in PACKAGES}
+    versions = {name: version_of(name) for name in (*engine_packages(), *PACKAGES)}
     return Provenance(
         rockingcan=version_of("rockingcan"),
         python=platform.python_version(),

@@ -5,12 +5,13 @@ timestep of each case: a package that crashes or hangs would take the program wi
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from harness.core.case import PROFILES, Case
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS, install_command, packages_of
 from harness.core.errors import (
     BrokenEngineError,
     EffectBelowMinimumError,
@@ -21,7 +22,6 @@ from harness.core.errors import (
     UnknownEngineError,
     UnsupportedEffectError,
 )
-from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.engines.base import COMMON, Engine, Variant, features_of, resolve
 from harness.engines.contract import describe_exception, is_timestep
 from harness.execution.isolated_pool import IsolatedProcessPool, background_worker
@@ -128,6 +128,23 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(_entries()))
 
 
+def left_out() -> tuple[str, ...]:
+    """Return the engines that are not there unless they are named, sorted.
+
+    Their packages are optional and not installed. An engine of which a package is missing that
+    every installation has is not among them: something is wrong with it, and it is not passed over.
+    """
+    return tuple(name for name, entry in sorted(_entries().items()) if packages_of(entry).missing)
+
+
+def how_to_add(engines: Sequence[str]) -> str:
+    """Return one sentence on engines that are left out; empty without any."""
+    if not engines:
+        return ""
+    install = install_command([packages_of(_entries()[name]).extra for name in engines])
+    return f"not installed, and so left out: {', '.join(engines)}; to have it, run: {install}"
+
+
 @cache
 def engine(name: str) -> Engine:
     """Return an engine.
@@ -152,7 +169,9 @@ def engine(name: str) -> Engine:
     except ImportError as error:
         if _is_ours(error.name or ""):
             raise BrokenEngineError(name, entries[name].value, str(error)) from error
-        raise MissingPackageError(name, error.name or name, str(error)) from error
+        missing = error.name or name
+        install = install_command([packages_of(entries[name]).extra or missing])
+        raise MissingPackageError(f"engine '{name}'", missing, str(error), install) from error
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         raise BrokenEngineError(name, entries[name].value, reason) from error

@@ -22,8 +22,9 @@ from importlib.metadata import EntryPoint, entry_points
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS, engine_packages, install_command
 from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
-from harness.core.provenance import ENGINE_ENTRY_POINTS, version_of
+from harness.core.provenance import version_of
 from harness.execution.isolated_pool import run_isolated
 from harness.execution.limits import Limits
 from harness.execution.source_fingerprint import fingerprint
@@ -33,8 +34,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 _SOURCES = "sources of rockingcan"
-_PACKAGES = ("numpy", "scipy", "mujoco", "pybullet")
-_IN_SOURCES = frozenset({"numpy", "scipy"})
+_IN_SOURCES = ("numpy", "scipy")
 """Packages in a fingerprint of sources; where their versions differ, sources are not compared."""
 
 _OURS = "harness"
@@ -51,7 +51,7 @@ def environment_description() -> dict[str, str]:
         _SOURCES: fingerprint(_OURS),
         "Python": f"{sys.version_info.major}.{sys.version_info.minor}",
         "platform": f"{platform.system()} {platform.machine()}",
-        **{name: version_of(name, _NONE) for name in _PACKAGES},
+        **{name: version_of(name, _NONE) for name in (*_IN_SOURCES, *engine_packages())},
         **dict(_engines()),
     }
 
@@ -71,7 +71,7 @@ def _origin(entry: EntryPoint) -> str:
 def environment_differences(there: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
     """Return the differences in words; an engine that only one of both has is no difference."""
     both = [key for key in here if key in there and here[key] != there[key]]
-    if _IN_SOURCES & set(both):
+    if set(_IN_SOURCES) & set(both):
         both = [key for key in both if key != _SOURCES and not key.startswith("engine ")]
     return [f"{key} {there[key]} (here {here[key]})" for key in both]
 
@@ -133,7 +133,8 @@ def dask_executor(address: str, limits: Limits) -> "DaskExecutor":
     try:
         dask: Any = importlib.import_module("distributed")  # an extra: most runs need no cluster
     except ImportError as error:
-        raise MissingPackageError("--on", "rockingcan[cluster]", str(error)) from error
+        install = install_command(["rockingcan[cluster]"])
+        raise MissingPackageError("'--on'", "distributed", str(error), install) from error
     try:
         client = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:

@@ -33,6 +33,8 @@ from harness.gate.spread import SIZES
 from harness.metrics.quantities import Number
 from harness.report.atomic_folder import FORMAT as REPORT_FORMAT
 from harness.report.atomic_folder import MANIFEST
+from harness.studies.comparison.suite import SUITES, suite_cases
+from models.catalogue import load
 
 
 class BaselineError(HarnessError, ValueError):
@@ -248,6 +250,15 @@ def _scores(
         settings=dict(any_case["set_on_top"]),
         place=str(folder),
     )
+
+
+def cases_of_absent(
+    accepted: Scores, suite: str, engines: Sequence[str]
+) -> tuple[CaseIdentity, ...]:
+    """Return the accepted cases that a suite has of engines which are not installed."""
+    scenes = {name: load(name) for name in SUITES[suite]}
+    names = map(identity, suite_cases(suite, engines, scenes))
+    return tuple(name for name in names if name in accepted.scores)
 
 
 _FRESH = 0.25

@@ -6,7 +6,7 @@ factor is what one cares for. The rule is the same whichever of the two is calle
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from harness.core.verdict import Status
@@ -86,6 +86,7 @@ def differences(
     *,
     expected: Iterable[CaseIdentity] | None = None,
     spreads: Scores | None = None,
+    not_installed: Collection[str] = (),
 ) -> tuple[Difference, ...]:
     """Return all differences, case by case in the order of the second, then its missing cases.
 
@@ -96,6 +97,8 @@ def differences(
         Cases of the first that the second should have; all of them if left out.
     spreads : Scores, optional
         Whose spreads count too, where the two were measured without.
+    not_installed : collection of str
+        Engines whose cases the second cannot have: they are not measured, and not missing.
     """
     compared: list[Difference] = []
     for name, score in second.scores.items():
@@ -108,7 +111,15 @@ def differences(
             compared += _case(accepted, score, sides)
     due = first.scores if expected is None else expected
     missing = [first.scores[name] for name in due if name not in second.scores]
-    return (*compared, *(_of_outcome(score, Status.MISSING) for score in missing))
+    return (*compared, *(_absent(score, not_installed) for score in missing))
+
+
+def _absent(score: Score, not_installed: Collection[str]) -> Difference:
+    """Return the difference of a case that the second does not have."""
+    engine = score.identity.engine
+    if engine in not_installed:
+        return _of_outcome(score, Status.NOT_MEASURED, f"{engine} is not installed")
+    return _of_outcome(score, Status.MISSING)
 
 
 def _of_outcome(score: Score, status: Status, note: str = "") -> Difference:

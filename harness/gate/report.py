@@ -5,7 +5,7 @@ Differences in words: of a gate, where one side is accepted, or of two sides tha
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -130,12 +130,14 @@ def sentences(
     spreads: Scores | None = None,
 ) -> tuple[str, ...]:
     """Return sentences: cases compared, counts by status, and the largest changes case by case."""
-    cases = list(dict.fromkeys(d.identity for d in differences))
+    absent = [d for d in differences if d.status is Status.NOT_MEASURED]
+    cases = {d.identity for d in differences} - {d.identity for d in absent}
     lines = [
         f"{len(cases)} cases of {second.place} ({second.suite} suite) were held against "
         f"{first.place} ({first.suite} suite)" + _counts(differences, wording) + ".",
         *_versions(first, second, wording),
         *_settings(first, second, wording),
+        *_not_measured(absent),
     ]
     sides = [side for side in (first, second, spreads) if side is not None]
     if not any(score.members for side in sides for score in side.scores.values()):
@@ -182,6 +184,12 @@ def _settings(first: Scores, second: Scores, wording: Wording) -> tuple[str, ...
         for side, name in ((first, wording.first), (second, wording.second))
         if side.settings
     )
+
+
+def _not_measured(absent: Sequence[Difference]) -> Iterator[str]:
+    """Yield a sentence for each reason why cases were not measured."""
+    for reason, count in Counter(d.note for d in absent).items():
+        yield f"Not measured: {count} accepted {'case' if count == 1 else 'cases'}: {reason}."
 
 
 def _case(own: Sequence[Difference]) -> str:

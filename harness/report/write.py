@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from harness.core.engine_packages import engine_packages
 from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
@@ -51,7 +52,7 @@ def summary(report: Report) -> str:
 def _made_by(report: Report) -> str:
     """Return versions, commit, processor and date in a line."""
     own, commit = report.provenance, report.provenance.commit
-    engines = (f"{n} {own.packages[n]}" for n in ("mujoco", "pybullet") if n in own.packages)
+    engines = (f"{n} {own.packages[n]}" for n in engine_packages() if n in own.packages)
     words = [f"rockingcan {own.rockingcan}", *engines, f"python {own.python}"]
     if commit is not None:
         words.append(f"commit {commit.digest[:12]}{' + changes' if commit.changed else ''}")

@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 from harness.core.case import Case
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.core.errors import HarnessError
-from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.core.simulation import Simulation
 from harness.engines.base import Capabilities, Setting
 from harness.engines.registry import engine

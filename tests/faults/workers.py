@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from harness.core.engine_packages import install_command
 from harness.core.errors import MissingPackageError
 from harness.evaluation.evaluate import run_cases
 from harness.evaluation.evaluation import Evaluation
@@ -38,7 +39,8 @@ def lost_worker(folder: Path, told: Callable[[str], None]) -> Trial:
     try:
         dask: Any = importlib.import_module("distributed")
     except ImportError as error:
-        raise MissingPackageError("--on", "rockingcan[cluster]", str(error)) from error
+        install = install_command(["rockingcan[cluster]"])
+        raise MissingPackageError("'--on'", "distributed", str(error), install) from error
     told("a worker of a cluster that is killed")
     cases = cases_of(ProgramRun(store="", cases=_CASES))
     here, there = (CacheFolder(folder=folder / name) for name in ("one-by-one", "cluster"))

@@ -23,7 +23,7 @@ from harness import simulate
 from harness.core.case import Case
 from harness.engines.conformance import conform
 from harness.engines.probes import measure
-from harness.core.provenance import ENGINE_ENTRY_POINTS
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.engines.registry import engine, names
 from harness.evaluation.evaluate import run_cases
 from harness.execution.isolated_pool import IsolatedProcessPool

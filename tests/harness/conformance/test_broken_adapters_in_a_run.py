@@ -12,8 +12,8 @@ import pytest
 
 from harness.cli.catalogue import engines_answer
 from harness.core.case import Case
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.core.errors import BrokenEngineError, InvalidSettingError, RefusedModelError
-from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.engines import registry
 from harness.engines.base import Capabilities

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from harness.core.case import Case
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.core.errors import (
     BrokenEngineError,
     EngineContractError,
     EngineCrashError,
     HarnessError,
 )
-from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.engines import registry
 from harness.evaluation.evaluate import check_case
 from harness.execution.isolated_pool import IsolatedProcessPool

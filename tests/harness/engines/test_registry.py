@@ -73,6 +73,7 @@ class Entry:
     name: str
     load: Callable[[], object]
     value: str = "harness.a_toy:Toy"  # as if it were ours, which needs no trial
+    dist: None = None
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.core.errors import ClusterError
-from harness.core.provenance import ENGINE_ENTRY_POINTS
 from harness.execution import dask_cluster
 from harness.execution.dask_cluster import (
     _check,

@@ -1,0 +1,252 @@
+"""Engines whose packages need not be installed: listed, left out, refused where named."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+
+from harness import api
+from harness.cli.main import code_of
+from harness.core import engine_packages
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS, install_command, packages_of
+from harness.core.errors import MissingPackageError
+from harness.core.verdict import Status
+from harness.engines import registry
+from harness.gate.baseline import cases_of_absent, read_scores, write_baseline
+from harness.gate.comparison import differences
+from harness.gate.report import GATE, regressions, sentences
+from harness.gate.scores import CaseIdentity, Score, Scores
+
+Register = Callable[..., None]
+
+ADD = "pip install 'glider-kit[glider]'"
+
+
+@pytest.fixture
+def register(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Register]:
+    """Return a function that installs a package which registers the engine `glider`.
+
+    Its adapter imports the module of another package, `glide`, which is not installed.
+    """
+
+    def install(*requirements: str, extra: bool = True) -> None:
+        metadata = tmp_path / "site" / "glider_kit-1.0.dist-info"
+        metadata.mkdir(parents=True)
+        lines = ["Metadata-Version: 2.4", "Name: glider-kit", "Version: 1.0"]
+        lines += ["Provides-Extra: glider"] if extra else []
+        lines += [f"Requires-Dist: {requirement}" for requirement in requirements]
+        (metadata / "METADATA").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        entry = f"[{ENGINE_ENTRY_POINTS}]\nglider = glider_adapter:Glider\n"
+        (metadata / "entry_points.txt").write_text(entry, encoding="utf-8")
+        adapter = metadata.parent / "glider_adapter.py"
+        adapter.write_text("import glide\n", encoding="utf-8")
+        monkeypatch.syspath_prepend(metadata.parent)
+        packages_of.cache_clear()
+
+    # tried in a process of its own, which has nothing to say of a package that is not there
+    monkeypatch.setattr(registry, "crash_reason", lambda _: "")
+    registry.engine.cache_clear()
+    yield install
+    packages_of.cache_clear()
+    registry.engine.cache_clear()
+
+
+OPTIONAL = "glide-physics>=2; extra == 'glider'"
+
+
+def packages() -> engine_packages.EnginePackages:
+    """Return what is declared of the glider."""
+    (entry,) = (e for e in entry_points(group=ENGINE_ENTRY_POINTS) if e.name == "glider")
+    return packages_of(entry)
+
+
+def test_an_extra_of_its_name_says_what_an_engine_needs(register: Register) -> None:
+    register("numpy>=2", OPTIONAL, "Other.Thing; extra == 'glider'", "spare; extra == 'more'")
+    declared = packages()
+    assert declared.extra == "glider-kit[glider]"
+    assert declared.needed == declared.optional == ("glide-physics", "other-thing")
+    assert declared.missing == declared.optional
+    assert registry.left_out() == ("glider",)
+
+
+@pytest.mark.parametrize(
+    ("requirements", "extra"),
+    [
+        (("glide-physics", OPTIONAL), True),  # part of every installation
+        (("Glide_Physics; python_version > '3'", OPTIONAL), True),  # so too, in this Python
+        (("numpy; extra == 'glider'",), True),  # optional, and installed
+        ((), True),
+        (("glide-physics",), False),
+    ],
+)
+def test_an_engine_that_should_be_there_is_not_left_out(
+    requirements: tuple[str, ...],
+    extra: bool,  # noqa: FBT001 - of the parameters above
+    register: Register,
+) -> None:
+    register(*requirements, extra=extra)
+    assert not packages().missing
+    assert registry.left_out() == ()
+    assert "glider" in api.stepping_engines(None)
+    with pytest.raises(MissingPackageError, match="'glider' needs the package 'glide'"):
+        registry.engine("glider")
+
+
+def test_a_package_that_another_python_depends_on_is_optional_in_this_one(
+    register: Register,
+) -> None:
+    register("glide-physics; python_version < '3'", OPTIONAL)
+    assert registry.left_out() == ("glider",)
+
+
+def test_an_engine_that_is_left_out_takes_part_where_it_is_named(register: Register) -> None:
+    register(OPTIONAL)
+    assert "glider" in registry.names()
+    assert "glider" not in api.stepping_engines(None)
+    assert "mujoco" in api.stepping_engines(None)
+    assert api.stepping_engines(["glider"]) == ("glider",)
+    with pytest.raises(MissingPackageError, match=r"pip install 'glider-kit\[glider\]'"):
+        registry.engine("glider")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "gentle-rock"),
+        ("validate",),
+        ("attribute", "gentle-rock"),
+        ("errors", "gentle-rock"),
+        ("cost", "gentle-rock"),
+        ("effects", "gentle-rock"),
+        ("stability",),
+        ("sweep", "gentle-rock", "--over", "release.phi=0.1:0.2:2", "--out", "out"),
+        ("check",),
+    ],
+)
+def test_to_ask_for_it_is_wrong_use(
+    words: tuple[str, ...],
+    register: Register,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    register(OPTIONAL)
+    monkeypatch.chdir(tmp_path)
+    named = ("glider",) if words == ("check",) else ("--engine", "glider")
+    assert code_of([*words, *named]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("rockingcan: engine 'glider' needs the package 'glide', which ")
+    assert said.err.endswith(f"{ADD}\n")
+    assert said.err.count("\n") == 1
+
+
+def test_engines_says_how_to_add_it(
+    register: Register, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    register(OPTIONAL)
+    monkeypatch.setenv("COLUMNS", "2000")
+    assert code_of(["engines"]) == 0
+    said = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "glider not installed engine 'glider' needs the package 'glide'" in said
+    assert ADD in said
+    assert code_of(["engines", "--json"]) == 0
+    told = {each["name"]: each for each in json.loads(capsys.readouterr().out)["engines"]}
+    assert told["glider"]["installed"] is False
+    assert told["glider"]["message"].endswith(ADD)
+
+
+@pytest.mark.parametrize("named", ["pip", "python", "elsewhere"])
+def test_the_command_is_that_of_this_environment(
+    named: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "an env" / "bin"
+    folder.mkdir(parents=True)
+    monkeypatch.setattr(sys, "executable", str(folder / "python"))
+    pip = (folder if named == "pip" else tmp_path) / "pip"
+    pip.write_text("#!/bin/sh\n", encoding="utf-8")
+    pip.chmod(0o755)
+    monkeypatch.setenv("PATH", str(pip.parent))
+    if named == "elsewhere":
+        monkeypatch.chdir("/")
+    starts = {
+        "pip": "pip",
+        "python": "'an env/bin/python' -m pip",
+        "elsewhere": f"{str(folder / 'python')[1:]!r} -m pip",
+    }
+    assert install_command(["numpy", "a[b]"]) == f"{starts[named]} install numpy 'a[b]'"
+
+
+def accepted(*engines: str) -> Scores:
+    """Return accepted results of two cases of each engine."""
+    scores = [
+        Score(
+            identity=CaseIdentity(
+                scene="gentle-rock", engine=engine, profile="matched", timestep=timestep
+            ),
+            scene_digest="0",
+            outcome="FINISHED",
+            truth_pulls=False,
+            values={"phi_rms_rad": 1e-3},
+        )
+        for engine in engines
+        for timestep in (1e-4, 0.5)  # the suite has the first of them
+    ]
+    return Scores(
+        suite="full", scores={one.identity: one for one in scores}, versions={}, place="there"
+    )
+
+
+def test_its_accepted_results_are_not_measured_and_fail_nothing() -> None:
+    both, run = accepted("mujoco", "glider"), replace(accepted("mujoco"), place="here")
+    expected = (*run.scores, *cases_of_absent(both, "quick", ["glider"]))
+    found = differences(both, run, expected=expected, not_installed=["glider"])
+    (absent,) = (d for d in found if d.identity.engine == "glider")
+    assert (absent.status, absent.note) == (Status.NOT_MEASURED, "glider is not installed")
+    assert absent.identity.timestep == 1e-4
+    assert regressions(found) == ()
+    said = sentences(found, both, run, GATE)
+    assert said[0].startswith("2 cases of here")
+    assert "Not measured: 1 accepted case: glider is not installed." in said
+
+
+def test_without_that_reason_a_case_that_is_gone_fails() -> None:
+    found = differences(accepted("mujoco", "glider"), accepted("mujoco"))
+    assert [d.status for d in regressions(found)] == [Status.MISSING] * 2
+
+
+@pytest.mark.slow  # a dozen short runs, and two reports
+def test_a_gate_goes_on_without_it_and_every_page_says_so(
+    register: Register,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name in ("study", "suite"):  # modules by their full names, since a function has one of them
+        module = sys.modules[f"harness.studies.comparison.{name}"]
+        monkeypatch.setattr(module, "SUITES", {"quick": {"gentle-rock": (1e-3,)}})
+    monkeypatch.setenv("COLUMNS", "400")
+    before, after = tmp_path / "before", tmp_path / "after"
+    assert code_of(["validate", "--engine", "mujoco", "--no-store", "--out", str(before)]) == 0
+    assert "left out" not in capsys.readouterr().out  # of an engine that was not asked for
+    own = read_scores(before)
+    theirs = [
+        replace(score, identity=replace(score.identity, engine="glider"))
+        for score in own.scores.values()
+    ]
+    both = {score.identity: score for score in (*own.scores.values(), *theirs)}
+    write_baseline(replace(own, scores=both), tmp_path)
+    register(OPTIONAL)
+    words = ["validate", "--no-store", "--out", str(after), "--baseline", str(tmp_path)]
+    assert code_of(words) == 0
+    page = (after / "summary.md").read_text(encoding="utf-8")
+    for said in (capsys.readouterr().out, page):
+        assert "Not measured: 3 accepted cases: glider is not installed." in said
+        assert "Not installed, and so left out: glider" in said
+        assert ADD in said.replace("\\", "")  # of Markdown
+    assert "not measured" in (after / "junit.xml").read_text(encoding="utf-8")
