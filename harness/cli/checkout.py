@@ -55,10 +55,13 @@ def run_program(name: str, arguments: list[str]) -> int:
     if not (_CHECKOUT / "tests" / name / "__main__.py").is_file():
         raise MissingCheckoutError(f"tests/{name}")
     paths = [str(_CHECKOUT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    # the command's own output: file descriptor 1 is what engines print to, and leads elsewhere
+    sys.stdout.flush()
     # -P: in a folder that has `tests` of its own, those are not meant
     program = subprocess.Popen(  # noqa: S603 - our own program
         [sys.executable, "-P", "-m", f"tests.{name}", *arguments],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+        stdout=sys.stdout,
     )
     try:
         return program.wait()
