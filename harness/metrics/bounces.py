@@ -25,18 +25,49 @@ def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
     can : Can
         Its moments set how the rim moves between two samples of a bounce.
     """
-    from scipy.signal import find_peaks  # noqa: PLC0415 - takes half a second to import
-
     phi = motion.angles.phi
-    minima, _ = find_peaks(-phi, prominence=PROMINENCE * phi.max())
-    edges = [0, *minima.tolist(), len(phi) - 1]
+    minima = prominent_minima(phi, PROMINENCE * float(phi.max()))
+    edges = [0, *minima, len(phi) - 1]
     peaks = [left + int(np.argmax(phi[left : right + 1])) for left, right in pairwise(edges)]
     complete = []
-    for number, minimum in enumerate(minima.tolist()):
+    for number, minimum in enumerate(minima):
         before, after = peaks[number], peaks[number + 1]
         if _is_maximum(motion, before) and _is_maximum(motion, after):
             complete.append(_bounce(motion, can, before, minimum, after))
     return tuple(complete)
+
+
+def prominent_minima(values: Floats, prominence: float) -> list[int]:
+    """Return where values have minima below which they do not fall before they rise enough.
+
+    The same as `scipy.signal.find_peaks` of the negative values, whose package takes longer to
+    import than a short run to simulate.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+    prominence : float
+        From a minimum the values rise by at least so much on either side, before they fall below it
+        or end.
+
+    Returns
+    -------
+    list of int
+        Of a flat bottom its middle.
+    """
+    changes = np.flatnonzero(np.diff(values) != 0.0)
+    falls = values[changes + 1] < values[changes]
+    bottoms = np.flatnonzero(falls[:-1] & ~falls[1:])
+    minima = []
+    for first, last in zip(changes[bottoms] + 1, changes[bottoms + 1], strict=True):
+        depth = values[first]
+        before = np.flatnonzero(values[:first] < depth)
+        after = np.flatnonzero(values[last:] < depth)
+        left = values[before[-1] if before.size else 0 : first]
+        right = values[last : last + after[0] if after.size else len(values)]
+        if min(left.max(), right.max()) - depth >= prominence:
+            minima.append(int(first + last) // 2)
+    return minima
 
 
 def _is_maximum(motion: Motion, index: int) -> bool:

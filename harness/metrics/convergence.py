@@ -17,8 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
-from scipy.stats import t as student
+import scipy
 
 from harness.core.trajectory import Floats
 
@@ -145,7 +144,7 @@ def _straight(x: Floats, y: Floats) -> AsymptoticOrder | None:
     error = math.sqrt(float(rest @ rest) / freedom / float(np.sum((x - x.mean()) ** 2)))
     return AsymptoticOrder(
         order=order,
-        confidence=float(student.ppf(0.975, freedom)) * error,
+        confidence=float(scipy.special.stdtrit(freedom, 0.975)) * error,
         coarsest=math.exp(float(x[-1])),
         finest=math.exp(float(x[0])),
         points=len(x),
@@ -228,7 +227,7 @@ def _fit(h: Floats, e: Floats) -> tuple[float, float, float, float]:
 
     best = _POWERS[int(np.argmin([residual(power) for power in _POWERS]))]
     step = _POWERS[1] - _POWERS[0]
-    refined = minimize_scalar(
+    refined = scipy.optimize.minimize_scalar(
         residual,
         bounds=(best - step, best + step),
         method="bounded",

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from harness.core.bounce import Bounce
 from harness.core.trajectory import Floats
@@ -140,10 +141,8 @@ def hausdorff(first: Floats, second: Floats) -> float:
 
 def _farthest(points: Floats, curve: Floats) -> float:
     """Return the largest distance from points (n, 2) to a curve (m, 2)."""
-    from scipy.spatial import KDTree  # noqa: PLC0415 - takes half a second to import
-
     # where the curve crosses itself the nearest chord need not end in the nearest point
-    _, near = KDTree(curve).query(points, k=min(_NEIGHBOURS, len(curve)))
+    _, near = scipy.spatial.KDTree(curve).query(points, k=min(_NEIGHBOURS, len(curve)))
     best = np.full(len(points), np.inf)
     for nearest, offset in itertools.product(near.T, (-1, 0)):
         left = np.clip(nearest + offset, 0, len(curve) - 2)

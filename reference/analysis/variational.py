@@ -38,7 +38,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
+import scipy
 
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
@@ -199,7 +199,7 @@ def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
     matrix = np.einsum("ab,ijb->iajb", A, J[np.ix_(core, core)]).reshape(k * n, k * n)
     forced = np.einsum("iajb,jm->iam", matrix.reshape(k, n, k, n), start[core])
     # scipy's, as in `reference.nonsmooth.radau_iia`: it makes no threads of matrices so small
-    *_, change, _ = dgesv(np.eye(k * n) - matrix, forced.reshape(k * n, m))
+    *_, change, _ = scipy.linalg.lapack.dgesv(np.eye(k * n) - matrix, forced.reshape(k * n, m))
     along = start[core, None] + change.reshape(k, n, m)
     rates = np.einsum("ijb,jbm->imb", J[:, core], along)
     return np.asarray(rates @ A.T)

@@ -17,7 +17,7 @@ term in 1/phi and of a_ll in the terms in phi are wrong.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from reference.asymptotic.expansions import LogSeries, expansions, paper_constants, plain
 from reference.integrable.elliptic import EllipticSubstitution
@@ -91,7 +91,9 @@ class Reduced:
             return float(self.potential(np.asarray(x))) - level
 
         # the release itself is a root: stay off it
-        return float(brentq(short, low, min(high, phi * (1 - 1e-9)), xtol=1e-300, rtol=1e-14))
+        return float(
+            scipy.optimize.brentq(short, low, min(high, phi * (1 - 1e-9)), xtol=1e-300, rtol=1e-14)
+        )
 
     def period(self, phi: float) -> float:
         """Period of the motion that rests at `phi`, in this equation's own time.

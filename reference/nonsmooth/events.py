@@ -10,7 +10,7 @@ from enum import Enum, auto
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+import scipy
 
 from reference.equations.contact_laws import Contact, Equations
 from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
@@ -183,7 +183,7 @@ def _dips(
     brackets = []
     for i in np.flatnonzero(near):
         left, right = float(places[i]), float(places[i + 2])
-        bottom = minimize_scalar(margin, bounds=(left, right), method="bounded")
+        bottom = scipy.optimize.minimize_scalar(margin, bounds=(left, right), method="bounded")
         if bottom.fun < 0:
             brackets.append((left, float(bottom.x)))
     return brackets
@@ -195,4 +195,4 @@ def _root(margin: Callable[[float], float], left: float, right: float) -> float:
         return left
     if margin(right) >= 0:
         return right
-    return float(brentq(margin, left, right, xtol=1e-15, rtol=1e-15))
+    return float(scipy.optimize.brentq(margin, left, right, xtol=1e-15, rtol=1e-15))

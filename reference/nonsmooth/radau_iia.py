@@ -15,8 +15,8 @@ from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev, legendre
-from scipy.linalg.lapack import dgetrf, dgetrs
 
 from reference.problem.states import Floats
 
@@ -142,13 +142,13 @@ def step(
             matrix[np.diag_indices(n * STAGES)] += 1.0
             if not np.isfinite(matrix).all():
                 return Step(change=None, evaluations=iteration + 1)
-            factors, before = dgetrf(matrix)[:2], np.inf
+            factors, before = scipy.linalg.lapack.dgetrf(matrix)[:2], np.inf
         else:
             rates = field(y)
         residual = change - length * rates @ A.T
         if not np.isfinite(residual).all():
             return Step(change=None, evaluations=iteration + 1)
-        update = dgetrs(*factors, residual.ravel())[0].reshape(n, STAGES)
+        update = scipy.linalg.lapack.dgetrs(*factors, residual.ravel())[0].reshape(n, STAGES)
         change = change - update
         bent = float((np.abs(update) / size).max())
         moved = float((np.abs(update) / np.maximum(size.max(axis=1), LEAST)[:, None]).max())

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from reference.equations.regularised import sine_of
 from reference.numerics.batching import in_blocks
@@ -14,6 +13,7 @@ from reference.problem.states import Floats, States, select_states
 TIME = 5
 # Newton on a monotone, nearly linear function: a handful of rounds, bisection where they overshoot.
 MOST_ROUNDS = 60
+EPS = float(np.finfo(float).eps)
 # Up to so many places at once cosines are cheaper than a recurrence of as many steps as terms.
 FEW = 128
 
@@ -43,21 +43,37 @@ class Piece:
     def root(self, row: int, level: float, node: int) -> float:
         """Return where a quantity takes a value, between two neighbouring nodes."""
         n = self.values.shape[1]
-        coefficients = (to_coefficients(n) @ self.values[row]).tolist()
+        coefficients = to_coefficients(n) @ self.values[row]
+        slopes = (derivative(n) @ coefficients).tolist()
         coefficients[0] -= level
-        left, right = points(n)[node : node + 2].tolist()
-
-        def value(x: float) -> float:
-            b1 = b2 = 0.0
-            for c in reversed(coefficients[1:]):
-                b1, b2 = 2 * x * b1 - b2 + c, b1
-            return float(x * b1 - b2 + coefficients[0])
-
+        # what round-off leaves of the sum of a series: below it a step means nothing
+        noise = float(EPS * np.abs(coefficients).sum())
+        series = coefficients.tolist()
+        low, high = points(n)[node : node + 2].tolist()
+        ends = _sum(series, low), _sum(series, high)
         # the nodes bracket the root but for round-off: then the nearer node is the root
-        ends = value(left), value(right)
-        if ends[0] * ends[1] > 0:
-            return float(left if abs(ends[0]) < abs(ends[1]) else right)
-        return float(brentq(value, left, right, xtol=1e-16, rtol=1e-15))
+        if ends[0] * ends[1] >= 0:
+            return float(low if abs(ends[0]) < abs(ends[1]) else high)
+        x = low + (high - low) * ends[0] / (ends[0] - ends[1])
+        for _ in range(MOST_ROUNDS):
+            value, gradient = _sum(series, x), _sum(slopes, x)
+            if abs(value) <= noise:
+                break
+            low, high = (x, high) if (value < 0) == (ends[0] < 0) else (low, x)
+            new = x - value / gradient if gradient else low
+            new = new if low < new < high else (low + high) / 2
+            moved, x = abs(new - x), new
+            if moved <= 2 * EPS:
+                break
+        return float(x)
+
+
+def _sum(coefficients: Sequence[float], x: float) -> float:
+    """Return the value of a Chebyshev series at one place."""
+    b1 = b2 = 0.0
+    for c in reversed(coefficients[1:]):
+        b1, b2 = 2 * x * b1 - b2 + c, b1
+    return x * b1 - b2 + coefficients[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,7 +139,7 @@ def _instant(coefficients: Floats, slope: Floats, node_times: Floats, times: Flo
     x = low + (high - low) * np.clip((times - t_low) / width, 0, 1)
     both = np.stack([coefficients, slope], axis=1)
     # what round-off leaves of the time, and of the sum of a series: below it a step means nothing
-    noise = np.maximum(np.spacing(times), np.finfo(float).eps * np.abs(coefficients).sum(axis=0))
+    noise = np.maximum(np.spacing(times), EPS * np.abs(coefficients).sum(axis=0))
     for _ in range(MOST_ROUNDS):
         value, gradient = _series(both, x)
         excess = value - times
@@ -133,7 +149,7 @@ def _instant(coefficients: Floats, slope: Floats, node_times: Floats, times: Flo
         done = np.abs(excess) <= noise
         moved = np.where(done, 0.0, new - x)
         x = x + moved
-        if (np.abs(moved) <= 2 * np.finfo(float).eps).all():
+        if (np.abs(moved) <= 2 * EPS).all():
             break
     return np.asarray(x)
 

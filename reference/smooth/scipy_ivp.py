@@ -9,10 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import cos, sin
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, DenseOutput, OdeSolver, Radau
-from scipy.optimize import brentq
+import scipy
 
 from reference.equations.reaction_force import contact_from_centre
 from reference.problem.can import Parameters
@@ -21,14 +21,10 @@ from reference.problem.problem import Problem
 from reference.problem.states import Floats, Snapshot, States, initial_states
 from reference.smooth.extrema import ExtremumRecorder, Run
 
-SCIPY_METHODS: dict[str, type[OdeSolver]] = {
-    "DOP853": DOP853,
-    "RK45": RK45,
-    "RK23": RK23,
-    "Radau": Radau,
-    "BDF": BDF,
-    "LSODA": LSODA,
-}
+if TYPE_CHECKING:
+    from scipy.integrate import DenseOutput
+
+SCIPY_METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 # The absolute tolerance beside the relative one: angles and rates of interest go down to 1e-5.
 ABSOLUTE_OVER_RELATIVE = 1e-3
 # Samples of a step among which peaks are looked for.
@@ -43,7 +39,7 @@ class StepsPath:
     """Dense output of a time stepper: one interpolant a step."""
 
     times: tuple[float, ...]
-    pieces: tuple[DenseOutput, ...]
+    pieces: tuple["DenseOutput", ...]
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states at `SAMPLES` instants of each step."""
@@ -153,7 +149,7 @@ def follow(
     comes down to zero.
     """
     watch = ExtremumRecorder(problem)
-    solver = SCIPY_METHODS[method](
+    solver = getattr(scipy.integrate, method)(
         field,
         0.0,
         np.array(start),
@@ -181,7 +177,7 @@ def follow(
 
 
 def _first_lift(
-    parameters: Parameters, field: RightHandSide, piece: DenseOutput, left: float, right: float
+    parameters: Parameters, field: RightHandSide, piece: "DenseOutput", left: float, right: float
 ) -> float | None:
     """Return the first time within a step at which the normal force is not positive, or None."""
     h = parameters.h
@@ -200,7 +196,7 @@ def _first_lift(
 
 
 def _watch_step(
-    watch: ExtremumRecorder, piece: DenseOutput, left: float, right: float, lift: float | None
+    watch: ExtremumRecorder, piece: "DenseOutput", left: float, right: float, lift: float | None
 ) -> None:
     """Report what happens to phi within one step, up to where the can lifts if it does."""
     right = right if lift is None else lift
@@ -229,9 +225,11 @@ def _watch_step(
     watch.advance(right, float(after[0]))
 
 
-def _above(piece: DenseOutput, level: float, time: float) -> float:
+def _above(piece: "DenseOutput", level: float, time: float) -> float:
     return float(piece(time)[0]) - level
 
 
 def _root(f: Callable[[float], float], left: float, right: float) -> float:
-    return float(brentq(f, left, right, xtol=np.spacing(max(left, 1e-300)), rtol=1e-15))
+    return float(
+        scipy.optimize.brentq(f, left, right, xtol=np.spacing(max(left, 1e-300)), rtol=1e-15)
+    )

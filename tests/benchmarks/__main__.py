@@ -13,6 +13,7 @@ from harness.progress import progress_bar
 from tests.benchmarks.engines import engine_ratios
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios
+from tests.benchmarks.start_up import start_up_ratios
 
 app = typer.Typer(add_completion=False)
 
@@ -41,7 +42,7 @@ def benchmark(
     with progress_bar() as bar:
         task = bar.add_task("the reference", total=None)
         chosen = api.stepping_engines(engine)
-        for part in (reference_ratios(), engine_ratios(chosen)):
+        for part in (start_up_ratios(), reference_ratios(), engine_ratios(chosen)):
             for ratio in part:
                 ratios.append(ratio)
                 bar.update(task, advance=1, description=ratio.what)

@@ -12,6 +12,7 @@ the contact then bears just the load that rolling puts on it.
 """
 
 import numpy as np
+import scipy
 
 from harness.engines.base import Floats, World, signed_distance
 from models import Can, Pose, Scene, Twist, angles, contact_offset, quaternion
@@ -96,8 +97,6 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
         that is released elsewhere than on its rim.
     pose : Pose
     """
-    from scipy.optimize import brentq  # noqa: PLC0415 - takes half a second to import
-
     if scene.release.height != 0.0:
         return 0.0, pose
     world.place(pose, twist)
@@ -121,5 +120,5 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
         if upper >= deepest:
             return 0.0, pose
         upper = min(4.0 * upper, deepest)
-    depth = float(brentq(rise, 0.0, upper, xtol=1e-6 * upper))
+    depth = float(scipy.optimize.brentq(rise, 0.0, upper, xtol=1e-6 * upper))
     return depth, lowered(pose, depth)
