@@ -21,10 +21,11 @@ About the symmetry axis and about the vertical (eq01:ang_mom_B, eq01:ang_mom_G),
 Without friction both are conserved. Rolling conserves K and B of `reference.integrable.frobenius`
 instead, and as phi goes to 0
 
-    B_0 = k c_p/(2 c) H_B + O(phi),       B_{-2} = (H_G - H_B)/a + O(phi):
+    B_0 = k c_p/(2 c) H_B + O(phi),       B_{-2} = (H_G - H_B)/a + O(phi),
 
-the first integrals are the two momenta of a nearly flat can. The paper prints the first, with
-Phi for Psi in eq01:ang_mom_B, and finds the second less clear; here it is a limit with a test.
+the one at finite rates, the other where Psi grows as phi^-2: the first integrals are the two
+momenta of a nearly flat can. The paper prints the first, with Phi for Psi in eq01:ang_mom_B, and
+finds the second less clear; here each is a limit with a test.
 """
 
 from dataclasses import dataclass, replace
