@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harness.core.verdict import Status
-from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, differences, judge
-from harness.gate.scores import BY_COLUMN, QUANTITIES
+from harness.gate.comparison import FACTOR, OUTCOME, differences, judge
+from harness.gate.scores import QUANTITIES
 from tests.support.gate_scores import make_score, make_scores
 
 PHI = "phi_rms_rad"
@@ -14,33 +14,39 @@ MAGNITUDES = st.floats(0.0, 1e6)
 
 
 @pytest.mark.parametrize(
-    ("numbers", "change"),
+    ("numbers", "change", "tolerance"),
     [
-        ((1.0, 1.0, 0.0), Status.SAME),
-        ((1.0, 2.0, 0.0), Status.WORSE),
-        ((2.0, 1.0, 0.0), Status.BETTER),
-        ((1.0, 1.05, 0.0), Status.SAME),  # a twentieth: beyond the tolerance, below the factor
-        ((1.0, 1.2, 0.1), Status.SAME),  # beyond the factor, within four spreads
-        ((1.0, 1.5, 0.1), Status.WORSE),
-        ((0.0, 1e-14, 0.0), Status.SAME),  # round-off about zero is infinitely more, and nothing
-        ((0.0, 1e-6, 0.0), Status.WORSE),
-        ((1e-15, 5e-13, 0.0), Status.SAME),
-        ((1.0, 100.0, None), Status.UNDECIDABLE),
-        ((None, 1.0, 0.0), Status.NEW),
-        ((1.0, None, 0.0), Status.MISSING),
+        ((1.0, 1.0, 0.0), Status.SAME, 1e-12),
+        ((1.0, 2.0, 0.0), Status.WORSE, 1e-12),
+        ((2.0, 1.0, 0.0), Status.BETTER, 1e-12),
+        # a tenth more: beyond the tolerance, and on either side of the factor
+        ((1.0, 1.099, 0.0), Status.SAME, 1e-12),
+        ((1.0, 1.101, 0.0), Status.WORSE, 1e-12),
+        ((1.101, 1.0, 0.0), Status.BETTER, 1e-12),
+        # beyond the factor, and on either side of four spreads
+        ((1.0, 1.399, 0.1), Status.SAME, 0.4 + 1e-12),
+        ((1.0, 1.401, 0.1), Status.WORSE, 0.4 + 1e-12),
+        ((1.401, 1.0, 0.1), Status.BETTER, 0.4 + 1e-12),
+        ((0.0, 1e-14, 0.0), Status.SAME, 1e-12),  # of zero infinitely more, and nothing
+        ((0.0, 1e-6, 0.0), Status.WORSE, 1e-12),
+        ((1e-15, 5e-13, 0.0), Status.SAME, 1e-12),
+        ((1.0, 100.0, None), Status.UNDECIDABLE, None),
+        ((None, 1.0, 0.0), Status.NEW, 1e-12),
+        ((1.0, None, 0.0), Status.MISSING, 1e-12),
     ],
 )
-def test_the_rule(
+def test_beyond_four_spreads_and_a_tenth_more_is_a_change(
     numbers: tuple[float | None, ...],
     change: Status,
+    tolerance: float | None,
 ) -> None:
     accepted, found, spread = numbers
     first = make_score({} if accepted is None else {PHI: accepted}, spread={PHI: spread})
     second = make_score({} if found is None else {PHI: found})
     _, quantity = differences(make_scores(first), make_scores(second))
-    assert quantity.status is change
-    if spread is not None:
-        assert quantity.tolerance == SPREADS * spread + BY_COLUMN[PHI].floor
+    assert (quantity.quantity, quantity.status) == (PHI, change)
+    assert (quantity.first, quantity.second, quantity.spread) == (accepted, found, spread)
+    assert quantity.tolerance == tolerance
 
 
 @given(MAGNITUDES, MAGNITUDES, MAGNITUDES)

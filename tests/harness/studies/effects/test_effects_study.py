@@ -12,16 +12,18 @@ from harness.studies.effects.plan import EffectsPlan, plan_effects
 from harness.studies.effects.study import effects_report
 from models.body_effects import Damping, Tilt
 from models.catalogue import load
-from models.contact_effects import Drilling, RoundedRim, Slip
+from models.contact_effects import Compliance, Drilling, Restitution, RoundedRim, Slip
 from models.effects import KINDS, Effects
-from models.scene import Scene
+from models.scene import Horizon, Scene
 
 GENTLE = load("gentle-rock")
+BRIEF = replace(GENTLE, horizon=Horizon(seconds=0.02))
+"""For verdicts that rest on what can be run, and not on what it does."""
 COARSE = 1e-3
 
 
-def with_effects(**declared: object) -> Scene:
-    return replace(GENTLE, effects=Effects(**declared))  # type: ignore[arg-type]
+def with_effects(scene: Scene = GENTLE, **declared: object) -> Scene:
+    return replace(scene, effects=Effects(**declared))  # type: ignore[arg-type]
 
 
 def studied(made: EffectsPlan) -> EffectsResults:
@@ -89,19 +91,33 @@ def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it() -> None:
 
 
 def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
-    found = studied(plan_effects(GENTLE, ("reference", "mujoco"), timestep=COARSE))
-    assert of(found, "reference", "compliance").verdict is not EffectStatus.IMPOSED
-    imposed = [one for one in found.effects if one.verdict is EffectStatus.IMPOSED]
-    assert all(one.why.startswith("It cannot be removed: ") and not one.changes for one in imposed)
+    found = studied(plan_effects(BRIEF, ("reference", "mujoco"), timestep=COARSE))
+    assert of(found, "reference", "compliance").verdict is EffectStatus.UNSUPPORTED
+    (imposed,) = [one for one in found.effects if one.verdict is EffectStatus.IMPOSED]
+    assert (imposed.engine, imposed.name) == ("mujoco", "compliance")
+    assert imposed.why.startswith("It cannot be removed: ")
+    assert not imposed.changes
+    assert imposed.run is None
 
 
-def test_an_effect_that_contradicts_the_scene_is_said_to() -> None:
-    made = plan_effects(with_effects(slip=Slip(mu=0.0)), ("mujoco", "pybullet"), timestep=COARSE)
-    drilling = [one for one in studied(made).effects if one.name == "drilling"]
-    assert {one.verdict for one in drilling} <= {
-        EffectStatus.CONTRADICTED,
-        EffectStatus.UNSUPPORTED,
-    }
+@pytest.mark.parametrize(
+    ("declared", "contradicted"),
+    [
+        ({"slip": Slip(mu=0.0)}, {"drilling", "rolling_resistance"}),
+        ({"compliance": Compliance(stiffness=1e5, damping=10.0)}, {"restitution"}),
+        ({"restitution": Restitution(coefficient=0.5)}, {"compliance"}),
+        ({"slip": Slip(mu=0.3)}, set()),
+    ],
+)
+def test_an_effect_that_contradicts_the_scene_is_said_to(
+    declared: dict[str, object], contradicted: set[str]
+) -> None:
+    # of the engines that come with the package the one that can represent each of these effects
+    made = plan_effects(with_effects(BRIEF, **declared), ("pybullet",), timestep=COARSE)
+    found = studied(made).effects
+    of_kind = [one for one in found if one.verdict is EffectStatus.CONTRADICTED]
+    assert {one.name for one in of_kind} == contradicted
+    assert all(one.run is None and not one.changes and not one.declared for one in of_kind)
 
 
 def test_the_changes_of_two_factors_add_up() -> None:
@@ -140,7 +156,13 @@ def test_only_constants_of_an_effect_can_be_assumed() -> None:
 
 
 def test_an_engine_that_cannot_carry_the_scene_says_so_of_every_effect() -> None:
-    made = plan_effects(with_effects(rim=RoundedRim(radius=0.01)), ("mujoco",), timestep=COARSE)
-    assert all("rim" not in case.scene.effects.declared() for case in made.cases())
-    found = {one.verdict for one in studied(made).effects}
-    assert found <= {EffectStatus.UNSUPPORTED, EffectStatus.IMPOSED}
+    made = plan_effects(
+        with_effects(BRIEF, rim=RoundedRim(radius=0.01)), ("mujoco",), timestep=COARSE
+    )
+    (without,) = made.cases()
+    assert without.scene.effects.declared() == ()
+    verdicts = {one.name: one.verdict for one in studied(made).effects}
+    assert verdicts.pop("compliance") is EffectStatus.IMPOSED
+    assert verdicts == dict.fromkeys(
+        (name for name in KINDS if name != "compliance"), EffectStatus.UNSUPPORTED
+    )
