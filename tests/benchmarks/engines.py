@@ -27,7 +27,11 @@ contact. Where a run is long: a sample costs what it costs, however many steps p
 FINE = 1e-6
 """s; at ten times this a tenth of the steps carry the same samples, which stand out then."""
 
+_TIMESTEPS = (FINE, 1e-5, 1e-4)
+
 _ROUNDS = 12
+
+_RELEASES = 100
 
 _KEPT = 40_000
 """Steps kept whole, some kilobytes each in Python; what more would take is reckoned from these."""
@@ -46,7 +50,7 @@ def engine_ratios(names: Sequence[str]) -> Iterator[Ratio]:
     for name in names:
         chosen = engine(name)
         if isinstance(chosen, PhysicsEngine):
-            for timestep in (FINE, 1e-5, 1e-4):
+            for timestep in _TIMESTEPS:
                 yield from _overhead(chosen, timestep)
             yield _batch(chosen)
             yield _adaptive(chosen)
@@ -92,7 +96,7 @@ def _overhead(chosen: PhysicsEngine, timestep: float) -> Iterator[Ratio]:  # typ
 def _batch(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
     """Time a batch of releases against the same one by one."""
     scene = load("gentle-rock")
-    releases = [Release(phi=0.3 + 0.001 * n, psi_dot=2.0, theta_dot=-1.0) for n in range(100)]
+    releases = [Release(phi=0.3 + 0.001 * n, psi_dot=2.0, theta_dot=-1.0) for n in range(_RELEASES)]
     cases = [
         Case(scene=replace(scene, release=release), engine=chosen.name, timestep=1e-3)
         for release in releases

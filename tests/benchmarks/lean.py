@@ -99,11 +99,11 @@ def lean_ratios(engines: Sequence[str]) -> Iterator[Lean]:
     for name in names():
         scene = load(name)
         if "mujoco" in engines:
-            yield in_mujoco(scene)
-        yield in_reference(scene)
+            yield in_mujoco(scene, PAIRS)
+        yield in_reference(scene, PAIRS)
 
 
-def in_mujoco(scene: Scene, pairs: int = PAIRS) -> Lean:
+def in_mujoco(scene: Scene, pairs: int) -> Lean:
     """Run a piece of a scene with `build=lean`, which is matched's own, and `build=everything`."""
     chosen, piece = engine("mujoco"), replace(scene, horizon=Horizon(seconds=PIECE))
 
@@ -144,7 +144,7 @@ def between(one: Trajectory, other: Trajectory, scene: Scene) -> dict[str, float
     return found
 
 
-def in_reference(scene: Scene, pairs: int = PAIRS) -> Lean:
+def in_reference(scene: Scene, pairs: int) -> Lean:
     """Solve a scene for phi and the turn alone, and by the general model for all there is."""
     horizon = scene.horizon
     if horizon.bounces is not None:

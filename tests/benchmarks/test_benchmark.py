@@ -1,11 +1,22 @@
 """The clock of the benchmark, and that its claims are computed; speed is not for tests to say."""
 
+import json
+import math
+import re
 import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import Any
 
 import pytest
 
+from harness.cli.main import code_of
+from tests.benchmarks import __main__ as program
+from tests.benchmarks import engines, lean, reference
 from tests.benchmarks.clock import Ratio, in_turns, seconds
-from tests.benchmarks.reference import _batch, _by_scipy, _releases
+from tests.benchmarks.lean import Lean
+
+Benchmark = Callable[..., tuple[int, dict[str, list[dict[str, Any]]]]]
 
 
 def _work(rounds: int) -> int:
@@ -23,13 +34,111 @@ def test_only_the_processor_counts() -> None:
 
 
 def test_both_solvers_are_given_the_same_releases() -> None:
-    few = {name: values[:2] for name, values in _releases(2).items()}
+    few = {name: values[:2] for name, values in reference._releases(2).items()}  # noqa: SLF001
+    own, scipy = reference._batch(few), reference._by_scipy(few)  # noqa: SLF001
     # DOP853 at rtol 1e-12 keeps a turn of a few radians to some hundred times that
-    assert _batch(few) == pytest.approx(_by_scipy(few), abs=1e-9)
+    assert own == pytest.approx(scipy, abs=1e-9)
 
 
-def test_a_ratio_says_what_it_claims() -> None:
-    ratio = Ratio(
-        what="a against b", ratio=2.0, claim="", holds=True, first_s=2.0, second_s=1.0, note=""
-    )
-    assert ratio.first_s / ratio.second_s == ratio.ratio
+@pytest.fixture
+def benchmark(capsys: pytest.CaptureFixture[str]) -> Benchmark:
+    """Return a function that runs the command, and returns its exit code and its JSON object."""
+
+    def run(*words: str) -> tuple[int, dict[str, list[dict[str, Any]]]]:
+        capsys.readouterr()
+        code = code_of([*words, "--json"], program.app, "rockingcan benchmark")
+        return code, json.loads(capsys.readouterr().out)
+
+    return run
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Measure each claim on little work, and once: the same program, and ratios that say nothing.
+
+    Engines take 4,000 steps where the benchmark takes 400,000.
+    """
+    for module, sizes in (
+        (reference, {"_BATCH": 1000, "_SCIPY_RELEASES": 1, "_SIDE": 20}),
+        (reference, {"_TURNS": 1, "_SHORT": 1, "_LONG": 1}),
+        (engines, {"FINE": 1e-4, "_TIMESTEPS": (1e-4,), "_ROUNDS": 1, "_BRIEF": 1}),
+        (engines, {"_RELEASES": 3, "_FIXED": (1e-3,)}),
+        (lean, {"names": lambda: ("gentle-rock",), "PIECE": 0.1, "PAIRS": 1, "_FEW": 1}),
+    ):
+        for name, size in sizes.items():
+            monkeypatch.setattr(module, name, size)
+
+
+def bound_holds(row: dict[str, Any]) -> bool:
+    """Whether a ratio keeps the bound that is claimed of it in words."""
+    at_least = re.search(r"at least ([\d,.]+) times", row["claim"])
+    at_most = re.search(r"at most ([\d,.]+)", row["claim"])
+    within = re.search(r"under (\d+) s", row["claim"])
+    held = {
+        at_least: lambda limit: row["ratio"] >= limit,
+        at_most: lambda limit: row["ratio"] <= limit,
+        within: lambda limit: row["first_s"] < limit,
+    }
+    ((found, holds),) = [(one, holds) for one, holds in held.items() if one is not None]
+    return holds(float(found[1].replace(",", "")))
+
+
+@pytest.mark.usefixtures("small")
+def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
+    code, found = benchmark("--engine", "mujoco")
+    ratios, lean_ones = found["ratios"], found["lean"]
+    # the exact bounce, the integrator over one bounce and three, the map; of the engine two loops,
+    # a batch, adaptive steps
+    assert len(ratios) == 8
+    assert [(one["who"], one["scene"]) for one in lean_ones] == [
+        ("mujoco", "gentle-rock"),
+        ("reference", "gentle-rock"),
+    ]
+    for row in ratios:
+        first, second = row["first_s"], row["second_s"]
+        assert 0.0 < min(first, second) <= max(first, second) < math.inf
+        # times are rounded on their way, a part in 1e6 is less than any claim rests on
+        assert pytest.approx(row["ratio"], rel=1e-6) in (first / second, second / first)
+        if row["claim"]:
+            accurate = "accurate" in row["claim"]
+            assert bound_holds(row) or not row["holds"]
+            assert row["holds"] or accurate or not bound_holds(row)
+        else:
+            assert row["holds"]
+    assert sum(bool(row["claim"]) for row in ratios) == 7
+    assert code == (0 if all(row["holds"] for row in [*ratios, *lean_ones]) else 1)
+
+
+RATIO = Ratio(what="a", ratio=2.0, claim="", holds=True, first_s=2.0, second_s=1.0, note="")
+LEAN = Lean(
+    scene="gentle-rock",
+    who="mujoco",
+    model="condim 3",
+    ratio=1.5,
+    claim="at least 1.2",
+    quantity="turn",
+    difference=1e-9,
+    tolerance=1e-5,
+    holds=True,
+    lean_s=1.0,
+    everything_s=1.5,
+)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "part", "code"),
+    [
+        (RATIO, LEAN, 0),
+        (replace(RATIO, holds=False), LEAN, 1),
+        (RATIO, replace(LEAN, holds=False), 1),
+    ],
+)
+def test_a_claim_that_does_not_hold_is_a_failure(
+    benchmark: Benchmark, monkeypatch: pytest.MonkeyPatch, ratio: Ratio, part: Lean, code: int
+) -> None:
+    monkeypatch.setattr(program, "reference_ratios", lambda: [RATIO, ratio])
+    monkeypatch.setattr(program, "engine_ratios", lambda _: [RATIO])
+    monkeypatch.setattr(program, "lean_ratios", lambda _: [part, LEAN])
+    told = {"ratios": [asdict(one) for one in (RATIO, ratio, RATIO)]}
+    told["lean"] = [asdict(one) for one in (part, LEAN)]
+    assert benchmark() == (code, told)
