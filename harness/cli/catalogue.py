@@ -62,6 +62,8 @@ def check(
     Or, with --capabilities, what the engine adds of its own accord.
 
     Leaves with code 1 if a check of the contract fails.
+
+    For example: rockingcan check mujoco
     """
     if capabilities:
         _measure(name, profile, timestep, json=json)

@@ -44,6 +44,8 @@ def reference(
     """The exact motion in numbers, and the friction it needs.
 
     Period, turn and peak rates of each bounce, by the smallest model that carries the scene.
+
+    For example: rockingcan reference slipping-rock --model coulomb
     """
     options = (("model", model), ("method", method), ("rtol", rtol))
     case = Case(scene=load(scene), engine="reference", options=options)

@@ -42,7 +42,10 @@ def export(
         Path | None, typer.Option(help="Write it here; to standard output if left out.")
     ] = None,
 ) -> None:
-    """A scene as a model that an engine opens."""
+    """A scene as a model that an engine opens.
+
+    For example: rockingcan export gentle-rock --format mjcf --out can.xml
+    """
     from models.to_mjcf import mjcf  # noqa: PLC0415 - the list of scenes does without numpy
     from models.to_urdf import urdf  # noqa: PLC0415
 

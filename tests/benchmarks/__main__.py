@@ -34,7 +34,9 @@ def benchmark(
         bool, typer.Option("--json", help="Print one JSON object and nothing else.")
     ] = False,
 ) -> None:
-    """Measure what the project claims about speed, as ratios in one run; some three minutes.
+    """What the project claims about speed, measured.
+
+    As ratios within one run of some three minutes.
 
     Leaves with code 1 if a claim does not hold on this machine.
     """

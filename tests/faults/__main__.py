@@ -46,7 +46,9 @@ def faults(
         "reports"
     ),
 ) -> None:
-    """Kill it, crash it, hang it, fill its disk, stop it, take its workers, sweep; write faults.md.
+    """What is lost when runs are killed, hang or fill the disk.
+
+    Trials: kill, crash, hang, fill the disk, stop, take the workers, sweep. Writes faults.md.
 
     Leaves with code 1 if something was lost, or took too long.
     """

@@ -37,6 +37,7 @@ def test_options_and_codes_are_those_of_the_program(
     )
     assert done.returncode == code, done.stderr
     assert said in (done.stderr if code else done.stdout)
+    assert (done.stdout if code else done.stderr) == ""
 
 
 @pytest.mark.parametrize("name", ["faults", "benchmark"])
