@@ -12,7 +12,7 @@ import pytest
 
 from harness.cli.main import code_of
 from tests.benchmarks import __main__ as program
-from tests.benchmarks import engines, lean, reference
+from tests.benchmarks import engines, lean, reference, start_up
 from tests.benchmarks.clock import Ratio, in_turns, seconds
 from tests.benchmarks.lean import Lean
 
@@ -59,6 +59,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     Engines take 4,000 steps where the benchmark takes 400,000.
     """
     for module, sizes in (
+        (start_up, {"_ROUNDS": 1, "_COMMANDS": ((("--version",), 4.0), (("scenes",), None))}),
         (reference, {"_BATCH": 1000, "_SCIPY_RELEASES": 1, "_SIDE": 20}),
         (reference, {"_TURNS": 1, "_SHORT": 1, "_LONG": 1}),
         (engines, {"FINE": 1e-4, "_TIMESTEPS": (1e-4,), "_ROUNDS": 1, "_BRIEF": 1}),
@@ -87,9 +88,9 @@ def bound_holds(row: dict[str, Any]) -> bool:
 def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")
     ratios, lean_ones = found["ratios"], found["lean"]
-    # the exact bounce, the integrator over one bounce and three, the map; of the engine two loops,
-    # a batch, adaptive steps
-    assert len(ratios) == 8
+    # two commands; the exact bounce, the integrator over one bounce and three, the map; of the
+    # engine two loops, a batch, adaptive steps
+    assert len(ratios) == 10
     assert [(one["who"], one["scene"]) for one in lean_ones] == [
         ("mujoco", "gentle-rock"),
         ("reference", "gentle-rock"),
@@ -105,7 +106,7 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
             assert row["holds"] or accurate or not bound_holds(row)
         else:
             assert row["holds"]
-    assert sum(bool(row["claim"]) for row in ratios) == 7
+    assert sum(bool(row["claim"]) for row in ratios) == 8
     assert code == (0 if all(row["holds"] for row in [*ratios, *lean_ones]) else 1)
 
 
@@ -136,6 +137,7 @@ LEAN = Lean(
 def test_a_claim_that_does_not_hold_is_a_failure(
     benchmark: Benchmark, monkeypatch: pytest.MonkeyPatch, ratio: Ratio, part: Lean, code: int
 ) -> None:
+    monkeypatch.setattr(program, "start_up_ratios", list)
     monkeypatch.setattr(program, "reference_ratios", lambda: [RATIO, ratio])
     monkeypatch.setattr(program, "engine_ratios", lambda _: [RATIO])
     monkeypatch.setattr(program, "lean_ratios", lambda _: [part, LEAN])
