@@ -7,19 +7,13 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= quick
 
-.PHONY: validate test test-all explore mutants lint types contracts models clean
+.PHONY: validate test explore mutants lint types contracts models clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
 
-# tests run in as many processes as there are cores, a file in one of them
-PYTEST = $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
-
 test: $(VENV)/ready-to-test
-	$(PYTEST) --quick
-
-test-all: $(VENV)/ready-to-test
-	$(PYTEST)
+	$(BIN)/python -m pytest
 
 # property tests with fresh seeds; tests/conftest.py says what becomes of what they find
 explore: $(VENV)/ready-to-test

@@ -1,5 +1,7 @@
 """Progress of long work: a bar in the terminal, or in a notebook, that leaves when it is done."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -31,6 +33,19 @@ def progress_bar() -> Progress:
         console=Console(stderr=True),
         transient=True,
     )
+
+
+@contextmanager
+def report_progress() -> Iterator[Callable[[str, int, int], None]]:
+    """Show a bar while a report is written; gives the `on_progress` of `write_report`."""
+    with progress_bar() as bar:
+        task = bar.add_task("writing the report", total=None)
+
+        def show(part: str, done: int, total: int) -> None:
+            description = f"writing the report: {part[:_LABEL]}"
+            bar.update(task, completed=done, total=total, description=description)
+
+        yield show
 
 
 def in_notebook() -> bool:

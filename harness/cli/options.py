@@ -33,6 +33,9 @@ EngineNames = Annotated[
 ]
 ReplacedFolder = Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")]
 ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]
+Figures = Annotated[
+    bool, typer.Option("--figures", help="Draw each figure for paper too, as PNG and SVG.")
+]
 Json = Annotated[
     bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
 ]

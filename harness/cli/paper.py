@@ -11,7 +11,7 @@ from harness.core.errors import HarnessError, writing
 from harness.core.provenance import provenance
 from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
 from harness.paper.gallery import ABOUT, FIGURES
-from harness.progress import progress_bar
+from harness.progress import progress_bar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import csv_text
 from harness.report.write import write_report
@@ -88,7 +88,14 @@ def gallery(
             figure = draw()
             drawn.append(figure)
             bar.update(task, advance=1, description=figure.title)
-    page = write_report(
-        drawn, out, title="The figures of the paper", cases=(), provenance=provenance()
-    )
+    with report_progress() as progress:
+        page = write_report(
+            drawn,
+            out,
+            title="The figures of the paper",
+            cases=(),
+            provenance=provenance(),
+            figures=True,  # what the command is for
+            on_progress=progress,
+        )
     terminal.stdout_console().print(f"The gallery: {page}")

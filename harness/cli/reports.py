@@ -12,13 +12,14 @@ import typer
 from rich.markup import escape
 
 from harness.cli import terminal
-from harness.cli.options import Json
+from harness.cli.options import Figures, Json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.verdict import Status
 from harness.gate.baseline import BaselineError, read_baseline, read_scores
 from harness.gate.comparison import differences
 from harness.gate.report import SIDES, changed, gate_report, regressions, sentences
+from harness.progress import report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.stored import read_report
@@ -39,6 +40,7 @@ def report(
     out: Annotated[Path, typer.Option(help="Folder of the page; replaced as a whole.")] = Path(
         "reports/all"
     ),
+    figures: Figures = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """One page from the reports of several studies.
 
@@ -48,7 +50,15 @@ def report(
     """
     check_writable(out)
     chapters = joined_sections(folders)
-    page = write_chapters(chapters, out, title="rockingcan", provenance=provenance())
+    with report_progress() as progress:
+        page = write_chapters(
+            chapters,
+            out,
+            title="rockingcan",
+            provenance=provenance(),
+            figures=figures,
+            on_progress=progress,
+        )
     terminal.stdout_console().print(f"{len(chapters)} studies in one report: {page}")
 
 

@@ -51,6 +51,7 @@ def attribute(  # noqa: PLR0917 - a parameter an option
         typer.Option(help="A gap to close before the others; repeat it. Such as: timestep."),
     ] = None,
     out: options.ReportFolder = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
@@ -64,7 +65,7 @@ def attribute(  # noqa: PLR0917 - a parameter an option
     study = AttributionStudy(path=ablation_path(load(scene), engine, timestep, first or ()))
     left_out = {"share_of_whole", "what_it_does", "settings"}
     show = shown({"-gaps": left_out, "-interactions": (), "-attribution": ()})
-    run_command(study, running, out=out, json=json, answer=study.answer, show=show)
+    run_command(study, running, out=out, json=json, figures=figures, answer=study.answer, show=show)
 
 
 @run_options.with_run_options
@@ -78,6 +79,7 @@ def errors(  # noqa: PLR0917 - a parameter an option
     ] = None,
     set_: options.Settings = None,
     out: options.ReportFolder = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
@@ -94,7 +96,7 @@ def errors(  # noqa: PLR0917 - a parameter an option
     of_split = {"timestep_s", "true", "value", "limit", "order_spread", "command"}
     of_spreads = {"timestep_s", "spread_of_error", "members"}
     show = shown({"-split": of_split, "-spreads": of_spreads, "-three-errors": ()})
-    run_command(study, running, out=out, json=json, answer=study.answer, show=show)
+    run_command(study, running, out=out, json=json, figures=figures, answer=study.answer, show=show)
 
 
 _EFFECTS = (
@@ -129,6 +131,7 @@ def effects(  # noqa: PLR0917 - a parameter an option
         float, typer.Option(help="Degrees of turn below which a change does not count.")
     ] = 0.1,
     out: options.ReportFolder = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
@@ -147,7 +150,14 @@ def effects(  # noqa: PLR0917 - a parameter an option
     study = EffectsStudy(plan=plan)
     absent = () if engine else left_out()
     run_command(
-        study, running, out=out, json=json, answer=study.answer, absent=absent, show=_show_effects
+        study,
+        running,
+        out=out,
+        json=json,
+        figures=figures,
+        answer=study.answer,
+        absent=absent,
+        show=_show_effects,
     )
 
 
@@ -180,6 +190,7 @@ def stability(
     ] = "quick",
     engine: options.EngineNames = None,
     out: options.ReplacedFolder = Path("reports/stability"),
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
@@ -197,7 +208,9 @@ def stability(
     names = {"largest-timesteps": (), "random-scenes": (), "summary": ()}
     show = shown(names | {f"verdict-{name}": () for name in engines})
     absent = () if engine else left_out()
-    done = run_command(study, running, out=out, json=json, absent=absent, show=show)
+    done = run_command(
+        study, running, out=out, json=json, figures=figures, absent=absent, show=show
+    )
     if any(check.failure for checks in study.checks(done) for check in checks):
         raise typer.Exit(1)
 
@@ -234,6 +247,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
     tune: Annotated[
         str | None, typer.Option(help="Scene on which settings are chosen; another one.")
     ] = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
@@ -276,7 +290,14 @@ def cost(  # noqa: PLR0917 - a parameter an option
 
     folder, absent = out / chosen.name, () if engine else left_out()
     run_command(
-        study, running, out=folder, json=json, answer=study.answer, absent=absent, show=show
+        study,
+        running,
+        out=folder,
+        json=json,
+        figures=figures,
+        answer=study.answer,
+        absent=absent,
+        show=show,
     )
 
 

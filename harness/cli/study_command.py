@@ -11,11 +11,12 @@ from rich.markup import escape
 from harness.cli import terminal
 from harness.cli.run_options import RunOptions
 from harness.cli.terminal import to_json
+from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.engines.registry import how_to_add
 from harness.evaluation.timing import single_thread_executor
-from harness.progress import StudyBar
+from harness.progress import StudyBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import records
 from harness.report.write import write_report
@@ -49,6 +50,7 @@ def run_command(
     *,
     out: Path | None,
     json: bool,
+    figures: bool,
     answer: Callable[[Results], Mapping[str, Any]] | None = None,
     absent: Sequence[str] = (),
     show: Callable[[Results, Sequence[Artefact]], None],
@@ -62,6 +64,8 @@ def run_command(
     out : Path, optional
         Folder of the report; none is written if left out.
     json : bool
+    figures : bool
+        Whether the report has its figures for paper too.
     answer : callable, optional
         Returns what `--json` prints; all tables by name, row by row, if left out.
     absent : sequence of str
@@ -69,17 +73,24 @@ def run_command(
     show : callable
         Prints what a person reads.
     """
+    if figures and out is None:
+        raise InvalidSettingError("--figures", figures, "given with --out: figures are in a report")
     if out is not None:
         check_writable(out)
     done = run_with_progress(study, running)
     artefacts, notes = study.report(done), not_installed(absent)
-    page = out and write_report(
-        [*_with_summary(artefacts), *notes],
-        out,
-        title=f"rockingcan, {study.name}",
-        cases=done.manifest(),
-        provenance=provenance(),
-    )
+    page = None
+    if out is not None:
+        with report_progress() as progress:
+            page = write_report(
+                [*_with_summary(artefacts), *notes],
+                out,
+                title=f"rockingcan, {study.name}",
+                cases=done.manifest(),
+                provenance=provenance(),
+                figures=figures,
+                on_progress=progress,
+            )
     if json:
         tables = (a for a in artefacts if isinstance(a, Table))
         typer.echo(to_json(answer(done) if answer else {a.name: records(a) for a in tables}))

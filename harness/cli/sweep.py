@@ -20,7 +20,7 @@ from harness.execution.dask_cluster import check_cluster_address, dask_executor
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.signals import Interrupted
-from harness.progress import progress_bar
+from harness.progress import progress_bar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
 from harness.sweep.axes import read_axis
@@ -62,6 +62,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     on: options.Cluster = None,
     time_limit: options.TimeLimit = None,
     memory_limit: options.MemoryLimit = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """A table, and maps, of a scene over its parameters.
@@ -96,13 +97,16 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         check_writable(out / REPORT)
         _complete(folder, workers, on, limits)
         result = overview(chosen, folder.read(), against)
-    page = write_report(
-        sweep_report(result),
-        out / REPORT,
-        title=f"rockingcan, sweep of {chosen.base.scene.name}",
-        cases=(),
-        provenance=provenance(),
-    )
+    with report_progress() as progress:
+        page = write_report(
+            sweep_report(result),
+            out / REPORT,
+            title=f"rockingcan, sweep of {chosen.base.scene.name}",
+            cases=(),
+            provenance=provenance(),
+            figures=figures,
+            on_progress=progress,
+        )
     if json:
         typer.echo(to_json(_answer(result, folder)))
         return

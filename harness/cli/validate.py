@@ -34,7 +34,7 @@ from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, gate_report, regressions
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import count, measured
-from harness.progress import progress_bar
+from harness.progress import progress_bar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
@@ -95,6 +95,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
             help="A report of another study to join, such as reports/stability; repeat it.",
         ),
     ] = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     *,
     running: run_options.RunOptions,
 ) -> None:
@@ -134,9 +135,15 @@ def validate(  # noqa: PLR0917 - a parameter an option
     )
     if suite == _WHOLE:
         others = _causes(engines, running) + others
-    page = write_chapters(
-        [comparison, *others], out, title=comparison.title, provenance=comparison.provenance
-    )
+    with report_progress() as progress:
+        page = write_chapters(
+            [comparison, *others],
+            out,
+            title=comparison.title,
+            provenance=comparison.provenance,
+            figures=figures,
+            on_progress=progress,
+        )
     shown({"scorecard": (), "summary": ()})(done, artefacts)
     show_changes(changes)
     console = terminal.stdout_console()

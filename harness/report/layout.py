@@ -10,7 +10,6 @@ from typing import Any
 from harness.core.plain_json import Record
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
-from harness.report.matplotlib_renderer import RenderedFigure
 from harness.report.number_format import slugs
 from harness.report.style import LineStyle
 
@@ -80,12 +79,16 @@ class ReportPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Report:
-    """Everything that a report says."""
+    """Everything that a report says.
+
+    `on_paper` tells whether its folder has the figures as files for paper.
+    """
 
     title: str
     opening: ReportPart
     parts: tuple[ReportPart, ...]
-    pictures: Mapping[str, RenderedFigure]
+    figures: Mapping[str, Figure]
+    on_paper: bool
     tables: Mapping[str, Table]
     inks: Mapping[str, LineStyle]
     cases: tuple[Mapping[str, Any], ...]
@@ -111,8 +114,8 @@ def arrange(
     Parameters
     ----------
     derived : mapping
-        Tables made from several chapters: those of no scene open the report, the others lead the
-        section of their scene.
+        Tables and words made from several chapters: those of no scene open the report, the others
+        lead the section of their scene.
     chapters : sequence of (str, mapping)
         Title and artefacts.
     """
@@ -160,13 +163,18 @@ def _with_scene(artefacts: Named) -> Named:
 
 
 def _opening(derived: Named, first: Named) -> ReportPart:
-    """Return the summary and the scorecards, or, where there are none, the first table."""
-    tables = {**_of(derived, ""), **_named(first, Table, SCORECARD)}
+    """Return the summary and the scorecards, or, where there are none, the first table.
+
+    Words that were derived from the tables follow them.
+    """
+    own = _of(derived, "")
+    tables = {**_sorted(own, (Table,)), **_named(first, Table, SCORECARD)}
     if not tables:
         every = _sorted(first, (Table,))
         chosen = list(_of(every, ""))[:1] or list(every)[:1]
         tables = {name: every[name] for name in chosen}
-    return _part("Summary", {}, leading={**_named(first, Prose, SUMMARY), **tables})
+    leading = {**_named(first, Prose, SUMMARY), **tables, **_sorted(own, (Prose,))}
+    return ReportPart(title="Summary", leading=leading, rest={})
 
 
 def _named(artefacts: Named, kind: type[Artefact], name: str) -> Named:

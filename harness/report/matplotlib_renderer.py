@@ -1,4 +1,4 @@
-"""Figures for paper and for readers without scripts. Nothing else here knows matplotlib.
+"""Figures for paper and for notebooks. Nothing else here knows matplotlib.
 
 The same figure gives the same bytes: no date, no version, fixed names inside the SVG, and the only
 fonts used are those that come with matplotlib.

@@ -14,7 +14,7 @@ from harness.core.plain_json import is_missing
 SIGNIFICANT = 4  # enough to tell 0.15 from 0.1499, few enough to compare at a glance
 NOTHING = "\N{EN DASH}"
 
-_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"
 _THIN = "\N{NARROW NO-BREAK SPACE}"
@@ -56,7 +56,7 @@ def _rounded(value: float) -> str:
     if _PLAIN_FROM <= abs(value) < _PLAIN_BELOW:
         decimals = max(len(mantissa.lstrip("-").replace(".", "")) - 1 - int(exponent), 0)
         return f"{value:.{decimals}f}".replace("-", _MINUS)
-    power = str(int(exponent)).translate(_SUPERSCRIPT)
+    power = str(int(exponent)).translate(SUPERSCRIPT)
     return f"{mantissa.replace('-', _MINUS)}{_TIMES}10{power}"
 
 

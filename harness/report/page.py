@@ -1,6 +1,6 @@
 """The page: one file that opens from disk, with everything in it and nothing fetched.
 
-Pictures for paper stand in the page beside the data of the interactive graphs; a reader without
+A still picture of each panel stands beside the data of its interactive graph; a reader without
 scripts, and a printer, sees the pictures. Every text is escaped by the template engine; the page's
 own content policy forbids it to load anything.
 
@@ -20,10 +20,10 @@ from harness.core.provenance import Provenance
 from harness.core.report_model import Replay
 from harness.core.trajectory import Floats
 from harness.report.layout import Report, Section
-from harness.report.matplotlib_renderer import address
 from harness.report.number_format import slug, slugs
 from harness.report.plotly_renderer import description, packed, packed_array, plotly_packed
 from harness.report.style import PAPER_DARK, PAPER_LIGHT, LineStyle, entries
+from harness.report.svg_renderer import MARKS, stills
 from harness.report.tables import grid
 
 
@@ -96,13 +96,16 @@ def page(report: Report) -> str:
         "kind": lambda artefact: type(artefact).__name__.lower(),
     }
     digests = {str(case["digest"]) for case in report.cases if "digest" in case}
+    colours = {kind: f"--kind-{number}" for number, kind in enumerate(report.inks)}
     environment.globals |= {
         "digests": digests,
-        "kinds": {kind: f"--kind-{number}" for number, kind in enumerate(report.inks)},
+        "kinds": colours,
+        "marks": MARKS,
+        "on_paper": report.on_paper,
         "grid": lambda name, table: grid(name, table, digests),
         "entries": entries,
         "description": lambda figure: description(figure, report.inks),
-        "still": lambda name: address(report.pictures[name].svg),
+        "stills": lambda figure: map(Markup, stills(figure, report.inks, colours)),
         "frames": frames,
     }
     replays = any(isinstance(a, Replay) for part in report.parts for a in part.rest.values())
@@ -118,7 +121,7 @@ def page(report: Report) -> str:
         style=_asset("report.css"),
         script=_asset("report.js"),
         replays=_asset("replay.js") if replays else "",
-        plotly=plotly_packed() if report.pictures else "",
+        plotly=plotly_packed() if report.figures else "",
     )
 
 

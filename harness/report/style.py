@@ -141,10 +141,17 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
 
 Scale = tuple[tuple[float, str], ...]
 
-PLAIN: tuple[str, Scale | str] = ("viridis", "Viridis")
+PLAIN: tuple[str, str] = ("viridis", "Viridis")
 """From dark to light, read the same by all kinds of sight: on paper and on the screen."""
 
-SIGNED: tuple[str, Scale | str] = (
+PLAIN_COLOURS: Scale = (
+    *((0.0, "#440154"), (0.125, "#472d7b"), (0.25, "#3b528b"), (0.375, "#2c728e")),
+    *((0.5, "#21918c"), (0.625, "#28ae80"), (0.75, "#5ec962"), (0.875, "#addc30")),
+    (1.0, "#fde725"),
+)
+"""The same in colours."""
+
+SIGNED: tuple[str, Scale] = (
     "PuOr_r",
     ((0.0, "#2d004b"), (0.25, "#8073ac"), (0.5, "#f7f7f7"), (0.75, "#e08214"), (1.0, "#7f3b08")),
 )

@@ -1,12 +1,15 @@
-"""Write a report: the page, its figures and tables as files, a summary, verdicts and a manifest.
+"""Write a report: the page, its tables as files, a summary, verdicts and a manifest.
 
-The summary is the headline in Markdown, for pasting into a pull request.
+The summary is the headline in Markdown, for pasting into a pull request. Figures for paper are
+drawn when they are asked for, in as many processes as there are cores.
 """
 
 import hashlib
 import json
+import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,9 +20,9 @@ from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
 from harness.core.verdict import Status, Verdict
+from harness.execution.isolated_pool import local_executor
 from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
 from harness.report.layout import FIDELITY, Report, Section, arrange, ordered, unique_names
-from harness.report.matplotlib_renderer import render
 from harness.report.number_format import readable
 from harness.report.page import page
 from harness.report.scorecard import derived
@@ -138,6 +141,9 @@ def _counts(verdicts: list[dict[str, Any]]) -> dict[str, str]:
     }
 
 
+Progress = Callable[[str, int, int], None]
+"""Called with what is written, and how many parts of the report are done, of how many."""
+
 VERSION = 1  # of the manifest's keys; a later one adds keys and removes none
 
 
@@ -148,6 +154,8 @@ def write_report(
     title: str,
     cases: Sequence[Mapping[str, Any]],
     provenance: Provenance,
+    figures: bool = False,
+    on_progress: Progress | None = None,
 ) -> Path:
     """Write the report of one study as one folder, whole or not at all.
 
@@ -163,6 +171,9 @@ def write_report(
         One for each case, with what JSON can hold. The keys `digest`, `label` and `command` are
         shown; a table cell in a column named `case` that holds a digest links to its case.
     provenance : Provenance
+    figures : bool
+        Whether to draw each figure for paper too, as PNG and SVG.
+    on_progress : callable, optional
 
     Returns
     -------
@@ -177,11 +188,24 @@ def write_report(
     chapter = Section(
         title=title, artefacts=tuple(artefacts), cases=tuple(cases), provenance=provenance
     )
-    return write_chapters([chapter], out, title=title, provenance=provenance)
+    return write_chapters(
+        [chapter],
+        out,
+        title=title,
+        provenance=provenance,
+        figures=figures,
+        on_progress=on_progress,
+    )
 
 
 def write_chapters(
-    chapters: Sequence[Section], out: Path, *, title: str, provenance: Provenance
+    chapters: Sequence[Section],
+    out: Path,
+    *,
+    title: str,
+    provenance: Provenance,
+    figures: bool = False,
+    on_progress: Progress | None = None,
 ) -> Path:
     """Write one report of several studies.
 
@@ -189,7 +213,7 @@ def write_chapters(
     ----------
     chapters : sequence of Section
         At least one; the comparison of engines comes first on the page wherever it stands here.
-    out, title, provenance
+    out, title, provenance, figures, on_progress
         As for `write_report`.
 
     Returns
@@ -202,9 +226,11 @@ def write_chapters(
     OutputError
         As for `write_report`.
     """
-    report = _report([_fine(chapter) for chapter in ordered(chapters)], title, provenance)
+    steps = _Steps(chapters, on_progress, figures=figures)
+    fine = [_fine(chapter, steps) for chapter in ordered(chapters)]
+    report = _report(fine, title, provenance, on_paper=figures)
     with replace_folder(out) as draft:
-        _write_files(report, draft)
+        _write_files(report, draft, steps)
         manifest = {
             "format": FORMAT,
             "version": VERSION,
@@ -218,26 +244,44 @@ def write_chapters(
     return out / "index.html"
 
 
-def _fine(chapter: Section) -> Section:
+class _Steps:
+    """Counts the parts of a report as they are done."""
+
+    def __init__(
+        self, chapters: Sequence[Section], told: Progress | None, *, figures: bool
+    ) -> None:
+        every = [artefact for chapter in chapters for artefact in chapter.artefacts]
+        count = sum(isinstance(artefact, Figure) for artefact in every)
+        tables = sum(isinstance(artefact, Table) for artefact in every)
+        self.done, self.total = 0, count * (2 if figures else 1) + tables + 1
+        self.told = told
+
+    def done_with(self, part: str) -> None:
+        """Count a part; a table made of several chapters was not foreseen, and adds one."""
+        self.done += 1
+        self.total = max(self.total, self.done)
+        if self.told is not None:
+            self.told(part, self.done, self.total)
+
+
+def _fine(chapter: Section, steps: _Steps) -> Section:
     """Return a chapter with its curves as the page shows them."""
-    if chapter.fine:
-        return chapter
-    return replace(
-        chapter,
-        artefacts=tuple(
-            simplify(artefact, SCREEN) if isinstance(artefact, Figure) else artefact
-            for artefact in chapter.artefacts
-        ),
-        fine=True,
-    )
+    artefacts: list[Artefact] = []
+    for artefact in chapter.artefacts:
+        if isinstance(artefact, Figure):
+            artefacts.append(artefact if chapter.fine else simplify(artefact, SCREEN))
+            steps.done_with(artefact.title)
+        else:
+            artefacts.append(artefact)
+    return replace(chapter, artefacts=tuple(artefacts), fine=True)
 
 
-def _report(chapters: Sequence[Section], title: str, provenance: Provenance) -> Report:
-    """Draw the figures and give everything its name."""
+def _report(
+    chapters: Sequence[Section], title: str, provenance: Provenance, *, on_paper: bool
+) -> Report:
+    """Give everything its name and its place."""
     above, below = unique_names(derived(chapters), chapters)
     everything = {name: artefact for group in (above, *below) for name, artefact in group.items()}
-    figures = {n: a for n, a in everything.items() if isinstance(a, Figure)}
-    inks = palette(_kinds(everything.values()))
     opening, parts = arrange(
         above, [(chapter.title, group) for chapter, group in zip(chapters, below, strict=True)]
     )
@@ -245,9 +289,10 @@ def _report(chapters: Sequence[Section], title: str, provenance: Provenance) -> 
         title=title,
         opening=opening,
         parts=parts,
-        pictures={name: render(simplify(figure, PAPER), inks) for name, figure in figures.items()},
+        figures={n: a for n, a in everything.items() if isinstance(a, Figure)},
+        on_paper=on_paper,
         tables={n: a for n, a in everything.items() if isinstance(a, Table)},
-        inks=inks,
+        inks=palette(_kinds(everything.values())),
         cases=_once(chapters),
         provenance=provenance,
         chapters=tuple(chapters),
@@ -271,20 +316,40 @@ def _once(chapters: Sequence[Section]) -> tuple[Mapping[str, Any], ...]:
     return tuple(cases.values())
 
 
-def _write_files(report: Report, folder: Path) -> None:
-    (folder / "figures").mkdir()
-    for name, picture in report.pictures.items():
-        (folder / "figures" / f"{name}.png").write_bytes(picture.png)
-        _write_text(folder / "figures" / f"{name}.svg", picture.svg)
+def _write_files(report: Report, folder: Path, steps: _Steps) -> None:
+    if report.on_paper:
+        (folder / "figures").mkdir()
+        _draw(report, folder / "figures", steps)
     (folder / "tables").mkdir()
     for name, table in report.tables.items():
         _write_text(folder / "tables" / f"{name}.csv", csv_text(table))
         (folder / "tables" / f"{name}.parquet").write_bytes(parquet_bytes(table))
+        steps.done_with(table.title)
     _write_text(folder / ARTEFACTS, to_json(report.chapters))
     _write_text(folder / "columns.md", dictionary(report.tables.values()))
     _write_text(folder / "summary.md", summary(report))
     _write_text(folder / "junit.xml", junit(report))
     _write_text(folder / "index.html", page(report))
+    steps.done_with("the page")
+
+
+def _draw(report: Report, folder: Path, steps: _Steps) -> None:
+    """Draw the figures for paper, each once, in processes of their own."""
+    # here and not above: what nobody asks for is not imported
+    from harness.report.matplotlib_renderer import render  # noqa: PLC0415
+
+    inks = dict(report.inks)
+    jobs = max(1, min(len(os.sched_getaffinity(0)), len(report.figures)))
+    with local_executor(jobs) as executor:
+        drawings = {
+            executor.submit(render, simplify(figure, PAPER), inks): name
+            for name, figure in report.figures.items()
+        }
+        for drawing in as_completed(drawings):
+            name, picture = drawings[drawing], drawing.result()
+            (folder / f"{name}.png").write_bytes(picture.png)
+            _write_text(folder / f"{name}.svg", picture.svg)
+            steps.done_with(report.figures[name].title)
 
 
 def _write_text(path: Path, text: str) -> None:

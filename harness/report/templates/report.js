@@ -95,7 +95,8 @@ async function unpacked(element) {
       figure.element.classList.add("drawn");
     } catch (error) {
       figure.state = "failed";
-      figure.element.classList.add("failed"); // shows the picture instead
+      figure.element.classList.add("failed"); // shows the pictures instead
+      for (const button of figure.element.querySelectorAll("button")) button.disabled = true;
       console.error(error);
     }
   }
@@ -171,6 +172,7 @@ async function unpacked(element) {
       show((button) => alone || own(button));
     }
     for (const button of buttons) {
+      button.disabled = false;
       button.addEventListener("click", (event) => {
         if (event.shiftKey) isolate(button);
         else show((one) => (one === button ? !isShown(one) : isShown(one)));

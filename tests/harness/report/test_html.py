@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from harness.core.provenance import Provenance
-from harness.core.report_model import Table
+from harness.core.report_model import Artefact, Table
 from harness.report.write import write_report
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
@@ -119,7 +119,7 @@ def test_anchors_are_unique_and_lead_somewhere(page: Page, hostile_page: Page) -
 
 def test_links_lead_to_files_of_the_report(report: Path, page: Page) -> None:
     links = [a["href"] for _, a, _ in page.all("a") if not a["href"].startswith("#")]
-    assert len(links) > 10
+    assert len(links) == 2 * 2 + 5  # tables, and what stands beside the page
     for link in links:
         assert (report / link).is_file(), link
 
@@ -152,10 +152,33 @@ def test_nothing_is_fetched(page: Page) -> None:
     assert not re.search(r"@import|url\(", style)
 
 
-def test_pictures_have_words(page: Page) -> None:
-    pictures = page.all("img")
-    assert len(pictures) == 3
-    assert pictures[0][1]["alt"].startswith("Angles through the bounce. The can falls")
+def test_every_panel_has_one_still_picture_with_words(page: Page, hostile_page: Page) -> None:
+    for one in (page, hostile_page):
+        panels = [a for _, a, _ in one.all("div") if a.get("class") == "panel"]
+        stills = [a for _, a, _ in one.all("svg") if a.get("class") == "still"]
+        assert len(stills) == len(panels) == 3 + 1 + 1
+        graphs = [a for _, a, _ in one.all("div") if "graph" in a.get("class", "").split()]
+        assert [a["aria-label"] for a in stills] == [a["aria-label"] for a in graphs]
+        assert {a["role"] for a in stills} == {"img"}
+    assert stills[0]["aria-label"].startswith("Nutation </script>")
+
+
+def test_files_for_paper_are_named_where_there_are_any(
+    artefacts: tuple[Artefact, ...], provenance: Provenance, page: Page, tmp_path: Path
+) -> None:
+    def files(one: Page) -> list[str]:
+        links = (a["href"] for _, a, _ in one.all("a"))
+        return [link for link in links if link.startswith("figures/")]
+
+    out = tmp_path / "report"
+    write_report(artefacts, out, title="t", cases=(), provenance=provenance, figures=True)
+    drawn = Page(out / "index.html")
+    names = [f"figures/{n}.{form}" for n in ("angles", "locus", "order") for form in ("png", "svg")]
+    assert files(drawn) == names
+    assert all((out / name).stat().st_size > 1000 for name in names)
+    assert files(page) == []
+    assert "--figures" in page.all("footer")[0][2]
+    assert "--figures" not in drawn.all("footer")[0][2]
 
 
 def test_columns_can_be_sorted_by_keyboard(page: Page) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from harness.core.errors import OutputError
 from harness.core.provenance import Provenance
-from harness.core.report_model import Artefact
+from harness.core.report_model import Artefact, Figure
 from harness.report.write import write_report
 
 TOP = {
@@ -20,7 +20,6 @@ TOP = {
     "columns.md",
     "junit.xml",
     "manifest.json",
-    "figures",
     "tables",
 }
 
@@ -31,9 +30,6 @@ def names(folder: Path) -> list[str]:
 
 def test_every_file_is_there(report: Path) -> None:
     assert set(names(report)) == TOP
-    assert names(report / "figures") == [
-        f"{name}.{form}" for name in ("angles", "locus", "order") for form in ("png", "svg")
-    ]
     assert names(report / "tables") == [
         f"{name}.{form}" for name in ("parity", "scorecard") for form in ("csv", "parquet")
     ]
@@ -70,6 +66,75 @@ def test_the_same_report_gives_the_same_bytes(
     )
     again = json.loads((page.parent / "manifest.json").read_text(encoding="utf-8"))
     assert again == told
+
+
+def test_figures_for_paper_are_drawn_once_and_alike_in_any_process(
+    artefacts: tuple[Artefact, ...], provenance: Provenance, tmp_path: Path
+) -> None:
+    drawn = {}
+    for cores in (1, 3):
+        told: list[str] = []
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("os.sched_getaffinity", lambda _, n=cores: set(range(n)))
+            write_report(
+                artefacts,
+                tmp_path / str(cores),
+                title="t",
+                cases=(),
+                provenance=provenance,
+                figures=True,
+                on_progress=lambda part, *_, told=told: told.append(part),
+            )
+        # thinned once and drawn once
+        figures = [a.title for a in artefacts if isinstance(a, Figure)]
+        assert [told.count(title) for title in figures] == [2, 2, 2]
+        drawn[cores] = {p.name: p.read_bytes() for p in (tmp_path / str(cores)).glob("figures/*")}
+    assert sorted(drawn[1]) == [
+        f"{name}.{form}" for name in ("angles", "locus", "order") for form in ("png", "svg")
+    ]
+    assert drawn[1] == drawn[3]
+
+
+def test_a_figure_that_cannot_be_drawn_leaves_no_report(
+    artefacts: tuple[Artefact, ...],
+    provenance: Provenance,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def stop(part: str, done: int, total: int) -> None:
+        assert 0 < done <= total
+        if (tuple(tmp_path.glob(".*/figures/*.png"))) and part:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
+    with pytest.raises(KeyboardInterrupt):
+        write_report(
+            artefacts,
+            tmp_path / "report",
+            title="t",
+            cases=(),
+            provenance=provenance,
+            figures=True,
+            on_progress=stop,
+        )
+    assert names(tmp_path) == []
+
+
+def test_progress_counts_every_part_to_the_end(
+    artefacts: tuple[Artefact, ...], provenance: Provenance, tmp_path: Path
+) -> None:
+    told: list[tuple[str, int, int]] = []
+    write_report(
+        artefacts,
+        tmp_path / "report",
+        title="t",
+        cases=(),
+        provenance=provenance,
+        on_progress=lambda *step: told.append(step),
+    )
+    assert [done for _, done, _ in told] == list(range(1, 3 + 2 + 1 + 1))
+    assert {total for *_, total in told} == {6}
+    assert told[-1][0] == "the page"
 
 
 def test_the_summary_can_be_pasted(report: Path) -> None:

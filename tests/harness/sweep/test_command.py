@@ -25,6 +25,7 @@ SIGNS = (
     "release.psi_dot=-1:1:21",
     "--over",
     "release.theta_dot=-1:1:21",
+    "--figures",
 )
 
 

@@ -25,7 +25,8 @@ def answer(*words: str) -> dict[str, object]:
 
 def test_attribute_answers_with_one_object_and_writes_a_report(tmp_path: Path) -> None:
     out = tmp_path / "report"
-    found = answer("attribute", "gentle-rock", "--engine", "mujoco", "--out", str(out))
+    words = ("--engine", "mujoco", "--figures", "--out", str(out))
+    found = answer("attribute", "gentle-rock", *words)
     assert found["order"] == ["compliance", "friction regularisation", "solver", "timestep"]
     turn = found["quantities"]["turn_error_deg"]  # type: ignore[index]
     parts = sum(gap["in_order"] for gap in turn["gaps"])
@@ -38,7 +39,7 @@ def test_attribute_answers_with_one_object_and_writes_a_report(tmp_path: Path) -
 
 def test_errors_answers_with_one_object_and_writes_a_report(tmp_path: Path) -> None:
     out = tmp_path / "report"
-    words = ("--set", "solref=0.02,1", "--timestep", "1e-3", "--out", str(out))
+    words = ("--set", "solref=0.02,1", "--timestep", "1e-3", "--figures", "--out", str(out))
     found = answer("errors", "gentle-rock", "--engine", "mujoco", *words)
     ladder = found["ladder_s"]
     assert isinstance(ladder, list)

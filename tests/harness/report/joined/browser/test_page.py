@@ -166,12 +166,41 @@ def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined_report:
     page.emulate_media(media="print")
     for still in page.locator(".still").all():
         still.wait_for(state="visible")  # with the next frame
-    for hidden in (".panels", ".controls", ".replay", "nav"):
+    for hidden in (".graph", ".hint", ".replay", "nav"):
         assert not page.locator(hidden).first.is_visible(), hidden
 
 
-def test_without_scripts_pictures_and_tables_are_there(browse: Open, joined_report: Path) -> None:
-    page = browse(joined_report, whole=False, java_script_enabled=False)
-    assert all(one.is_visible() for one in page.locator(".still").all())
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_without_scripts_pictures_and_tables_are_there(
+    scheme: str, browse: Open, joined_report: Path
+) -> None:
+    page = browse(joined_report, whole=False, java_script_enabled=False, color_scheme=scheme)
+    for figure in page.locator(".figure").all():
+        stills = figure.locator(".still")
+        assert stills.count() == figure.locator(".panel").count() > 0
+        assert all(one.is_visible() for one in stills.all())
+        assert all(one.locator("svg path[style]").count() for one in stills.all())
+        legend = figure.locator(".entry")
+        assert legend.first.is_visible()
+        assert all(one.is_disabled() for one in legend.all())  # nothing would answer
+    assert not page.locator(".graph").first.is_visible()
+    assert not page.locator(".hint").first.is_visible()
     assert not page.locator(".replay").first.is_visible()
     assert page.locator("#table-engines tbody tr").count() == 2
+
+
+@pytest.mark.parametrize("width", [PHONE, 1400])
+def test_no_text_of_a_picture_leaves_it_or_is_too_small(
+    width: int, browse: Open, real_report: Path
+) -> None:
+    page = browse(real_report, width, whole=False, java_script_enabled=False)
+    for still in page.locator(".still").all():
+        outer = still.bounding_box()
+        assert outer["width"] <= width
+        for text in still.locator("text").all():
+            box = text.bounding_box()
+            assert min(box["width"], box["height"]) > 8.0
+            assert box["x"] > outer["x"] - 1.0
+            assert box["x"] + box["width"] < outer["x"] + outer["width"] + 1.0
+            assert box["y"] > outer["y"] - 1.0
+            assert box["y"] + box["height"] < outer["y"] + outer["height"] + 1.0
