@@ -1,8 +1,8 @@
 """The scorecard: engines against quantities, from the tables of all studies that are there.
 
 The comparison says how faithful each engine is, the study of stability how it fares on hard cases,
-the study of cost what a tenth of a degree takes. What was not measured is said to be so, with the
-command that measures it. A scene's own scorecard leads its section.
+the study of cost what a tenth of a degree takes. What was not measured has no column and no table;
+one sentence names the commands that measure it. A scene's own scorecard leads its section.
 
 Why an engine as it ships deviates: the causes that the attribution found, by rank.
 
@@ -13,7 +13,7 @@ the gap is closed; its command stands in the row.
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from harness.core.report_model import Column, Table, table_of
+from harness.core.report_model import Column, Prose, Table, table_of
 from harness.core.verdict import Status, Verdict
 from harness.report.layout import FIDELITY, Section
 from harness.report.number_format import readable
@@ -46,8 +46,10 @@ _MOST = 3
 """Causes of a deviation in the table; the attribution's own tables have all."""
 
 
-def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row] | None]) -> Table:
-    """Return the causes of every deviation of an engine as it ships.
+def causes(
+    verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row] | None]
+) -> tuple[Table, tuple[str, ...]]:
+    """Return the causes of the deviations of engines as they ship, and how to find the others.
 
     Parameters
     ----------
@@ -55,9 +57,15 @@ def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row] | Non
         Rows of the table of fidelity.
     rows_of : callable
         Returns the rows of the table of a name, or None where there is no such table.
+
+    Returns
+    -------
+    causes : Table
+    commands : tuple of str
+        Attribute the deviations of which no causes are known, a scene and engine each.
     """
     rows: list[Row] = []
-    unknown: dict[str, Row] = {}
+    commands: dict[str, None] = {}
     for row in verdicts:
         deviates = status_of(row["verdict"]) is Status.DEVIATES and row["profile"] == "default"
         if not deviates or row["quantity"] not in _ATTRIBUTED:
@@ -66,16 +74,9 @@ def causes(verdicts: Sequence[Row], rows_of: Callable[[str], Sequence[Row] | Non
         study = f"{scene}-{engine}"
         if (gaps := rows_of(f"{study}-gaps")) is not None:
             rows += _of(row, gaps, rows_of(f"{study}-runs") or ())
-        else:  # once for a scene and engine: how the causes are found out
-            command = f"rockingcan attribute {scene} --engine {engine}"
-            unknown[study] = {
-                "scene": scene,
-                "engine": engine,
-                "cause": f"not measured in this run: {command}",
-                "command": command,
-            }
-    rows += unknown.values()
-    return table_of("causes", "Why engines deviate as they ship", _CAUSES, rows)
+        else:
+            commands[f"rockingcan attribute {scene} --engine {engine}"] = None
+    return table_of("causes", "Why engines deviate as they ship", _CAUSES, rows), tuple(commands)
 
 
 def _of(row: Row, gaps: Sequence[Row], runs: Sequence[Row]) -> Iterator[Row]:
@@ -157,20 +158,17 @@ _OF_SCENE = (
     *(c for name, _, meaning in _QUANTITIES.values() for c in _judged(name, meaning)),
 )
 
-_SCORECARD = (
-    *_OF_SCENE,
-    *_judged(
-        "stability_percent",
-        "Share of the hard cases, at the smallest timestep tried, that stay sound.",
-    ),
-    *_judged("price_s_s", "Price of 0.1 degrees: processor seconds for each simulated second."),
+_STABILITY = _judged(
+    "stability_percent",
+    "Share of the hard cases, at the smallest timestep tried, that stay sound.",
 )
+_PRICE = _judged("price_s_s", "Price of 0.1 degrees: processor seconds for each simulated second.")
 
 
-def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
-    """Return the tables that a report makes of its chapters: scorecards, and causes.
+def derived(chapters: Sequence[Section]) -> tuple[Table | Prose, ...]:
+    """Return what a report makes of its chapters: scorecards, causes, and what was not measured.
 
-    None where no chapter is the comparison.
+    Nothing where no chapter is the comparison.
     """
     tables = [a for chapter in chapters for a in chapter.artefacts if isinstance(a, Table)]
 
@@ -185,29 +183,49 @@ def derived(chapters: Sequence[Section]) -> tuple[Table, ...]:
     scenes = list(dict.fromkeys(row["scene"] for row in verdicts))
     headline = _HEADLINE if _HEADLINE in scenes else scenes[0]
     hard, prices = rows_of("verdicts"), rows_of(f"{headline}-prices")
-    rows = [
-        {**row, **_stability(row, hard), **_price(row, prices, headline)}
-        for row in _rows(headline, verdicts)
-    ]
+    columns, rows, missing = _OF_SCENE, _rows(headline, verdicts), []
+    if hard:
+        columns += _STABILITY
+        rows = [{**row, **_stability(row, hard)} for row in rows]
+    else:
+        missing.append("how many hard cases stay sound (rockingcan stability)")
+    if prices:
+        columns += _PRICE
+        rows = [{**row, **_price(row, prices)} for row in rows]
+    else:
+        missing.append(f"what 0.1 degrees cost (rockingcan cost {headline})")
+    known, commands = causes(verdicts, lambda name: records(last[name]) if name in last else None)
+    if commands:
+        first, *others = commands
+        more = f", and {len(others)} more like it" if others else ""
+        missing.append(f"why engines deviate as they ship ({first}{more})")
     return (
-        table_of("engines", f"Scorecard: engines on {headline}", _SCORECARD, rows),
-        causes(verdicts, lambda name: records(last[name]) if name in last else None),
+        table_of("engines", f"Scorecard: engines on {headline}", columns, rows),
+        *((known,) if len(known.frame) else ()),
         *(
             table_of(
                 f"{scene}-engines", "The engines", _OF_SCENE, _rows(scene, verdicts), scene=scene
             )
             for scene in scenes
         ),
+        *((_left_out(missing),) if missing else ()),
+    )
+
+
+def _left_out(missing: Sequence[str]) -> Prose:
+    """Return the sentence on what this report could say and does not."""
+    *first, last = missing
+    parts = f"{', '.join(first)}, and {last}" if first else last
+    return Prose(
+        name="not-measured",
+        title="What this report does not say",
+        text=f"Not measured here: {parts}; rockingcan report joins their reports to this one.",
     )
 
 
 def status_of(verdict: object) -> Status | None:
     """Return the status of a cell; None if it holds no verdict."""
     return verdict.status if isinstance(verdict, Verdict) else None
-
-
-def _not_measured(command: str) -> Verdict:
-    return Verdict(Status.NOT_MEASURED, f"not measured in this run: rockingcan {command}")
 
 
 def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
@@ -249,7 +267,8 @@ def _stability(row: Row, hard: Sequence[Row]) -> Row:
             finest = own.setdefault(run["scene"], run)
             own[run["scene"]] = min(finest, run, key=lambda row: row["timestep_s"])
     if not own:
-        return {"stability_percent_verdict": _not_measured("stability")}
+        text = "not measured: no hard case was run with these settings"
+        return {"stability_percent_verdict": Verdict(Status.NOT_MEASURED, text)}
     sound = {verdict.value for verdict in SOUND}
     failed = [run for run in own.values() if run["verdict"] not in sound]
     words = Verdict(Status.AGREES, f"agrees: all {len(own)} hard cases stay sound")
@@ -263,10 +282,8 @@ def _stability(row: Row, hard: Sequence[Row]) -> Row:
     }
 
 
-def _price(row: Row, prices: Sequence[Row], scene: str) -> Row:
+def _price(row: Row, prices: Sequence[Row]) -> Row:
     """Return the cells on the price of a tenth of a degree in an engine's profile."""
-    if not prices:
-        return {"price_s_s_verdict": _not_measured(f"cost {scene}")}
     _, choice = _PROFILES.get(row["profile"], ("", None))
     for price in prices:
         wanted = (row["engine"], _TARGET, choice)

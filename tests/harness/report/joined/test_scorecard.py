@@ -5,13 +5,14 @@ from pathlib import Path
 
 import pandas as pd
 
-from harness.core.report_model import Table
+from harness.core.report_model import Prose, Table
+from harness.core.verdict import Status
 from harness.report.layout import Section
 from harness.report.scorecard import derived
 
 
 def tables(chapters: list[Section]) -> dict[str, Table]:
-    return {table.name: table for table in derived(chapters)}
+    return {table.name: table for table in derived(chapters) if isinstance(table, Table)}
 
 
 def rows(table: Table) -> "dict[tuple[str, str], pd.Series[object]]":
@@ -30,20 +31,45 @@ def test_a_row_is_filled_from_three_studies(study_sections: list[Section]) -> No
     assert str(row["price_s_s_verdict"]) == "cheapest"
 
 
-def test_what_was_not_measured_is_said_with_the_command(study_sections: list[Section]) -> None:
+def test_what_was_not_measured_has_no_column_and_no_table(study_sections: list[Section]) -> None:
     alone = [chapter for chapter in study_sections if chapter.compares]
-    for row in rows(tables(alone)["engines"]).values():
-        assert pd.isna(row["stability_percent"])
-        assert (
-            str(row["stability_percent_verdict"])
-            == "not measured in this run: rockingcan stability"
-        )
-        expected = "not measured in this run: rockingcan cost gentle-rock"
-        assert str(row["price_s_s_verdict"]) == expected
-    causes = tables(alone)["causes"].frame
-    assert causes["cause"].tolist() == [
-        "not measured in this run: rockingcan attribute gentle-rock --engine mujoco"
+    made = derived(alone)
+    assert [artefact.name for artefact in made] == [
+        "engines",
+        "gentle-rock-engines",
+        "not-measured",
     ]
+    columns = tables(alone)["engines"].columns
+    assert not {name for name in columns if name.startswith(("stability", "price"))}
+    assert "turn_error_deg" in columns
+
+
+def test_one_sentence_names_the_commands_that_add_it(study_sections: list[Section]) -> None:
+    def told(*left_out: str) -> str:
+        chapters = [c for c in study_sections if not c.title.endswith(left_out)]
+        (words,) = [a.text for a in derived(chapters) if isinstance(a, Prose)] or [""]
+        assert words.count(".") == bool(words) + words.count("0.1")
+        return words
+
+    commands = {
+        "stability": "(rockingcan stability)",
+        "cost": "(rockingcan cost gentle-rock)",
+        "Attribution": "(rockingcan attribute gentle-rock --engine mujoco)",
+    }
+    for missing, command in commands.items():
+        assert command in told(missing)
+        assert not any(other in told(missing) for other in commands.values() if other != command)
+    assert all(command in told(*commands) for command in commands.values())
+    assert told("nothing") == ""
+
+
+def test_what_an_engine_was_not_measured_in_is_said_in_its_row(
+    study_sections: list[Section],
+) -> None:
+    row = rows(tables(study_sections)["engines"])["mujoco", "default"]
+    assert pd.isna(row["stability_percent"])
+    verdict = row["stability_percent_verdict"]
+    assert verdict.status is Status.NOT_MEASURED  # type: ignore[attr-defined]
 
 
 def test_a_failure_in_a_hard_case_is_named(study_sections: list[Section]) -> None:
@@ -100,7 +126,7 @@ def test_a_report_without_a_comparison_has_none(study_sections: list[Section]) -
 
 
 def test_every_column_is_told(study_sections: list[Section]) -> None:
-    for table in derived(study_sections):
+    for table in tables(study_sections).values():
         assert list(table.columns) == list(table.frame.columns)
         assert all(meaning.endswith(".") for meaning in table.columns.values())
 
