@@ -7,13 +7,19 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= quick
 
-.PHONY: validate test explore mutants lint types contracts models clean
+.PHONY: validate test test-all explore mutants lint types contracts models clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
 
+# tests run in as many processes as there are cores, a file in one of them
+PYTEST = $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
+
 test: $(VENV)/ready-to-test
-	$(BIN)/python -m pytest
+	$(PYTEST) --quick
+
+test-all: $(VENV)/ready-to-test
+	$(PYTEST)
 
 # property tests with fresh seeds; tests/conftest.py says what becomes of what they find
 explore: $(VENV)/ready-to-test

@@ -3,7 +3,8 @@
 Every message names the file or the key, its value and the allowed values.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 _LONGEST_SHOWN = 80
@@ -13,6 +14,12 @@ def shown(value: object) -> str:
     """Return the value as a message quotes it: its repr, shortened when it is long."""
     text = repr(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def did_you_mean(name: str, names: Iterable[str], otherwise: str = ";") -> str:
+    """Return what follows a wrong name in a message: the nearest of the names, if one is near."""
+    near = get_close_matches(name, list(names), n=1)
+    return f", did you mean {near[0]!r}?" if near else otherwise
 
 
 class ModelError(ValueError):
@@ -82,7 +89,8 @@ class UnknownSceneError(ModelError):
 
     def __str__(self) -> str:
         """List what there is."""
+        hint = did_you_mean(self.name, self.available, otherwise=":")
         return (
-            f"unknown scene {shown(self.name)}: it is neither in the catalogue "
+            f"unknown scene {shown(self.name)}{hint} it is neither in the catalogue "
             f"({', '.join(self.available)}) nor the path of a scene file"
         )

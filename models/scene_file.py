@@ -19,7 +19,7 @@ from pydantic_core import ErrorDetails
 
 from models.can import Can
 from models.effects import KINDS, Effects
-from models.errors import InvalidValueError, ModelError, SceneFileError, shown
+from models.errors import InvalidValueError, ModelError, SceneFileError, did_you_mean, shown
 from models.quantity import positive
 from models.release import Release
 from models.scene import Horizon, Scene
@@ -186,8 +186,7 @@ def _sentence(detail: ErrorDetails) -> str:
         return f"key {key} is missing; it must be {_KINDS.get(annotation, 'a table')}"
     if detail["type"] == "extra_forbidden":
         allowed = list(_table(location[:-1]).model_fields)
-        close = get_close_matches(location[-1], allowed, n=1)
-        hint = f", did you mean '{close[0]}'?" if close else ";"
+        hint = did_you_mean(location[-1], allowed)
         return f"key {key} is unknown{hint} allowed are {', '.join(allowed)}"
     if detail["type"] == "float_type" and type(detail["input"]) is int:
         return f"key {key} is an integer that is too large for a double"

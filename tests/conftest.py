@@ -1,7 +1,8 @@
-"""Fixtures of all tests, and two ways to draw examples for property tests.
+"""Fixtures of all tests, what is quick, and two ways to draw examples for property tests.
 
-``fixed`` is what `make test` takes: the same examples in every run, so that a change that fails is
-the change's own fault. It finds what it found yesterday and nothing else.
+``fixed`` is what `make test-all` takes: the same examples in every run, so that a change that fails
+is the change's own fault. It finds what it found yesterday and nothing else. ``quick``, of `make
+test`, is a quarter of it.
 
 ``explore`` is what `make explore` takes: five times as many examples from fresh seeds, those that
 failed kept in `.hypothesis` and tried first the next time. What it finds becomes part of `fixed`:
@@ -19,18 +20,24 @@ Fixtures import what they need themselves: most tests need no browser, report or
 imports take seconds.
 """
 
+import os
 import re
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from filelock import FileLock
 from hypothesis import settings
 from hypothesis.database import DirectoryBasedExampleDatabase
+from hypothesis.internal.conjecture import providers
+from hypothesis.internal.constants_ast import Constants
 
 from models import Horizon, Scene, load
+from tests.support.sampling import sampled
 
 if TYPE_CHECKING:
     from harness.core.provenance import Provenance
@@ -41,8 +48,11 @@ if TYPE_CHECKING:
     from tests.support.browser import Open
     from tests.support.command_line import Command
 
+MakeOnce = Callable[[str, Callable[[Path], Path]], Path]
+
 # a busy machine fails neither of them
 settings.register_profile("fixed", derandomize=True, deadline=None, max_examples=100)
+settings.register_profile("quick", derandomize=True, deadline=None, max_examples=25)
 settings.register_profile(
     "explore",
     derandomize=False,
@@ -55,11 +65,84 @@ settings.register_profile(
 settings.load_profile("fixed")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option of `make test`."""
+    parser.addoption(
+        "--quick",
+        action="store_true",
+        help="No slow tests, a sample of the parameters of a test, a quarter of the examples.",
+    )
+
+
+@pytest.hookimpl(trylast=True)  # hypothesis has loaded its profile
+def pytest_configure(config: pytest.Config) -> None:
+    """Draw the same examples whatever else runs in this process, and fewer in a quick run."""
+    if config.option.quick:
+        settings.load_profile("quick")
+    if settings.default.derandomize:
+        # else a number that stands in any module that some test has imported may be an example
+        vars(providers)["_get_local_constants"] = Constants
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    """Say what a run leaves out, and how long it takes."""
+    if config.option.quick:
+        return (
+            "quick tests, three minutes on two cores; left out: what is marked `slow` (campaigns, "
+            "whole studies), most combinations of parameters, three quarters of the drawn "
+            "examples; `make test-all` runs everything, in a quarter of an hour"
+        )
+    return "all tests, a quarter of an hour on two cores; `make test` runs the quick ones"
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is not quick; put the files with slow tests first, so that none comes last."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    chosen = sorted(items, key=lambda item: item.path not in slow)
+    if config.option.quick:
+        chosen = sampled(one for one in chosen if not one.get_closest_marker("slow"))
+        config.hook.pytest_deselected(items=[one for one in items if one not in set(chosen)])
+    items[:] = chosen
+
+
+@pytest.fixture(scope="session")
+def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder that the processes of this run of the tests share."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared"
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def make_once(shared_folder: Path) -> MakeOnce:
+    """Return a function that makes what a name says, once for all processes."""
+
+    def make(name: str, write: Callable[[Path], Path]) -> Path:
+        with FileLock(shared_folder / f"{name}.lock"):
+            done, out = shared_folder / f"{name}.done", shared_folder / name / "report"
+            if not done.exists():
+                write(out)
+                done.touch()
+        return out
+
+    return make
+
+
 @pytest.fixture(scope="session", autouse=True)
-def _own_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Keep what tests run in a store of their own."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROCKINGCAN_STORE", str(tmp_path_factory.mktemp("store")))
+def _of_its_own(shared_folder: Path) -> Iterator[None]:
+    """Keep what tests run in a store of their own, and wait for no other program that times.
+
+    The lock of timing is in the folder for temporary files; its path is short, as are those of
+    sockets.
+    """
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        tempfile.TemporaryDirectory(prefix="can-", ignore_cleanup_errors=True) as folder,
+    ):
+        patch.setenv("ROCKINGCAN_STORE", str(shared_folder / "store"))
+        patch.setenv("TMPDIR", folder)
+        patch.setattr(tempfile, "tempdir", folder)
         yield
 
 
@@ -184,27 +267,27 @@ def hostile_artefacts() -> "tuple[Artefact, ...]":
 
 
 @pytest.fixture(scope="session")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def report(make_once: MakeOnce) -> Path:
     """Return the folder of a small report with everything in it."""
     from tests.support.reports import write_small_report
 
-    return write_small_report(tmp_path_factory.mktemp("written") / "report")
+    return make_once("report", write_small_report)
 
 
 @pytest.fixture(scope="session")
-def hostile_report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def hostile_report(make_once: MakeOnce) -> Path:
     """Return the folder of a small report whose every text tries to break out."""
     from tests.support.reports import hostile_words, write_small_report
 
-    return write_small_report(tmp_path_factory.mktemp("hostile") / "report", hostile_words)
+    return make_once("hostile-report", lambda out: write_small_report(out, hostile_words))
 
 
 @pytest.fixture(scope="session")
-def real_report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def real_report(make_once: MakeOnce) -> Path:
     """Return the folder of a report of both engines on one scene."""
     from tests.support.reports import write_real_report
 
-    return write_real_report(tmp_path_factory.mktemp("real") / "report")
+    return make_once("real-report", write_real_report)
 
 
 @pytest.fixture(scope="session")
@@ -216,24 +299,22 @@ def study_sections(artefacts: "tuple[Artefact, ...]", provenance: "Provenance") 
 
 
 @pytest.fixture(scope="session")
-def joined_report(
-    artefacts: "tuple[Artefact, ...]", tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def joined_report(artefacts: "tuple[Artefact, ...]", make_once: MakeOnce) -> Path:
     """Return the folder of a report of four studies."""
     from tests.support.joined_reports import write_joined_report
 
-    return write_joined_report(artefacts, tmp_path_factory.mktemp("joined") / "report")
+    return make_once("joined-report", lambda out: write_joined_report(artefacts, out))
 
 
 @pytest.fixture(scope="session")
-def hostile_joined_report(
-    hostile_artefacts: "tuple[Artefact, ...]", tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def hostile_joined_report(hostile_artefacts: "tuple[Artefact, ...]", make_once: MakeOnce) -> Path:
     """Return the same, of a scene file whose every text tries to break out."""
     from tests.support.joined_reports import hostile_words, write_joined_report
 
-    out = tmp_path_factory.mktemp("hostile-joined") / "report"
-    return write_joined_report(hostile_artefacts, out, hostile_words)
+    return make_once(
+        "hostile-joined-report",
+        lambda out: write_joined_report(hostile_artefacts, out, hostile_words),
+    )
 
 
 # ---- the page in a browser

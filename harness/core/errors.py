@@ -3,8 +3,11 @@
 A numerical failure of an engine is no error: it is an `Outcome` of a simulation.
 """
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+
+from models.errors import did_you_mean
 
 
 class HarnessError(Exception):
@@ -15,7 +18,9 @@ class UnknownEngineError(HarnessError, LookupError):
     """No engine of that name is installed."""
 
     def __init__(self, name: str, available: Iterable[str]) -> None:
-        super().__init__(f"unknown engine '{name}'; there are: {', '.join(sorted(available))}")
+        names = sorted(available)
+        hint = did_you_mean(name, names)
+        super().__init__(f"unknown engine '{name}'{hint} there are: {', '.join(names)}")
 
 
 class MissingPackageError(HarnessError, ImportError):
@@ -73,15 +78,20 @@ class UnknownSettingError(HarnessError, LookupError):
     """An engine has no setting of that name."""
 
     def __init__(self, engine: str, name: str, available: Iterable[str]) -> None:
-        names = ", ".join(sorted(available)) or "none"
-        super().__init__(f"engine '{engine}' has no setting '{name}'; its settings are: {names}")
+        names = sorted(available)
+        hint, listed = did_you_mean(name, names), ", ".join(names) or "none"
+        super().__init__(
+            f"engine '{engine}' has no setting '{name}'{hint} its settings are: {listed}"
+        )
 
 
 class InvalidSettingError(HarnessError, ValueError):
     """A setting, profile or timestep has a value that it cannot have."""
 
     def __init__(self, name: str, value: object, allowed: str) -> None:
-        super().__init__(f"setting '{name}' cannot be {value!r}; allowed: {allowed}")
+        words = re.split(", | or ", allowed) if isinstance(value, str) else []
+        hint = did_you_mean(str(value), words)
+        super().__init__(f"setting '{name}' cannot be {value!r}{hint} allowed: {allowed}")
 
 
 class UnsupportedEffectError(HarnessError, ValueError):

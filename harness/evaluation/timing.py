@@ -55,9 +55,6 @@ _WARM_STEPS, _WARM_SHARE = 200, 0.02
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-LOCK = Path(tempfile.gettempdir()) / f"rockingcan-timing-{os.getuid()}.lock"
-"""One for the machine and user, not one a folder: what is shared is the processor."""
-
 
 def time_alone(case: Case) -> Record:
     """Return the times of repeated runs of a case, s; on `single_thread_executor` it runs alone.
@@ -135,10 +132,15 @@ def _warm_up(case: Case) -> None:
     _work(replace(case, scene=replace(case.scene, horizon=Horizon(seconds=seconds))))()
 
 
+def lock_file() -> Path:
+    """Return one file for the machine and user, not one a folder: the processor is shared."""
+    return Path(tempfile.gettempdir()) / f"rockingcan-timing-{os.getuid()}.lock"
+
+
 @contextmanager
 def timing_lock() -> Iterator[None]:
     """Wait until no other program on this machine times, and lock them out while this one does."""
-    with LOCK.open("a") as file:
+    with lock_file().open("a") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 

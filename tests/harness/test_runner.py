@@ -57,7 +57,9 @@ class Backwards(Executor):
 
 
 @pytest.mark.parametrize(
-    "executor", [Backwards(), ThreadPoolExecutor(1), SerialExecutor()], ids=repr
+    "executor",
+    [Backwards(), ThreadPoolExecutor(1), SerialExecutor()],
+    ids=lambda executor: type(executor).__name__,
 )
 def test_any_executor_keeps_the_order_and_tells_of_each_once(
     cases: list[Case], executor: Executor

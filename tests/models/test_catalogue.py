@@ -177,8 +177,8 @@ def test_an_unknown_scene_lists_what_there_is() -> None:
     with pytest.raises(UnknownSceneError) as caught:
         load("gentle-rok")
     assert str(caught.value) == (
-        f"unknown scene 'gentle-rok': it is neither in the catalogue ({', '.join(names())}) "
-        "nor the path of a scene file"
+        f"unknown scene 'gentle-rok', did you mean 'gentle-rock'? it is neither in the catalogue "
+        f"({', '.join(names())}) nor the path of a scene file"
     )
 
 

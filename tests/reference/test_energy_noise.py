@@ -2,6 +2,7 @@
 
 import mpmath as mp
 import numpy as np
+import pytest
 
 from reference import Parameters
 from reference.equations.steady_motion import steady_rotation
@@ -26,6 +27,7 @@ def random_release(rng: np.random.Generator) -> tuple[Parameters, dict[str, floa
     return can, {name: float(value) for name, value in release.items()}
 
 
+@pytest.mark.slow
 def test_round_off_of_the_energy_is_bounded_and_not_by_much() -> None:
     """At distances from the release of 1e-10 of the way to all of it, up, down and deep down."""
     rng, shares = np.random.default_rng(1), []

@@ -16,6 +16,7 @@ from tests.reference.hostile.made import CLOSEST, made
 NUMBERS, SEED = range(150), 7
 
 
+@pytest.mark.slow
 def test_constructed_releases_are_solved_as_the_integrator_solves_them() -> None:
     """Outcome, period and phi_min of the batch, to what the numbers given allow."""
     releases = [one for one in made(NUMBERS, SEED) if one.family != CLOSEST]

@@ -289,6 +289,7 @@ FEW = 200
 """Onsets: some seconds; `python -m tests.onsets` follows thousands."""
 
 
+@pytest.mark.slow
 def test_no_random_onset_crashes_and_in_none_does_the_plane_pull() -> None:
     tally: Tally = campaign(FEW, 1)
     assert tally.faults == []

@@ -24,6 +24,7 @@ def fall(phi: mpf, rate: mpf) -> mpf:
     return quad(slowness, steps, method="gauss-legendre")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", [1e-9, 1e-5, 1e-2])
 @pytest.mark.parametrize("share", [0.0, 1e-3, 0.5])
 def test_a_short_fall_takes_as_long_as_in_forty_digits(phi: float, share: float) -> None:
@@ -51,6 +52,7 @@ def passage(start: float, rate: float, end: float) -> mpf:
     return quad(slowness, steps, method="gauss-legendre")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [0.3, PAPER_CAN.balancing_angle - 1e-3, 1.2])
 @pytest.mark.parametrize("margin", [1e-12, 1e-6, 0.3, 30.0])
 def test_over_the_top_it_takes_as_long_as_in_forty_digits(start: float, margin: float) -> None:

@@ -111,6 +111,7 @@ def test_it_stands_for_as_long_as_it_is_watched() -> None:
     assert found.outcome is Outcome.STEADY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", np.arange(0.05, 0.6, 0.09).round(2).tolist())
 def test_what_only_precesses_begins_to_roll(phi: float) -> None:
     """Theta' = 0 turns the can about the vertical, of which round-off leaves a little level."""

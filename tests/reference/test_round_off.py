@@ -180,6 +180,7 @@ def test_what_round_off_takes_is_said() -> None:
     assert solved(phi=0.3, psi_dot=0.5, theta_dot=0.1).caveat == ""
 
 
+@pytest.mark.slow
 def test_beside_steady_rolling_no_more_is_lost_than_is_said() -> None:
     """Formula and integrator differ by less than the number in the sentence, or than 1e-9."""
     random, said = np.random.default_rng(5), 0

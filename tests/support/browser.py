@@ -8,9 +8,10 @@ import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
+from playwright.sync_api import sync_playwright
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 _ROOT = Path(__file__).parents[2]
@@ -21,15 +22,19 @@ Open = Callable[..., Any]
 """Opens the page of a report's folder."""
 
 
+def leave_out(reason: str) -> NoReturn:
+    """Skip a test that needs a browser, or fail it where one is required."""
+    if os.environ.get("ROCKINGCAN_BROWSER") == "required":
+        pytest.fail(f"ROCKINGCAN_BROWSER is 'required', but there is {reason}", pytrace=False)
+    pytest.skip(reason)
+
+
 @contextmanager
 def running_chromium() -> Iterator[Any]:
     """Give a browser, or skip the test that asks for it."""
     if CHROMIUM is None:
-        pytest.skip("chromium is not on the path: the page is not tried in a browser")
-    playwright = pytest.importorskip(
-        "playwright.sync_api", reason="playwright is not installed: no test in a browser"
-    )
-    with playwright.sync_playwright() as driver:
+        leave_out("no chromium on the path: the page is not tried in a browser")
+    with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield browser
         browser.close()
@@ -75,8 +80,8 @@ def axe_core() -> str:
     packed = _ROOT / ".cache" / "axe" / "node_modules" / "axe-core" / "axe.min.js"
     path = Path(os.environ.get("AXE_CORE") or packed)
     if not path.is_file():
-        pytest.skip(
-            "axe-core is not there: accessibility is not checked; get it with: "
+        leave_out(
+            "no axe-core: accessibility is not checked; get it with: "
             "npm install --no-save --prefix .cache/axe axe-core"
         )
     return path.read_text(encoding="utf-8")

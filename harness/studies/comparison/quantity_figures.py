@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from itertools import chain
 
 import numpy as np
@@ -12,6 +11,7 @@ from harness.core.report_model import Figure, Panel
 from harness.evaluation.evaluation import Evaluation
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.selection import by_case
+from models.errors import did_you_mean
 
 ANGLES = ("phi", "psi", "theta")
 """Each is a panel of two figures of the report: of the whole run, and of the first bounce."""
@@ -26,10 +26,8 @@ class UnknownQuantityError(HarnessError, LookupError):
     """No figure shows a quantity of that name."""
 
     def __init__(self, name: str) -> None:
-        near = get_close_matches(name, QUANTITIES_DRAWN, 1)
-        meant = f"; did you mean '{near[0]}'?" if near else ";"
-        names = ", ".join(QUANTITIES_DRAWN)
-        super().__init__(f"no figure shows '{name}'{meant} there are: {names}")
+        hint, names = did_you_mean(name, QUANTITIES_DRAWN), ", ".join(QUANTITIES_DRAWN)
+        super().__init__(f"no figure shows '{name}'{hint} there are: {names}")
 
 
 class NothingToDrawError(HarnessError, ValueError):

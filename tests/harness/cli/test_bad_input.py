@@ -294,3 +294,28 @@ def test_as_a_process_of_its_own_too(
         rockingcan_process("run", "gentle-rock", "--engine", "pybullet", "--timestep", "0"),
         "timestep",
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "nearest"),
+    [
+        (("validte",), "validate"),
+        (("reference", "gentel-rock"), "gentle-rock"),
+        (("run", "gentle-rock", "--engine", "mujco"), "mujoco"),
+        (("run", "gentle-rock", "--engine", "mujoco", "--profile", "matchd"), "matched"),
+        (("run", "gentle-rock", "--engine", "mujoco", "--set", "impratoi=1"), "impratio"),
+        (("run", "gentle-rock", "--engine", "mujoco", "--set", "cone=eliptic"), "elliptic"),
+        (("validate", "--suite", "quik"), "quick"),
+        (("engines", "pybulet"), "pybullet"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_the_nearest(
+    rockingcan: Command, words: tuple[str, ...], nearest: str
+) -> None:
+    is_one_clear_message(rockingcan(*words), f"id you mean '{nearest}'?")
+
+
+def test_a_name_that_is_near_nothing_is_answered_with_all(rockingcan: Command) -> None:
+    answer = rockingcan("run", "gentle-rock", "--engine", "zzz")
+    is_one_clear_message(answer, "'zzz'; there are:", "mujoco")
+    assert "did you mean" not in answer.err

@@ -105,7 +105,9 @@ FAULTS: list[tuple[dict[str, float], set[str]]] = [
 ]
 
 
-@pytest.mark.parametrize(("faults", "quantities"), FAULTS, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(
+    ("faults", "quantities"), FAULTS, ids=lambda value: " ".join(sorted(value))[:40]
+)
 def test_a_fault_shows_where_it_is(
     gentle: Scene, faults: dict[str, float], quantities: set[str]
 ) -> None:

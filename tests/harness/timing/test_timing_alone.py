@@ -11,8 +11,8 @@ from harness.core.case import Case
 from harness.evaluation.case_record import LOST, iterations, lost_errors
 from harness.evaluation.timing import (
     FEWEST,
-    LOCK,
     aloft,
+    lock_file,
     overhead,
     single_thread_executor,
     time_alone,
@@ -44,7 +44,7 @@ def test_timing_repeats_and_leaves_setup_out(gentle: Scene) -> None:
 
 
 def test_two_never_time_at_once() -> None:
-    with timing_lock(), LOCK.open("a") as other, pytest.raises(BlockingIOError):
+    with timing_lock(), lock_file().open("a") as other, pytest.raises(BlockingIOError):
         fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
