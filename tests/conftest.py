@@ -100,7 +100,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     chosen = sorted(items, key=lambda item: item.path not in slow)
     if config.option.quick:
-        chosen = sampled(one for one in chosen if not one.get_closest_marker("slow"))
+        chosen = sampled([one for one in chosen if not one.get_closest_marker("slow")])
         config.hook.pytest_deselected(items=[one for one in items if one not in set(chosen)])
     items[:] = chosen
 

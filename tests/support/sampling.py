@@ -1,6 +1,6 @@
 """A sample of a test's parameters in which each value, or each pair of values, still occurs."""
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Sequence
 from itertools import combinations
 
 import pytest
@@ -34,12 +34,13 @@ def covering(rows: Sequence[tuple[Hashable, ...]]) -> list[int]:
     return sorted(kept)
 
 
-def sampled(items: Iterable[pytest.Item]) -> list[pytest.Item]:
+def sampled(items: Sequence[pytest.Item]) -> list[pytest.Item]:
     """Return tests in their order, of those with several parameters a covering sample."""
     functions: dict[str, list[pytest.Item]] = {}
     for item in items:
         functions.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    return [own[n] for own in functions.values() for n in covering(_rows(own))]
+    kept = {own[n] for own in functions.values() for n in covering(_rows(own))}
+    return [item for item in items if item in kept]
 
 
 def _rows(items: Sequence[pytest.Item]) -> list[tuple[Hashable, ...]]:

@@ -81,7 +81,7 @@ MODEL = {
         ("gentle-rock", "rolling", 4),
         ("slipping-rock", "coulomb", 6),
         ("tilted-plane", "general", 6),
-        ("shaken-plane", "general", 7),
+        pytest.param("shaken-plane", "general", 7, marks=pytest.mark.slow),
     ],
 )
 def test_the_smallest_model_is_taken_and_said(
@@ -107,6 +107,7 @@ def test_phases_and_findings_are_said(rockingcan: Command) -> None:
     assert "Finding: Rolling needs a friction of 1.021" in rockingcan("reference", "wobble").out
 
 
+@pytest.mark.slow
 def test_the_choice_behind_each_declared_effect_is_said(rockingcan: Command) -> None:
     found = rockingcan("reference", "chaotic-can", "--json").json()
     assert found["modelling_choices"] == list(modelling_choices(load("chaotic-can").effects))
@@ -135,6 +136,7 @@ def test_an_old_name_of_a_method_is_a_line_on_standard_error(rockingcan: Command
     assert (old.code, new.code) == (0, 0)
 
 
+@pytest.mark.slow
 def test_processes_of_a_sweep_do_not_repeat_that_a_name_is_old(
     rockingcan_process: Command, tmp_path: Path
 ) -> None:

@@ -137,6 +137,7 @@ def gained(scene: Scene, timestep: float) -> float:
     return share * growth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "quantity", "sign"),
     [
@@ -162,6 +163,7 @@ def test_runge_kutta_keeps_the_energy(probe: Callable[..., Values]) -> None:
     assert abs(found["energy gained with integrator=RK4"]) < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 def test_the_gain_goes_with_the_timestep(probe: Callable[..., Values], name: str) -> None:
     coarse, fine = (
