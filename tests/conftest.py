@@ -105,6 +105,24 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = chosen
 
 
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
+    """Skip a test that has an engine as a mark or a parameter, or in a fixture, that is absent."""
+    from tests.support.absent_engines import engines_of, skipping_absent
+
+    with skipping_absent(engines_of(item)):
+        yield
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_call() -> Iterator[None]:
+    """Skip a test that asks for an engine that is absent."""
+    from tests.support.absent_engines import skipping_absent
+
+    with skipping_absent():
+        yield
+
+
 @pytest.fixture(scope="session")
 def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder that the processes of this run of the tests share."""

@@ -8,7 +8,10 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from harness.api import stepping_engines
+
 ROOT = Path(__file__).parents[2]
+ENGINES = stepping_engines(None)
 pytestmark = pytest.mark.slow  # a kernel, seven runs and two figures
 
 PAGE = ROOT / "docs" / "first-steps.ipynb"
@@ -62,7 +65,7 @@ def test_it_is_committed_without_outputs() -> None:
 
 def test_a_run_and_a_comparison_show_a_table_and_a_figure(executed: Recorded) -> None:
     _, run, _, comparison, _ = results(executed)
-    for shown, words in ((run, "angle of turn"), (comparison, "pybullet")):
+    for shown, words in ((run, "angle of turn"), (comparison, "mujoco")):
         html = shown["text/html"]
         assert words in html
         assert html.count("<table>") == 1
@@ -78,13 +81,14 @@ def test_plots_are_interactive_figures(executed: Recorded) -> None:
         if "application/vnd.plotly.v1+json" in output.get("data", {})
     )
     assert {trace["name"] for trace in phi["data"]} == {"exact", "mujoco, adaptive"}
-    assert {"pybullet, matched", "mujoco, default"} <= {t["name"] for t in convergence["data"]}
+    names = {f"{engine}, {word}" for engine in ENGINES for word in ("matched", "default")}
+    assert names <= {trace["name"] for trace in convergence["data"]}
 
 
 def test_progress_is_shown_and_leaves(executed: Recorded) -> None:
     bars = [html for html in executed.shown if "simulating" in html]
     assert len(bars) > len(["one", "a replaced one"])
-    assert "6/6" in bars[-1]
+    assert "{0}/{0}".format(3 * len(ENGINES)) in bars[-1]
     outputs = codes(executed.nb)[0].outputs
     assert [o.data for o in outputs if o.output_type == "display_data"] == [{}]
     assert [o.text for o in outputs if o.output_type == "stream" and o.name == "stderr"] == []

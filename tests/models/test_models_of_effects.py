@@ -5,7 +5,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 
 from models import Scene, load, release_state
@@ -32,8 +31,11 @@ def test_mujoco_opens_every_file_and_steps_it(effect: str) -> None:
     assert data.time > 0.0
 
 
+@pytest.mark.engine("pybullet")
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_pybullet_opens_every_file(effect: str, tmp_path: Path) -> None:
+    import pybullet  # noqa: PLC0415 - may not be installed
+
     (tmp_path / "can.urdf").write_text(urdf(scene(effect)))
     client = pybullet.connect(pybullet.DIRECT)
     try:

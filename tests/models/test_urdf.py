@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import pybullet
 import pytest
 
 from models import (
@@ -20,6 +19,7 @@ from models import (
 )
 from models.to_urdf import urdf
 
+pybullet = pytest.importorskip("pybullet", reason="pybullet is not installed")
 FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 
 

@@ -14,7 +14,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import World
 from harness.engines.conformance.scene_effects import DECLARED
 from harness.engines.reference.truth import truth
-from harness.engines.registry import check_effects, engine
+from harness.engines.registry import check_effects, engine, left_out
 from harness.metrics.energy import energy_drift
 from models import (
     Compliance,
@@ -36,7 +36,7 @@ from models import (
 )
 from tests.support.declared_effects import declaring, effects_of
 
-ENGINES = ("mujoco", "pybullet")
+ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out())
 EFFECTS = {
     "tilt": Effects(tilt=Tilt(angle=0.05, direction=0.3)),
     "shake": Effects(shake=Shake(frequency=15.0, horizontal=5e-4, vertical=3e-4, phase=0.4)),

@@ -8,7 +8,7 @@ import pytest
 from harness.core.case import Case, Value
 from harness.core.errors import RefusedModelError
 from harness.core.simulation import ParityRow
-from harness.engines.registry import engine
+from harness.engines.registry import engine, left_out
 from models import Drilling, Effects, RollingResistance, Scene
 from tests.support.declared_effects import EFFECTS, declaring
 
@@ -30,7 +30,7 @@ PROBED = {
 }
 """What is read back or probed of each effect, as declared."""
 
-ENGINES = ("mujoco", "pybullet")
+ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out())
 
 
 def rows(scene: Scene, name: str, timestep: float = 1e-4, **options: Value) -> dict[str, ParityRow]:
