@@ -1,18 +1,6 @@
-"""The program: what `rockingcan` and `python -m harness` start.
+"""`python -m harness`: the program, which is `rockingcan.py` beside this package."""
 
-The command line takes seconds to import, and a signal may come meanwhile: so it is heard first.
-"""
-
-from harness.execution.signals import exit_on_signal
-
-
-def main() -> None:
-    """Run the command line and leave with its exit code."""
-    exit_on_signal("interrupted before it began")
-    from harness.cli.main import main as run  # noqa: PLC0415 - after the signals are heard
-
-    run()
-
+from rockingcan import main
 
 if __name__ == "__main__":
     main()

@@ -10,9 +10,7 @@ import pytest
 from harness.core.case import PROFILES, Case
 from harness.engines.base import Setting, resolve
 from harness.engines.mujoco.settings import FLAGS, GEOM, OPTIONS
-from harness.engines.mujoco.settings import SETTINGS as MUJOCO
 from harness.engines.probes import ProbeFinding, measure
-from harness.engines.pybullet.settings import SETTINGS as PYBULLET
 from harness.engines.registry import engine
 from models import load, release_state
 from tests.settings_table import ENGINES, FILE, SHIPPED_VALUES, settings_table
@@ -93,7 +91,7 @@ def shipped(name: str) -> float:
 
 
 def test_pybullet_engine_parameters(parameters: dict[str, float]) -> None:
-    stated = {setting.name: setting.default for setting in PYBULLET}
+    stated = {setting.name: setting.default for setting in engine("pybullet").settings}
     assert parameters["numSolverIterations"] == stated["numSolverIterations"]
     case = Case(scene=load("gentle-rock"), engine="pybullet", profile="default")
     assert parameters["fixedTimeStep"] == engine("pybullet").timestep(case)
@@ -142,7 +140,7 @@ def test_pybullet_ships_a_prism(findings: dict[str, ProbeFinding]) -> None:
 def test_handing_over_the_default_changes_nothing(name: str) -> None:
     """A default that is stated is also what `--set` would hand over in its place."""
     scene = load("gentle-rock")
-    settings = {"mujoco": MUJOCO, "pybullet": PYBULLET}[name]
+    settings = engine(name).settings
     whole = Case(scene=scene, engine=name, profile="default")
     chosen = resolve(whole, settings, engine(name).timestep(whole) or 0.0)
     given = tuple((key, value) for key, value in chosen.items() if value is not None)
