@@ -36,6 +36,8 @@ _LETTER, _LINE = 7.5, 16.0  # most that a digit is wide and height of a line of 
 _SLANT = math.radians(30.0)  # of names below the axis
 _ROOM = 0.05  # of the range of the numbers, left free at both ends
 _TICKS = 6
+_LARGEST = 1e307  # half a range that leaves doubles some room
+_DECADES = (-307, 308)  # whose powers of ten are doubles, all digits of them
 _FAR = 1e6  # units; a point beyond is as good as there
 _PLAIN_FROM, _PLAIN_BELOW = 1e-3, 1e5  # numbers in between are written without a power of ten
 
@@ -179,7 +181,7 @@ def _ends(
     if half <= 1e-12 * max(abs(low), abs(high)):  # as good as one number
         half = 0.5 if log else 0.5 * (abs(high) or 1.0)
         return low - half, high + half
-    room = 0.0 if panel.heat is not None else 2.0 * _ROOM * half
+    room = 0.0 if panel.heat is not None or half > _LARGEST else 2.0 * _ROOM * half
     return low - room, high + room
 
 
@@ -215,7 +217,8 @@ Ticks = Sequence[tuple[float, str]]
 def _ticks(low: float, high: float, *, log: bool) -> Ticks:
     """Return numbers to be marked between two ends, and their texts."""
     if log:
-        first, last = math.ceil(low - 1e-9), math.floor(high + 1e-9)
+        first = max(math.ceil(low - 1e-9), _DECADES[0])
+        last = min(math.floor(high + 1e-9), _DECADES[1])
         stride = max(1, math.ceil((last - first + 1) / _TICKS))
         if last - first >= 1:
             plain = 10.0**first >= _PLAIN_FROM and 10.0**last < _PLAIN_BELOW
@@ -226,8 +229,6 @@ def _ticks(low: float, high: float, *, log: bool) -> Ticks:
         if len(within) > 1:
             return [(value, readable(value)) for value in within]
         low, high = 10.0**low, 10.0**high
-    if not math.isfinite(high - low):
-        return [(low, readable(low)), (high, readable(high))]
     power = 10.0 ** math.floor(math.log10((high - low) / _TICKS))
     step = next(m * power for m in (1, 2, 5, 10) if m * power * _TICKS >= high - low)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)

@@ -11,6 +11,10 @@ PHONE = 375
 MINUS, NOTHING = "\N{MINUS SIGN}", "\N{EN DASH}"
 
 SPAN = "graph => { const [low, high] = graph._fullLayout.xaxis.range; return high - low; }"
+SIZE = """text => {
+  const { a, b } = text.getScreenCTM();
+  return Math.hypot(a, b) * parseFloat(getComputedStyle(text).fontSize);
+}"""
 IN_SIGHT = "one => { const at = one.getBoundingClientRect(); return 0 <= at.top && at.top < 900; }"
 TRACES = "graphs => graphs.map((graph) => graph.querySelectorAll('.trace').length)"
 
@@ -199,7 +203,7 @@ def test_no_text_of_a_picture_leaves_it_or_is_too_small(
         assert outer["width"] <= width
         for text in still.locator("text").all():
             box = text.bounding_box()
-            assert min(box["width"], box["height"]) > 8.0
+            assert text.evaluate(SIZE) > 9.0
             assert box["x"] > outer["x"] - 1.0
             assert box["x"] + box["width"] < outer["x"] + outer["width"] + 1.0
             assert box["y"] > outer["y"] - 1.0
