@@ -85,12 +85,12 @@ class Solution:
     phases: tuple[Phase, ...] = ()
     agreement: Agreement | None = None
 
-    def at(self, times: Floats) -> States:
+    def at(self, times: Floats | float) -> States:
         """States at the given times.
 
         Parameters
         ----------
-        times : array_like, shape (n,)
+        times : float or array_like, shape (n,)
             Inside [0, t_end], in sqrt(R/g).
 
         Raises

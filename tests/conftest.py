@@ -14,15 +14,13 @@ failed kept in `.hypothesis` and tried first the next time. What it finds become
    what went wrong; it then runs in every `make test`.
 
 A test that costs more than others per example takes a share of the profile's number of examples,
-`@settings(max_examples=settings.default.max_examples // 4)`, and so grows with it.
+`@settings(max_examples=examples(1 / 4))`, and so grows with it.
 
 Fixtures import what they need themselves: most tests need no browser, report or command line, whose
 imports take seconds.
 """
 
 import os
-import re
-import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -161,24 +159,6 @@ def _of_its_own(shared_folder: Path) -> Iterator[None]:
         patch.setenv("ROCKINGCAN_STORE", str(shared_folder / "store"))
         patch.setenv("TMPDIR", folder)
         patch.setattr(tempfile, "tempdir", folder)
-        yield
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _two_sentences() -> Iterator[None]:
-    """Hold every figure that the harness makes in a test to two sentences on what is seen."""
-    from harness.core.report_model import Figure
-
-    made = Figure.__init__
-
-    def held(self: Figure, *args: object, **fields: object) -> None:
-        made(self, *args, **fields)
-        if sys._getframe(1).f_globals["__name__"].startswith("harness.studies"):  # noqa: SLF001
-            count = len(re.findall(r"[.!?](?=\s|$)", self.seen))
-            assert count == 2, f"{self.name}: {count} sentences: {self.seen}"
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Figure, "__init__", held)
         yield
 
 
@@ -348,7 +328,7 @@ def chromium() -> Iterator[Any]:
 
 
 @pytest.fixture
-def browse(chromium: Any) -> "Iterator[Open]":  # noqa: ANN401 - a browser of an optional package
+def browse(chromium: Any) -> "Iterator[Open]":
     """Give a function that opens a report; at the end nothing may have been complained of."""
     from tests.support.browser import watched_pages
 

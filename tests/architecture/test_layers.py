@@ -82,4 +82,4 @@ def test_the_project_knows_no_machine_and_no_index() -> None:
             continue
         for pattern in (PLACES, HOSTS):
             hit = pattern.search(text)
-            assert hit is None, f"{path.relative_to(ROOT)}: {hit.group() if hit else ''}"
+            assert hit is None, f"{path.relative_to(ROOT)}: {hit}"

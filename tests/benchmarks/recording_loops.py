@@ -16,7 +16,7 @@ _PIECE = 16384
 """Steps in a call of MuJoCo, as in a run: few enough to be held, 180 bytes each."""
 
 
-def recording_loop(world: Any, steps: int) -> None:  # noqa: ANN401 - of any engine
+def recording_loop(world: Any, steps: int) -> None:
     """Step a world so many times and keep each state and contact."""
     _LOOPS.get(type(world).__name__, _in_python)(world, steps)
 
@@ -30,7 +30,7 @@ def _in_python(world: World, steps: int) -> None:
         kept.append((*state, world.contact()))
 
 
-def _of_mujoco(world: Any, steps: int) -> None:  # noqa: ANN401 - of one adapter
+def _of_mujoco(world: Any, steps: int) -> None:
     """Keep each state and the sensors of its contact, in C."""
     state = state_of(world)
     for first in range(0, steps, _PIECE):
@@ -45,7 +45,7 @@ def _of_mujoco(world: Any, steps: int) -> None:  # noqa: ANN401 - of one adapter
         state = states[0, -1]
 
 
-def _of_pybullet(world: Any, steps: int) -> None:  # noqa: ANN401 - of one adapter
+def _of_pybullet(world: Any, steps: int) -> None:
     """Keep what PyBullet says of each state and contact, as it is."""
     step = world.stepper(np.arange(steps) * np.float64(world.timestep))
     can, ground, client = world.can, world.ground, world.client

@@ -75,7 +75,7 @@ def bound_holds(row: dict[str, Any]) -> bool:
     at_least = re.search(r"at least ([\d,.]+) times", row["claim"])
     at_most = re.search(r"at most ([\d,.]+)", row["claim"])
     within = re.search(r"under (\d+) s", row["claim"])
-    held = {
+    held: dict[re.Match[str] | None, Callable[[float], bool]] = {
         at_least: lambda limit: row["ratio"] >= limit,
         at_most: lambda limit: row["ratio"] <= limit,
         within: lambda limit: row["first_s"] < limit,

@@ -22,7 +22,7 @@ class Recorded(NotebookClient):
 
     shown: list[str]
 
-    def process_message(self, msg: dict[str, Any], cell: Any, cell_index: int) -> Any:  # noqa: ANN401
+    def process_message(self, msg: dict[str, Any], cell: Any, cell_index: int) -> Any:
         """Keep the HTML of an output that is shown or replaced."""
         if msg["msg_type"] in {"display_data", "update_display_data"}:
             self.shown.append(msg["content"]["data"].get("text/html", ""))
@@ -39,7 +39,7 @@ def executed(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return client
 
 
-def codes(notebook: Any) -> list[Any]:  # noqa: ANN401 - a notebook has no types
+def codes(notebook: Any) -> list[Any]:
     return [cell for cell in notebook.cells if cell.cell_type == "code"]
 
 

@@ -105,7 +105,8 @@ def _bits(store: CacheFolder) -> dict[str, Any]:
     for entry in inspect_cache(store):
         encoder, value = Encoder(), store.read(entry.kind, entry.key).value()
         if isinstance(value, Evaluation):
-            timeless = replace(value.simulation, **dict.fromkeys(_TIMES, 0.0))
+            no_times: dict[str, Any] = dict.fromkeys(_TIMES, 0.0)
+            timeless = replace(value.simulation, **no_times)
             value = replace(value, simulation=timeless)
         text = repr(encoder.encode(value))
         found[f"{entry.kind} {entry.key}"] = (text, [a.tobytes() for a in encoder.arrays])

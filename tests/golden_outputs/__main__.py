@@ -78,7 +78,7 @@ def write(folder: Path) -> None:
         sys.stdout.write(f"{name}: code {done.returncode}\n")
 
 
-def without_times(value: Any) -> Any:  # noqa: ANN401 - JSON is of any type
+def without_times(value: Any) -> Any:
     """Return a JSON value without what was measured by a clock."""
     if isinstance(value, dict):
         return {k: without_times(v) for k, v in value.items() if not TIMED.search(k)}

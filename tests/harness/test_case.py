@@ -112,8 +112,8 @@ def test_the_command_states_the_timestep_to_its_last_digit(gentle: Scene, timest
 
 
 def test_the_command_states_everything(case: Case) -> None:
-    options = {"solref": (0.1 + 0.2, 1.0), "impratio": 1.0 / 3.0, "cone": "elliptic"}
-    case = replace(case, options=tuple(options.items()), profile="default")
+    options = (("solref", (0.1 + 0.2, 1.0)), ("impratio", 1.0 / 3.0), ("cone", "elliptic"))
+    case = replace(case, options=options, profile="default")
     assert shlex.split(case.command()) == [
         "rockingcan",
         "run",

@@ -8,6 +8,7 @@ import time
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -144,7 +145,7 @@ class Impatient(CacheFolder):
         if event == "kept" and key == "b":
             os.kill(os.getpid(), signal.SIGTERM)
 
-    def get(self, kind: str, key: str) -> str | None:
+    def get(self, kind: str, key: str) -> Any:
         """Return what is kept."""
         found = super().get(kind, key)
         if key == "b":

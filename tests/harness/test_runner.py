@@ -1,11 +1,9 @@
 """The runner: in order, each told once, and wrong use refused before anything runs."""
 
-# ruff: noqa: D102 - the methods of a toy are described where its role is
-
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -45,10 +43,12 @@ class Backwards(Executor):
     """Runs what it was given when the last of four has come, the last first."""
 
     def __init__(self) -> None:
-        self._waiting: list[tuple[Future, object, tuple]] = []
+        self._waiting: list[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]]] = []
 
-    def submit(self, fn, /, *args, **kwargs) -> Future:  # noqa: ANN001, ANN002, ANN003, ARG002
-        future: Future = Future()
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Wait for the fourth."""
+        assert not kwargs
+        future: Future[Any] = Future()
         self._waiting.append((future, fn, args))
         if len(self._waiting) == 4:
             for one, call, given in reversed(self._waiting):

@@ -9,7 +9,7 @@ import pytest
 from harness.core.case import Case
 from harness.core.simulation import Outcome, ParityRow, Simulation
 from models import Scene
-from tests.support.trajectories import make_trajectory
+from tests.support.trajectories import make_trajectory, path_of
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def test_pickling_keeps_every_field_and_the_lock(simulation: Simulation) -> None
         if field.name != "trajectory":
             assert getattr(back, field.name) == getattr(simulation, field.name), field.name
     assert back.trajectory is not None
-    np.testing.assert_array_equal(back.trajectory.time, simulation.trajectory.time)
+    np.testing.assert_array_equal(path_of(back).time, path_of(simulation).time)
     with pytest.raises(TypeError):
         back.settings["cone"] = "pyramidal"
 

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -63,9 +64,10 @@ def test_moments_of_no_rigid_body_are_refused() -> None:
 
 @pytest.mark.parametrize("key", ["mass", "radius", "a", "c", "h"])
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, "heavy", None, True])
-def test_every_quantity_must_be_finite_and_positive(key: str, value: object) -> None:
+def test_every_quantity_must_be_finite_and_positive(key: str, value: Any) -> None:
+    groups: dict[str, Any] = PAPER | {key: value}
     with pytest.raises(InvalidValueError) as caught:
-        Can.from_groups(**(PAPER | {key: value}))
+        Can.from_groups(**groups)
     assert str(caught.value) == (
         f"`{key}` is {value!r}, but must be a finite number greater than zero"
     )

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from models.gravity import gravity_vector, plane_velocity, shaking
 SHAKE = Shake(frequency=15.0, horizontal=5e-4, vertical=3e-4, direction=0.7, phase=0.4)
 
 
-def scene(**effects: object) -> Scene:
+def scene(**effects: Any) -> Scene:
     return replace(load("gentle-rock"), effects=Effects(**effects))
 
 
@@ -21,7 +22,7 @@ def displacement(t: float) -> np.ndarray:
     """Return where the plane of SHAKE is, from the definition of the effect."""
     wave = math.sin(2.0 * math.pi * SHAKE.frequency * t + SHAKE.phase)
     across = SHAKE.horizontal * np.array((math.cos(0.7), math.sin(0.7), 0.0))
-    return wave * (across + np.array((0.0, 0.0, SHAKE.vertical)))
+    return np.asarray(wave * (across + np.array((0.0, 0.0, SHAKE.vertical))))
 
 
 def test_a_level_plane_has_plain_gravity() -> None:

@@ -38,7 +38,7 @@ def matrix(q: np.ndarray) -> np.ndarray:
     )
 
 
-def same_angle(left: float, right: float, tolerance: float) -> bool:
+def same_angle(left: np.ndarray | float, right: float, tolerance: float) -> bool:
     return bool(abs(principal(left - right)) <= tolerance)
 
 
@@ -127,7 +127,7 @@ def test_rates_survive_the_round_trip(
 
 def test_rates_of_a_flat_can_give_all_spin_to_theta() -> None:
     phi_dot, psi_dot, theta_dot = angle_rates(0.0, 0.0, (0.5, -0.25, 3.0))
-    assert (phi_dot, psi_dot, theta_dot) == (0.25, 0.0, 3.0)
+    assert [float(rate) for rate in (phi_dot, psi_dot, theta_dot)] == [0.25, 0.0, 3.0]
 
 
 def test_the_sum_of_the_rates_is_smooth_where_each_runs_away() -> None:

@@ -23,7 +23,8 @@ def weighted(point: PointMass) -> Scene:
 def inertia_about(masses: np.ndarray, places: np.ndarray, about: np.ndarray) -> np.ndarray:
     """Return the sum of m (r.r 1 - r r^T), kg m^2."""
     r = places - about
-    return sum(m * (x @ x * np.eye(3) - np.outer(x, x)) for m, x in zip(masses, r, strict=True))
+    each = (m * (x @ x * np.eye(3) - np.outer(x, x)) for m, x in zip(masses, r, strict=True))
+    return np.asarray(sum(each))
 
 
 @pytest.mark.parametrize("point", POINTS)

@@ -2,6 +2,7 @@
 
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -27,7 +28,7 @@ EPS = np.finfo(np.float64).eps
 SPIN = Release(phi=0.3, psi=0.7, theta=-2.0, phi_dot=-0.5, psi_dot=5.0, theta_dot=3.0)
 
 
-def compiled(scene: Scene, **settings: object) -> tuple[mujoco.MjModel, mujoco.MjData]:
+def compiled(scene: Scene, **settings: Any) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Return the compiled model, and its data at the release."""
     model = mujoco.MjModel.from_xml_string(mjcf(scene, **settings))
     data = mujoco.MjData(model)
@@ -157,7 +158,7 @@ def test_the_sensors_give_the_resultant_of_all_contacts(phi: float, contacts: in
         part = contact.frame.reshape(3, 3).T @ wrench[:3]
         force += part
         weighted += np.linalg.norm(part) * contact.pos
-        weights += np.linalg.norm(part)
+        weights += float(np.linalg.norm(part))
     # the same sums in another order, of forces below 1 N at distances below 0.1 m
     np.testing.assert_allclose(net[1:4], force, atol=16 * EPS, rtol=0)
     np.testing.assert_allclose(net[4:7], weighted / weights, atol=16 * EPS, rtol=0)
@@ -191,7 +192,7 @@ def test_attributes_are_escaped_and_never_pasted() -> None:
     hostile = '"/><plugin file="x&y'
     scene = replace(load("gentle-rock"), cite=hostile)
     root = ET.fromstring(mjcf(scene, option={"solver": hostile}))  # noqa: S314  # our own
-    assert root.find("option").get("solver") == hostile
+    assert root.findall("option")[0].get("solver") == hostile
     assert root.find(".//plugin") is None
 
 

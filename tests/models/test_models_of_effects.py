@@ -71,9 +71,9 @@ def test_a_point_mass_moves_the_centre_of_mass_and_not_the_frame() -> None:
     can = model.body("can")
     assert can.mass[0] == whole.mass
     np.testing.assert_array_equal(can.ipos, whole.centre)
-    R = np.zeros(9)
-    mujoco.mju_quat2Mat(R, can.iquat)
-    R = R.reshape(3, 3)
+    rows = np.zeros(9)
+    mujoco.mju_quat2Mat(rows, can.iquat)
+    R = rows.reshape(3, 3)
     # MuJoCo's own eigenvectors, good to some roundings
     found = R @ np.diag(can.inertia) @ R.T
     np.testing.assert_allclose(found, whole.inertia, atol=1e-12 * can.inertia.max(), rtol=0)

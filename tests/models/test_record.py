@@ -94,7 +94,7 @@ def test_a_bounce_between_two_samples_is_guessed_by_the_rates_and_owned_up_to(
 def test_a_record_is_unresolved_from_a_right_angle_on() -> None:
     time = np.linspace(0.0, 1.0, 11)
     for step, unresolved in ((RESOLVED_STEP * 0.999, False), (RESOLVED_STEP * 1.001, True)):
-        psi = step * np.arange(11)
+        psi = step * np.arange(11.0)
         motion = Angles(
             phi=np.full(11, 0.3),
             psi=psi,
@@ -188,6 +188,8 @@ def test_a_flat_can_is_no_error() -> None:
         ([[0.0, 1.0]], np.ones((2, 4)), np.zeros((2, 3))),
     ],
 )
-def test_shapes_that_disagree_are_refused(time: list, q: np.ndarray, omega: np.ndarray) -> None:
+def test_shapes_that_disagree_are_refused(
+    time: list[float], q: np.ndarray, omega: np.ndarray
+) -> None:
     with pytest.raises(ModelError, match=r"^a record needs `time` of shape \(n,\), .*; found "):
         angles_of_record(CAN, time, q, omega)

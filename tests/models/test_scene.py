@@ -3,6 +3,7 @@
 import json
 import pickle
 from dataclasses import FrozenInstanceError, replace
+from typing import Any
 
 import pytest
 
@@ -45,7 +46,7 @@ def test_scenes_differ_in_every_thing_they_say() -> None:
 @pytest.mark.parametrize(
     "name", ["", "-dash-first", "Upper", "with space", "a/b", "../up", "a" * 65, "a\n", 3, "<x>"]
 )
-def test_a_name_is_safe_as_a_file_name(name: object) -> None:
+def test_a_name_is_safe_as_a_file_name(name: Any) -> None:
     with pytest.raises(InvalidValueError) as caught:
         replace(SCENE, name=name)
     assert str(caught.value).endswith(
@@ -55,13 +56,13 @@ def test_a_name_is_safe_as_a_file_name(name: object) -> None:
 
 
 @pytest.mark.parametrize("cite", ["two\nlines", "x" * 501, "\x00", "\ud800", None])
-def test_a_citation_is_one_printable_line(cite: object) -> None:
+def test_a_citation_is_one_printable_line(cite: Any) -> None:
     with pytest.raises(InvalidValueError, match="but must be at most 500 printable characters"):
         replace(SCENE, cite=cite)
 
 
 @pytest.mark.parametrize("gravity", [-9.81, float("nan"), float("inf"), "heavy"])
-def test_gravity_points_down(gravity: object) -> None:
+def test_gravity_points_down(gravity: Any) -> None:
     with pytest.raises(InvalidValueError, match=r"`gravity` is .* zero or greater"):
         replace(SCENE, gravity=gravity)
 
@@ -72,8 +73,9 @@ def test_free_fall_is_a_scene() -> None:
 
 @pytest.mark.parametrize("key", ["can", "release", "effects", "horizon"])
 def test_parts_are_of_their_kind(key: str) -> None:
+    part: dict[str, Any] = {key: None}
     with pytest.raises(InvalidValueError, match=f"^`{key}` is None, but must be a {key.title()}$"):
-        replace(SCENE, **{key: None})
+        replace(SCENE, **part)
 
 
 @pytest.mark.parametrize(("bounces", "seconds"), [(None, None), (1, 1.0)])
@@ -83,7 +85,7 @@ def test_a_horizon_is_one_or_the_other(bounces: int | None, seconds: float | Non
 
 
 @pytest.mark.parametrize("bounces", [0, -1, 100_001, 1.0, True, "one"])
-def test_bounces_are_counted(bounces: object) -> None:
+def test_bounces_are_counted(bounces: Any) -> None:
     with pytest.raises(InvalidValueError) as caught:
         Horizon(bounces=bounces)
     assert str(caught.value) == (
@@ -92,6 +94,6 @@ def test_bounces_are_counted(bounces: object) -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), True])
-def test_seconds_pass(seconds: object) -> None:
+def test_seconds_pass(seconds: Any) -> None:
     with pytest.raises(InvalidValueError, match=r"`seconds` is .* greater than zero"):
         Horizon(seconds=seconds)

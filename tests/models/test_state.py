@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,13 +27,15 @@ def test_a_release_stands_on_one_point_of_its_rim(phi: float) -> None:
 
 @pytest.mark.parametrize("key", ["phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot"])
 @pytest.mark.parametrize("value", [math.nan, -math.inf, "fast", 1j, 10**400])
-def test_a_release_is_finite(key: str, value: object) -> None:
+def test_a_release_is_finite(key: str, value: Any) -> None:
+    fields: dict[str, Any] = {"phi": 0.4} | {key: value}
     with pytest.raises(InvalidValueError, match=f"^`{key}` is .*, but must be a finite number$"):
-        Release(**({"phi": 0.4} | {key: value}))
+        Release(**fields)
 
 
 def test_equal_numbers_make_equal_releases_whatever_their_type() -> None:
-    left = Release(phi=np.float32(0.5), psi=-0.0, theta_dot=2)
+    half: Any = np.float32(0.5)
+    left = Release(phi=half, psi=-0.0, theta_dot=2)
     right = Release(phi=0.5, psi=0.0, theta_dot=2.0)
     assert left == right
     assert hash(left) == hash(right)
@@ -41,12 +44,14 @@ def test_equal_numbers_make_equal_releases_whatever_their_type() -> None:
 
 def test_poses_and_twists_keep_read_only_copies() -> None:
     position = np.zeros(3)
-    pose = Pose(position=position, quaternion=(1, 0, 0, 0))
+    quaternion: Any = (1, 0, 0, 0)
+    pose = Pose(position=position, quaternion=quaternion)
     position[0] = 1.0
     assert pose.position[0] == 0.0
     with pytest.raises(ValueError, match="read-only"):
         pose.quaternion[0] = 2.0
-    twist = Twist(velocity=(1, 2, 3), angular_velocity=(4, 5, 6))
+    rows: dict[str, Any] = {"velocity": (1, 2, 3), "angular_velocity": (4, 5, 6)}
+    twist = Twist(**rows)
     assert twist.velocity.dtype == np.float64
     with pytest.raises(ValueError, match="read-only"):
         twist.angular_velocity[0] = 0.0
@@ -61,7 +66,7 @@ def test_poses_and_twists_keep_read_only_copies() -> None:
         ((0, 0, 0), (2, 0, 0, 0), "`quaternion` is .*, but must be of unit length"),
     ],
 )
-def test_a_pose_is_a_point_and_a_rotation(position: tuple, quaternion: tuple, message: str) -> None:
+def test_a_pose_is_a_point_and_a_rotation(position: Any, quaternion: Any, message: str) -> None:
     with pytest.raises(InvalidValueError, match=message):
         Pose(position=position, quaternion=quaternion)
 
@@ -73,7 +78,7 @@ def test_the_ideal_can_declares_no_effect() -> None:
 
 
 @pytest.mark.parametrize("mu", [-0.1, math.nan, math.inf, "smooth"])
-def test_friction_is_finite_and_never_drives(mu: object) -> None:
+def test_friction_is_finite_and_never_drives(mu: Any) -> None:
     with pytest.raises(InvalidValueError) as caught:
         Slip(mu=mu)
     assert str(caught.value) == f"`mu` is {mu!r}, but must be a finite number, zero or greater"
@@ -81,7 +86,7 @@ def test_friction_is_finite_and_never_drives(mu: object) -> None:
 
 def test_an_effect_is_an_object_and_not_its_constant() -> None:
     with pytest.raises(InvalidValueError, match=r"^`slip` is 0.3, but must be a Slip or None$"):
-        Effects(slip=0.3)
+        Effects(slip=0.3)  # type: ignore[arg-type]
 
 
 def test_values_survive_pickling() -> None:

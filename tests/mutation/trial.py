@@ -85,6 +85,7 @@ class _FromMemory(importlib.abc.MetaPathFinder, importlib.abc.InspectLoader):
         if fullname != self.name:
             return None
         spec = importlib.util.spec_from_loader(fullname, self, origin=self.path)
+        assert spec is not None
         spec.has_location = True
         return spec
 

@@ -193,7 +193,7 @@ def pulls_and_excess(found: Solution) -> tuple[float, float]:
         if mode.slips:
             y = y[:, np.hypot(*y[SLIP]) > 0]
         if equations.resistance and not mode.rests:
-            y = y[:, ~stands(y)]
+            y = y[:, np.logical_not(stands(y))]
         touch, size = equations.contact(y, mode), ROUNDED * (1 + (y[TURN] ** 2).sum(axis=0))
         least = min(least, float((touch.force[2] / size).min(initial=np.inf)))
         beyond = [] if mode.slips else [reserve(equations, touch)]

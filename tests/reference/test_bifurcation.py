@@ -111,8 +111,8 @@ def test_at_folds_two_steady_motions_meet(can: Parameters) -> None:
             size = 1 + sheet.psi_dot[i] ** 2 + sheet.theta_dot[i] ** 2
             assert abs(sheet.squared_eigenvalue[i]) < 1e-12 * size
             spin = sheet.psi_dot[i] + sheet.theta_dot[i]
-            at = [np.array([x]) for x in (phi[i], sheet.psi_dot[i], spin)]
-            assert abs(nutation_acceleration(*at, can)[0]) < 1e-12 * size
+            at, psi_dot, total = (np.array([x]) for x in (phi[i], sheet.psi_dot[i], spin))
+            assert abs(nutation_acceleration(at, psi_dot, total, can)[0]) < 1e-12 * size
             # beside the fold, as far as two steady motions part by the square root of the way
             ends = (phi[i] - 0.15, phi[i] + 0.15)
             counts = [

@@ -1,6 +1,7 @@
 """Motions with a closed form: the pendulum, steady rolling, the frictionless can."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,7 +59,7 @@ def one_state(phi: float, psi_dot: float, theta_dot: float) -> States:
         {"phi": 0.8, "phi_dot": -1.0},
     ],
 )
-def test_pendulum_is_rolling_without_turning(release: dict[str, float]) -> None:
+def test_pendulum_is_rolling_without_turning(release: dict[str, Any]) -> None:
     """The closed form against the integrator, all the way to the plane."""
     problem = Problem(parameters=PAPER_CAN, bounces=1, **release)
     closed, rolling = solve(problem, model="pendulum"), solve(problem, model="rolling")

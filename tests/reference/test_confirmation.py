@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -108,11 +109,11 @@ def test_a_wrong_potential_is_caught(
 
 def test_methods_that_part_where_an_ulp_decides_give_no_bounce() -> None:
     """Neither is trusted then, whatever round-off allows."""
-    apart = {"quantity": "period", "discrepancy": 1e-2, "evaluations": 0}
+    apart: dict[str, Any] = {"quantity": "period", "discrepancy": 1e-2, "evaluations": 0}
     assert Agreement(**apart, allowed=1e-3, ulp=1e-6).resolved
     assert not Agreement(**apart, allowed=1e-3, ulp=2e-3).resolved
     assert not Agreement(**apart, allowed=1e-1, ulp=1e-6).resolved
-    few = {"quantity": "period", "discrepancy": 1e-6, "evaluations": 0}
+    few: dict[str, Any] = {"quantity": "period", "discrepancy": 1e-6, "evaluations": 0}
     assert Agreement(**few, allowed=1e-5, ulp=1e-6).resolved
     assert not Agreement(**few, allowed=1e-5, ulp=2e-3).resolved
     assert not Agreement(**few, allowed=1e-7, ulp=2e-3).resolved
@@ -151,7 +152,7 @@ def test_integrals_of_a_period_confirm_where_the_closed_motion_gives_up(forced: 
 @pytest.mark.parametrize("outcome", [Outcome.OVERTURNED, Outcome.STEADY])
 @pytest.mark.parametrize("horizon", [{"bounces": 2}, {"bounces": None, "duration": 6.0}])
 def test_a_bounce_that_the_closed_solution_denies_is_found(
-    forced: Forced, outcome: Outcome, horizon: dict[str, float]
+    forced: Forced, outcome: Outcome, horizon: dict[str, Any]
 ) -> None:
     forced(ended(outcome))
     found = solve(replace(GENTLE, **horizon))
@@ -221,7 +222,7 @@ def test_what_round_off_takes_beside_steady_rolling_is_allowed_and_said() -> Non
 
 
 @pytest.mark.parametrize("row", HARD, ids=lambda row: f"{row['can']}, phi={row['phi']:.3g}")
-def test_hard_releases_are_confirmed(row: dict[str, float]) -> None:
+def test_hard_releases_are_confirmed(row: dict[str, Any]) -> None:
     """Releases of which forty digits are known: no false alarm, and no refusal."""
     can = Parameters(a=row["a"], c=row["c"], h=row["h"])
     release = {name: row[name] for name in ("phi", "phi_dot", "psi_dot", "theta_dot")}
@@ -273,7 +274,7 @@ def test_a_scene_in_the_upper_of_two_wells() -> None:
 def test_the_quantity_that_parts_most_is_the_one_that_is_said() -> None:
     """Beside a separatrix the greatest phi keeps its digits and the period loses them."""
     can = Parameters(a=0.09194410442678277, c=0.11438182816854518, h=0.019708409731461443)
-    release = {
+    release: dict[str, Any] = {
         "phi": 0.589290095572981,
         "psi_dot": -2.7761771987787656,
         "theta_dot": 3.0551656418844946,
@@ -314,7 +315,7 @@ def test_a_least_phi_without_a_digit_is_withheld(psi_dot: float) -> None:
 
 def test_an_integration_that_stands_alone_is_given_where_no_ulp_moves_it() -> None:
     can = Parameters(a=0.13936270343261548, c=5.9474448882487e-05, h=345.561202276522)
-    release = {
+    release: dict[str, Any] = {
         "phi": 8.700221697792875e-14,
         "psi_dot": 4.9458106462187133e-08,
         "theta_dot": -0.30345608464060064,

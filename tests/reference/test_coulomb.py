@@ -80,7 +80,7 @@ def rows_of(found: Solution, samples: int = 400) -> Floats:
 
 
 def dissipated(found: Solution) -> Floats:
-    return rows_of(found)[DISSIPATED]
+    return np.asarray(rows_of(found)[DISSIPATED])
 
 
 @pytest.mark.parametrize("mu", [0.05, 0.2, 0.3, 0.4, 0.43])

@@ -14,6 +14,7 @@ from reference.integrable.frobenius import (
     series_of,
 )
 from reference.problem.can import PAPER_CAN, Parameters
+from tests.support.examples import examples
 
 CANS = [
     PAPER_CAN,
@@ -62,7 +63,7 @@ def test_series_solves_the_closed_subsystem(can: Parameters) -> None:
     assert spin[0] - Psi[0] == pytest.approx(run.y[1, -1], rel=2e-11)
 
 
-@settings(max_examples=settings.default.max_examples // 2)
+@settings(max_examples=examples(1 / 2))
 @given(
     phi=st.floats(1e-3, 1.5),
     psi_dot=st.floats(-1, 1),

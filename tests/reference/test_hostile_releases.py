@@ -1,5 +1,7 @@
 """A sample of the hostile campaign (`python -m tests.reference.hostile`), fixed seed."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -63,7 +65,7 @@ OSCILLATIONS = (
 
 @pytest.mark.parametrize(("can", "release", "period"), OSCILLATIONS)
 def test_small_oscillations_about_steady_rolling_keep_their_digits(
-    can: Parameters, release: dict[str, float], period: float
+    can: Parameters, release: dict[str, Any], period: float
 ) -> None:
     """With amplitudes of 1e-8 the terms of the energy cancel to less than a double resolves."""
     found = exact_bounces(a=can.a, c=can.c, h=can.h, **release)
@@ -81,7 +83,7 @@ def test_small_oscillations_about_steady_rolling_keep_their_digits(
 def test_a_slow_passage_over_a_barrier_keeps_its_digits() -> None:
     """Released 1e-15 from the barrier, with all but 3e-17 of the energy that it takes to pass."""
     can = Parameters(a=6.751948587671912, c=7.5542583265216114, h=6.325856466979378)
-    release = {
+    release: dict[str, Any] = {
         "phi": 1.0733273642165597,
         "phi_dot": -1.0962645419971048e-09,
         "psi_dot": 0.26186293254124354,

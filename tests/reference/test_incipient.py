@@ -118,7 +118,8 @@ class RigidBody:
         across = normal_mobility * (e[0] * a[1] - e[1] * a[0])
         turns = across * np.roll(across, 1) < 0
         turns[0] = False
-        return angles[turns & (N > 0) & (normal_mobility > 0) & ((e * a).sum(axis=0) > 0)].tolist()
+        right = turns & (N > 0) & (normal_mobility > 0) & ((e * a).sum(axis=0) > 0)
+        return [float(angle) for angle in angles[right]]
 
 
 def admissible_of(problem: Problem) -> tuple[SlipOnset, ...]:
@@ -142,7 +143,8 @@ def test_a_rim_that_would_have_to_be_pulled_does_not_slip_but_lifts(model: str) 
 
 def beginnings(count: int, seed: int) -> list[Problem]:
     """Random releases at rest whose rims cannot be held, half of them with a friction above 1."""
-    chance, chosen = np.random.default_rng(seed), []
+    chance = np.random.default_rng(seed)
+    chosen: list[Problem] = []
     while len(chosen) < count:
         kind, problem = drawn(chance)
         assert problem.effects.mu is not None

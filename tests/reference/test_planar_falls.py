@@ -65,7 +65,7 @@ def test_over_the_top_it_takes_as_long_as_in_forty_digits(start: float, margin: 
         expected = passage(start, rate, end)
         # what an ulp of the release does, which decides the time at the top
         near = ((start, np.nextafter(rate, np.inf)), (np.nextafter(start, np.inf), rate))
-        felt = sum(abs(passage(*release, end) - expected) for release in near)
+        felt = sum(abs(passage(phi, phi_dot, end) - expected) for phi, phi_dot in near)
     problem = Problem(parameters=PAPER_CAN, phi=start, phi_dot=rate, bounces=1)
     found = solve(problem, model="pendulum")
     assert found.outcome is (Outcome.OVERTURNED if start < top else Outcome.FELL_FLAT)

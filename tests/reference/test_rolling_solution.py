@@ -1,6 +1,7 @@
 """The full equations solved: the paper's release, conservation, reversal, endings, bad input."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,10 +21,10 @@ from reference.equations.energy import energy
 from reference.equations.reaction_force import centre_position, centre_velocity, locus_velocity
 
 UNIT = math.sqrt(0.037 / 9.81)  # sqrt(R/g) in s: the paper's rates are per second
-SCIPY = {"model": "rolling", "method": "DOP853"}
+SCIPY: dict[str, Any] = {"model": "rolling", "method": "DOP853"}
 
 
-def paper_release(**horizon: float) -> Problem:
+def paper_release(**horizon: Any) -> Problem:
     return Problem(
         parameters=PAPER_CAN,
         phi=math.pi / 100,
@@ -72,6 +73,10 @@ def test_locus_and_centre_move_together(paper: Solution) -> None:
     step = 1e-4
     times = np.linspace(0.1, 0.35, 20)
     before, now, after = (paper.at(times + d) for d in (-step, 0.0, step))
+    assert before.x is not None
+    assert before.y is not None
+    assert after.x is not None
+    assert after.y is not None
     locus = np.stack([after.x - before.x, after.y - before.y], axis=1) / (2 * step)
     centre = (centre_position(after, PAPER_CAN) - centre_position(before, PAPER_CAN)) / (2 * step)
     # a central difference errs by step^2/6 of a third derivative of order one, and rounding/step
@@ -123,7 +128,7 @@ def test_release_still_rising_has_its_first_maximum_later() -> None:
         ({"phi": PAPER_CAN.balancing_angle, "theta_dot": 4.0}, Outcome.STEADY),
     ],
 )
-def test_releases_that_never_bounce(release: dict[str, float], outcome: Outcome) -> None:
+def test_releases_that_never_bounce(release: dict[str, Any], outcome: Outcome) -> None:
     solution = solve(Problem(parameters=PAPER_CAN, bounces=1, **release), **SCIPY)
     assert solution.outcome is outcome
     assert solution.bounces == ()
@@ -149,7 +154,7 @@ def test_impossible_cans(values: tuple[float, float, float]) -> None:
         ({"bounces": None, "duration": -1.0}, "greater than zero"),
     ],
 )
-def test_impossible_problems(change: dict[str, float], message: str) -> None:
+def test_impossible_problems(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ProblemError, match=message):
         Problem(**{"parameters": PAPER_CAN, "phi": 0.3, "bounces": 1, **change})
 
@@ -157,7 +162,7 @@ def test_impossible_problems(change: dict[str, float], message: str) -> None:
 @pytest.mark.parametrize(
     "choice", [{"model": "x"}, {"method": "x"}, {"rtol": 0.0}, {"outputs": {"x"}}]
 )
-def test_unknown_choices(choice: dict[str, object]) -> None:
+def test_unknown_choices(choice: dict[str, Any]) -> None:
     with pytest.raises(SolverError):
         solve(paper_release(bounces=1), **choice)
 

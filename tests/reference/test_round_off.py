@@ -7,6 +7,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -21,7 +22,7 @@ HARD = json.loads((Path(__file__).parent / "golden" / "hard.json").read_text())
 RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
 
 
-def problem_of(row: dict[str, float], bounces: int) -> Problem:
+def problem_of(row: dict[str, Any], bounces: int) -> Problem:
     can = Parameters(a=row["a"], c=row["c"], h=row["h"])
     return Problem(parameters=can, bounces=bounces, **{name: row[name] for name in RELEASE})
 
@@ -47,7 +48,7 @@ def test_distance_from_balance_has_all_its_digits_down_to_one_ulp() -> None:
 
 
 @pytest.mark.parametrize("row", HARD, ids=lambda row: f"{row['can']}, phi={row['phi']:.3g}")
-def test_forty_digits_of_hard_releases(row: dict[str, float]) -> None:
+def test_forty_digits_of_hard_releases(row: dict[str, Any]) -> None:
     """To 1e-9 as promised: the formula, the integrator, and the formula in a batch."""
     cycles = exact_bounces(**{name: row[name] for name in ("a", "c", "h", *RELEASE)})
     assert cycles.period[0] == pytest.approx(float(row["period"]), rel=1e-9)
@@ -70,7 +71,12 @@ def test_forty_digits_of_hard_releases(row: dict[str, float]) -> None:
 @pytest.mark.parametrize("phi_dot", [1e-9, -1e-9, 1e-12, -1e-12])
 def test_a_release_that_hardly_moves_is_a_moment_from_its_turning_point(phi_dot: float) -> None:
     """phi'/phi'' before or behind it, though phi has no digits for the way between."""
-    release = {"parameters": PAPER_CAN, "phi": 0.3, "psi_dot": 0.05, "theta_dot": 0.1}
+    release: dict[str, Any] = {
+        "parameters": PAPER_CAN,
+        "phi": 0.3,
+        "psi_dot": 0.05,
+        "theta_dot": 0.1,
+    }
     still, moving = (
         solve(Problem(**release, phi_dot=rate, bounces=1), model="exact") for rate in (0.0, phi_dot)
     )
@@ -169,7 +175,7 @@ def test_a_moving_release_is_followed_both_ways(phi_dot: float) -> None:
 
 
 def test_what_round_off_takes_is_said() -> None:
-    def solved(**release: float) -> Solution:
+    def solved(**release: Any) -> Solution:
         return solve(Problem(parameters=PAPER_CAN, bounces=1, **release), model="exact")
 
     balance = PAPER_CAN.balancing_angle

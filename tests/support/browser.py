@@ -41,13 +41,13 @@ def running_chromium() -> Iterator[Any]:
 
 
 @contextmanager
-def watched_pages(chromium: Any) -> Iterator[Open]:  # noqa: ANN401 - of an optional package
+def watched_pages(chromium: Any) -> Iterator[Open]:
     """Give a function that opens a report; at the end nothing may have been complained of."""
     said: list[str] = []
     fetched: list[str] = []
     with ExitStack() as stack:
 
-        def open_(folder: Path, width: int = DESK, *, whole: bool = True, **options: object) -> Any:  # noqa: ANN401
+        def open_(folder: Path, width: int = DESK, *, whole: bool = True, **options: object) -> Any:
             context = chromium.new_context(
                 viewport={"width": width, "height": 900}, offline=True, **options
             )
@@ -67,7 +67,7 @@ def watched_pages(chromium: Any) -> Iterator[Open]:  # noqa: ANN401 - of an opti
     assert all(url.startswith(("file:", "data:", "blob:")) for url in fetched), fetched
 
 
-def see_all(page: Any) -> None:  # noqa: ANN401
+def see_all(page: Any) -> None:
     """Go past every figure, as they are drawn when a reader comes near, and back to the top."""
     for figure in page.locator(".figure").all():
         figure.scroll_into_view_if_needed()

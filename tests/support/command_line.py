@@ -24,7 +24,7 @@ class Answer:
     out: str
     err: str
 
-    def json(self) -> Any:  # noqa: ANN401 - JSON is of any type
+    def json(self) -> Any:
         """Return standard output as the one JSON object that it must be."""
 
         def refuse(word: str) -> None:

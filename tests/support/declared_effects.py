@@ -6,6 +6,7 @@ mass is as heavy as the can of `gentle-rock`.
 
 import math
 from dataclasses import replace
+from typing import Any
 
 from models import (
     Compliance,
@@ -22,7 +23,7 @@ from models import (
     Tilt,
 )
 
-EFFECTS = {
+EFFECTS: dict[str, Any] = {
     "slip": Slip(mu=0.3),
     "compliance": Compliance(stiffness=2e4, damping=5.0),
     "restitution": Restitution(coefficient=0.5),

@@ -6,11 +6,11 @@ import numpy as np
 
 from harness.core.case import Case, Value
 from harness.core.trajectory import Trajectory
-from harness.engines.registry import engine
 from harness.engines.stepping.settling import settle
 from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from models import Scene, load, release_state
+from tests.support.engines import stepping_engine
 
 
 def evaluated(
@@ -37,7 +37,7 @@ _evaluate_once = cache(evaluate)
 
 def stepped(case: Case, steps: int) -> Trajectory:
     """Settle a case and return every single step of it."""
-    chosen = engine(case.engine)
+    chosen = stepping_engine(case.engine)
     pose, twist = release_state(case.scene.can, case.scene.release)
     _, pose = settle(chosen.open(case), case.scene, pose, twist)
     world = chosen.open(case)

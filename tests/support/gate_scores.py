@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from harness.gate.scores import CaseIdentity, Number, Score, Scores
+from harness.gate.scores import CaseIdentity, Score, Scores
+from harness.metrics.quantities import Number
 
 
 def make_score(
@@ -34,7 +35,7 @@ def make_score(
     )
 
 
-def make_scores(*own: Score, suite: str = "full", **rest: Any) -> Scores:  # noqa: ANN401 - fields
+def make_scores(*own: Score, suite: str = "full", **rest: Any) -> Scores:
     """Return a set of scores."""
     return Scores(
         suite=suite,

@@ -14,7 +14,7 @@ from harness.sweep.run import run_sweep
 from models import load
 
 
-def make_plan(scene: str, *over: str, **more: Any) -> SweepPlan:  # noqa: ANN401 - its arguments
+def make_plan(scene: str, *over: str, **more: Any) -> SweepPlan:
     """Plan a sweep of a scene over axes as they are typed."""
     return plan_sweep(load(scene), [read_axis(text) for text in over], **more)
 

@@ -1,13 +1,28 @@
 """Trajectories made by hand."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from harness.core.simulation import Simulation
 from harness.core.trajectory import Trajectory
 
 
-def make_trajectory(samples: int, **given: Any) -> Trajectory:  # noqa: ANN401 - arrays by name
+def path_of(simulation: Simulation) -> Trajectory:
+    """Return the trajectory of a simulation that has one."""
+    assert simulation.trajectory is not None, simulation.ending
+    return simulation.trajectory
+
+
+def changed(simulation: Simulation, **fields: Any) -> Simulation:
+    """Return a simulation with other arrays in its trajectory, if it has one."""
+    if simulation.trajectory is None:
+        return simulation
+    return replace(simulation, trajectory=replace(simulation.trajectory, **fields))
+
+
+def make_trajectory(samples: int, **given: Any) -> Trajectory:
     """Return a trajectory of n samples, s apart, at rest at the origin but for what is given."""
     ones = np.ones(samples)
     fields = {

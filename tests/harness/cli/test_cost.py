@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.engines.registry import variants
 from harness.studies.cost import design, points
 from tests.support.command_line import Command
 
@@ -35,8 +36,7 @@ def test_a_price_list_with_what_to_paste(
     monkeypatch.setitem(points.SHARES, "quick", (4.0, 2.0))
     monkeypatch.setitem(points.SHARES, "tuning", (4.0, 2.0))
     monkeypatch.setitem(design.DECADES, "quick", (-5,))
-    known = design.variants
-    monkeypatch.setattr(design, "variants", lambda name: known(name)[:3])
+    monkeypatch.setattr(design, "variants", lambda name: variants(name)[:3])
     words = ("cost", "gentle-rock", "--engine", "mujoco", "--target", "40")
     out = tmp_path / "out"
     answer = rockingcan(*words, "--jobs", "1", "--out", str(out))

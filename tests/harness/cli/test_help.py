@@ -42,9 +42,7 @@ def test_every_command_teaches(
     name = str(command.name)
     answer = (rockingcan_process if name in PROGRAMS else rockingcan)(name, "--help")
     assert (answer.code, answer.err) == (0, "")
-    usage, text = re.fullmatch(
-        r"\s*Usage: (.+?)\n\s*\n(.+?)\n *╭.*", answer.out, re.DOTALL
-    ).groups()
+    ((usage, text),) = re.findall(r"\A\s*Usage: (.+?)\n\s*\n(.+?)\n *╭", answer.out, re.DOTALL)
     assert usage.startswith(f"rockingcan {name} ")
     # the same sentence as in the list of commands
     assert sentences(text).startswith(str(command.help))

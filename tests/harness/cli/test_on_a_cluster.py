@@ -64,7 +64,7 @@ def test_validate_on_a_cluster_leaves_the_bits_of_a_run_here(
 def test_a_sweep_on_a_cluster_leaves_the_bytes_of_one_here(
     rockingcan_process: Command, cluster: str, tmp_path: Path
 ) -> None:
-    words = ("sweep", "gentle-rock", "--over", "release.psi_dot=1.5:2.5:5", "--engine", "mujoco")
+    words = ["sweep", "gentle-rock", "--over", "release.psi_dot=1.5:2.5:5", "--engine", "mujoco"]
     words += ("--timestep", "4e-3", "--quantity", "angle_of_turn_deg", "--json")
     said = {}
     for place, more in (("here", ("--jobs", "1")), ("there", ("--on", cluster))):
@@ -89,7 +89,7 @@ def test_effects_on_a_cluster_are_those_found_here(
     brief = replace(load("slipping-rock"), horizon=Horizon(seconds=0.02))
     scene = tmp_path / "brief.toml"
     scene.write_text(write_scene(brief), encoding="utf-8")
-    words = ("effects", str(scene), "--engine", "mujoco", "--timestep", "1e-3", "--no-store")
+    words = ["effects", str(scene), "--engine", "mujoco", "--timestep", "1e-3", "--no-store"]
     words += ("--assume", "tilt.angle=0.2", "--json")
     found = []
     for place, more in (("here", ("--jobs", "1")), ("there", ("--on", cluster))):

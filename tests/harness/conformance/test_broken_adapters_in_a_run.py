@@ -6,6 +6,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
 from harness.execution.isolated_pool import SerialExecutor
 from models import Scene
+from tests.support.trajectories import changed, path_of
 
 Spoil = Callable[[Simulation], object]
 
@@ -53,22 +55,21 @@ def with_nan(name: str) -> Spoil:
     def spoil(good: Simulation) -> Simulation:
         values = np.array(getattr(good.trajectory, name))
         values[1] = np.nan
-        return replace(good, trajectory=replace(good.trajectory, **{name: values}))
+        return changed(good, **{name: values})
 
     return spoil
 
 
 def narrow(good: Simulation) -> Simulation:
-    position = good.trajectory.position[:, :2]
-    return replace(good, trajectory=replace(good.trajectory, position=position))
+    return changed(good, position=path_of(good).position[:, :2])
 
 
 def backwards(good: Simulation) -> Simulation:
-    return replace(good, trajectory=replace(good.trajectory, time=good.trajectory.time[::-1]))
+    return changed(good, time=path_of(good).time[::-1])
 
 
 def late(good: Simulation) -> Simulation:
-    return replace(good, trajectory=replace(good.trajectory, time=good.trajectory.time + 1.0))
+    return changed(good, time=path_of(good).time + 1.0)
 
 
 def raising(good: Simulation) -> Simulation:
@@ -84,28 +85,27 @@ def mute(good: Simulation) -> Simulation:
     raise MuteError
 
 
-def with_field(name: str, value: object) -> Spoil:
+def with_field(name: str, value: Any) -> Spoil:
     """Return what puts something into a field of the simulation."""
-    return lambda good: replace(good, **{name: value})
+    field: dict[str, Any] = {name: value}
+    return lambda good: replace(good, **field)
 
 
 def untouched(good: Simulation) -> Simulation:
     """Claim a contact where no point is."""
-    nowhere = np.full_like(good.trajectory.contact_point, np.nan)
-    return replace(good, trajectory=replace(good.trajectory, contact_point=nowhere))
+    return changed(good, contact_point=np.full_like(path_of(good).contact_point, np.nan))
 
 
 def uncounted(good: Simulation) -> Simulation:
-    count = -np.ones_like(good.trajectory.contact_count)
-    return replace(good, trajectory=replace(good.trajectory, contact_count=count))
+    return changed(good, contact_count=-np.ones_like(path_of(good).contact_count))
 
 
+NO_WORD: Any = np.ones(2)
 ROW = ParityRow(quantity="mass", unit="kg", declared=1.0, found=1.0, how="read", verdict="equal")
 
 
 def unnormalised(good: Simulation) -> Simulation:
-    quaternion = 2.0 * good.trajectory.quaternion
-    return replace(good, trajectory=replace(good.trajectory, quaternion=quaternion))
+    return changed(good, quaternion=2.0 * path_of(good).quaternion)
 
 
 FAULTS: dict[str, tuple[Spoil, str]] = {
@@ -117,7 +117,7 @@ FAULTS: dict[str, tuple[Spoil, str]] = {
     "raises": (raising, "`simulate` raised ZeroDivisionError: as it does"),
     "no simulation": (lambda _: None, "`simulate` returned NoneType, not a Simulation"),
     "no trajectory": (
-        lambda good: replace(good, trajectory=good.trajectory.time),
+        lambda good: with_field("trajectory", path_of(good).time)(good),
         "`trajectory` is ndarray, not a Trajectory",
     ),
     "another case": (
@@ -140,7 +140,7 @@ FAULTS: dict[str, tuple[Spoil, str]] = {
     "parity": (with_field("parity", ("x",)), "`parity` holds 'x', not ParityRow"),
     "parity table": (with_field("parity", [ROW]), "`parity` is list, not a tuple"),
     "row": (
-        with_field("parity", (replace(ROW, verdict=np.ones(2)),)),
+        with_field("parity", (replace(ROW, verdict=NO_WORD),)),
         "`verdict` of a row of `parity` is ndarray, not equal, imposed or mismatch",
     ),
     "contact nowhere": (untouched, "`contact_point` is no number at sample 0, where there is a"),
@@ -207,8 +207,7 @@ def unsendable(good: Simulation) -> Simulation:
 
 def overflowing(good: Simulation) -> Simulation:
     """Move at a speed whose square is no number."""
-    velocity = np.full_like(good.trajectory.velocity, 1e300)
-    return replace(good, trajectory=replace(good.trajectory, velocity=velocity))
+    return changed(good, velocity=np.full_like(path_of(good).velocity, 1e300))
 
 
 @pytest.mark.parametrize(
@@ -255,11 +254,12 @@ class Dying(Executor):
     def __init__(self) -> None:
         self.given = 0
 
-    def submit(self, fn, /, *args, **kwargs):  # noqa: ANN001, ANN002, ANN003, ANN201, D102
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Run the first, and lose the second."""
         self.given += 1
         if self.given > 2:
             raise BrokenProcessPool("no process is left")
-        future: Future = Future()
+        future: Future[Any] = Future()
         if self.given == 1:
             future.set_result(fn(*args, **kwargs))
         else:

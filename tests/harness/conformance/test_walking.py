@@ -14,6 +14,7 @@ from harness.engines.stepping.recording import Chunk
 from harness.engines.stepping.schedule import Adaptive, Fixed
 from harness.engines.stepping.settling import settle
 from models import Horizon, Pose, Scene, Twist, release_state
+from tests.support.engines import stepping_engine
 
 
 def whole(chunks: list[Chunk]) -> Trajectory:
@@ -27,8 +28,8 @@ def test_walking_is_stepping(brief: Scene, name: str, size: int) -> None:
     case = Case(scene=brief, engine=name, timestep=1e-3)
     own = engine(name).simulate(case)  # at 1 ms every step is recorded
     pose, twist = release_state(brief.can, brief.release)
-    _, pose = settle(engine(name).open(case), brief, pose, twist)
-    world = engine(name).open(case)
+    _, pose = settle(stepping_engine(name).open(case), brief, pose, twist)
+    world = stepping_engine(name).open(case)
     world.place(pose, twist)
     chunks = list(walk(world, Fixed(1e-3, 0.02, 7), size))
     found = whole(chunks)
@@ -43,7 +44,7 @@ def test_walking_is_stepping(brief: Scene, name: str, size: int) -> None:
 
 def test_walking_follows_a_schedule_that_changes_its_steps(brief: Scene) -> None:
     case = Case(scene=replace(brief, horizon=Horizon(seconds=0.16)), engine="mujoco")
-    world = engine("mujoco").open(case)
+    world = stepping_engine("mujoco").open(case)
     world.place(*release_state(brief.can, brief.release))
     limits = {"largest": 1e-3, "smallest": 1e-6, "limit": 0.16, "eta": 1e-3, "unit": 0.06}
     found = whole(list(walk(world, Adaptive(brief.can, **limits), 64)))

@@ -10,6 +10,8 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities, Setting
 from harness.engines.registry import engine
+from tests.support.engines import stepping_engine
+from tests.support.trajectories import changed, path_of
 
 
 class Toy:
@@ -24,21 +26,14 @@ class Toy:
         """Return the timestep of a case."""
         return engine("mujoco").timestep(case)
 
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401 - a toy may return anything
+    def simulate(self, case: Case) -> Any:
         """Run a case and spoil it."""
         whole = engine("mujoco").simulate(replace(case, engine="mujoco"))
         return self.spoil(replace(whole, case=case, engine_version=self.version))
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401 - a toy may return anything
+    def spoil(self, whole: Simulation) -> Any:
         """Return the answer, spoilt."""
         return whole
-
-
-def changed(whole: Simulation, **fields: Any) -> Simulation:  # noqa: ANN401 - arrays of all kinds
-    """Return a simulation with other arrays in its trajectory, if it has one."""
-    if whole.trajectory is None:
-        return whole
-    return replace(whole, trajectory=replace(whole.trajectory, **fields))
 
 
 class Sound(Toy):
@@ -48,28 +43,28 @@ class Sound(Toy):
 class WrongShape(Toy):
     """Hands over positions in the plane."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, position=whole.trajectory.position[:, :2])
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, position=path_of(whole).position[:, :2])
 
 
 class BackwardsInTime(Toy):
     """Lets time go back."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, time=-whole.trajectory.time)
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, time=-path_of(whole).time)
 
 
 class NotANumber(Toy):
     """Hands over what is no number."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, velocity=np.full_like(whole.trajectory.velocity, np.nan))
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, velocity=np.full_like(path_of(whole).velocity, np.nan))
 
 
 class RaisesOnDivergence(Toy):
     """Raises where an outcome is called for."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         if whole.outcome is not Outcome.FINISHED:
             raise FloatingPointError("the numbers exploded")
         return whole
@@ -80,29 +75,27 @@ class Random(Toy):
 
     dice = random.Random(1)  # noqa: S311 - no secret
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        path = whole.trajectory
-        return changed(whole, penetration=path.penetration + self.dice.random() * 1e-12)
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, penetration=path_of(whole).penetration + self.dice.random() * 1e-12)
 
 
 class Remembers(Toy):
     """Keeps something of the case before: the last mass it has seen."""
 
-    mass = None
+    mass: float | None = None
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         before, self.mass = self.mass or whole.case.scene.can.mass, whole.case.scene.can.mass
-        path = whole.trajectory
-        return changed(whole, penetration=path.penetration * (before / self.mass))
+        return changed(whole, penetration=path_of(whole).penetration * (before / self.mass))
 
 
 class Late(Toy):
     """Reads the contact of the next instant."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         if whole.trajectory is None:
             return whole
-        both = (whole.trajectory.contact_force, whole.trajectory.contact_point)
+        both = (path_of(whole).contact_force, path_of(whole).contact_point)
         force, point = (np.concatenate((array[1:], array[-1:])) for array in both)
         return changed(whole, contact_force=force, contact_point=point)
 
@@ -110,28 +103,28 @@ class Late(Toy):
 class Falls(Toy):
     """Starts a millimetre above where it was released."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, position=whole.trajectory.position + np.array((0.0, 0.0, 1e-3)))
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, position=path_of(whole).position + np.array((0.0, 0.0, 1e-3)))
 
 
 class Heavy(Toy):
     """Compiles a can with another moment, and falls accordingly."""
 
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401, D102
+    def simulate(self, case: Case) -> Any:  # noqa: D102
         can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
         other = replace(case.scene, can=can)
         whole = engine("mujoco").simulate(replace(case, scene=other, engine="mujoco"))
         return replace(whole, case=case, engine_version=self.version)
 
-    def open(self, case: Case) -> Any:  # noqa: ANN401, D102
+    def open(self, case: Case) -> Any:  # noqa: D102
         can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
-        return engine("mujoco").open(replace(case, scene=replace(case.scene, can=can)))
+        return stepping_engine("mujoco").open(replace(case, scene=replace(case.scene, can=can)))
 
 
 class Sparse(Toy):
     """Records one sample in two hundred."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         from harness.core.trajectory import take  # noqa: PLC0415 - this toy alone
 
         if whole.trajectory is None or len(whole.trajectory) < 200:
@@ -144,28 +137,28 @@ class Sparse(Toy):
 class Overshoots(Toy):
     """Runs past the horizon."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, time=whole.trajectory.time * 1.2)
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, time=path_of(whole).time * 1.2)
 
 
 class Ghost(Toy):
     """Points at a contact where there is none."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
-        return changed(whole, contact_point=np.nan_to_num(whole.trajectory.contact_point))
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        return changed(whole, contact_point=np.nan_to_num(path_of(whole).contact_point))
 
 
 class TakesAnything(Toy):
     """Takes every setting."""
 
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401, D102
+    def simulate(self, case: Case) -> Any:  # noqa: D102
         return super().simulate(replace(case, options=()))
 
 
 class Keeps(Toy):
     """Does not say which settings were in force."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         return replace(whole, settings={})
 
 
@@ -173,7 +166,7 @@ class Untidy(Toy):
     """Has a name for no command line, a setting twice, no version, and an odd effect."""
 
     name = "My Engine"
-    version = None
+    version: Any = None
     settings = (*Toy.settings, Setting(name="cone", default=1, matched=1, meaning="Again."))
     capabilities = Capabilities(honours=frozenset({"magnetism"}), imposes={})
 
@@ -181,16 +174,16 @@ class Untidy(Toy):
 class Slippery(Toy):
     """Honours slip, and takes three times the friction."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         if whole.case.scene.effects.slip is None:
             return whole
-        return changed(whole, contact_force=whole.trajectory.contact_force * np.array((3, 3, 1)))
+        return changed(whole, contact_force=path_of(whole).contact_force * np.array((3, 3, 1)))
 
 
 class Level(Toy):
     """Says that it honours a tilted plane, and runs a level one."""
 
-    def simulate(self, case: Case) -> Any:  # noqa: ANN401 - a toy may return anything
+    def simulate(self, case: Case) -> Any:
         """Run a case without its tilt."""
         effects = replace(case.scene.effects, tilt=None)
         level = replace(case, scene=replace(case.scene, effects=effects))
@@ -200,7 +193,7 @@ class Level(Toy):
 class Unpicklable(Toy):
     """Hands over what does not travel."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         return replace(
             whole, note=type("Words", (str,), {})("of a kind that only this adapter has")
         )
@@ -209,10 +202,10 @@ class Unpicklable(Toy):
 class Nervous(Toy):
     """Lets the horizon change the beginning."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         seconds = whole.case.scene.horizon.seconds or 0.0
         scale = np.array((0.0, seconds * 1e-9, 0.0))
-        return changed(whole, position=whole.trajectory.position + scale * (seconds > 0.03))
+        return changed(whole, position=path_of(whole).position + scale * (seconds > 0.03))
 
 
 class Confuses(Toy):
@@ -225,6 +218,6 @@ class Confuses(Toy):
 class Cheerful(Toy):
     """Finishes, whatever the speed."""
 
-    def spoil(self, whole: Simulation) -> Any:  # noqa: ANN401, D102
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
         fine = whole.outcome is not Outcome.DIVERGED
         return whole if fine else replace(whole, outcome=Outcome.FINISHED)

@@ -7,11 +7,12 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
 from harness.evaluation.evaluate import run_cases
 from models import Can, Effects, Scene, Slip
+from tests.support.engines import stepping_engine
 from tests.support.trajectories import make_trajectory
 
 ENGINES = ("mujoco", "pybullet")
@@ -33,13 +34,13 @@ def same_bits(first: Trajectory | None, second: Trajectory | None) -> bool:
 def test_again_and_after_other_cases(gentle: Scene, name: str, profile: str) -> None:
     case = Case(scene=gentle, engine=name, profile=profile, timestep=1e-3)
     first = engine(name).simulate(case)
-    disturbing = {
+    settings: dict[str, dict[str, Value]] = {
         "pybullet": {"contactBreakingThreshold": 1.0, "contactERP": 0.1, "contactSlop": 1e-4},
         "mujoco": {"refsafe": "disable", "cone": "pyramidal", "warmstart": "disable"},
-    }[name]
+    }
     disk = Can.from_groups(mass=2.0, radius=0.2, a=0.27, c=0.5, h=0.1)
     other = replace(gentle, can=disk, gravity=3.0, effects=Effects(slip=Slip(mu=0.1)))
-    engine(name).simulate(replace(case, scene=other, options=tuple(disturbing.items())))
+    engine(name).simulate(replace(case, scene=other, options=tuple(settings[name].items())))
     again = engine(name).simulate(case)
     assert same_bits(first.trajectory, again.trajectory)
     assert (first.steps, first.constraint_rows) == (again.steps, again.constraint_rows)
@@ -51,7 +52,7 @@ def test_again_and_after_other_cases(gentle: Scene, name: str, profile: str) -> 
 def test_while_another_world_is_open(gentle: Scene, name: str) -> None:
     case = Case(scene=gentle, engine=name, timestep=1e-3)
     alone = engine(name).simulate(case)
-    other = engine(name).open(replace(case, timestep=1e-2))
+    other = stepping_engine(name).open(replace(case, timestep=1e-2))
     beside = engine(name).simulate(case)
     other.step()
     assert same_bits(alone.trajectory, beside.trajectory)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,6 +36,7 @@ from models import (
     quaternion,
 )
 from tests.support.declared_effects import declaring, effects_of
+from tests.support.engines import stepping_engine
 
 ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out())
 EFFECTS = {
@@ -104,7 +106,7 @@ def test_mujoco_gives_a_shaken_batch_the_bits_of_its_cases(gentle: Scene) -> Non
         for phi in (0.4, 0.41, 0.42)
     ]
     cases = [Case(scene=scene, engine="mujoco", timestep=1e-3) for scene in scenes]
-    together = engine("mujoco").simulate_many(cases)
+    together = stepping_engine("mujoco").simulate_many(cases)
     for case, one in zip(cases, together, strict=True):
         assert same_bits(one.trajectory, engine("mujoco").simulate(case).trajectory)
 
@@ -131,7 +133,7 @@ def balanced(scene: Scene, depth: float) -> Pose:
 
 
 def world_of(scene: Scene, name: str, timestep: float) -> World:
-    opened: World = engine(name).open(Case(scene=scene, engine=name, timestep=timestep))
+    opened: World = stepping_engine(name).open(Case(scene=scene, engine=name, timestep=timestep))
     return opened
 
 
@@ -187,7 +189,8 @@ def test_what_mujoco_has_no_law_for_is_refused_with_the_engines_that_do(
     gentle: Scene, effect: RoundedRim | Restitution, name: str
 ) -> None:
     key = "rim" if isinstance(effect, RoundedRim) else "restitution"
-    scene = replace(gentle, effects=Effects(**{key: effect}))
+    declared: dict[str, Any] = {key: effect}
+    scene = replace(gentle, effects=Effects(**declared))
     with pytest.raises(UnsupportedEffectError, match=f"'{key}'.*pybullet"):
         check_effects(name, scene)
 

@@ -1,13 +1,14 @@
 """Model parity of both engines: equal where matched, owned up to where shipped, fatal elsewhere."""
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from harness.core.case import Case, Value
 from harness.core.simulation import Outcome, ParityRow
-from harness.engines.registry import engine
 from models import Can, Effects, Scene, Slip, load
+from tests.support.engines import stepping_engine
 from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
@@ -18,7 +19,7 @@ CANS = {
 }
 
 
-def differing(rows: tuple[ParityRow, ...]) -> dict[str, str]:
+def differing(rows: tuple[ParityRow, ...]) -> dict[str, Any]:
     """Return the verdict of each quantity that is not equal."""
     return {row.quantity: row.verdict for row in rows if row.verdict != "equal"}
 
@@ -26,7 +27,7 @@ def differing(rows: tuple[ParityRow, ...]) -> dict[str, str]:
 @pytest.mark.parametrize("name", ENGINES)
 @pytest.mark.parametrize("scene", ["gentle-rock", "paper-release", "steady-rolling", "wobble"])
 def test_matched_engines_have_the_can_of_the_scene(name: str, scene: str) -> None:
-    rows = engine(name).parity(Case(scene=load(scene), engine=name))
+    rows = stepping_engine(name).parity(Case(scene=load(scene), engine=name))
     assert differing(rows) == {}
     assert {row.quantity for row in rows} == {
         "mass",
@@ -53,14 +54,14 @@ def test_matched_engines_have_any_can_at_any_timestep(
     gentle: Scene, name: str, can: str, timestep: float
 ) -> None:
     scene = replace(gentle, can=CANS[can])
-    rows = engine(name).parity(Case(scene=scene, engine=name, timestep=timestep))
+    rows = stepping_engine(name).parity(Case(scene=scene, engine=name, timestep=timestep))
     assert differing(rows) == {}
 
 
 @pytest.mark.parametrize("gravity", [0.0, 1.62, 274.0])
 @pytest.mark.parametrize("name", ENGINES)
 def test_matched_engines_have_any_gravity(gentle: Scene, name: str, gravity: float) -> None:
-    rows = engine(name).parity(Case(scene=replace(gentle, gravity=gravity), engine=name))
+    rows = stepping_engine(name).parity(Case(scene=replace(gentle, gravity=gravity), engine=name))
     assert differing(rows) == {}
 
 
@@ -80,7 +81,7 @@ def test_a_declared_friction_is_that_of_the_pair(brief: Scene, name: str, mu: fl
 
 
 def test_mujoco_as_it_ships_has_the_can_of_the_scene(gentle: Scene) -> None:
-    rows = engine("mujoco").parity(Case(scene=gentle, engine="mujoco", profile="default"))
+    rows = stepping_engine("mujoco").parity(Case(scene=gentle, engine="mujoco", profile="default"))
     assert differing(rows) == {}
 
 
@@ -89,7 +90,7 @@ def test_pybullet_as_it_ships_goes_its_own_way_and_says_so(
     gentle: Scene, timestep: float | None
 ) -> None:
     case = Case(scene=gentle, engine="pybullet", profile="default", timestep=timestep)
-    rows = engine("pybullet").parity(case)
+    rows = stepping_engine("pybullet").parity(case)
     assert differing(rows) == dict.fromkeys(
         (
             "transverse inertia A",
@@ -124,7 +125,8 @@ def test_pybullet_as_it_ships_goes_its_own_way_and_says_so(
 def test_what_the_matched_profile_undoes_stops_the_run_when_it_is_back(
     gentle: Scene, setting: str, value: Value, quantities: set[str]
 ) -> None:
-    e = evaluated(gentle, "pybullet", 1e-3, **{setting: value})
+    options: dict[str, Any] = {setting: value}
+    e = evaluated(gentle, "pybullet", 1e-3, **options)
     assert e.simulation.outcome is Outcome.MISMATCH
     assert set(e.simulation.note.split(", ")) == quantities
     assert e.simulation.trajectory is None

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -11,6 +12,7 @@ from harness.core.simulation import ParityRow
 from harness.engines.registry import engine, left_out
 from models import Drilling, Effects, RollingResistance, Scene
 from tests.support.declared_effects import EFFECTS, declaring
+from tests.support.engines import stepping_engine
 
 PROBED = {
     "slip": {"friction of the pair": 0.3},
@@ -35,7 +37,7 @@ ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out(
 
 def rows(scene: Scene, name: str, timestep: float = 1e-4, **options: Value) -> dict[str, ParityRow]:
     case = Case(scene=scene, engine=name, timestep=timestep, options=tuple(options.items()))
-    return {row.quantity: row for row in engine(name).parity(case)}
+    return {row.quantity: row for row in stepping_engine(name).parity(case)}
 
 
 @pytest.mark.parametrize("timestep", [1e-3, 1e-4, 1e-6])
@@ -59,8 +61,9 @@ def test_what_an_engine_honours_is_equal(
 def test_an_arm_is_found_at_any_timestep_however_short_it_is(
     gentle: Scene, name: str, effect: str, length: float, timestep: float
 ) -> None:
-    kind = {"drilling": Drilling, "rolling_resistance": RollingResistance}[effect]
-    scene = replace(gentle, effects=Effects(**{effect: kind(length=length)}))
+    kind: Any = {"drilling": Drilling, "rolling_resistance": RollingResistance}[effect]
+    declared = {effect: kind(length=length)}
+    scene = replace(gentle, effects=Effects(**declared))
     arm = rows(scene, name, timestep)[f"arm of {effect.replace('_', ' ')}"]
     assert arm.verdict == "equal"
     # a hundredth up to a millisecond; a step of ten is a sixth of the natural time
@@ -104,7 +107,7 @@ def test_only_pybullet_has_an_impact_law_and_an_arc() -> None:
     ],
 )
 def test_an_effect_that_an_option_spoils_is_a_mismatch(
-    gentle: Scene, effect: str, name: str, options: dict[str, Value], quantities: set[str]
+    gentle: Scene, effect: str, name: str, options: dict[str, Any], quantities: set[str]
 ) -> None:
     found = rows(declaring(gentle, effect), name, **options)
     assert {row.quantity for row in found.values() if row.verdict != "equal"} == quantities
@@ -124,15 +127,15 @@ def test_an_engine_with_another_scenes_gravity_or_mass_is_a_mismatch(
         (replace(EFFECTS["shake"], phase=0.41), {"misfit of the shaking", "vertical shaking"}),
         (replace(EFFECTS["point_mass"], y=0.006), {"centre of mass y", "inertia xy"}),
     ):
-        key = next(key for key, kind in EFFECTS.items() if type(kind) is type(other))
-        wrong = replace(scene, effects=replace(scene.effects, **{key: other}))
-        table = parity(engine(name).open(case), wrong, 1e-4, frozenset())
+        changed = {key: other for key, kind in EFFECTS.items() if type(kind) is type(other)}
+        wrong = replace(scene, effects=replace(scene.effects, **changed))
+        table = parity(stepping_engine(name).open(case), wrong, 1e-4, frozenset())
         differing = {row.quantity for row in table if row.verdict != "equal"}
-        assert quantities <= differing, key
+        assert quantities <= differing, changed
 
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_what_an_engine_cannot_carry_together_is_refused(gentle: Scene, name: str) -> None:
     case = Case(scene=declaring(gentle, "damping", "point_mass"), engine=name)
     with pytest.raises(RefusedModelError, match="the reference carries both"):
-        engine(name).open(case)
+        stepping_engine(name).open(case)

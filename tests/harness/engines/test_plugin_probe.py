@@ -18,6 +18,7 @@ from harness.engines import registry
 from harness.evaluation.evaluate import check_case
 from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.execution.limits import Limits
+from harness.execution.worker_main import is_worker
 from models import Scene
 
 CRASHES = "import ctypes\nctypes.string_at(0)\n"
@@ -121,8 +122,8 @@ def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
     unheard = EntryPoint(name="x", value="no_such_module:Engine", group=ENGINE_ENTRY_POINTS)
     with IsolatedProcessPool(1) as alone:
         assert alone.submit(registry.crash_reason, unheard).result() == ""
-        assert alone.submit(registry.is_worker).result()
-    assert not registry.is_worker()
+        assert alone.submit(is_worker).result()
+    assert not is_worker()
 
 
 @pytest.mark.parametrize("planted", [CHOOSY], indirect=True)

@@ -5,6 +5,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from harness.core.errors import (
     UnknownSettingError,
     UnsupportedEffectError,
 )
+from harness.core.report_model import Figure, Prose, Table
 from harness.core.simulation import Outcome, Simulation
 from harness.engines import registry
 from harness.engines.base import Capabilities, Setting, resolve
@@ -43,9 +45,9 @@ class LateClock:
         chosen = resolve(case, self.settings, self.timestep(case))
         scene = replace(case.scene, effects=Effects())
         own = truth(scene, 1.1 * truth(scene).ends)  # past the maximum that closes the bounce
-        dt = self.timestep(case)
-        time = np.arange(0.0, own.ends / (1.0 + dt * chosen["fault"]), dt)
-        late = own.at(time * (1.0 + dt * chosen["fault"]))
+        dt, fault = self.timestep(case), float(cast("float", chosen["fault"]))
+        time = np.arange(0.0, own.ends / (1.0 + dt * fault), dt)
+        late = own.at(time * (1.0 + dt * fault))
         names = ("position", "quaternion", "velocity", "angular_velocity", "contact_point")
         fields = {name: getattr(late, name) for name in names}
         trajectory = replace(own.at(time), **fields)
@@ -79,7 +81,7 @@ class Entry:
 @pytest.fixture
 def toys(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Register an engine of a third party, and one whose package is missing."""
-    entries = registry._entries()  # noqa: SLF001 - where entry points come in
+    entries: dict[str, Any] = dict(registry._entries())  # noqa: SLF001 - where entry points come in
     entries |= {
         "late-clock": Entry("late-clock", lambda: LateClock),
         "warp": Entry("warp", broken),
@@ -165,12 +167,17 @@ def test_a_third_party_engine_takes_part_in_the_comparison(
         for timestep in (1e-3, 3e-4, 1e-4)
     ]
     found = {artefact.name: artefact for artefact in comparison_report(run_cases(cases))}
-    assert "late-clock" in found["summary"].text
-    orders = found["orders"].frame
+    summary, orders_table, angles = (
+        found[name] for name in ("summary", "orders", "gentle-rock-angles")
+    )
+    assert isinstance(summary, Prose)
+    assert "late-clock" in summary.text
+    assert isinstance(orders_table, Table)
+    orders = orders_table.frame
     own = orders[(orders.engine == "late-clock") & (orders.quantity == "phi_rms_rad")]
     # the error is t dt phi' to first order; the next order is dt smaller
     assert own.observed_order.item() == pytest.approx(1.0, abs=5e-3)
     assert own.timesteps.item() == 3
-    panels = found["gentle-rock-angles"].panels
-    labels = {series.label for panel in panels for series in panel.series}
+    assert isinstance(angles, Figure)
+    labels = {series.label for panel in angles.panels for series in panel.series}
     assert "late-clock, matched, 0.0001 s" in labels

@@ -17,6 +17,7 @@ from harness.core.simulation import Outcome
 from harness.engines.registry import engine
 from harness.evaluation.evaluate import evaluate
 from models import Can, Effects, Horizon, RoundedRim, Scene, load
+from tests.support.engines import stepping_engine
 from tests.support.evaluations import evaluated
 
 ENGINES = ("mujoco", "pybullet")
@@ -51,7 +52,7 @@ def test_samples_lie_on_the_grid_of_the_engine(gentle: Scene, name: str) -> None
     assert len(s.trajectory) < s.steps
     assert (s.timestep, s.model, s.outcome) == (1e-4, name, Outcome.FINISHED)
     assert s.constraint_rows > 0
-    assert s.settings == engine(name).resolve(s.case)
+    assert s.settings == stepping_engine(name).resolve(s.case)
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -240,7 +241,7 @@ def test_a_can_too_light_for_mujoco_is_wrong_use_with_its_reason(brief: Scene) -
 @pytest.mark.parametrize("name", ENGINES)
 def test_every_setting_can_be_set_to_what_it_is(brief: Scene, name: str) -> None:
     case = Case(scene=brief, engine=name, timestep=1e-3)
-    chosen = engine(name).resolve(case)
+    chosen = stepping_engine(name).resolve(case)
     explicit = tuple((key, value) for key, value in chosen.items() if value is not None)
     plain = engine(name).simulate(case)
     spelt = engine(name).simulate(replace(case, options=explicit))
@@ -266,7 +267,7 @@ def test_an_effect_that_an_engine_cannot_represent_is_refused_naming_those_that_
 
 def test_as_shipped_means_that_nothing_is_written_into_the_model() -> None:
     scene = load("gentle-rock")
-    found = engine("mujoco").open(Case(scene=scene, engine="mujoco", profile="default"))
+    found = stepping_engine("mujoco").open(Case(scene=scene, engine="mujoco", profile="default"))
     defaults = {setting.name: setting.default for setting in engine("mujoco").settings}
     option = found.model.opt
     assert (option.impratio, option.tolerance) == (defaults["impratio"], defaults["tolerance"])

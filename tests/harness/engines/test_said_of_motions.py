@@ -14,7 +14,7 @@ from harness.engines.reference.truth import solve_case, truth
 from harness.evaluation.evaluate import evaluate_without_truth
 from models import Damping, Effects, Horizon, PointMass, RollingResistance, Scene, Tilt, load
 from reference.integrable.effective_potential import EffectivePotential
-from reference.integrable.turning_points import TurningPoints
+from reference.integrable.turning_points import TurningPoints, turning_points
 
 GENTLE = load("gentle-rock")
 
@@ -116,11 +116,10 @@ def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(
     assert "round-off allows" in confirmed[0]
     assert any("ends in the same way" in line for line in said(load("steady-rolling")))
     assert not any("Confirmed" in line for line in said(GENTLE, "rolling"))
-    own = reference.integrable.exact_motion.turning_points
 
     def wrong(well: EffectivePotential, **options: bool) -> TurningPoints:
         # the motion of another can, which is no less smooth
-        return own(replace(well, short=well.short * (1 + 1e-9)), **options)
+        return turning_points(replace(well, short=well.short * (1 + 1e-9)), **options)
 
     monkeypatch.setattr(reference.integrable.exact_motion, "turning_points", wrong)
     scene = replace(GENTLE, name="wrongly-solved")

@@ -27,6 +27,7 @@ from harness.engines.stepping.schedule import (
 )
 from harness.engines.stepping.settling import settle
 from models import Pose, Scene, Twist, contact_point, load, release_state
+from tests.support.engines import stepping_engine
 
 CAN = load("paper-release").can
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -146,7 +147,7 @@ def test_a_long_run_goes_on_after_its_first_stage() -> None:
 def test_the_share_of_the_way_is_positive(eta: float) -> None:
     case = Case(scene=load("paper-release"), engine="mujoco", profile="adaptive")
     with pytest.raises(InvalidSettingError, match="greater than zero"):
-        engine("mujoco").resolve(replace(case, options=(("eta", eta),)))
+        stepping_engine("mujoco").resolve(replace(case, options=(("eta", eta),)))
 
 
 @pytest.mark.parametrize(

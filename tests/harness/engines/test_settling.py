@@ -38,6 +38,9 @@ class Spring:
     def twist(self) -> Twist:
         return self._twist
 
+    def set_timestep(self, timestep: float) -> None:
+        raise AssertionError(timestep)
+
     def contact(self) -> Contact:
         raise AssertionError("settling is a matter of the gap alone")
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.engines.reference.assumption_checks import divergence_of
 from harness.engines.reference.truth import solve_case, truth
 from models import Effects, Scene, Slip, load
@@ -29,7 +29,7 @@ def test_a_tolerance_of_its_own_is_no_truth() -> None:
     scene = load("gentle-rock")
 
     def reduced(**options: float) -> float:
-        told = (("model", "reduced"), *options.items())
+        told: tuple[tuple[str, Value], ...] = (("model", "reduced"), *options.items())
         case = Case(scene=scene, engine="reference", options=told)
         return float(solve_case(case, again=False).bounces[0].angle_of_turn)
 

@@ -11,6 +11,7 @@ from harness.engines.mujoco import engine as mujoco_engine
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import schedule_of
 from models import Horizon, Scene, load
+from tests.support.engines import stepping_engine
 
 
 def run(scene: Scene, timestep: float) -> Simulation:
@@ -41,7 +42,7 @@ def test_what_is_looked_at_has_the_bits_of_a_run_that_looks_at_every_step(
 def test_coarse_steps_and_shaken_planes_are_looked_at_step_by_step() -> None:
     fine = {"gentle-rock": True, "shaken-plane": False}
     for name, sparse in fine.items():
-        chosen = engine("mujoco")
+        chosen = stepping_engine("mujoco")
         for timestep, expected in ((1e-6, sparse), (1e-4, False)):
             case = Case(scene=load(name), engine="mujoco", timestep=timestep)
             prepared = chosen.simulate(replace(case, scene=replace(case.scene, horizon=SHORT)))

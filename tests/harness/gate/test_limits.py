@@ -17,7 +17,6 @@ from harness.gate.comparison import Difference, differences, judge
 from harness.gate.report import GATE, sentences
 from harness.gate.scores import (
     CaseIdentity,
-    Number,
     Score,
     Scores,
     identity,
@@ -25,6 +24,7 @@ from harness.gate.scores import (
     score_of_row,
 )
 from harness.gate.spread import member, members
+from harness.metrics.quantities import Number
 from models import Scene, load
 from tests.support.gate_scores import make_score, make_scores
 

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -13,10 +12,7 @@ import pytest
 from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.execution.limits import Limits
 from harness.execution.worker import Loss, LostTaskError
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-import worker_tasks as tasks
+from tests.harness.isolation import worker_tasks as tasks
 
 _SHORT = Limits(seconds=4.0)
 """Time for a process to start another, on a machine that is busy."""

@@ -26,10 +26,8 @@ from tests.faults.programs import left_behind, living
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import slow_to_import
-import worker_tasks as tasks
+from tests.harness.isolation import slow_to_import
+from tests.harness.isolation import worker_tasks as tasks
 
 _LIMITS = Limits(seconds=8.0, memory=0.5 * 2**30)
 """Enough for every task that ends, on a machine that is busy."""
@@ -120,7 +118,7 @@ def test_what_is_shut_down_takes_no_more_and_ends_what_it_has() -> None:
 _OWNER = """
 import sys, time
 sys.path[:] = {path!r}
-import worker_tasks as tasks
+from tests.harness.isolation import worker_tasks as tasks
 from harness.execution.isolated_pool import IsolatedProcessPool
 executor = IsolatedProcessPool(1)
 executor.submit(tasks.process).result()
@@ -193,7 +191,7 @@ def test_signals_that_end_a_run_are_its_owners_and_not_a_tasks(pool: IsolatedPro
 _ASKING = """
 import os, sys
 sys.path[:] = {path!r}
-import worker_tasks as tasks
+from tests.harness.isolation import worker_tasks as tasks
 from harness.execution.isolated_pool import end_background_worker, run_isolated
 from harness.execution.limits import NO_LIMITS
 run_isolated(NO_LIMITS, tasks.start_and_return, {told!r})

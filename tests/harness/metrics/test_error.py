@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,9 +47,14 @@ def compared(found: Motion, true: Motion, split: float | None = None) -> Errors:
     return errors(found, true, bounces, bounces, true.locus)
 
 
-def bounce(time: float, **more: float) -> Bounce:
+def bounce(time: float, **more: Any) -> Bounce:
     """Return a bounce at a time."""
-    plain = {"phi_min": 0.1, "angle_of_turn": 3.0, "rotation_turn": -3.0, "peak_psi_dot": 50.0}
+    plain: dict[str, Any] = {
+        "phi_min": 0.1,
+        "angle_of_turn": 3.0,
+        "rotation_turn": -3.0,
+        "peak_psi_dot": 50.0,
+    }
     return Bounce(start=0.0, time=time, end=1.0, peak_friction_ratio=0.5, **(plain | more))
 
 
@@ -80,16 +86,15 @@ def test_a_constant_offset_is_its_own_rms(time: np.ndarray, true: Motion) -> Non
     found = told(time, np.full(n, 0.3 + 1e-3), 6.0 * time + 2e-3, ring(1.01, n - 1))
     e = compared(found, true, 0.5)
     # differences of angles up to 6 rad
-    exact = {"rel": 1e-12 / 1e-3}
-    assert e.phi_rms == pytest.approx(1e-3, **exact)
-    assert e.phi_rms_before == pytest.approx(1e-3, **exact)
-    assert e.phi_rms_after == pytest.approx(1e-3, **exact)
-    assert e.phi_max == pytest.approx(1e-3, **exact)
+    assert e.phi_rms == pytest.approx(1e-3, rel=1e-9)
+    assert e.phi_rms_before == pytest.approx(1e-3, rel=1e-9)
+    assert e.phi_rms_after == pytest.approx(1e-3, rel=1e-9)
+    assert e.phi_max == pytest.approx(1e-3, rel=1e-9)
     # psi and theta start on the branch nearest to the release, offset and all
-    assert e.psi_rms == pytest.approx(2e-3, **exact)
-    assert e.theta_rms == pytest.approx(2e-3, **exact)
-    assert e.contact_locus_rms == pytest.approx(0.01, **exact)
-    assert e.contact_locus_max == pytest.approx(0.01, **exact)
+    assert e.psi_rms == pytest.approx(2e-3, rel=1e-9)
+    assert e.theta_rms == pytest.approx(2e-3, rel=1e-9)
+    assert e.contact_locus_rms == pytest.approx(0.01, rel=1e-9)
+    assert e.contact_locus_max == pytest.approx(0.01, rel=1e-9)
 
 
 def test_a_mean_is_one_over_time_and_not_over_samples(time: np.ndarray) -> None:
@@ -163,8 +168,8 @@ def test_bounces_are_compared_in_pairs_and_signed(true: Motion) -> None:
     e = errors(true, true, found, (bounce(0.5),), true.locus)
     assert e.angle_of_turn == (0.5,)
     assert e.rotation_turn == (1.0,)
-    assert e.time_of_bounce == (pytest.approx(0.01, abs=EPS),)
-    assert e.phi_min == (pytest.approx(0.01, abs=EPS),)
+    assert e.time_of_bounce == pytest.approx((0.01,), abs=EPS)
+    assert e.phi_min == pytest.approx((0.01,), abs=EPS)
     assert e.peak_friction_ratio == (0.0,)
     assert errors(true, true, (), (bounce(0.5),), true.locus).angle_of_turn == ()
 

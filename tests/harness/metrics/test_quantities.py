@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,12 +29,11 @@ BOUNCE = Bounce(
 TRUE_BOUNCE = replace(
     BOUNCE, start=0.25, end=2.25, time=1.0, phi_min=0.02, angle_of_turn=3.0, peak_friction_ratio=0.5
 )
-ERRORS = Errors(
-    **{
-        one.name: (float(number), 99.0) if "tuple" in str(one.type) else float(number)
-        for number, one in enumerate(fields(Errors), start=1)
-    }
-)
+_NUMBERED: dict[str, Any] = {
+    one.name: (float(number), 99.0) if "tuple" in str(one.type) else float(number)
+    for number, one in enumerate(fields(Errors), start=1)
+}
+ERRORS = Errors(**_NUMBERED)
 PLACE = {one.name: float(number) for number, one in enumerate(fields(Errors), start=1)}
 CONTACT = ContactQuality(
     max_penetration=0.1, max_slip=0.2, lift_off_fraction=0.3, multi_contact_fraction=0.4

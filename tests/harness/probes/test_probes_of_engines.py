@@ -13,6 +13,7 @@ from harness.engines.probes.flight import DURATION, SPIN
 from harness.engines.registry import engine
 from harness.execution.isolated_pool import local_executor
 from models import Scene, load
+from tests.support.engines import stepping_engine
 
 Values = dict[str, float]
 
@@ -33,7 +34,7 @@ def probe() -> Callable[..., Values]:
             options=tuple(options.items()),
         )
         if (effect, case) not in known:
-            found = PROBES[effect](engine(name), case)
+            found = PROBES[effect](stepping_engine(name), case)
             known[effect, case] = {quantity: value for quantity, _, value, _, _ in found}
         return known[effect, case]
 

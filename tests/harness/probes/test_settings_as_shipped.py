@@ -14,6 +14,7 @@ from harness.engines.probes import ProbeFinding, measure
 from harness.engines.registry import engine
 from models import load, release_state
 from tests.settings_table import ENGINES, FILE, SHIPPED_VALUES, settings_table
+from tests.support.engines import stepping_engine
 
 BARE = """
 <mujoco><worldbody>
@@ -50,7 +51,7 @@ def test_mujoco_options(bare: mujoco.MjModel, setting: Setting) -> None:
 @pytest.mark.parametrize("setting", GEOM, ids=lambda setting: setting.name)
 def test_mujoco_geoms(bare: mujoco.MjModel, setting: Setting) -> None:
     found = np.ravel(getattr(bare, f"geom_{setting.name}")[bare.geom("can").id])
-    np.testing.assert_array_equal(found, np.ravel(setting.default))
+    np.testing.assert_array_equal(found, np.ravel(np.asarray(setting.default)))
 
 
 @pytest.mark.parametrize("setting", FLAGS, ids=lambda setting: setting.name)
@@ -147,7 +148,7 @@ def test_handing_over_the_default_changes_nothing(name: str) -> None:
     told = Case(scene=scene, engine=name, profile="default", options=given)
     runs = []
     for case in (whole, told):
-        world = engine(name).open(case)
+        world = stepping_engine(name).open(case)
         world.place(*release_state(scene.can, scene.release))
         for _ in range(20):
             world.step()

@@ -22,11 +22,11 @@ def figures(artefacts: tuple[Artefact, ...]) -> list[Figure]:
     return [artefact for artefact in artefacts if isinstance(artefact, Figure)]
 
 
-def unpacked(packed: dict[str, str]) -> np.ndarray:
+def unpacked(packed: dict[str, Any]) -> np.ndarray:
     return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=f"<{packed['dtype']}")
 
 
-def one(x: np.ndarray, y: np.ndarray, **axes: bool) -> dict[str, Any]:
+def one(x: np.ndarray, y: np.ndarray, **axes: Any) -> dict[str, Any]:
     panel = Panel(
         title="", x_label="", y_label="", series=(Series(label="a", kind="a", x=x, y=y),), **axes
     )

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from harness.core.report_model import Floats
+from harness.core.plain_json import Floats
 from harness.report.style import REFERENCE, palette
 
 CARDS = {"light": "#ffffff", "dark": "#1a1e24"}  # what curves lie on: --card of the style sheet

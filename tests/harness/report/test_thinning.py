@@ -1,6 +1,7 @@
 """A thinned curve cannot be told from the whole one."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def distance(points: Floats, line: Floats) -> Floats:
     squared = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
     share = ((points[:, None] - start) * along).sum(axis=2) / squared
     foot = start + np.clip(share, 0.0, 1.0)[:, :, None] * along
-    return np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1)
+    return np.asarray(np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1))
 
 
 @given(
@@ -91,7 +92,7 @@ def test_gaps_stay_gaps() -> None:
 
 
 @pytest.mark.parametrize("mark", ["points", "both"])
-def test_points_with_marks_all_stay(mark: str) -> None:
+def test_points_with_marks_all_stay(mark: Any) -> None:
     x = np.arange(50.0)
     series = replace(Series(label="", kind="", x=x, y=x), mark=mark)
     assert len(curve(simplify(one_curve(series), SCREEN)).x) == 50

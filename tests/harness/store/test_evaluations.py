@@ -3,6 +3,7 @@
 import math
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from models import Compliance, Effects, Scene, Slip, Tilt
 from reference import Finding
 
 
-def same(one: object, other: object) -> bool:
+def same(one: Any, other: Any) -> bool:
     """Whether two values have the same types and bits, all the way down."""
     if type(one) is not type(other):
         return False
@@ -31,10 +32,10 @@ def same(one: object, other: object) -> bool:
     if is_dataclass(one):
         return all(same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
     if isinstance(one, tuple):
-        return len(one) == len(other) and all(map(same, one, other))  # type: ignore[arg-type]
+        return len(one) == len(other) and all(map(same, one, other))
     if isinstance(one, float):
-        return np.float64(one).tobytes() == np.float64(other).tobytes()  # type: ignore[arg-type]
-    return one == other
+        return np.float64(one).tobytes() == np.float64(other).tobytes()
+    return bool(one == other)
 
 
 def cases(brief: Scene) -> list[Case]:

@@ -1,6 +1,7 @@
 """What a store writes comes back as it was, types and bits included."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ def shape(value: object) -> object:
     return type(value), isinstance(value, float) and math.copysign(1.0, value)
 
 
-def through(value: object) -> object:
+def through(value: object) -> Any:
     """Return what is read of a value that was written."""
     content = write_entry("things", "ab", Metadata(label="a value"), value)
     return read_entry(content, "things", "ab").value()
@@ -65,7 +66,7 @@ def test_what_json_cannot_hold_is_refused() -> None:
 
 @pytest.mark.parametrize("kind", [np.float64, np.int64, np.bool_, np.float32])
 def test_arrays_come_back_bit_for_bit(kind: type) -> None:
-    array = np.arange(12).reshape(4, 3).astype(kind)
+    array: np.ndarray = np.arange(12).reshape(4, 3).astype(kind)
     for given_ in (array, array.T, array[:0], array[::2]):
         back = through([given_])[0]
         assert (back.dtype, back.shape) == (given_.dtype, given_.shape)

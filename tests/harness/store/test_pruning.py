@@ -5,13 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.core.errors import StoreError
+from harness.core.errors import CacheWarning, StoreError
 from harness.execution.cache import (
     ASIDE,
     DRAFTS,
     JOURNAL,
     CacheFolder,
-    CacheWarning,
     inspect_cache,
     prune_cache,
 )

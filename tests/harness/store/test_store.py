@@ -13,13 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.core.errors import OutputError, StoreError
+from harness.core.errors import CacheWarning, OutputError, StoreError
 from harness.execution.cache import (
     ASIDE,
     DRAFTS,
     JOURNAL,
     CacheFolder,
-    CacheWarning,
     EntryState,
     inspect_cache,
     prune_cache,

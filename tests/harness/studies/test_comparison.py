@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from harness.studies.comparison.suite import SUITES, suite_cases
 from harness.studies.comparison.tables import results
 from models import load, names
 from tests.support.evaluations import evaluated
+from tests.support.figures import assert_two_sentences
 
 ENGINES = ("mujoco", "pybullet")
 SCENES = ("gentle-rock", "steady-rolling")
@@ -110,6 +112,7 @@ def test_numbers_with_a_unit_say_it_in_their_name(found: Found) -> None:
 def test_every_run_has_its_row(runs: list[Evaluation]) -> None:
     frame = results(runs).frame
     assert len(frame) == len(runs)
+    row: Any
     for row, e in zip(frame.itertuples(), runs, strict=True):
         case = e.simulation.case
         assert (row.scene, row.engine, row.profile) == (case.scene.name, case.engine, case.profile)
@@ -145,6 +148,10 @@ def test_every_scene_has_its_figures(found: Found) -> None:
                 assert len(series.hover) in {0, len(series.x)}
             assert "[" in panel.x_label
             assert "[" in panel.y_label
+
+
+def test_figures_say_two_sentences(found: Found) -> None:
+    assert_two_sentences(found.values())
 
 
 def test_figures_hold_truth_and_both_engines(found: Found) -> None:

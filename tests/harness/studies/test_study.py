@@ -154,7 +154,7 @@ def test_a_job_alone_runs_on_the_timer() -> None:
     given = []
 
     class Noted(SerialExecutor):
-        def submit(self, *words: Any, **more: Any) -> Any:  # noqa: ANN401 - as it is
+        def submit(self, *words: Any, **more: Any) -> Any:
             given.append(words[1])
             return super().submit(*words, **more)
 

@@ -129,7 +129,7 @@ class Leaving(SerialExecutor):
 
     _left = False
 
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401 - as in the interface
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         """Do the first task."""
         future: Future[Any] = super().submit(fn, *args, **kwargs)
         if self._left:

@@ -28,7 +28,7 @@ class Deadly(Executor):
         self._row = row
         self._lost: set[int] = set()
 
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401 - as in the interface
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         """Do a task here, or lose it."""
         future: Future[Any] = Future()
         plan, rows, _ = args

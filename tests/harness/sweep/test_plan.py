@@ -14,6 +14,7 @@ from harness.sweep.axes import Axis, read_axis
 from harness.sweep.parameters import PARAMETERS, scene_at
 from harness.sweep.plan import plan_sweep
 from models import load
+from tests.support.examples import examples
 from tests.support.sweeps import make_plan
 
 TURN = ("angle_of_turn_deg",)
@@ -27,7 +28,7 @@ def test_a_grid_holds_both_ends_and_its_last_axis_varies_fastest() -> None:
     assert values["can.h"].tolist() == pytest.approx([0.1, 1.0, 10.0] * 3, rel=1e-15, abs=0)
 
 
-@settings(max_examples=3 * settings.default.max_examples)
+@settings(max_examples=examples(3))
 @given(data=st.data(), spacing=st.sampled_from(["even", "log"]), count=st.integers(1, 3000))
 def test_values_of_a_grid_are_those_of_numpy_to_the_bit(
     data: st.DataObject, spacing: str, count: int
@@ -57,7 +58,7 @@ def test_a_long_axis_takes_no_memory(spacing: str) -> None:
 
 
 @pytest.mark.parametrize("sample", ["random", "sobol", "halton"])
-@settings(max_examples=settings.default.max_examples // 4)
+@settings(max_examples=examples(1 / 4))
 @given(cut=st.integers(1, 999))
 def test_a_row_of_a_sample_depends_on_its_number_alone(sample: str, cut: int) -> None:
     chosen = plan_sweep(

@@ -34,7 +34,7 @@ def test_of_two_sweeps_begun_at_once_in_an_empty_folder_one_is_refused(
     other = make_plan("gentle-rock", "release.psi_dot=1:3:2")
     real = fcntl.flock
 
-    def late(*words: Any) -> None:  # noqa: ANN401 - as fcntl has it
+    def late(*words: Any) -> None:
         monkeypatch.setattr(fcntl, "flock", real)
         carried_out(out, other)  # from its first look at the folder to its last partition
         real(*words)

@@ -6,7 +6,7 @@ series of phi'. No first integral, energy, quadrature or regularisation is used.
 rewrite golden.json (half an hour), or hard.json (some minutes), the releases at which round-off
 would have the say if they were not taken for exactly the doubles they are:
 
-    python tests/reference/golden/make_golden.py [golden | hard]
+    python -m tests.reference.golden.make_golden [golden | hard]
 """
 
 import json
@@ -224,6 +224,7 @@ def solve(release: Release) -> dict[str, str]:
     lost = max(abs(last[i] / first[i] - 1) for i in (0, 2, 3) if first[i])
     if lost > mp.mpf(10) ** -(DIGITS + 2):
         raise ArithmeticError(f"lost digits: {mp.nstr(lost, 3)} in {release}")
+    assert bottom is not None
     peak = max((bottom[2], first[2]), key=abs)
     if largest > abs(peak) * (1 + mp.mpf(10) ** -DIGITS):
         # the script reads the peak at the extrema of phi: choose another release

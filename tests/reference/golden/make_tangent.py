@@ -4,7 +4,7 @@ Two motions a part in 1e20 apart, each by the Taylor series of `make_golden` in 
 difference over it: neither a Jacobian nor a variational equation is used. Run this file to rewrite
 tangent.json (a minute):
 
-    python tests/reference/golden/make_tangent.py
+    python -m tests.reference.golden.make_tangent
 """
 
 import json
@@ -12,7 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import mpmath as mp
-from make_golden import CANS, Release, evaluate, step_size, taylor
+
+from tests.reference.golden.make_golden import CANS, Release, evaluate, step_size, taylor
 
 DIGITS = 30
 SHIFT = mp.mpf(10) ** -20

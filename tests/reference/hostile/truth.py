@@ -210,7 +210,7 @@ def _minimum(f: object, left: mp.mpf, middle: mp.mpf, right: mp.mpf) -> mp.mpf:
     del middle
     for _ in range(160):
         x = (low + high) / 2
-        if mp.diff(f, x, h=(high - low) * mp.mpf(10) ** -12) > 0:  # type: ignore[arg-type]
+        if mp.diff(f, x, h=(high - low) * mp.mpf(10) ** -12) > 0:
             high = x
         else:
             low = x

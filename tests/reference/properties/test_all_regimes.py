@@ -7,6 +7,7 @@ number, nothing hangs, and a harder bounce costs no more than its logarithm.
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from reference import PAPER_CAN, Outcome, Parameters, Problem, Solution, States, solve
 from reference.equations.energy import energy
 from reference.integrable.frobenius import can_constants, first_integrals, series_of
+from tests.support.examples import examples
 
 ALLOWED = 1e-9
 """What the paper's own figures would not show; round-off of an integration is 1e-13."""
@@ -167,13 +169,10 @@ def test_time_runs_backwards_to_where_it_began(problem: Problem, share: float) -
     assume(forth.outcome is Outcome.FINISHED)
     end = forth.at(np.array([forth.t_end]))
     names = ("phi_dot", "psi_dot", "theta_dot")
-    back = rolled(
-        replace(
-            there,
-            **{name: float(getattr(end, name)[0]) for name in ("phi", "psi", "theta")},
-            **{name: -float(getattr(end, name)[0]) for name in names},
-        )
-    )
+    state: dict[str, Any] = {
+        name: float(getattr(end, name)[0]) for name in ("phi", "psi", "theta")
+    } | {name: -float(getattr(end, name)[0]) for name in names}
+    back = rolled(replace(there, **state))
     home = back.at(np.array([back.t_end]))
     # near the flat state psi and theta are known to an ulp of rates that are 1/phi^2 times larger
     hard = 1.0 / fall.bounces[0].phi_min ** 2
@@ -224,7 +223,7 @@ def distance(one: States, other: States) -> float:
     return float(max(np.abs(angles).max(), np.abs(rates).max() / (1.0 + turning)))
 
 
-@settings(max_examples=settings.default.max_examples * 2 // 5)
+@settings(max_examples=examples(2 / 5))
 @given(problem=releases(), share=st.floats(0.1, 0.95))
 def test_time_runs_backwards_in_every_regime(problem: Problem, share: float) -> None:
     """As far as the state in between, in doubles, still knows where it came from.
@@ -239,7 +238,7 @@ def test_time_runs_backwards_in_every_regime(problem: Problem, share: float) -> 
     end = forth.at(np.array([forth.t_end]))
 
     def back(ulps: float) -> States:
-        value = {
+        value: dict[str, Any] = {
             name: float(getattr(end, name)[0])
             for name in ("phi", "phi_dot", "psi", "psi_dot", "theta", "theta_dot")
         }

@@ -25,7 +25,7 @@ from reference import (
 
 Invalid = SearchStrategy[Any]
 
-VALID = {
+VALID: dict[type, Any] = {
     Mass: Mass(share=0.1, x=0.2),
     Gravity: Gravity(),
     Effects: Effects(mu=0.3),

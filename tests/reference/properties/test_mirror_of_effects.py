@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, solve
+from tests.support.examples import examples
 
 # A linear system is rounded otherwise with other signs, and a bounce amplifies that a hundredfold;
 # where laws change it does so anew.
@@ -36,7 +37,7 @@ EVERYTHING = (
 )
 
 
-@settings(max_examples=settings.default.max_examples // 8)
+@settings(max_examples=examples(1 / 8))
 @given(
     pair=st.sampled_from(EVERYTHING),
     phi=st.floats(0.15, 0.5),

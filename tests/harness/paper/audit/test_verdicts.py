@@ -114,8 +114,10 @@ def test_a_form_that_its_remainder_refuses_is_false() -> None:
         correct="the square",
     )
     assert verdict(rate) is ClaimStatus.FALSE
-    assert verdict(right_claim(rate)) is ClaimStatus.TO_ORDER
-    assert verdict(replace(right_claim(rate), stated=3)) in WRONG
+    right = right_claim(rate)
+    assert isinstance(right, Rate)
+    assert verdict(right) is ClaimStatus.TO_ORDER
+    assert verdict(replace(right, stated=3)) in WRONG
 
 
 def test_a_remainder_may_be_put_right_by_another_power() -> None:

@@ -362,6 +362,7 @@ def wrong_claims(label: str, evidence: Evidence) -> Iterator[Evidence]:
                     value = mp.mpf(right.printed) + step * _unit(right)
                     yield replace(right, printed=_written(right, value))
             case IdentityEvidence() | Rate() | Fact():
+                assert isinstance(part, type(right))
                 if right.printed is not part.printed and label not in RIGHT_AS_PRINTED:
                     yield replace(right, printed=part.printed)
                 for other in _others(label if len(parts) == 1 else (label, number), right):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -15,7 +16,7 @@ def tables(chapters: list[Section]) -> dict[str, Table]:
     return {table.name: table for table in derived(chapters) if isinstance(table, Table)}
 
 
-def rows(table: Table) -> "dict[tuple[str, str], pd.Series[object]]":
+def rows(table: Table) -> "dict[tuple[str, str], pd.Series[Any]]":
     return {(row["engine"], row["profile"]): row for _, row in table.frame.iterrows()}
 
 

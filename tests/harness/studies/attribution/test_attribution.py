@@ -15,6 +15,7 @@ from harness.studies.shared.ablation import ablation_path, total
 from harness.studies.study import run_study
 from models import Scene, load
 from tests.support.evaluations import evaluated
+from tests.support.figures import assert_two_sentences
 
 _SCALES = {"turn_error_deg": 360.0, "contact_locus_rms_m": 0.1, "phi_rms_rad": 1.0}
 
@@ -69,7 +70,7 @@ def test_every_row_has_a_command_that_reproduces_it(
     frame = runs(found)
     chosen = frame[frame["step"].isin(["as shipped", "left open"])].iloc[[0, 1, -2]]
     for row in chosen.itertuples():
-        words = shlex.split(row.command)
+        words = shlex.split(str(row.command))
         assert words[0] == "rockingcan"
         capsys.readouterr()
         assert code_of([*words[1:], "--json"]) == 0
@@ -88,6 +89,7 @@ def test_words_are_two_sentences_without_a_number_that_is_none(found: Attributio
 
 def test_the_waterfall_goes_down_from_shipped_to_matched(found: Attribution) -> None:
     (figure,) = (a for a in found.artefacts() if isinstance(a, Figure))
+    assert_two_sentences([figure])
     turn = figure.panels[0]
     ends, falls, alone = turn.series
     account = found.accounts["turn_error_deg"]

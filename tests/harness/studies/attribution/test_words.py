@@ -9,6 +9,7 @@ from harness.studies.attribution.study import ATTRIBUTED, Attribution, Attributi
 from harness.studies.shared.ablation import Account, ablation_path, account
 from harness.studies.study import run_study
 from models import Horizon, Scene, load
+from tests.support.figures import assert_two_sentences
 
 
 @pytest.fixture(scope="module")
@@ -57,5 +58,6 @@ def test_with_an_end_unknown_another_quantity_is_told(gentle: Scene) -> None:
 def test_a_scene_without_a_bounce_has_no_turn_to_miss(straight: Attribution) -> None:
     assert "turn" not in " ".join(straight.sentences)
     (figure,) = (a for a in straight.artefacts() if isinstance(a, Figure))
+    assert_two_sentences([figure])
     assert "Angle of turn" not in [panel.title for panel in figure.panels]
     assert "turn" not in figure.seen

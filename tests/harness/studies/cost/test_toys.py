@@ -24,6 +24,7 @@ from harness.studies.cost.study import CostStudy, cost_report
 from harness.studies.cost.tables import orders, points, price_rows
 from harness.studies.study import run_study
 from models import Scene, load
+from tests.support.figures import assert_two_sentences
 
 COARSE = 1e-3
 """s: the coarsest timestep of the gentle release."""
@@ -38,7 +39,7 @@ def _setting(name: str, value: Value) -> Setting:
 
 def departure(timestep: float, order: float, level: float) -> float:
     """Return by how much psi' of the toy is off, relatively."""
-    return OFF * ((timestep / COARSE) ** order + level)
+    return float(OFF * ((timestep / COARSE) ** order + level))
 
 
 class Toy:
@@ -125,7 +126,7 @@ def study(toy: str) -> Studied:
         worked: list[Any] = []
 
         class Noted(SerialExecutor):
-            def submit(self, call: Any, case: Any, /) -> Any:  # type: ignore[override]  # noqa: ANN401
+            def submit(self, call: Any, case: Any, /) -> Any:  # type: ignore[override]
                 worked.append(case)
                 return super().submit(call, case)
 
@@ -259,6 +260,7 @@ def test_artefacts_are_whole_and_no_price_stands_without_the_contract(found: Cos
     artefacts = cost_report(found)
     names = [artefact.name for artefact in artefacts]
     assert len(set(names)) == len(names)
+    assert_two_sentences(artefacts)
     assert names.index("gentle-rock-contract") < names.index("gentle-rock-prices")
     for artefact in artefacts:
         if isinstance(artefact, Table):

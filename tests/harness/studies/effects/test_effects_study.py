@@ -15,6 +15,7 @@ from models.catalogue import load
 from models.contact_effects import Compliance, Drilling, Restitution, RoundedRim, Slip
 from models.effects import KINDS, Effects
 from models.scene import Horizon, Scene
+from tests.support.figures import assert_two_sentences
 
 GENTLE = load("gentle-rock")
 BRIEF = replace(GENTLE, horizon=Horizon(seconds=0.02))
@@ -139,6 +140,7 @@ def test_the_changes_of_two_factors_add_up() -> None:
 def test_the_artefacts_name_every_effect_and_every_column() -> None:
     made = plan_effects(with_effects(slip=Slip(mu=0.2)), ("mujoco",), timestep=COARSE)
     artefacts = effects_report(studied(made))
+    assert_two_sentences(artefacts)
     tables = {one.name: one for one in artefacts if isinstance(one, Table)}
     assert set(tables) == {f"gentle-rock-{name}" for name in ("effects", "factors", "runs")}
     for table in tables.values():

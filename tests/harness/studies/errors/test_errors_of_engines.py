@@ -10,6 +10,7 @@ from harness.studies.errors.split import ErrorStatus
 from harness.studies.errors.study import ErrorsStudy, errors_report
 from harness.studies.study import run_study
 from models import Horizon, Scene, load
+from tests.support.figures import assert_two_sentences
 
 # the coarsest step: long enough for a ladder of seconds, short enough for it to have begun to fall
 COARSEST = 4e-4
@@ -90,6 +91,7 @@ def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
     artefacts = errors_report(found)
     names = [artefact.name for artefact in artefacts]
     assert len(set(names)) == len(names)
+    assert_two_sentences(artefacts)
     for artefact in artefacts:
         if isinstance(artefact, Table):
             assert set(artefact.frame.columns) == set(artefact.columns)

@@ -1,7 +1,9 @@
 """The command end to end on a suite of two cases, and what it writes."""
 
 import json
+import re
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 
 import pandas as pd
@@ -11,6 +13,7 @@ from typer.testing import CliRunner
 from harness.cli.commands import app
 from harness.studies.stability.failure_criteria import StabilityStatus
 from harness.studies.stability.suite import SUITES
+from tests.support.figures import sentences
 
 RUNNER = CliRunner()
 TINY = replace(
@@ -23,7 +26,7 @@ TINY = replace(
 
 @pytest.fixture
 def report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setitem(SUITES, "quick", TINY)  # type: ignore[misc]
+    monkeypatch.setitem(SUITES, "quick", TINY)
     out = tmp_path / "report"
     done = RUNNER.invoke(app, ["stability", "--jobs", "1", "--out", str(out)])
     assert done.exit_code == 0, done.output
@@ -40,6 +43,9 @@ def test_the_report_has_the_map_a_page_for_each_engine_and_the_counts(report: Pa
     page = (report / "index.html").read_text(encoding="utf-8")
     assert "The verdict on pybullet" in page
     assert "Of 3 random scenes" in page
+    captions = re.findall(r'<p class="seen">(.*?)</p>', page)
+    assert len(captions) >= 5  # a map of each engine in two profiles, and the limits
+    assert {sentences(unescape(caption)) for caption in captions} == {2}
     verdicts = pd.read_csv(report / "tables" / "verdicts.csv")
     assert set(verdicts["verdict"]) <= {verdict.value for verdict in StabilityStatus}
     manifest = json.loads((report / "manifest.json").read_text(encoding="utf-8"))

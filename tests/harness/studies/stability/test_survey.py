@@ -15,6 +15,7 @@ from harness.engines.reference.truth import solve_case, truth
 from harness.studies.stability.suite import random_scenes
 from harness.studies.stability.survey import ALLOWED, compared, examine
 from models import Can, Effects, Scene, Slip, hard_names, load
+from tests.support.examples import examples
 
 
 @pytest.mark.parametrize("name", hard_names())
@@ -87,7 +88,7 @@ def test_a_release_off_the_rim_is_refused(height: float, word: str) -> None:
     assert word in refusal(replace(scene, release=replace(scene.release, height=height)))
 
 
-@settings(max_examples=settings.default.max_examples // 5)
+@settings(max_examples=examples(1 / 5))
 @given(mass=st.floats(-6.0, 6.0), radius=st.floats(-3.0, 1.0), gravity=st.floats(-5.0, 3.0))
 def test_mass_length_and_gravity_leave_the_dimensionless_motion_alone(
     mass: float, radius: float, gravity: float
@@ -129,7 +130,7 @@ LOST = 1e-3
 """Where neighbours are as far apart as this, one ulp decides, and no scaling can be held to it."""
 
 
-@settings(max_examples=settings.default.max_examples * 2 // 5)
+@settings(max_examples=examples(2 / 5))
 @given(
     scene=st.sampled_from(SCENES),
     mass=st.floats(-6.0, 6.0),

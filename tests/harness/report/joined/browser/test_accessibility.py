@@ -26,7 +26,7 @@ def test_axe_finds_nothing_in_a_real_report(browse: Open, axe: str, real_report:
     assert complaints(browse(real_report, color_scheme="dark"), axe) == []
 
 
-def complaints(page: Any, axe: str) -> list[tuple[str, object, str]]:  # noqa: ANN401
+def complaints(page: Any, axe: str) -> list[tuple[str, object, str]]:
     """Return what axe-core says of a page with everything unfolded."""
     page.locator("details").evaluate_all("all => all.forEach((one) => { one.open = true; })")
     page.add_style_tag(content=EVERYTHING)

@@ -19,12 +19,12 @@ IN_SIGHT = "one => { const at = one.getBoundingClientRect(); return 0 <= at.top 
 TRACES = "graphs => graphs.map((graph) => graph.querySelectorAll('.trace').length)"
 
 
-def spans(page: Any) -> list[float]:  # noqa: ANN401
+def spans(page: Any) -> list[float]:
     graphs = page.locator(".figure").first.locator(".graph")
     return [graphs.nth(n).evaluate(SPAN) for n in range(graphs.count())]
 
 
-def column(page: Any, number: int) -> list[str]:  # noqa: ANN401
+def column(page: Any, number: int) -> list[str]:
     cells = page.locator(f"#table-scorecard tbody tr > :nth-child({number})")
     return [text.strip() for text in cells.all_text_contents()]
 

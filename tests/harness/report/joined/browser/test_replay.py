@@ -13,14 +13,14 @@ PAINTED = "canvases => canvases.map((canvas) => canvas.toDataURL())"
 LAST, BOUNCE = 99, 50
 
 
-def replay(page: Any) -> Any:  # noqa: ANN401
+def replay(page: Any) -> Any:
     element = page.locator(".replay").first
     element.scroll_into_view_if_needed()
     element.locator(".clock", has_text="ms").wait_for()  # it is opened as it comes near
     return element
 
 
-def wait_until(page: Any, reached: Callable[[], bool]) -> None:  # noqa: ANN401
+def wait_until(page: Any, reached: Callable[[], bool]) -> None:
     """Wait for something to come true, for as long as a slow machine may need."""
     for _ in range(600):
         if reached():
@@ -29,11 +29,11 @@ def wait_until(page: Any, reached: Callable[[], bool]) -> None:  # noqa: ANN401
     pytest.fail("it did not come true in half a minute")
 
 
-def frame(element: Any) -> int:  # noqa: ANN401
+def frame(element: Any) -> int:
     return int(element.locator("input").input_value())
 
 
-def pictures(element: Any) -> list[str]:  # noqa: ANN401
+def pictures(element: Any) -> list[str]:
     return [str(one) for one in element.locator("canvas").evaluate_all(PAINTED)]
 
 

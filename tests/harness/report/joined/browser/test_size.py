@@ -43,7 +43,7 @@ def tables() -> list[Table]:
 
 def test_a_large_page_answers_soon(browse: Open, provenance: Provenance, tmp_path: Path) -> None:
     def write(name: str, *figures: Figure) -> Path:
-        artefacts = (*figures, *tables())
+        artefacts: list[Figure | Table] = [*figures, *tables()]
         return write_report(artefacts, tmp_path / name, title="t", cases=(), provenance=provenance)
 
     one, two = write("one", noisy(0)), write("two", noisy(0), noisy(1))
@@ -75,7 +75,7 @@ def test_a_large_page_answers_soon(browse: Open, provenance: Provenance, tmp_pat
     assert page.locator(".figure.drawn").count() < copies  # none that no one has come near
 
 
-def busy(session: Any) -> float:  # noqa: ANN401
+def busy(session: Any) -> float:
     """Return how long the page's thread has worked, s, whatever else this machine does."""
     told = session.send("Performance.getMetrics")["metrics"]
     return next(float(metric["value"]) for metric in told if metric["name"] == "TaskDuration")

@@ -1,0 +1,10 @@
+"""How many examples a property test draws."""
+
+from hypothesis import settings
+
+
+def examples(share: float) -> int:
+    """Return a share of the examples of the profile in force, for tests of another cost each."""
+    profile = settings.default
+    assert profile is not None
+    return int(profile.max_examples * share)
