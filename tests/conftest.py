@@ -77,7 +77,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Draw the same examples whatever else runs in this process, and fewer in a quick run."""
     if config.option.quick:
         settings.load_profile("quick")
-    if settings.default.derandomize:
+    if settings().derandomize:
         # else a number that stands in any module that some test has imported may be an example
         vars(providers)["_get_local_constants"] = Constants
 

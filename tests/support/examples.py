@@ -5,6 +5,4 @@ from hypothesis import settings
 
 def examples(share: float) -> int:
     """Return a share of the examples of the profile in force, for tests of another cost each."""
-    profile = settings.default
-    assert profile is not None
-    return int(profile.max_examples * share)
+    return int(settings().max_examples * share)

@@ -70,7 +70,7 @@ def test_what_an_engine_was_not_measured_in_is_said_in_its_row(
     row = rows(tables(study_sections)["engines"])["mujoco", "default"]
     assert pd.isna(row["stability_percent"])
     verdict = row["stability_percent_verdict"]
-    assert verdict.status is Status.NOT_MEASURED  # type: ignore[attr-defined]
+    assert verdict.status is Status.NOT_MEASURED
 
 
 def test_a_failure_in_a_hard_case_is_named(study_sections: list[Section]) -> None:
