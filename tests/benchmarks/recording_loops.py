@@ -10,7 +10,6 @@ from mujoco import rollout
 
 from harness.engines.base import World
 from harness.engines.mujoco.engine import control, state_of
-from harness.engines.pybullet.suppress_output import pybullet
 
 _PIECE = 16384
 """Steps in a call of MuJoCo, as in a run: few enough to be held, 180 bytes each."""
@@ -47,6 +46,8 @@ def _of_mujoco(world: Any, steps: int) -> None:
 
 def _of_pybullet(world: Any, steps: int) -> None:
     """Keep what PyBullet says of each state and contact, as it is."""
+    import pybullet  # noqa: PLC0415 - may not be installed; its world is one of the adapter's
+
     step = world.stepper(np.arange(steps) * np.float64(world.timestep))
     can, ground, client = world.can, world.ground, world.client
     kept = []

@@ -20,6 +20,7 @@ from pathlib import Path
 from harness.execution.cache import JOURNAL, CacheFolder
 from tests.faults.journal_check import broken, differing, differing_tables, ledger, whole
 from tests.faults.programs import (
+    ENGINES,
     Program,
     ProgramRun,
     begin,
@@ -154,7 +155,7 @@ def _said(tally: _Tally, complained: str) -> str:
     return f" ({lines[-1]})" if lines and tally.through < max(tally.suites, 1) else ""
 
 
-_WORDS = ("attribute", "gentle-rock", "--engine", "pybullet", "--jobs", "2")
+_WORDS = ("attribute", "gentle-rock", "--engine", ENGINES[-1], "--jobs", "2")
 
 _SIGNALS_PROGRAM = "from harness.__main__ import main; main()"
 
@@ -243,7 +244,7 @@ _FILE = 2**19
 
 _CASES = tuple(
     ("gentle-rock", engine, "matched", timestep)
-    for engine in ("mujoco", "pybullet")
+    for engine in ENGINES
     for timestep in (1e-3, 3e-4, 1e-4, 3e-5)
 )
 

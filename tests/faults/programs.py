@@ -27,13 +27,16 @@ from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.core.errors import HarnessError
 from harness.core.simulation import Simulation
 from harness.engines.base import Capabilities, Setting
-from harness.engines.registry import engine
+from harness.engines.registry import engine, left_out
 from harness.evaluation.evaluate import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits
 from harness.execution.signals import Interrupted, handle_signals
 from models.catalogue import load
+
+ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out())
+"""Engines that do what they should."""
 
 _BLOCK = 2**24
 """Bytes of a bite, each of which is written to: memory that is only reserved is not used."""

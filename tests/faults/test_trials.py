@@ -9,6 +9,7 @@ import pytest
 
 from tests.faults.interruptions import SUITE, disk, kills, signals
 from tests.faults.journal_check import differing_tables
+from tests.faults.programs import ENGINES
 from tests.faults.sweeps import Sizes, _Part, sweeps
 from tests.faults.trial import Trial
 from tests.faults.workers import deadly
@@ -26,7 +27,7 @@ def test_nothing_is_lost(
     assert told
 
 
-BRIEF = ("attribute", "gentle-rock", "--engine", "pybullet")
+BRIEF = ("attribute", "gentle-rock", "--engine", ENGINES[-1])
 """A command of the same kind as the suite, of half a minute."""
 
 

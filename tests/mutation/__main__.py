@@ -11,13 +11,17 @@ import sys
 from math import ceil
 from pathlib import Path
 
+from harness.engines.registry import left_out
 from tests.mutation.mutants import Mutant, mutant, sources
 from tests.mutation.plan import Target, targets
 from tests.mutation.report import Tally, page, reasons
 from tests.mutation.trial import Trial, Verdict, tried, warm
 
 IMPORTED = ("harness", "harness.gate", "harness.api", "harness.studies", "hypothesis", "pyarrow")
-IMPORTED_ENGINES = ("harness.engines.mujoco", "harness.engines.pybullet", "scipy.integrate")
+IMPORTED_ENGINES = (
+    *(f"harness.engines.{name}" for name in ("mujoco", "pybullet") if name not in left_out()),
+    "scipy.integrate",
+)
 
 PATIENCE = 4.0
 """Times the processor time of the unchanged module's tests after which a mutant hangs."""
