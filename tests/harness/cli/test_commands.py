@@ -224,6 +224,7 @@ def test_a_run_for_people_shows_parity_and_bounces(rockingcan: Command) -> None:
     assert "angle_of_turn" in answer.out
 
 
+@pytest.mark.engine("pybullet")
 def test_a_mismatch_is_an_answer_and_a_failure(rockingcan: Command) -> None:
     words = ("run", "gentle-rock", "--engine", "pybullet", "--timestep", "1e-3")
     answer = rockingcan(*words, "--set", "collisionMargin=0.001", "--json")
@@ -258,6 +259,7 @@ def test_settings_can_be_spelt_as_the_command_of_a_case_spells_them(rockingcan: 
     assert other["errors"] != plain["errors"]
 
 
+@pytest.mark.engine("pybullet")
 def test_the_command_of_a_case_runs_that_case(
     rockingcan: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,7 +13,7 @@ from harness.execution.cache import JOURNAL
 from tests.faults.programs import left_behind
 
 ROOT = Path(__file__).parents[3]
-WORDS = ("attribute", "gentle-rock", "--engine", "pybullet", "--jobs", "2")
+WORDS = ("attribute", "gentle-rock", "--engine", "mujoco", "--jobs", "2")
 
 
 @pytest.mark.slow

@@ -70,7 +70,7 @@ def test_an_extra_of_its_name_says_what_an_engine_needs(register: Register) -> N
     assert declared.extra == "glider-kit[glider]"
     assert declared.needed == declared.optional == ("glide-physics", "other-thing")
     assert declared.missing == declared.optional
-    assert registry.left_out() == ("glider",)
+    assert "glider" in registry.left_out()
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_an_engine_that_should_be_there_is_not_left_out(
 ) -> None:
     register(*requirements, extra=extra)
     assert not packages().missing
-    assert registry.left_out() == ()
+    assert "glider" not in registry.left_out()
     assert "glider" in api.stepping_engines(None)
     with pytest.raises(MissingPackageError, match="'glider' needs the package 'glide'"):
         registry.engine("glider")
@@ -100,7 +100,7 @@ def test_a_package_that_another_python_depends_on_is_optional_in_this_one(
     register: Register,
 ) -> None:
     register("glide-physics; python_version < '3'", OPTIONAL)
-    assert registry.left_out() == ("glider",)
+    assert "glider" in registry.left_out()
 
 
 def test_an_engine_that_is_left_out_takes_part_where_it_is_named(register: Register) -> None:

@@ -127,6 +127,7 @@ def test_a_missing_package_says_how_to_install_it(
     assert isinstance(caught.value, ImportError)
 
 
+@pytest.mark.engine("pybullet")
 def test_an_engine_that_is_missing_is_not_said_to_be_able(
     toys: None,  # noqa: ARG001
     gentle: Scene,

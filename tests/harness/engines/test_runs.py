@@ -256,6 +256,7 @@ def test_the_reference_takes_no_timestep(brief: Scene) -> None:
         evaluate(Case(scene=brief, engine="reference", timestep=1e-3))
 
 
+@pytest.mark.engine("pybullet")
 def test_an_effect_that_an_engine_cannot_represent_is_refused_naming_those_that_can(
     brief: Scene,
 ) -> None:

@@ -93,6 +93,7 @@ class Toy:
 
 class _Entry:
     value = "harness.a_toy:Toy"  # as if it were ours, which needs no trial
+    dist = None
 
     def load(self) -> type[Toy]:
         """Return the engine, as an entry point does."""
