@@ -164,9 +164,8 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
     """Return a summary: a sentence for each engine and profile."""
     by_engine = by_case(evaluations, "engine")
     runs = by_case(evaluations, "engine", "profile")
-    sentences = [
-        f"{len(evaluations)} runs of {len(by_engine)} engines were held against the exact motion."
-    ]
+    engines = "1 engine" if len(by_engine) == 1 else f"{len(by_engine)} engines"
+    sentences = [f"{len(evaluations)} runs of {engines} were held against the exact motion."]
     for (engine,), (profile, words) in product(by_engine, _PROFILES.items()):
         turned = [
             (abs(error), e)
