@@ -95,7 +95,7 @@ def kept_points(points: Floats, tolerance: float) -> NDArray[np.bool_]:
         off = _distance(columns, index, starts, ends, owner)
         worst = np.maximum.reduceat(off, first)
         candidates = np.flatnonzero(off == worst[owner])
-        one_each = candidates[np.flatnonzero(np.diff(owner[candidates], prepend=-1))]
+        one_each = candidates[np.searchsorted(owner[candidates], np.arange(starts.size))]
         far = worst > tolerance
         split = index[one_each][far]
         stays[split] = True
