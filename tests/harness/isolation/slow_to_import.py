@@ -1,11 +1,15 @@
-"""A module that a worker imports for longer than a test gives its task."""
+"""A module that a worker imports for as long as the test wants."""
 
-import time
+import os
+from pathlib import Path
 
 from harness.execution.worker_main import is_worker
+from tests.support.clock import wait_for
 
 if is_worker():
-    time.sleep(3.0)
+    folder = Path(os.environ["SLOW_TO_IMPORT"])
+    (folder / "begun").touch()
+    wait_for(folder / "go-on")
 
 
 def answer() -> int:

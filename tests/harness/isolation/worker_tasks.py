@@ -41,6 +41,11 @@ def hang() -> None:
         pass
 
 
+def say_and_hang(told: str) -> None:
+    Path(told).touch()
+    hang()
+
+
 def devour() -> None:
     blocks = []
     while time is not None:
@@ -125,9 +130,9 @@ def close_everything() -> None:
     time.sleep(600.0)
 
 
-def leave_the_group_and_hang() -> None:
+def leave_the_group_and_hang(told: str) -> None:
     os.setpgid(0, os.getpgid(os.getppid()))
-    hang()
+    say_and_hang(told)
 
 
 def outlive_signals() -> str:

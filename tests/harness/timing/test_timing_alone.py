@@ -22,6 +22,7 @@ from harness.evaluation.timing import (
 from harness.execution.limits import Limits
 from harness.execution.worker import Loss, LostTaskError
 from models import Scene
+from tests.support.clock import stop_clock
 from tests.support.evaluations import evaluated
 
 
@@ -59,20 +60,28 @@ def test_a_process_for_timing_has_one_thread() -> None:
     assert dict(os.environ) == before
 
 
-def test_a_repeat_that_hangs_is_stopped_and_the_next_is_timed() -> None:
-    # for ten runs three seconds: of which a sound task, on a machine that stalls, needs few
-    with single_thread_executor(Limits(seconds=0.3)) as executor:
+def test_a_repeat_that_hangs_is_stopped_and_the_next_is_timed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = stop_clock(monkeypatch)
+    with single_thread_executor(Limits(seconds=0.3)) as executor:  # for ten runs three
         hanging = executor.submit(time.sleep, 600.0)
+        clock.run_until(hanging.done, 3.01)
         with pytest.raises(LostTaskError, match=r"longer than the 3 s allowed"):
             hanging.result()
         assert executor.submit(divmod, 7, 2).result() == (3, 1)
 
 
-def test_who_waits_for_another_to_time_is_not_stopped_for_it() -> None:
+def test_who_waits_for_another_to_time_is_not_stopped_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = stop_clock(monkeypatch)
     with single_thread_executor(Limits(seconds=0.05)) as executor, ThreadPoolExecutor(1) as waiter:
         with timing_lock():
             waiting = waiter.submit(lambda: executor.submit(divmod, 7, 2).result())
-            time.sleep(1.0)  # twice as long as a task may take
+            for _ in range(20):  # each time longer than a task may take
+                clock.now += 1.0
+                time.sleep(0.02)
             assert not waiting.done()
         assert waiting.result() == (3, 1)
 
