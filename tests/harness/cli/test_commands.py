@@ -183,6 +183,7 @@ def test_a_run_answers_in_the_promised_keys_and_with_nothing_else(
     assert found["scene"] == "gentle-rock"
 
 
+@pytest.mark.slow
 def test_a_chaotic_run_says_when_it_parts_and_how_fast_disturbances_grow(
     rockingcan: Command,
 ) -> None:

@@ -29,6 +29,7 @@ SIGNS = (
 )
 
 
+@pytest.mark.slow
 def test_the_papers_sign_map(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "signs"
     assert code_of([*SIGNS, "--out", str(out), "--json"]) == 0

@@ -21,6 +21,10 @@ def found_of(scene: Scene, engine: str, timestep: float | None = COARSEST) -> Th
     return study.findings(run_study(study))
 
 
+EACH = pytest.mark.parametrize("name", ["mujoco", pytest.param("pybullet", marks=pytest.mark.slow)])
+"""Engines; the errors of each are found once, in some six seconds."""
+
+
 @pytest.fixture(scope="module")
 def mujoco(gentle: Scene) -> ThreeErrors:
     return found_of(gentle, "mujoco")
@@ -31,6 +35,7 @@ def pybullet(gentle: Scene) -> ThreeErrors:
     return found_of(gentle, "pybullet")
 
 
+@pytest.mark.slow
 def test_the_truth_is_within_the_limit_s_uncertainty(
     mujoco: ThreeErrors, pybullet: ThreeErrors
 ) -> None:
@@ -51,7 +56,7 @@ def test_a_soft_contact_converges_neatly_to_another_can(mujoco: ThreeErrors) -> 
     assert split.limit.order == pytest.approx(1.0, abs=0.05)
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@EACH
 def test_the_three_sum_to_the_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)
     for split in found.splits.values():
@@ -74,6 +79,7 @@ def test_engine_and_truth_follow_a_perturbed_release_alike(mujoco: ThreeErrors) 
         assert 10.0 * size < spread.of_truth < 100.0 * size
 
 
+@pytest.mark.slow
 def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
     (table,) = (
         a for a in errors_report(pybullet) if isinstance(a, Table) and a.name.endswith("-efforts")
@@ -85,7 +91,7 @@ def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
     assert abs(turn["as set"]) < 1e-3 * abs(turn["1 sweep"])
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@EACH
 def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)
     artefacts = errors_report(found)

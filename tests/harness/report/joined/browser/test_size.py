@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from harness.core.provenance import Provenance
 from harness.core.report_model import Figure, Panel, Series, Table
@@ -41,6 +42,7 @@ def tables() -> list[Table]:
     return [table(0, 10), *(table(number, 400) for number in range(1, 9))]
 
 
+@pytest.mark.slow
 def test_a_large_page_answers_soon(browse: Open, provenance: Provenance, tmp_path: Path) -> None:
     def write(name: str, *figures: Figure) -> Path:
         artefacts: list[Figure | Table] = [*figures, *tables()]
