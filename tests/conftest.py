@@ -21,6 +21,7 @@ imports take seconds.
 """
 
 import os
+import shutil
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -45,6 +46,12 @@ if TYPE_CHECKING:
     from harness.sweep.plan import SweepPlan
     from tests.support.browser import Open
     from tests.support.command_line import Command
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+AXE = Path(
+    os.environ.get("AXE_CORE")
+    or Path(__file__).parents[1] / ".cache/axe/node_modules/axe-core/axe.min.js"
+)
 
 MakeOnce = Callable[[str, Callable[[Path], Path]], Path]
 
@@ -82,24 +89,44 @@ def pytest_configure(config: pytest.Config) -> None:
         vars(providers)["_get_local_constants"] = Constants
 
 
-def pytest_report_header(config: pytest.Config) -> str:
+def _left_out() -> dict[str, str]:
+    """Return why a fixture is not to be had here, unless a browser is required."""
+    if os.environ.get("ROCKINGCAN_BROWSER") == "required":
+        return {}
+    reasons = {}
+    if CHROMIUM is None:
+        reasons["chromium"] = "no chromium is on the path: no test in a browser"
+    if not AXE.is_file():
+        get = "npm install --no-save --prefix .cache/axe axe-core"
+        reasons["axe"] = f"no axe-core is there: no test of accessibility; to get it: {get}"
+    return reasons
+
+
+def pytest_report_header(config: pytest.Config) -> list[str]:
     """Say what a run leaves out, and how long it takes."""
+    said = "all tests, a quarter of an hour on two cores; `make test` runs the quick ones"
     if config.option.quick:
-        return (
+        said = (
             "quick tests, three minutes on two cores; left out: what is marked `slow` (campaigns, "
             "whole studies), most combinations of parameters, three quarters of the drawn "
             "examples; `make test-all` runs everything, in a quarter of an hour"
         )
-    return "all tests, a quarter of an hour on two cores; `make test` runs the quick ones"
+    return [said, *_left_out().values()]
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what is not quick; put the files with slow tests first, so that none comes last."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    chosen = sorted(items, key=lambda item: item.path not in slow)
+    left_out = _left_out()
+    chosen = [
+        item
+        for item in sorted(items, key=lambda item: item.path not in slow)
+        if left_out.keys().isdisjoint(getattr(item, "fixturenames", ()))
+    ]
     if config.option.quick:
-        chosen = sampled([one for one in chosen if not one.get_closest_marker("slow")])
-        config.hook.pytest_deselected(items=[one for one in items if one not in set(chosen)])
+        chosen = sampled([item for item in chosen if not item.get_closest_marker("slow")])
+    if others := set(items).difference(chosen):
+        config.hook.pytest_deselected(items=list(others))
     items[:] = chosen
 
 
@@ -320,10 +347,12 @@ def hostile_joined_report(hostile_artefacts: "tuple[Artefact, ...]", make_once: 
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
-    """Give a browser, or say why the test is left out."""
+    """Give a browser."""
     from tests.support.browser import running_chromium
 
-    with running_chromium() as browser:
+    if CHROMIUM is None:
+        pytest.fail("a browser is required, and no chromium is on the path", pytrace=False)
+    with running_chromium(CHROMIUM) as browser:
         yield browser
 
 
@@ -338,7 +367,5 @@ def browse(chromium: Any) -> "Iterator[Open]":
 
 @pytest.fixture(scope="session")
 def axe() -> str:
-    """Return the text of axe-core, or say why the test is left out."""
-    from tests.support.browser import axe_core
-
-    return axe_core()
+    """Return the text of axe-core."""
+    return AXE.read_text(encoding="utf-8")

@@ -3,18 +3,12 @@
 It is the Chromium that is installed, driven by Playwright; nothing is downloaded.
 """
 
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-import pytest
 from playwright.sync_api import sync_playwright
-
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
-_ROOT = Path(__file__).parents[2]
 
 DESK, PHONE = 1400, 375
 
@@ -22,20 +16,11 @@ Open = Callable[..., Any]
 """Opens the page of a report's folder."""
 
 
-def leave_out(reason: str) -> NoReturn:
-    """Skip a test that needs a browser, or fail it where one is required."""
-    if os.environ.get("ROCKINGCAN_BROWSER") == "required":
-        pytest.fail(f"ROCKINGCAN_BROWSER is 'required', but there is {reason}", pytrace=False)
-    pytest.skip(reason)
-
-
 @contextmanager
-def running_chromium() -> Iterator[Any]:
-    """Give a browser, or skip the test that asks for it."""
-    if CHROMIUM is None:
-        leave_out("no chromium on the path: the page is not tried in a browser")
+def running_chromium(program: str) -> Iterator[Any]:
+    """Give a browser."""
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
         yield browser
         browser.close()
 
@@ -73,15 +58,3 @@ def see_all(page: Any) -> None:
         figure.scroll_into_view_if_needed()
         figure.and_(page.locator(".drawn, .failed")).wait_for()
     page.evaluate("scrollTo(0, 0)")
-
-
-def axe_core() -> str:
-    """Return the text of axe-core, or skip the test that asks for it."""
-    packed = _ROOT / ".cache" / "axe" / "node_modules" / "axe-core" / "axe.min.js"
-    path = Path(os.environ.get("AXE_CORE") or packed)
-    if not path.is_file():
-        leave_out(
-            "no axe-core: accessibility is not checked; get it with: "
-            "npm install --no-save --prefix .cache/axe axe-core"
-        )
-    return path.read_text(encoding="utf-8")
