@@ -9,6 +9,7 @@ from harness import api
 from harness.cli import terminal
 from harness.cli.main import main
 from harness.cli.terminal import to_json
+from harness.engines import registry
 from harness.progress import progress_bar
 from tests.benchmarks.engines import engine_ratios
 from tests.benchmarks.lean import lean_ratios
@@ -41,9 +42,11 @@ def benchmark(
     Leaves with code 1 if a claim does not hold on this machine.
     """
     ratios = []
+    chosen = api.stepping_engines(engine)
+    for name in chosen:
+        registry.engine(name)  # an unknown one is refused before anything is measured
     with progress_bar() as bar:
         task = bar.add_task("the reference", total=None)
-        chosen = api.stepping_engines(engine)
         for part in (start_up_ratios(), reference_ratios(), engine_ratios(chosen)):
             for ratio in part:
                 ratios.append(ratio)

@@ -40,6 +40,7 @@ HARM = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("harm", HARM)
 def test_a_report_keeps_to_its_folder_and_runs_nothing(tmp_path: Path, harm: str) -> None:
     x = np.array([0.0, 1.0])

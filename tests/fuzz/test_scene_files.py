@@ -13,6 +13,7 @@ FEW = 60
 """Scene files: some seconds."""
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # a warning is a fault that the campaign itself finds
 def test_no_file_brings_forth_anything_but_an_answer_or_a_message(tmp_path: Path) -> None:
     tally: Tally = campaign(FEW, 1, tmp_path)

@@ -64,6 +64,7 @@ def test_an_unknown_engine_is_wrong_use() -> None:
         CliRunner().invoke(app, ["nothing"], catch_exceptions=False)
 
 
+@pytest.mark.slow
 def test_capabilities_are_measured_with_the_settings_that_were_asked_for() -> None:
     words = ("mujoco", "--capabilities", "--profile", "default", "--timestep", "0.004")
     code, answer = ask(*words)

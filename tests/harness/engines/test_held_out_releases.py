@@ -44,6 +44,7 @@ def spinning(number: int) -> Release:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
 @pytest.mark.parametrize("number", range(8))
 @pytest.mark.parametrize("draw", [drawn, spinning])

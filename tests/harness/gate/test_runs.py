@@ -70,6 +70,7 @@ def test_a_repeat_is_equal_to_the_last_bit(
     assert {one.identity for one in found} == set(accepted.scores)
 
 
+@pytest.mark.slow
 def test_what_no_one_can_tell_apart_raises_no_alarm(held: Held, coarse: tuple[Case, ...]) -> None:
     for number in range(MOST, MOST + REPEATS):  # none of them among the members that were measured
         found = held([member(case, number) for case in coarse])

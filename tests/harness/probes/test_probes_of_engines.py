@@ -158,6 +158,7 @@ def test_explicit_gyroscopic_terms_gain_and_implicit_ones_lose(
     assert found == pytest.approx(sign * gained(scene, 1e-4), rel=0.03)
 
 
+@pytest.mark.slow
 def test_runge_kutta_keeps_the_energy(probe: Callable[..., Values]) -> None:
     # fourth order: (k dt)^4 a radian, 1e-15 at 1e-4 s
     found = probe("gyroscopic term", "mujoco", timestep=1e-4)
@@ -173,6 +174,7 @@ def test_the_gain_goes_with_the_timestep(probe: Callable[..., Values], name: str
     assert coarse / fine == pytest.approx(2.0, rel=0.01)  # the growth itself is half a percent
 
 
+@pytest.mark.slow
 def test_damping_does_not_pass_for_the_gyroscopic_term(probe: Callable[..., Values]) -> None:
     plain = probe("gyroscopic term", "pybullet", timestep=1e-4)["energy gained"]
     damped = probe("gyroscopic term", "pybullet", timestep=1e-4, angularDamping=0.005)

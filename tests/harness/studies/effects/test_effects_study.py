@@ -75,6 +75,7 @@ def test_an_assumption_that_makes_no_sense_is_refused(word: tuple[str, float], s
         plan_effects(GENTLE, ("mujoco",), words=(word,))
 
 
+@pytest.mark.slow
 def test_a_slippery_plane_is_missing_where_the_rim_would_slip_and_else_harmless() -> None:
     slippery = plan_effects(GENTLE, ("reference",), words=(("slip.mu", 0.1),))
     assert of(studied(slippery), "reference", "slip").verdict is EffectStatus.MISSING

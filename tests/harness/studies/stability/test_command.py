@@ -35,6 +35,7 @@ def report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.engine("pybullet")
+@pytest.mark.slow
 def test_the_report_has_the_map_a_page_for_each_engine_and_the_counts(report: Path) -> None:
     files = {path.name for path in report.rglob("*") if path.is_file()}
     for engine in ("mujoco", "pybullet"):

@@ -18,6 +18,7 @@ from models import Can, Effects, Scene, Slip, hard_names, load
 from tests.support.examples import examples
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", hard_names())
 def test_each_hard_case_is_solved_or_refused_with_a_sentence(name: str) -> None:
     found = examine(load(name))
