@@ -17,7 +17,7 @@ from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
-from harness.progress import StudyBar, in_notebook
+from harness.progress import ProgressBar, in_notebook
 from harness.studies.comparison.quantity_figures import NothingToDrawError, quantity_figure
 from harness.studies.comparison.study import ComparisonStudy, EngineSettings, plan_comparison
 from harness.studies.comparison.tables import results, run_table
@@ -134,7 +134,7 @@ def _notebook_bar() -> Iterator[Listener | None]:
     if not in_notebook():
         yield None
         return
-    with StudyBar() as bar:
+    with ProgressBar() as bar:
         yield bar.show
 
 

@@ -1,6 +1,11 @@
-"""Progress of long work: a bar in the terminal, or in a notebook, that leaves when it is done."""
+"""Progress of long work: how long it will take, and a bar that leaves when it is done.
 
-from collections.abc import Callable, Iterator
+A line before work of ten seconds and more says how long it will take, and a line after it how long
+it took: in a file of what was printed, too. The bar is shown in a terminal and in a notebook.
+"""
+
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -10,9 +15,20 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
+    Task,
     TextColumn,
     TimeElapsedColumn,
-    TimeRemainingColumn,
+)
+from rich.text import Text
+
+from harness.execution.estimate import (
+    Estimate,
+    Expected,
+    Taken,
+    account,
+    announcement,
+    current_load,
 )
 
 if TYPE_CHECKING:
@@ -22,15 +38,28 @@ _LABEL = 60
 """Letters of a task's name: a line of a terminal has room for them and the bar."""
 
 
-def progress_bar() -> Progress:
-    """Return a progress bar on standard error that leaves when it is done."""
+class _TimeLeft(ProgressColumn):
+    """Time left by the estimate, which the clock shortens between two tasks."""
+
+    def render(self, task: Task) -> Text:
+        """Return hours, minutes and seconds."""
+        left, at = task.fields.get("left"), task.fields.get("at", 0.0)
+        if left is None:
+            return Text("-:--:--", style="progress.remaining")
+        seconds = max(0, round(left - (task.get_time() - at)))
+        minutes, hours = seconds // 60 % 60, seconds // 3600
+        return Text(f"{hours}:{minutes:02}:{seconds % 60:02}", style="progress.remaining")
+
+
+def _bar() -> Progress:
+    """Return a bar on standard error that leaves when it is done."""
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
+        _TimeLeft(),
+        console=Console(stderr=True, highlight=False),
         transient=True,
     )
 
@@ -38,7 +67,7 @@ def progress_bar() -> Progress:
 @contextmanager
 def report_progress() -> Iterator[Callable[[str, int, int], None]]:
     """Show a bar while a report is written; gives the `on_progress` of `write_report`."""
-    with progress_bar() as bar:
+    with _bar() as bar:
         task = bar.add_task("writing the report", total=None)
 
         def show(part: str, done: int, total: int) -> None:
@@ -53,18 +82,20 @@ def in_notebook() -> bool:
     return Console().is_jupyter
 
 
-class StudyBar:
-    """The bar of a study; begins with the first progress, so that wrong use is told without one.
+class ProgressBar:
+    """The bar of some work; begins with the first step, so that wrong use is told without one.
 
     In a notebook it is one output that is replaced each time: an output of `ipywidgets`, which the
     library of the bar would take, leaves a dead widget in the saved notebook.
     """
 
     def __init__(self) -> None:
-        self._bar = progress_bar()
+        self._bar = _bar()
         self._task = self._bar.add_task("starting the engines", total=None)
         self._notebook = in_notebook()
         self._output: Any = None
+        self._began = time.monotonic()
+        self._estimated: float | None = None
 
     def __enter__(self) -> Self:
         """Return the bar itself."""
@@ -76,25 +107,87 @@ class StudyBar:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Take the bar away."""
+        """Take the bar away, and say how long it took if all is done."""
         if self._output is not None:
             self._output.update({}, raw=True)
         elif self._bar.live.is_started:
             self._bar.stop()
+        if kind is None and self._estimated is not None:
+            self._say(account(time.monotonic() - self._began, self._estimated))
 
-    def show(self, progress: "StudyProgress") -> None:
-        """Show how far a study is; the `on_progress` of `run_study`."""
+    def _say(self, line: str) -> None:
+        """Print a line above the bar."""
+        if line and not self._notebook:
+            self._bar.console.print(line)
+
+    def update(self, label: str, done: int, total: int, estimate: Estimate) -> None:
+        """Show how far the work is.
+
+        Parameters
+        ----------
+        label : str
+        done, total : int
+            Of this part of the work.
+        estimate : Estimate
+            Of all that is left.
+        """
+        left = estimate.seconds
+        if self._estimated is None:
+            self._began, self._estimated = time.monotonic(), left
+            self._say(announcement(left, estimate.tasks, estimate.cores))
         self._bar.update(
             self._task,
-            completed=progress.done,
-            total=progress.total,
-            description=f"{progress.work}: {progress.label[:_LABEL]}",
+            completed=done,
+            total=total,
+            description=label,
+            left=left,
+            at=self._bar.get_time(),
         )
         if not self._notebook:
-            self._bar.start()
+            if self._bar.console.is_terminal:
+                self._bar.start()
         elif self._output is not None:
             self._output.update(self._bar)
         else:
             from IPython.display import display  # noqa: PLC0415 - a notebook has it
 
             self._output = display(self._bar, display_id=True)  # type: ignore[no-untyped-call]
+
+    def show(self, progress: "StudyProgress") -> None:
+        """Show how far a study is; the `on_progress` of `run_study`."""
+        label = f"{progress.work}: {progress.label[:_LABEL]}"
+        self.update(label, progress.done, progress.total, progress.estimate)
+
+
+class ItemBar(ProgressBar):
+    """The bar of a list of things that are done once each, in any order.
+
+    Parameters
+    ----------
+    efforts : mapping of str to float
+        By name: seconds of processor on a usual machine.
+    cores : int
+        How many are done side by side.
+    """
+
+    def __init__(self, efforts: Mapping[str, float], cores: int = 1) -> None:
+        super().__init__()
+        self._count, self._cores = len(efforts), cores
+        # what runs beside it is in the efforts, for here the clock alone tells what a thing takes
+        load = current_load(cores)
+        self._estimate = Estimate(cores)
+        self._estimate.expect({n: Expected("", load * effort) for n, effort in efforts.items()})
+        self._since = time.monotonic()
+
+    def label(self, words: str) -> None:
+        """Say what is being done."""
+        done = self._count - self._estimate.tasks
+        self.update(words[:_LABEL], done, self._count, self._estimate)
+
+    def advance(self, name: str) -> None:
+        """Take note that a thing is done."""
+        now = time.monotonic()
+        taken = self._cores * (now - self._since)
+        self._since = now
+        self._estimate.finish(name, Taken(taken, taken))
+        self.label(name)

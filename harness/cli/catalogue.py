@@ -19,7 +19,7 @@ from harness.core.case import Case
 from harness.core.errors import CacheWarning, MissingPackageError
 from harness.core.report_model import Column, rows_of, table_of
 from harness.engines.base import Setting
-from harness.engines.conformance import ClauseStatus, conform
+from harness.engines.conformance import CLAUSES, ClauseStatus, conform
 from harness.engines.probes import measure
 from harness.engines.registry import engine, names
 from harness.evaluation.case_cache import is_current
@@ -29,7 +29,11 @@ from harness.execution.cache import (
     inspect_cache,
     prune_cache,
 )
+from harness.progress import ItemBar
 from models.catalogue import load
+
+_CLAUSE = 1.0
+"""s of processor for a clause, on average."""
 
 _STYLES = {
     ClauseStatus.PASSED: "green",
@@ -69,7 +73,9 @@ def check(
         _measure(name, profile, timestep, json=json)
         return
     chosen = engine(name)
-    verdicts = conform(chosen)
+    with ItemBar(dict.fromkeys(CLAUSES, _CLAUSE)) as bar:
+        bar.label("the contract")
+        verdicts = conform(chosen, bar.advance)
     failed = any(verdict.result is ClauseStatus.FAILED for verdict in verdicts)
     checks = [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts]
     if json:

@@ -1,17 +1,20 @@
 """What concerns the paper: the audit of its claims, and its figures drawn again."""
 
+import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from harness import paper
 from harness.cli import terminal
 from harness.cli.terminal import write_text
 from harness.core.errors import HarnessError, writing
 from harness.core.provenance import provenance
 from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
 from harness.paper.gallery import ABOUT, FIGURES
-from harness.progress import progress_bar, report_progress
+from harness.progress import ItemBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import csv_text
 from harness.report.write import write_report
@@ -19,6 +22,17 @@ from harness.report.write import write_report
 if TYPE_CHECKING:
     from harness.core.report_model import Figure, Prose
     from harness.paper.audit import AuditRow
+
+_SECONDS = json.loads((Path(paper.__file__).parent / "usual_seconds.json").read_text("utf-8"))
+"""s of processor for long claims of the audit, and for figures: `python -m tests.usual_seconds`."""
+
+_SHORT = 0.06
+"""s of processor for any other claim, on average."""
+
+
+def _efforts(command: str, labels: Iterable[str]) -> dict[str, float]:
+    """Return what each claim or figure is expected to take, s."""
+    return {label: _SECONDS[command].get(label, _SHORT) for label in labels}
 
 
 class MissingMathematicsError(HarnessError, ImportError):
@@ -54,11 +68,12 @@ def audit(
     if page is not None:
         check_writable(page)
     rows: list[AuditRow] = []
-    with progress_bar() as bar:
-        task = bar.add_task("reading the paper", total=len(CLAIMS))
-        for row in run(CLAIMS, lambda claim: bar.update(task, description=claim.label)):
+    with ItemBar(_efforts("audit", (claim.label for claim in CLAIMS))) as bar:
+        for claim, row in zip(
+            CLAIMS, run(CLAIMS, lambda claim: bar.label(claim.label)), strict=True
+        ):
             rows.append(row)
-            bar.advance(task)
+            bar.advance(claim.label)
     write_text(markdown(rows), out / "audit.md")
     write_text(csv_text(audit_table(rows)), out / "audit.csv")
     if page is not None:
@@ -82,12 +97,11 @@ def gallery(
     """
     check_writable(out)
     drawn: list[Figure | Prose] = [ABOUT]
-    with progress_bar() as bar:
-        task = bar.add_task("drawing", total=len(FIGURES))
+    with ItemBar(_efforts("gallery", (draw.__name__ for draw in FIGURES))) as bar:
         for draw in FIGURES:
-            figure = draw()
-            drawn.append(figure)
-            bar.update(task, advance=1, description=figure.title)
+            bar.label(draw.__name__.replace("_", " "))
+            drawn.append(draw())
+            bar.advance(draw.__name__)
     with report_progress() as progress:
         page = write_report(
             drawn,

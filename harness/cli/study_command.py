@@ -16,7 +16,7 @@ from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.engines.registry import how_to_add
 from harness.evaluation.timing import single_thread_executor
-from harness.progress import StudyBar, report_progress
+from harness.progress import ProgressBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import records
 from harness.report.write import write_report
@@ -34,7 +34,7 @@ def run_with_progress(study: Study, running: RunOptions) -> Results:
         if not progress.label:
             running.kept(progress.kept, progress.total)
 
-    with StudyBar() as bar, running.executor() as executor:
+    with ProgressBar() as bar, running.executor() as executor:
         return run_study(
             study,
             executor=executor,

@@ -16,11 +16,12 @@ from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table, rows_of
+from harness.evaluation.effort import expected_seconds
 from harness.execution.dask_cluster import check_cluster_address, dask_executor
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.execution.limits import Limits, default_limits
 from harness.execution.signals import Interrupted
-from harness.progress import progress_bar, report_progress
+from harness.progress import ItemBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
 from harness.sweep.axes import read_axis
@@ -31,6 +32,10 @@ from harness.sweep.run import run_sweep
 from models.catalogue import load
 
 REPORT = "report"
+
+
+_EXACT_SECONDS = 4e-5
+"""s of processor for the exact bounce of a release in a batch, and its share of a partition."""
 
 
 def sweep(  # noqa: PLR0917 - a parameter an option
@@ -128,16 +133,20 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
         typer.echo(f"{there} of {chosen.rows} scenes are there, {left} to go", err=True)
     if not left:
         return
-    done = 0
+    done, row = 0, _EXACT_SECONDS if chosen.exact else expected_seconds(chosen.base)
+    # of what is left alone: what was there before took no time
+    efforts = {f"partition {index}": row * len(chosen.span(index)) for index in missing}
     try:
-        with progress_bar() as bar, _executor(chosen, jobs, on, limits) as executor:
-            # of what is left alone: what was there before took no time
-            task = bar.add_task(chosen.base.scene.name, total=left)
+        with (
+            ItemBar(efforts, jobs if on is None else 1) as bar,
+            _executor(chosen, jobs, on, limits) as executor,
+        ):
+            bar.label(chosen.base.scene.name)
 
             def show(part: pd.DataFrame) -> None:
                 nonlocal done
                 done += len(part)
-                bar.update(task, completed=done)
+                bar.advance(f"partition {part.index[0] // chosen.rows_per_partition}")
 
             window = jobs + 1 if isinstance(executor, ThreadPoolExecutor) else None
             run_sweep(folder, executor, show, window=window)

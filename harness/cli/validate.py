@@ -19,6 +19,7 @@ from harness.core.provenance import provenance
 from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
 from harness.engines.registry import left_out
+from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import (
     FILE,
@@ -33,8 +34,8 @@ from harness.gate.baseline import (
 from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, gate_report, regressions
 from harness.gate.scores import CaseIdentity, Scores, scored
-from harness.gate.spread import count, measured
-from harness.progress import progress_bar, report_progress
+from harness.gate.spread import measured, planned_members
+from harness.progress import ItemBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
@@ -43,7 +44,7 @@ from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 from harness.studies.errors.plan import plan_errors
 from harness.studies.errors.study import ErrorsStudy
 from harness.studies.shared.ablation import ablation_path
-from harness.studies.study import StudyGroup
+from harness.studies.study import Results, StudyGroup
 from models.catalogue import load
 
 _BASELINE = Path("reports/baseline")
@@ -119,7 +120,10 @@ def validate(  # noqa: PLR0917 - a parameter an option
         # an engine that was built anew often has the version of its last release, and so its
         # results the key of those that are kept: a gate looks into no store
         running = replace(running, store=replace(running.store, fresh=True))
-    done = run_with_progress(study, running)
+    causes = _causes(engines) if suite == _WHOLE else ()
+    # in one run, so that what two of them ask is done once and the estimate is of all
+    every = run_with_progress(StudyGroup(name=study.name, studies=(study, *causes)), running)
+    done = every.only(study.next_jobs(every))
     evaluations, artefacts = study.evaluations(done), (*study.report(done), *not_installed(absent))
     scores = _scores(study, evaluations, settings)
     compared = gate.compare(scores) if gate else ()
@@ -133,8 +137,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         ),
         provenance=provenance(),
     )
-    if suite == _WHOLE:
-        others = _causes(engines, running) + others
+    others = [_section(group, every) for group in causes] + others
     with report_progress() as progress:
         page = write_chapters(
             [comparison, *others],
@@ -233,20 +236,20 @@ def _accept(
 ) -> Path:
     """Measure how far each result is free to move, accept the run, and return the file."""
     own = list(scores.scores.values())
-    with running.executor() as executor, progress_bar() as bar:
-        task = bar.add_task("measuring the spread", total=count(study.designed, own))
-        with_spread = measured(
-            study.designed,
-            own,
-            executor,
-            lambda label: bar.update(task, advance=1, description=label),
-        )
+    efforts = {
+        case.label(): expected_seconds(study.designed[place])
+        for place, case in planned_members(study.designed, own)
+    }
+    cores = running.jobs if running.on is None else 1
+    with running.executor() as executor, ItemBar(efforts, cores) as bar:
+        bar.label("measuring the spread")
+        with_spread = measured(study.designed, own, executor, bar.advance)
     return write_baseline(replace(scores, scores={s.identity: s for s in with_spread}), place)
 
 
-def _causes(names: Sequence[str], running: run_options.RunOptions) -> list[Section]:
-    """Return the attribution and the three errors of every engine, as chapters of a report."""
-    groups = (
+def _causes(names: Sequence[str]) -> tuple[StudyGroup, ...]:
+    """Return the attribution and the three errors of every engine."""
+    return (
         StudyGroup(
             name="Attribution",
             studies=tuple(
@@ -264,14 +267,14 @@ def _causes(names: Sequence[str], running: run_options.RunOptions) -> list[Secti
             ),
         ),
     )
-    done = run_with_progress(StudyGroup(name="causes", studies=groups), running)
-    return [
-        Section(
-            title=group.name,
-            # the words of all parts first
-            artefacts=tuple(sorted(group.report(done), key=lambda a: not isinstance(a, Prose))),
-            cases=tuple(done.only(group.next_jobs(done)).manifest()),
-            provenance=provenance(),
-        )
-        for group in groups
-    ]
+
+
+def _section(group: StudyGroup, done: Results) -> Section:
+    """Return a group of studies as a chapter of a report."""
+    return Section(
+        title=group.name,
+        # the words of all parts first
+        artefacts=tuple(sorted(group.report(done), key=lambda a: not isinstance(a, Prose))),
+        cases=tuple(done.only(group.next_jobs(done)).manifest()),
+        provenance=provenance(),
+    )

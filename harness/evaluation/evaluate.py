@@ -242,7 +242,7 @@ def run_cases(
             SerialExecutor() if executor is None else executor,
             lost=failed_evaluation,
             cache=None if store is None else evaluation_cache(store),
-            listener=ProgressListener(done=lambda _, e: on_done(e)) if on_done else None,
+            listener=ProgressListener(done=lambda _, e, __: on_done(e)) if on_done else None,
         )
     )
 

@@ -47,7 +47,7 @@ FEWEST = 3
 _MOST = 9
 """Repeats of a short one."""
 
-_PATIENCE = 0.08
+PATIENCE = 0.08
 """s by the clock, set-up included, after which the fewest repeats are enough."""
 
 _WARM_STEPS, _WARM_SHARE = 200, 0.02
@@ -91,7 +91,7 @@ def _timed(case: Case) -> Record:
     _warm_up(case)
     runs: list[tuple[float, float, float]] = []
     started = time.perf_counter()
-    while len(runs) < FEWEST or (time.perf_counter() - started < _PATIENCE and len(runs) < _MOST):
+    while len(runs) < FEWEST or (time.perf_counter() - started < PATIENCE and len(runs) < _MOST):
         runs.append(once())
     cpu, wall, setup = map(list, zip(*runs, strict=True))
     return {"cpu_s": cpu, "wall_s": wall, "setup_s": min(setup)}

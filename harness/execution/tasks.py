@@ -4,6 +4,7 @@ Stored results are read while tasks run. Few more tasks are submitted than run a
 are pending when the program ends, however it ends.
 """
 
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
@@ -15,6 +16,7 @@ from typing import Generic, TypeVar
 from harness.core.provenance import provenance
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
+from harness.execution.estimate import Taken
 from harness.execution.signals import delay_signals
 from harness.execution.worker import Loss, LostTaskError
 
@@ -77,11 +79,18 @@ class ProgressListener(Generic[T, R]):
     kept : callable
         Called before anything runs with the number of stored results and that of tasks.
     done : callable
-        Called with each task and its result, stored ones too.
+        Called with each task, its result, and what it took: None if it was stored or lost.
     """
 
     kept: Callable[[int, int], None] = field(default=lambda *_: None)
-    done: Callable[[T, R], None] = field(default=lambda *_: None)
+    done: Callable[[T, R, Taken | None], None] = field(default=lambda *_: None)
+
+
+def timed(work: Callable[[T], R], task: T) -> tuple[R, Taken]:
+    """Return the result of a task and what it took, where it runs."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = work(task)
+    return result, Taken(time.process_time() - cpu, time.perf_counter() - wall)
 
 
 def run_queue(
@@ -199,14 +208,14 @@ class _Run(Generic[T, R]):
         stored = self.safe + len(self.stored)
         return f"{stored} of {len(self.tasks)} are done and kept in '{self.cache.store.folder}'."
 
-    def submit(self, index: int) -> Future[R]:
+    def submit(self, index: int) -> Future[tuple[R, Taken]]:
         """Submit a task."""
         if self.cache is not None:
             self.cache.begun(self.tasks[index])
         try:
-            return self.executor.submit(self.work, self.tasks[index])
+            return self.executor.submit(timed, self.work, self.tasks[index])
         except BrokenExecutor as error:
-            future: Future[R] = Future()
+            future: Future[tuple[R, Taken]] = Future()
             future.set_exception(error)
             return future
 
@@ -222,14 +231,15 @@ class _Run(Generic[T, R]):
                 return True
             self.safe += 1
         self.results[index] = result
-        self.listener.done(self.tasks[index], result)
+        self.listener.done(self.tasks[index], result, None)
         return True
 
-    def take(self, index: int, future: Future[R]) -> None:
+    def take(self, index: int, future: Future[tuple[R, Taken]]) -> None:
         """Store the result of a task."""
         task, keep = self.tasks[index], True
+        taken: Taken | None = None
         try:
-            result = future.result()
+            result, taken = future.result()
         except BrokenExecutor as error:
             if not isinstance(error, LostTaskError):
                 reason = f"its process died, or one beside it, before it was done: {error}"
@@ -240,4 +250,4 @@ class _Run(Generic[T, R]):
                 self.cache.put(task, result)
                 self.safe += 1
         self.results[index] = result
-        self.listener.done(task, result)
+        self.listener.done(task, result, taken)

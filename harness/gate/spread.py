@@ -68,11 +68,6 @@ _AT_ONCE = 48
 """Members whose motions are held in memory together, a few megabytes each."""
 
 
-def count(designed: Sequence[Case], scores: Sequence[Score]) -> int:
-    """Return how many members the cases have together."""
-    return sum(1 for _ in _members(designed, scores))
-
-
 def measured(
     designed: Sequence[Case],
     scores: Sequence[Score],
@@ -91,7 +86,7 @@ def measured(
         Called with the label of each member that is done.
     """
     by_case: list[list[Score]] = [[] for _ in scores]
-    pending = _members(designed, scores)
+    pending = planned_members(designed, scores)
     while batch := list(islice(pending, _AT_ONCE)):
         cases = [case for _, case in batch]
         on_done = None if listener is None else lambda e: listener(e.simulation.case.label())
@@ -101,7 +96,9 @@ def measured(
     return tuple(map(spread, scores, by_case))
 
 
-def _members(designed: Sequence[Case], scores: Sequence[Score]) -> Iterator[tuple[int, Case]]:
+def planned_members(
+    designed: Sequence[Case], scores: Sequence[Score]
+) -> Iterator[tuple[int, Case]]:
     """Yield each case's members with its place; those of one release together.
 
     They share the exact motion of that release, which costs more than most of the runs.

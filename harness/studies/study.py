@@ -17,10 +17,19 @@ from harness.core.provenance import provenance
 from harness.core.report_model import Artefact
 from harness.core.simulation import Simulation
 from harness.evaluation.case_cache import case_key, case_metadata, evaluation_cache
+from harness.evaluation.effort import engine_group, expected_seconds, expected_timing
 from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
 from harness.evaluation.evaluation import Evaluation, Record
 from harness.evaluation.timing import single_thread_executor, time_alone, untimed
 from harness.execution.cache import CacheFolder
+from harness.execution.estimate import (
+    Estimate,
+    Expected,
+    Taken,
+    current_load,
+    read_speeds,
+    write_speeds,
+)
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, ResultCache, run_tasks
 from harness.execution.worker import LostTaskError
@@ -50,8 +59,11 @@ class Work(Generic[Task, Result]):
     alone : bool
         Nothing else may run on this machine meanwhile, for times are measured.
     effort : callable, optional
-        Returns how much work a task is, in a unit that all tasks of this kind share: the longest
-        begins first. All tasks count alike if left out.
+        Returns how much work a task is, in seconds of processor on a usual machine: the longest
+        begins first, and their sum is the estimate. All tasks count alike if left out.
+    group : callable, optional
+        Returns the name of the tasks whose efforts are wrong by one factor, such as the runs of an
+        engine; all tasks of this kind if left out.
     manifest : callable, optional
         Returns the entry of a run in the manifest of a report; no entry if left out.
     """
@@ -64,6 +76,7 @@ class Work(Generic[Task, Result]):
     check: Callable[[Task], None] = lambda _: None
     alone: bool = False
     effort: Callable[[Task], float] = lambda _: 1.0
+    group: Callable[[Task], str] = lambda _: ""
     manifest: Callable[[Task, Result], Mapping[str, Any]] | None = None
 
 
@@ -73,6 +86,16 @@ class Job(Generic[Task, Result]):
 
     work: Work[Task, Result]
     task: Task
+
+    def expected(self) -> Expected:
+        """Return what the job is expected to take."""
+        group = f"{self.work.name} {self.work.group(self.task)}".strip()
+        return Expected(group, self.work.effort(self.task), self.work.alone)
+
+    def stored(self, cache: CacheFolder | None) -> bool:
+        """Whether the result is in a store."""
+        known = None if cache is None or self.work.cache is None else self.work.cache(cache)
+        return known is not None and known.has(self.task)
 
 
 class Results:
@@ -131,6 +154,10 @@ class Study(Protocol):
         """
         ...
 
+    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
+        """Return the jobs of later rounds, as far as they can be told: the estimate has them."""
+        ...
+
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return tables, figures and prose of the results."""
         ...
@@ -153,6 +180,10 @@ class StudyGroup:
         """Return the jobs of all studies."""
         return [job for study in self.studies for job in study.next_jobs(done)]
 
+    def foreseen(self, done: Results) -> list[Job[Any, Any]]:
+        """Return the later jobs of all studies."""
+        return [job for study in self.studies for job in study.foreseen(done)]
+
     def report(self, done: Results) -> list[Artefact]:
         """Return the artefacts of all studies, one after the other."""
         return [artefact for study in self.studies for artefact in study.report(done)]
@@ -171,6 +202,8 @@ class StudyProgress:
     done, total : int
     kept : int
         How many results were there before.
+    estimate : Estimate
+        Of all that is left, later rounds as well.
     """
 
     work: str
@@ -178,6 +211,7 @@ class StudyProgress:
     done: int
     total: int
     kept: int
+    estimate: Estimate
 
 
 Listener = Callable[[StudyProgress], None]
@@ -219,13 +253,23 @@ def run_study(
     results = Results()
     usual = SerialExecutor() if executor is None else executor
     listen = on_progress or (lambda _: None)
+    cores = getattr(usual, "workers", 1)
+    speeds = {} if cache is None else read_speeds(cache.folder)
+    estimate = Estimate(cores, current_load(cores), speeds)
     while wanted := [j for j in dict.fromkeys(study.next_jobs(results)) if j not in results]:
         for job in wanted:
             job.work.check(job.task)
+        later = (job for job in study.foreseen(results) if job not in results)
+        left = (j for j in dict.fromkeys((*wanted, *later)) if not j.stored(cache))
+        estimate.expect({job: job.expected() for job in left})
         for work in dict.fromkeys(job.work for job in wanted):
             tasks = [job.task for job in wanted if job.work is work]
             with timer() if work.alone else nullcontext(usual) as chosen:
-                results = results.joined(work, _done(work, tasks, chosen, cache, listen))
+                results = results.joined(
+                    work, _done(work, tasks, chosen, cache=cache, listen=listen, estimate=estimate)
+                )
+    if cache is not None and estimate.speeds() != speeds:
+        write_speeds(cache.folder, estimate.speeds())
     return results
 
 
@@ -233,8 +277,10 @@ def _done(
     work: Work[Task, Result],
     tasks: Sequence[Task],
     executor: Executor,
+    *,
     cache: CacheFolder | None,
     listen: Listener,
+    estimate: Estimate,
 ) -> dict[Task, Result]:
     """Return the results of tasks of one kind, in their order."""
     # the longest first, so that no worker is left with it at the end
@@ -243,12 +289,20 @@ def _done(
 
     def tell(label: str) -> None:
         now, total = next(done), len(tasks)
-        listen(StudyProgress(work=work.name, label=label, done=now, total=total, kept=kept))
+        listen(
+            StudyProgress(
+                work=work.name, label=label, done=now, total=total, kept=kept, estimate=estimate
+            )
+        )
 
     def begin(stored: int, _: int) -> None:
         nonlocal kept
         kept = stored
         tell("")
+
+    def finish(task: Task, _: Result, taken: Taken | None) -> None:
+        estimate.finish(Job(work, task), taken)
+        tell(work.label(task))
 
     computed = run_tasks(
         order,
@@ -256,7 +310,7 @@ def _done(
         executor,
         lost=work.lost,
         cache=None if cache is None or work.cache is None else work.cache(cache),
-        listener=ProgressListener(kept=begin, done=lambda task, _: tell(work.label(task))),
+        listener=ProgressListener(kept=begin, done=finish),
     )
     results = dict(zip(order, computed, strict=True))
     return {task: results[task] for task in tasks}
@@ -310,6 +364,8 @@ EVALUATION: Work[Case, Evaluation] = Work(
     label=Case.label,
     cache=evaluation_cache,
     check=check_case,
+    effort=expected_seconds,
+    group=engine_group,
     manifest=lambda _, evaluation: case_record(evaluation.simulation),
 )
 """Run a case and hold it against the exact motion."""
@@ -322,6 +378,8 @@ TIMING: Work[Case, Record] = Work(
     cache=_timing_cache,
     check=check_case,
     alone=True,
+    effort=expected_timing,
+    group=engine_group,
 )
 """Time repeated runs of a case while nothing else runs: see `harness.evaluation.timing`."""
 

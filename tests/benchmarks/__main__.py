@@ -10,7 +10,7 @@ from harness.cli import terminal
 from harness.cli.main import main
 from harness.cli.terminal import to_json
 from harness.engines import registry
-from harness.progress import progress_bar
+from harness.progress import ItemBar
 from tests.benchmarks.engines import engine_ratios
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios
@@ -24,6 +24,9 @@ _LEAN = (
     *("scene", "who", "model", "ratio", "claim", "holds"),
     *("quantity", "difference", "tolerance", "lean_s", "everything_s"),
 )
+
+_USUAL = {"the start": 10.0, "the reference": 60.0, "an engine": 45.0, "lean": 60.0}
+"""s of processor for the claims about starting, the reference, each engine, and lean models."""
 
 
 @app.command()
@@ -45,16 +48,24 @@ def benchmark(
     chosen = api.stepping_engines(engine)
     for name in chosen:
         registry.engine(name)  # an unknown one is refused before anything is measured
-    with progress_bar() as bar:
-        task = bar.add_task("the reference", total=None)
-        for part in (start_up_ratios(), reference_ratios(), engine_ratios(chosen)):
-            for ratio in part:
+    parts = {
+        "the start": start_up_ratios(),
+        "the reference": reference_ratios(),
+        **{name: engine_ratios([name]) for name in chosen},
+    }
+    efforts = {part: _USUAL.get(part, _USUAL["an engine"]) for part in (*parts, "lean")}
+    with ItemBar(efforts) as bar:
+        for part, claims in parts.items():
+            bar.label(part)
+            for ratio in claims:
                 ratios.append(ratio)
-                bar.update(task, advance=1, description=ratio.what)
+                bar.label(ratio.what)
+            bar.advance(part)
         lean = []
         for one in lean_ratios(chosen):
             lean.append(one)
-            bar.update(task, advance=1, description=f"{one.who}: {one.scene}, lean")
+            bar.label(f"{one.who}: {one.scene}, lean")
+        bar.advance("lean")
     if json:
         told = {"ratios": [asdict(one) for one in ratios], "lean": [asdict(one) for one in lean]}
         typer.echo(to_json(told))

@@ -14,11 +14,11 @@ from harness.cli.terminal import write_text
 from harness.core.errors import InvalidSettingError, OutputError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table
-from harness.progress import progress_bar
+from harness.progress import ItemBar
 from harness.report.tables import csv_text
 from tests.faults.programs import end_all
 from tests.faults.trial import Trial
-from tests.faults.trials import TRIALS, Demands
+from tests.faults.trials import TRIALS, Demands, usual_seconds
 
 app = typer.Typer(add_completion=False)
 
@@ -80,19 +80,16 @@ def _make(out: Path) -> None:
 def _tried(names: Sequence[str], demands: Demands) -> list[Trial]:
     """Carry trials out beside a progress bar; what an interrupted one began is ended."""
     found: list[Trial] = []
+    efforts = usual_seconds(demands)
     with (
-        progress_bar() as bar,
+        ItemBar({name: efforts[name] for name in names}) as bar,
         tempfile.TemporaryDirectory(prefix="rockingcan-") as folder,
     ):
-        task = bar.add_task("starting", total=len(names))
-
-        def told(words: str) -> None:
-            bar.update(task, description=words)
-
+        bar.label("starting")
         try:
             for name in names:
-                found.append(TRIALS[name](demands, Path(folder), told))
-                bar.advance(task)
+                found.append(TRIALS[name](demands, Path(folder), bar.label))
+                bar.advance(name)
         finally:
             end_all()
     return found

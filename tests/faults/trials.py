@@ -39,3 +39,19 @@ TRIALS: Mapping[str, Callable[[Demands, Path, Told], Trial]] = MappingProxyType(
     }
 )
 """By the names under which one is asked for alone."""
+
+
+_A_KILL = 14.6
+"""s between two kills: of a suite that goes on where it was."""
+
+
+def usual_seconds(demands: Demands) -> dict[str, float]:
+    """Return how long each trial takes on a quiet machine, s: see faults.md."""
+    return {
+        "sweeps": 159.0,
+        "kills": _A_KILL * demands.kills,
+        "engines": 29.0,
+        "disk": 27.0,
+        "signals": 73.0,
+        "worker": 19.0,
+    }

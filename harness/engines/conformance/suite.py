@@ -197,13 +197,17 @@ def clause(sentence: str, *, needs_run: bool = True) -> Callable[[Look], Look]:
 _RUNS = "trajectory"
 
 
-def conform(engine: Engine) -> tuple[ClauseResult, ...]:
+def conform(
+    engine: Engine, on_done: Callable[[str], None] | None = None
+) -> tuple[ClauseResult, ...]:
     """Return the result of each clause for an engine.
 
     Parameters
     ----------
     engine : Engine
         Need not be registered; what needs a name in other processes is then not applicable.
+    on_done : callable, optional
+        Called with the name of each clause that was looked at.
     """
     fixture, results = Fixture(engine), list[ClauseResult]()
     runs = True
@@ -215,6 +219,8 @@ def conform(engine: Engine) -> tuple[ClauseResult, ...]:
         if name == _RUNS:
             runs = result.result is ClauseStatus.PASSED
         results.append(replace(result, name=name, sentence=each.sentence))
+        if on_done is not None:
+            on_done(name)
     return tuple(results)
 
 

@@ -13,13 +13,13 @@ from harness.core.simulation import Outcome
 from harness.engines.base import Variant
 from harness.engines.reference.truth import truth
 from harness.engines.registry import timestep_of
-from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import ETA
 from harness.evaluation.case_record import lost_errors, measured
+from harness.evaluation.effort import engine_group, expected_seconds
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Record
 from harness.evaluation.timing import overhead
-from harness.studies.study import TIMING, Work, record_cache
+from harness.studies.study import Work, record_cache
 from models.scene import Scene
 
 _A_TURN = 5.0
@@ -41,9 +41,6 @@ SHARES = {
     "full": (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125),
 }
 """Adaptive: eta and the largest step together, over their own choice; two decades and more."""
-
-_SETUP_STEPS = 3000
-"""Compiling, parity and settling take as long as so many steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,17 +131,6 @@ def _case(
     )
 
 
-def expected(case: Case) -> float:
-    """Return how much work a case is, in steps; alike for all solvers of their own steps."""
-    timestep = timestep_of(case)
-    if timestep is None:
-        return _SETUP_STEPS
-    exact = truth(case.scene).ends
-    if case.profile == "adaptive":
-        return _SETUP_STEPS + 2.0 * (exact + natural_time(case.scene)) / timestep
-    return _SETUP_STEPS + exact / timestep
-
-
 def hard_command(case: Case) -> str:
     """Return the command of a case whose scene file the study wrote next to its report."""
     name = case.scene.name
@@ -170,7 +156,8 @@ MEASURING: Work[Case, Record] = Work(
     label=Case.label,
     cache=record_cache("errors", measured.__module__),
     check=check_case,
-    effort=expected,
+    effort=expected_seconds,
+    group=engine_group,
     manifest=_manifest,
 )
 """Run a case and return its errors and counts, without the motion."""
@@ -180,9 +167,6 @@ HARD_MEASURING: Work[Case, Record] = replace(
     manifest=lambda case, record: _manifest(case, record | {"command": hard_command(case)}),
 )
 """The same of a scene that the study makes: its command names a scene file next to the report."""
-
-TIMING_BY_LENGTH: Work[Case, Record] = replace(TIMING, effort=expected)
-"""Time a case alone, the longest first."""
 
 OVERHEAD: Work[Case, Record] = Work(
     name="overhead",

@@ -4,7 +4,7 @@ The fairness contract is the rules that every price was measured under, publishe
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from statistics import median_high
 from typing import Any
@@ -25,7 +25,6 @@ from harness.studies.cost.points import (
     HARD_MEASURING,
     MEASURING,
     OVERHEAD,
-    TIMING_BY_LENGTH,
     Point,
 )
 from harness.studies.cost.prices import (
@@ -48,7 +47,7 @@ from harness.studies.cost.tables import (
     points,
     prices,
 )
-from harness.studies.study import Job, Results
+from harness.studies.study import TIMING, Job, Results
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,10 +78,21 @@ class CostStudy:
         ]
         errors = self._errors(done)
         if errors:
-            timed = self.plan.timed_cases()
-            jobs += [Job(TIMING_BY_LENGTH, c) for c in timed if errors[c]["outcome"] not in LOST]
-            jobs += [Job(OVERHEAD, case) for case in self._overhead_cases().values()]
+            jobs += self._timings(
+                c for c in self.plan.timed_cases() if errors[c]["outcome"] not in LOST
+            )
         return jobs
+
+    def foreseen(self, done: Results) -> list[Job[Case, Record]]:
+        """Return the timings, before they are among the jobs."""
+        return [] if self._errors(done) else self._timings(self.plan.timed_cases())
+
+    def _timings(self, cases: Iterable[Case]) -> list[Job[Case, Record]]:
+        """Return the jobs that time cases, and steps aloft."""
+        return [
+            *(Job(TIMING, case) for case in cases),
+            *(Job(OVERHEAD, case) for case in self._overhead_cases().values()),
+        ]
 
     def _errors(self, done: Results) -> dict[Case, Record]:
         return done.of(MEASURING) | done.of(HARD_MEASURING)
@@ -97,7 +107,7 @@ class CostStudy:
 
     def findings(self, done: Results) -> Cost:
         """Return every point with its price."""
-        times, overheads = done.of(TIMING_BY_LENGTH), done.of(OVERHEAD)
+        times, overheads = done.of(TIMING), done.of(OVERHEAD)
         return cost(
             self.plan,
             self._errors(done),

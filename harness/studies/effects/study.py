@@ -270,6 +270,10 @@ class EffectsStudy:
             if case in runs and runs[case].simulation.outcome.name not in LOST
         ]
 
+    def foreseen(self, done: Results) -> list[Job[Case, Any]]:
+        """Return the timings, before they are among the jobs."""
+        return [] if done.of(EVALUATION) else [Job(TIMING, case) for case in self.plan.cases()]
+
     def findings(self, done: Results) -> EffectsResults:
         """Return changes, costs and verdict of each effect in each engine."""
         runs, times = done.of(EVALUATION), done.of(TIMING)

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -165,6 +165,35 @@ def next_round(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case
             if step is not None:
                 wanted.append(Case(scene=released, engine=engine, profile=PROFILE, timestep=step))
     return tuple(dict.fromkeys(wanted))
+
+
+def foreseen_cases(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case, ...]:
+    """Return as many cases as the searches will want after the next round, about as fine.
+
+    A search halves the logarithm of its bracket each time. One without a bracket is expected to
+    find it between two rungs: before anything is known in the middle of the ladder.
+    """
+    foreseen: list[Case] = []
+    for scene, engine, standard in product(scenes(suite), engines, STANDARDS):
+        rungs = ladder(suite, scene)
+        widest = max(a / b for a, b in pairwise(rungs)) if len(rungs) > 1 else 1.0
+        for number in range(suite.members):
+            released = member(scene, number)
+            tried = _tried(known, released, engine, standard)
+            usable, unusable = bracket(tried)
+            if tried and next_timestep(tried, rungs, suite.ratio, rungs[-1]) is None:
+                continue
+            begin, end = usable or unusable or rungs[len(rungs) // 2], unusable or usable
+            width = end / begin if usable and unusable and end else widest
+            count = math.ceil(math.log2(max(math.log(width) / math.log(suite.ratio), 1.0)))
+            count += 0 if usable and unusable else 1
+            foreseen += [  # each a little apart, so that none is taken for another
+                Case(
+                    scene=released, engine=engine, profile=PROFILE, timestep=begin * (1 + 1e-9 * n)
+                )
+                for n in range(1 if tried else 0, count)
+            ]
+    return tuple(dict.fromkeys(foreseen))
 
 
 def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[TimestepLimit, ...]:

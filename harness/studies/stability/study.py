@@ -14,6 +14,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Column, Figure, Prose, Series, table_of
+from harness.evaluation.effort import engine_group, expected_seconds
 from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
 from harness.execution.worker import LostTaskError
 from harness.studies.shared import run_columns
@@ -29,6 +30,7 @@ from harness.studies.stability.limits import (
     TimestepLimit,
     by_scene,
     case_panels,
+    foreseen_cases,
     limit_figure,
     limit_sentence,
     limit_table,
@@ -64,6 +66,8 @@ CLASSIFYING: Work[Case, ClassifiedRun] = Work(
     label=Case.label,
     cache=classified_cache,
     check=check_case,
+    effort=expected_seconds,
+    group=engine_group,
     manifest=lambda _, run: case_record(run.simulation) | {"verdict": run.verdict.value},
 )
 """Run a case and classify it, without its motion, so that thousands of results fit into a cache."""
@@ -103,6 +107,11 @@ class StabilityStudy:
             *(Job(CLASSIFYING, case) for case in cases),
             *(Job(EXAMINING, part) for parts in self._parts() for part in parts),
         ]
+
+    def foreseen(self, done: Results) -> list[Job[Any, Any]]:
+        """Return what the searches will want after the next round, as far as it can be told."""
+        known = by_scene(list(done.of(CLASSIFYING).values()))
+        return [Job(CLASSIFYING, c) for c in foreseen_cases(self.suite, self.engines, known)]
 
     def _parts(self) -> tuple[list[Part], list[Part]]:
         """Return the hard cases and the random scenes in parts of one task each."""

@@ -64,6 +64,11 @@ class Root:
         high = min((x for x, square in known.items() if square > 2.0), default=2.0)
         return [Job(SQUARE, x) for x in ((low + high) / 2.0,) if high - low > 1e-3]
 
+    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
+        """Return nothing: what the bracket will be is not known."""
+        del done
+        return ()
+
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return the nearest number that was tried."""
         best = min(done.of(SQUARE).items(), key=lambda pair: abs(pair[1] - 2.0))[0]
@@ -103,6 +108,11 @@ class Once:
         """Return the same jobs whatever is done: those that are, are not run again."""
         del done
         return self.jobs
+
+    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
+        """Return nothing: there is one round."""
+        del done
+        return ()
 
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return nothing."""
@@ -155,7 +165,7 @@ def test_a_job_alone_runs_on_the_timer() -> None:
 
     class Noted(SerialExecutor):
         def submit(self, *words: Any, **more: Any) -> Any:
-            given.append(words[1])
+            given.append(words[2])
             return super().submit(*words, **more)
 
     jobs = [Job(SQUARE, 1.0), Job(alone, 2.0)]

@@ -14,7 +14,7 @@ from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.engines.base import Variant
 from harness.studies.cost import design, points, tables
-from harness.studies.cost.points import Family, Point, expected, timesteps
+from harness.studies.cost.points import Family, Point, timesteps
 from harness.studies.cost.prices import FIXED, TARGETS, Offer, cost, exponent, offers, price
 from models import Scene, load
 
@@ -145,10 +145,6 @@ def test_the_coarsest_step_is_the_power_of_ten_next_to_five_radians_of_precessio
 @pytest.mark.parametrize("rate", [0.0, 1e-3])
 def test_no_step_is_longer_than_a_millisecond(rate: float, monkeypatch: pytest.MonkeyPatch) -> None:
     assert timesteps(scene_with(rate, monkeypatch), "quick")[0] == 1e-3
-
-
-def test_setting_up_takes_as_long_as_three_thousand_steps() -> None:
-    assert expected(Case(scene=GENTLE, engine="reference")) == 3000
 
 
 @pytest.mark.parametrize(("off", "near"), [(1.0199, True), (1.0201, False), (0.9801, True)])

@@ -107,7 +107,7 @@ def toy() -> Iterator[str]:
     # the toy claims its cost, and never varies: three repeats say it all
     registry.engine.cache_clear()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timing, "_PATIENCE", 0.0)
+        patch.setattr(timing, "PATIENCE", 0.0)
         patch.setattr(registry, "_entries", lambda: known() | {"toy": _Entry()})
         yield "toy"
     registry.engine.cache_clear()
@@ -127,9 +127,9 @@ def study(toy: str) -> Studied:
         worked: list[Any] = []
 
         class Noted(SerialExecutor):
-            def submit(self, call: Any, case: Any, /) -> Any:  # type: ignore[override]
-                worked.append(case)
-                return super().submit(call, case)
+            def submit(self, *words: Any) -> Any:  # type: ignore[override]
+                worked.append(words[-1])
+                return super().submit(*words)
 
         done = run_study(
             study_of_toy,
