@@ -3,6 +3,7 @@
 It is the Chromium that is installed, driven by Playwright; nothing is downloaded.
 """
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -58,3 +59,11 @@ def see_all(page: Any) -> None:
         figure.scroll_into_view_if_needed()
         figure.and_(page.locator(".drawn, .failed")).wait_for()
     page.evaluate("scrollTo(0, 0)")
+
+
+def until(page: Any, done: Callable[[], bool]) -> None:
+    """Let a page go on until it shows what it should, a minute at the most."""
+    end = time.monotonic() + 60.0
+    while not done():
+        assert time.monotonic() < end
+        page.wait_for_timeout(20)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.support.browser import Open
+from tests.support.browser import Open, until
 
 PHONE = 375
 MINUS, NOTHING = "\N{MINUS SIGN}", "\N{EN DASH}"
@@ -93,15 +93,14 @@ def test_a_drag_zooms_panels_over_the_same_times_together(
     page.mouse.down()
     page.mouse.move(left + 0.25 * box["width"], middle, steps=5)
     page.mouse.up()
-    page.wait_for_timeout(1000)  # the other panel follows
+    until(page, lambda: spans(page)[0] != before[0] and spans(page)[1] == spans(page)[0])
     zoomed = [now / old for now, old in zip(spans(page), before, strict=True)]
     # a quarter of the width, by whole pixels of a panel of some 500
     assert zoomed[0] == pytest.approx(0.25, abs=0.01)
     assert zoomed[1] == zoomed[0]
     assert zoomed[2] == 1.0
     page.locator(".figure").first.locator(".reset").click()
-    page.wait_for_timeout(300)
-    assert spans(page) == before
+    until(page, lambda: spans(page) == before)
 
 
 def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined_report: Path) -> None:
@@ -109,16 +108,14 @@ def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined_report: Pat
     graph = page.locator(".figure").first.locator(".graph").first
     before = spans(page)[0]
     graph.press("+")
-    page.wait_for_timeout(300)
+    until(page, lambda: spans(page)[0] != before)
     # a press of plus shows 70 % of what was seen; the rest is rounding in the browser
     assert spans(page)[0] == pytest.approx(0.7 * before, rel=1e-9)
     low = graph.evaluate("graph => graph._fullLayout.xaxis.range[0]")
     graph.press("ArrowRight")
-    page.wait_for_timeout(300)
-    assert graph.evaluate("graph => graph._fullLayout.xaxis.range[0]") > low
+    until(page, lambda: graph.evaluate("graph => graph._fullLayout.xaxis.range[0]") > low)
     graph.press("0")
-    page.wait_for_timeout(300)
-    assert spans(page)[0] == before
+    until(page, lambda: spans(page)[0] == before)
 
 
 def test_tables_sort_numbers_by_value_and_put_nothing_last(
