@@ -91,6 +91,7 @@ def shipped(name: str) -> float:
     return float(SHIPPED_VALUES[name].split()[0])
 
 
+@pytest.mark.engine("pybullet")
 def test_pybullet_engine_parameters(parameters: dict[str, float]) -> None:
     stated = {setting.name: setting.default for setting in engine("pybullet").settings}
     assert parameters["numSolverIterations"] == stated["numSolverIterations"]
