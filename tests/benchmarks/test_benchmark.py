@@ -143,4 +143,4 @@ def test_a_claim_that_does_not_hold_is_a_failure(
     monkeypatch.setattr(program, "lean_ratios", lambda _: [part, LEAN])
     told = {"ratios": [asdict(one) for one in (RATIO, ratio, RATIO)]}
     told["lean"] = [asdict(one) for one in (part, LEAN)]
-    assert benchmark() == (code, told)
+    assert benchmark("--engine", "mujoco") == (code, told)
