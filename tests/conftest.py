@@ -41,6 +41,7 @@ from tests.support.sampling import sampled
 if TYPE_CHECKING:
     from harness.core.provenance import Provenance
     from harness.core.report_model import Artefact
+    from harness.core.trajectory import Trajectory
     from harness.execution.cache import CacheFolder
     from harness.report.layout import Section
     from harness.sweep.plan import SweepPlan
@@ -202,6 +203,14 @@ def gentle() -> Scene:
 def brief(gentle: Scene) -> Scene:
     """Return the gentle release for 20 ms: long enough for contact, too short for a bounce."""
     return replace(gentle, horizon=Horizon(seconds=0.02))
+
+
+@pytest.fixture(scope="session")
+def exact() -> "Trajectory":
+    """Return the exact motion of `changed_motions.SCENE`, a bounce and a little more."""
+    from tests.support.changed_motions import SCENE, exact_trajectory
+
+    return exact_trajectory(SCENE)
 
 
 # ---- the command line

@@ -61,7 +61,7 @@ def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyP
         raise ImportError(f"No module named '{name}'")
 
     monkeypatch.setattr("importlib.import_module", missing)
-    with pytest.raises(MissingPackageError, match=r"pip install rockingcan\[cluster\]"):
+    with pytest.raises(MissingPackageError, match=r"pip install 'rockingcan\[cluster\]'"):
         dask_executor("tcp://127.0.0.1:1", NO_LIMITS)
 
 

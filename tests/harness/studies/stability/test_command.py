@@ -28,7 +28,7 @@ TINY = replace(
 def report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setitem(SUITES, "quick", TINY)
     out = tmp_path / "report"
-    done = RUNNER.invoke(app, ["stability", "--jobs", "1", "--out", str(out)])
+    done = RUNNER.invoke(app, ["stability", "--jobs", "1", "--figures", "--out", str(out)])
     assert done.exit_code == 0, done.output
     assert "The verdict on mujoco" in done.output
     return out
