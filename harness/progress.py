@@ -67,7 +67,9 @@ def _bar() -> Progress:
 @contextmanager
 def report_progress() -> Iterator[Callable[[str, int, int], None]]:
     """Show a bar while a report is written; gives the `on_progress` of `write_report`."""
-    with _bar() as bar:
+    bar = _bar()
+    bar.disable = not bar.console.is_terminal  # elsewhere it would leave an empty line
+    with bar:
         task = bar.add_task("writing the report", total=None)
 
         def show(part: str, done: int, total: int) -> None:
