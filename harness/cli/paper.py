@@ -36,12 +36,25 @@ def _efforts(command: str, labels: Iterable[str]) -> dict[str, float]:
 
 
 class MissingMathematicsError(HarnessError, ImportError):
-    """The audit's symbolic mathematics is not installed."""
+    """The audit's symbolic mathematics is not installed.
+
+    Parameters
+    ----------
+    reason : str
+        Why it cannot be imported.
+    """
+
+    install = "pip install 'rockingcan[paper]'"
 
     def __init__(self, reason: str) -> None:
-        super().__init__(
-            f"the audit needs sympy and mpmath, which cannot be imported ({reason}); "
-            "install them with: pip install 'rockingcan[paper]'"
+        super().__init__(reason)
+        self.reason = reason
+
+    def __str__(self) -> str:
+        """Say how the packages are installed."""
+        return (
+            f"the audit needs sympy and mpmath, which cannot be imported ({self.reason}); "
+            f"install them with: {self.install}"
         )
 
 

@@ -52,10 +52,26 @@ FARTHEST = 1e3
 
 
 class SceneLimitError(HarnessError, ValueError):
-    """A scene with a value beyond the limits of what is run."""
+    """A scene with a value beyond the limits of what is run.
+
+    Parameters
+    ----------
+    scene, key : str
+    value : float
+    allowed : str
+        What is allowed, to be read after "must be".
+    """
 
     def __init__(self, scene: str, key: str, value: float, allowed: str) -> None:
-        super().__init__(f"scene '{scene}': '{key}' is {value:g}, but to be run must be {allowed}")
+        super().__init__(scene, key, value, allowed)
+        self.scene, self.key, self.value, self.allowed = scene, key, value, allowed
+
+    def __str__(self) -> str:
+        """Return the value and the allowed values in a sentence."""
+        return (
+            f"scene '{self.scene}': '{self.key}' is {self.value:g}, but to be run must be "
+            f"{self.allowed}"
+        )
 
 
 def check_scene_limits(scene: Scene) -> None:

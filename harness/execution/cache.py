@@ -46,12 +46,24 @@ _SET_ASIDE = re.compile(rf".+-{_KEY}(-[0-9a-f]{{12}})?-[0-9a-f]{{8}}\.(result|js
 
 
 class NoCacheError(StoreError):
-    """A folder is not a result cache."""
+    """A folder is not a result cache.
+
+    Parameters
+    ----------
+    folder : Path
+    reason : str
+        What it is instead.
+    """
 
     def __init__(self, folder: Path, reason: str) -> None:
-        super().__init__(
-            f"there is no store at '{folder}': {reason}; name one with --store, or run something "
-            "that keeps its results there"
+        super().__init__(folder, reason)
+        self.folder, self.reason = folder, reason
+
+    def __str__(self) -> str:
+        """Say how a store is named or made."""
+        return (
+            f"there is no store at '{self.folder}': {self.reason}; name one with --store, or run "
+            "something that keeps its results there"
         )
 
 

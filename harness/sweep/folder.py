@@ -49,11 +49,24 @@ _DIGITS = 32
 
 
 class PlanMismatchError(HarnessError, ValueError):
-    """The folder holds another sweep than the one that is asked for."""
+    """The folder holds another sweep than the one that is asked for.
+
+    Parameters
+    ----------
+    out : Path
+        The folder.
+    differing : str
+        In what the two sweeps differ.
+    """
 
     def __init__(self, out: Path, differing: str) -> None:
-        super().__init__(
-            f"'{out}' holds another sweep, which differs in {differing}; "
+        super().__init__(out, differing)
+        self.out, self.differing = out, differing
+
+    def __str__(self) -> str:
+        """Say what to do about the difference."""
+        return (
+            f"'{self.out}' holds another sweep, which differs in {self.differing}; "
             "choose another folder with --out, or remove this one"
         )
 
@@ -61,11 +74,12 @@ class PlanMismatchError(HarnessError, ValueError):
 class ProgramMismatchError(PlanMismatchError):
     """The folder holds this sweep, computed by another version of the program."""
 
-    def __init__(self, out: Path, differing: str) -> None:
-        super(PlanMismatchError, self).__init__(
-            f"'{out}' holds this sweep as another program made it, with {differing}: rows of both "
-            "might not go together; choose another folder with --out, or remove this one to make "
-            "all anew"
+    def __str__(self) -> str:
+        """Say why the two programs are not mixed, and what to do."""
+        return (
+            f"'{self.out}' holds this sweep as another program made it, with {self.differing}: "
+            "rows of both might not go together; choose another folder with --out, or remove this "
+            "one to make all anew"
         )
 
 

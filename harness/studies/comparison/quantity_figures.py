@@ -23,11 +23,22 @@ QUANTITIES_DRAWN = (*ANGLES, *FIGURES)
 
 
 class UnknownQuantityError(HarnessError, LookupError):
-    """No figure shows a quantity of that name."""
+    """No figure shows a quantity of that name.
+
+    Parameters
+    ----------
+    name : str
+        What was asked for; there are `QUANTITIES_DRAWN`.
+    """
 
     def __init__(self, name: str) -> None:
-        hint, names = did_you_mean(name, QUANTITIES_DRAWN), ", ".join(QUANTITIES_DRAWN)
-        super().__init__(f"no figure shows '{name}'{hint} there are: {names}")
+        super().__init__(name)
+        self.name = name
+
+    def __str__(self) -> str:
+        """List the quantities there are."""
+        hint, names = did_you_mean(self.name, QUANTITIES_DRAWN), ", ".join(QUANTITIES_DRAWN)
+        return f"no figure shows '{self.name}'{hint} there are: {names}"
 
 
 class NothingToDrawError(HarnessError, ValueError):

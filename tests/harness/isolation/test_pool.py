@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from harness.core.errors import HarnessError, InvalidSettingError
+from harness.core.errors import InvalidSettingError, UnknownEngineError
 from harness.execution.isolated_pool import (
     IsolatedProcessPool,
     SerialExecutor,
@@ -80,9 +80,10 @@ def test_errors_come_back_as_what_they_are(pool: IsolatedProcessPool) -> None:
     with pytest.raises(ZeroDivisionError, match="on purpose") as caught:
         pool.submit(tasks.fail).result()
     assert "in fail" in caught.value.__notes__[0]
-    # an error that cannot be made of its message comes as the nearest kind that can
-    with pytest.raises(HarnessError, match="unknown engine 'ode'; there are: mujoco"):
+    with pytest.raises(UnknownEngineError) as unknown:
         pool.submit(tasks.refuse).result()
+    assert (unknown.value.name, unknown.value.available) == ("ode", ("mujoco",))
+    # an error that cannot be made again of its arguments comes as the nearest kind that can
     stubborn = pool.submit(tasks.fail_stubbornly).exception()
     assert (type(stubborn), str(stubborn)) == (RuntimeError, "StubbornError: as it does")
     unsent = pool.submit(tasks.unsendable).exception()
