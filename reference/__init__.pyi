@@ -28,6 +28,7 @@ from .problem.effects import EffectError, Effects, Gravity, Mass
 from .problem.outcome import Outcome
 from .problem.problem import Problem, ProblemError
 from .problem.states import States
+from .problem.validation import RefusedError
 from .solution import Bounce, Solution
 from .solver import (
     METHODS,
@@ -66,6 +67,7 @@ __all__ = [
     "Phase",
     "Problem",
     "ProblemError",
+    "RefusedError",
     "Solution",
     "SolverError",
     "States",

@@ -12,6 +12,7 @@ from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats, States
+from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Path
 
 
@@ -95,14 +96,15 @@ class Solution:
 
         Raises
         ------
-        ValueError
+        RefusedError
             If a time lies outside the solution.
         """
         times = np.atleast_1d(np.asarray(times, dtype=float))
         # the end itself may be reached by a sum of time steps: allow its rounding
         slack = 8 * np.finfo(float).eps * max(self.t_end, 1.0)
         if times.size and not (times.min() >= -slack and times.max() <= self.t_end + slack):
-            raise ValueError(f"`times` must lie inside [0, {self.t_end!r}]")
+            allowed = f"inside [0, {self.t_end!r}]"
+            raise RefusedError("times", times, allowed, f"`times` must lie {allowed}")
         return self.path.at(np.clip(times, 0.0, self.t_end))
 
     def lost(self, times: Floats) -> Floats:

@@ -32,6 +32,7 @@ from reference.equations.pendulum import solve_pendulum
 from reference.integrable.exact_motion import solve_exactly
 from reference.nonsmooth.hybrid_integrator import HybridIntegrator, PhasedRun
 from reference.problem.problem import Problem
+from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Run
 from reference.smooth.scipy_ivp import SCIPY_METHODS, step_in_time
 from reference.smooth.stepping import integrate
@@ -130,8 +131,13 @@ def renamed_method(old: str) -> str:
     return f"method {old!r} is called {now!r} now; the old name goes with the next release"
 
 
-class SolverError(ValueError):
+class SolverError(RefusedError):
     """A model, method, tolerance or output that does not exist."""
+
+
+def _unknown(key: str, value: object, allowed: str) -> SolverError:
+    """Return the error of a choice that does not exist."""
+    return SolverError(key, value, allowed, f"unknown `{key}` {value!r}; there are {allowed}")
 
 
 def solve(
@@ -179,20 +185,24 @@ def solve(
         method = RENAMED_METHODS[method]
     choice = smallest(problem)
     if model not in MODELS:
-        raise SolverError(f"unknown `model` {model!r}; there are {', '.join(MODELS)}")
+        raise _unknown("model", model, ", ".join(MODELS))
     if method not in METHODS:
-        raise SolverError(f"unknown `method` {method!r}; there are {', '.join(METHODS)}")
+        raise _unknown("method", method, ", ".join(METHODS))
     if not 0 < rtol < 1:
-        raise SolverError(f"`rtol` must lie inside (0, 1), got {rtol!r}")
+        sentence = f"`rtol` must lie inside (0, 1), got {rtol!r}"
+        raise SolverError("rtol", rtol, "inside (0, 1)", sentence)
     if unknown := set(outputs) - OUTPUTS:
-        raise SolverError(f"unknown `outputs` {sorted(unknown)}; there are {sorted(OUTPUTS)}")
+        raise _unknown("outputs", sorted(unknown), str(sorted(OUTPUTS)))
     locus = "contact_locus" in outputs
     if locus and model not in WITH_LOCUS:
-        raise SolverError(f"`model` {model!r} has no contact locus; {', '.join(WITH_LOCUS)} have")
+        allowed = ", ".join(WITH_LOCUS)
+        sentence = f"`model` {model!r} has no contact locus; {allowed} have"
+        raise SolverError("model", model, allowed, sentence)
     if model != "auto" and problem.effects.declared() and not carries(model, problem):
-        raise SolverError(
+        sentence = (
             f"`model` {model!r} is too small; the smallest that carries this is {choice.model!r}"
         )
+        raise SolverError("model", model, choice.model, sentence)
     confirmed = None
     if model == "auto" and method == "half-period" and choice.model == "rolling":
         confirmed = solve_twice(problem, locus=locus)
@@ -241,7 +251,8 @@ def _dispatch(
     ):
         model = needed
     if model in {"coulomb", "general"} and method != "half-period":
-        raise SolverError(f"`method` of model {model!r} is 'half-period' alone, not {method!r}")
+        sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
+        raise SolverError("method", method, "half-period", sentence)
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (solve_pendulum(problem), "closed form"),
         "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),

@@ -282,10 +282,12 @@ def solve_asymptotically(problem: Problem) -> Run:
         If the release is not at rest in phi, or nothing turns: the expansion has no such case.
     """
     if problem.phi_dot != 0:
-        raise ProblemError("the asymptotic solution starts from rest: `phi_dot` must be 0")
+        sentence = "the asymptotic solution starts from rest: `phi_dot` must be 0"
+        raise ProblemError("phi_dot", problem.phi_dot, "0", sentence)
     matched = matched_of(problem)
     if matched.sign == 0:
-        raise ProblemError("the asymptotic solution needs precession or rotation: B_{-2} is 0")
+        sentence = "the asymptotic solution needs precession or rotation: B_{-2} is 0"
+        raise ProblemError("B_{-2}", 0.0, "not 0", sentence)
     path = MatchedPath(problem=problem, matched=matched, t_end=0.0)
     t_end = problem.duration or path.period * (problem.bounces or 1)
     path = replace(path, t_end=t_end)

@@ -27,8 +27,9 @@ import numpy as np
 
 from reference.equations.nonholonomic import angular_velocity, nutation_acceleration
 from reference.problem.can import Parameters
-from reference.problem.effects import IDEAL, Effects
+from reference.problem.effects import IDEAL, EffectError, Effects
 from reference.problem.states import Floats, States
+from reference.problem.validation import RefusedError
 
 
 def contact_force(states: States, parameters: Parameters) -> tuple[Floats, Floats, Floats]:
@@ -205,7 +206,8 @@ def middle_position(
         If the contact locus was not asked for, or states of a model with effects come without them.
     """
     if states.x is None or states.y is None:
-        raise ValueError('the states have no contact point: ask for outputs={"contact_locus"}')
+        sentence = 'the states have no contact point: ask for outputs={"contact_locus"}'
+        raise RefusedError("outputs", None, "contact_locus", sentence)
     contact = np.stack([states.x, states.y, np.zeros_like(states.x)], axis=-1)
     return contact - contact_from_middle(states, parameters, _known(states, effects))
 
@@ -229,10 +231,11 @@ def centre_position(
 def _known(states: States, effects: Effects | None) -> Effects:
     """Return the given effects, or those of the ideal can for its states."""
     if effects is None and (states.force is not None or states.slip is not None):
-        raise ValueError(
+        sentence = (
             "the states come of a model with effects: give them as `effects`, such as "
             "`problem.effects`"
         )
+        raise EffectError("effects", None, "problem.effects", sentence)
     return IDEAL if effects is None else effects
 
 

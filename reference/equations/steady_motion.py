@@ -110,6 +110,7 @@ def rest_rates(parameters: Parameters, phi: float) -> tuple[float, float]:
     reach = C - p.h * S
     square = reach / (p.a * S * C - p.c * p.h * S**2)
     if not (np.isfinite(square) and square > 0):
-        raise ParameterError(f"no motion about a centre at rest at phi = {phi!r}")
+        sentence = f"no motion about a centre at rest at phi = {phi!r}"
+        raise ParameterError("phi", phi, "where the centre can rest", sentence)
     Psi = float(np.sqrt(square))
     return Psi, float(-Psi * reach)

@@ -31,6 +31,7 @@ from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning
 from reference.problem.outcome import Outcome
 from reference.problem.problem import LEAST
 from reference.problem.states import Floats
+from reference.problem.validation import RefusedError
 
 # Releases treated together, and numbers in flight in one array: what stays in a processor's cache.
 CHUNK = 8192
@@ -102,7 +103,7 @@ def exact_bounces(
 
     Raises
     ------
-    ValueError
+    RefusedError
         If a value is not finite, a can impossible, a nutation outside [1e-150, pi/2), or a rate too
         large for its square.
     """
@@ -137,14 +138,24 @@ def exact_bounces(
 
 
 def _refuse(cans: list[Floats], parts: list[Floats]) -> None:
-    if not all(np.isfinite(value).all() for value in (*cans, *parts)):
-        raise ValueError("cans and releases must be finite")
-    if not all((value > 0).all() for value in cans) or (cans[1] > 2 * cans[0]).any():
-        raise ValueError("`a`, `c`, `h` must be positive and `c` at most 2 `a`")
-    if not ((parts[0] >= LEAST) & (parts[0] < np.pi / 2)).all():
-        raise ValueError(f"`phi` must lie inside [{LEAST:g}, pi/2)")
-    if not all((np.abs(rate) < 1 / LEAST).all() for rate in parts[1:]):
-        raise ValueError(f"rates must be below {1 / LEAST:g}")
+    """Refuse what no can or release has; the key is the first to blame."""
+    can = dict(zip(("a", "c", "h"), cans, strict=True))
+    release = dict(zip(("phi", "phi_dot", "psi_dot", "theta_dot"), parts, strict=True))
+    for key, value in (can | release).items():
+        if not np.isfinite(value).all():
+            raise RefusedError(key, value, "finite", "cans and releases must be finite")
+    for key, value in can.items():
+        if not (value > 0).all() or (key == "c" and (value > 2 * can["a"]).any()):
+            allowed = "positive and `c` at most 2 `a`"
+            raise RefusedError(key, value, allowed, f"`a`, `c`, `h` must be {allowed}")
+    phi = release.pop("phi")
+    if not ((phi >= LEAST) & (phi < np.pi / 2)).all():
+        allowed = f"inside [{LEAST:g}, pi/2)"
+        raise RefusedError("phi", phi, allowed, f"`phi` must lie {allowed}")
+    for key, rate in release.items():
+        if not (np.abs(rate) < 1 / LEAST).all():
+            allowed = f"below {1 / LEAST:g}"
+            raise RefusedError(key, rate, allowed, f"rates must be {allowed}")
 
 
 def released_potential(

@@ -11,10 +11,10 @@ and so does `PAPER_CAN`.
 import math
 from dataclasses import dataclass
 
-from reference.problem.validation import POSITIVE, require, require_numbers
+from reference.problem.validation import POSITIVE, RefusedError, require, require_numbers
 
 
-class ParameterError(ValueError):
+class ParameterError(RefusedError):
     """Parameters that no rigid can has."""
 
 

@@ -15,6 +15,7 @@ from reference.problem.validation import (
     FINITE,
     NOT_NEGATIVE,
     POSITIVE,
+    RefusedError,
     require,
     require_numbers,
     require_vector,
@@ -24,7 +25,7 @@ from reference.problem.validation import (
 ROUNDED = 16 * float(np.finfo(float).eps)
 
 
-class EffectError(ValueError):
+class EffectError(RefusedError):
     """An effect that makes no sense."""
 
 

@@ -11,6 +11,7 @@ from reference.problem.effects import IDEAL, ROUNDED, Effects
 from reference.problem.validation import (
     FINITE,
     POSITIVE,
+    RefusedError,
     is_whole,
     require,
     require_numbers,
@@ -21,7 +22,7 @@ LEAST = 1e-150
 """Least phi, and the reciprocal of the largest rate: beyond them squares leave the doubles."""
 
 
-class ProblemError(ValueError):
+class ProblemError(RefusedError):
     """A release or a horizon that makes no sense."""
 
 
@@ -85,8 +86,12 @@ class Problem:
         fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
         require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)
         if (self.bounces is None) == (self.duration is None):
-            horizon = f"got {self.bounces!r} and {self.duration!r}"
-            raise ProblemError(f"give exactly one of `bounces` and `duration`, {horizon}")
+            given, allowed = (
+                (self.bounces, self.duration),
+                "exactly one of `bounces` and `duration`",
+            )
+            sentence = f"give {allowed}, got {self.bounces!r} and {self.duration!r}"
+            raise ProblemError("horizon", given, allowed, sentence)
         if self.bounces is not None:
             fits = is_whole(self.bounces) and self.bounces >= 1
             require(ProblemError, "bounces", self.bounces, "a whole number, at least 1", when=fits)

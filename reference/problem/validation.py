@@ -13,6 +13,33 @@ POSITIVE = "a finite number greater than zero"
 NOT_NEGATIVE = "a finite number, zero or greater"
 
 
+class RefusedError(ValueError):
+    """The root of everything that `reference` refuses.
+
+    Parameters
+    ----------
+    key : str
+        What is refused, as its owner names it: ``phi``, ``effects.rim``, ``model``.
+    value : object
+        The value.
+    allowed : str
+        What is allowed.
+    sentence : str
+        The message; left out, it says that the key must be what is allowed, and the value.
+    """
+
+    def __init__(self, key: str, value: object, allowed: str, sentence: str = "") -> None:
+        super().__init__(key, value, allowed, sentence)
+        self.key = key
+        self.value = value
+        self.allowed = allowed
+        self._sentence = sentence
+
+    def __str__(self) -> str:
+        """Return the message."""
+        return self._sentence or f"`{self.key}` must be {self.allowed}, got {self.value!r}"
+
+
 def is_finite(value: object) -> bool:
     """Return whether a value is a real number (no bool) that a double can hold."""
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -23,13 +50,15 @@ def is_finite(value: object) -> bool:
         return False
 
 
-def require(error: type[ValueError], name: str, value: object, allowed: str, *, when: bool) -> None:
+def require(
+    error: type[RefusedError], name: str, value: object, allowed: str, *, when: bool
+) -> None:
     """Raise `error` with one sentence unless the value is allowed."""
     if not when:
-        raise error(f"`{name}` must be {allowed}, got {value!r}")
+        raise error(name, value, allowed)
 
 
-def require_numbers(error: type[ValueError], values: Mapping[str, object], allowed: str) -> None:
+def require_numbers(error: type[RefusedError], values: Mapping[str, object], allowed: str) -> None:
     """Raise `error` unless each value is `FINITE`, `POSITIVE` or `NOT_NEGATIVE`, as said.
 
     Parameters
@@ -48,7 +77,7 @@ def require_numbers(error: type[ValueError], values: Mapping[str, object], allow
         require(error, name, value, allowed, when=fits)
 
 
-def require_vector(error: type[ValueError], name: str, value: object, length: int) -> None:
+def require_vector(error: type[RefusedError], name: str, value: object, length: int) -> None:
     """Raise `error` unless the value is a tuple of so many finite numbers."""
     fits = isinstance(value, tuple) and len(value) == length and all(map(is_finite, value))
     require(error, name, value, f"a tuple of {length} finite numbers", when=fits)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Outcome, Parameters, Problem, solve
+from reference import PAPER_CAN, Outcome, ParameterError, Parameters, Problem, solve
 from reference.asymptotic.expansions import paper_constants
 from reference.equations import steady_motion
 from reference.equations.energy import energy
@@ -134,8 +134,9 @@ def test_motion_about_a_centre_at_rest() -> None:
         assert steady_motion.circle_radius(p, phi, Psi, Theta) < 1e-15
         assert friction_ratio(one_state(phi, Psi, Theta), p)[0] < 1e-14
     assert p.balancing_angle < 0.9
-    with pytest.raises(ValueError, match="no motion"):
+    with pytest.raises(ParameterError) as refused:
         steady_motion.rest_rates(p, 0.63)
+    assert (refused.value.key, refused.value.value) == ("phi", 0.63)
 
 
 def test_spinning_on_the_side() -> None:

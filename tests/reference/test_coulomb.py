@@ -165,8 +165,9 @@ def test_sliding_turns_into_rolling_as_on_paper() -> None:
 
 
 def test_a_release_slips_only_where_friction_is_declared() -> None:
-    with pytest.raises(ProblemError, match="declared friction"):
+    with pytest.raises(ProblemError) as refused:
         replace(GENTLE, slip=(0.1, 0.0))
+    assert (refused.value.key, refused.value.value) == ("slip", (0.1, 0.0))
 
 
 def test_a_can_that_would_have_to_be_pulled_leaves_the_plane() -> None:

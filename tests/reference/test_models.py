@@ -195,15 +195,17 @@ def test_locus_of_a_bounce_is_an_arc() -> None:
 
 
 def test_asymptotic_solution_needs_a_release_from_rest() -> None:
-    with pytest.raises(ProblemError, match="rest"):
-        solve(
-            Problem(parameters=PAPER_CAN, phi=0.1, phi_dot=0.1, psi_dot=1e-3, bounces=1),
-            model="asymptotic",
-        )
-    with pytest.raises(ProblemError, match="B_"):
+    moving = Problem(parameters=PAPER_CAN, phi=0.1, phi_dot=0.1, psi_dot=1e-3, bounces=1)
+    with pytest.raises(ProblemError) as refused:
+        solve(moving, model="asymptotic")
+    assert (refused.value.key, refused.value.value) == ("phi_dot", 0.1)
+    with pytest.raises(ProblemError) as refused:
         solve(Problem(parameters=PAPER_CAN, phi=0.1, bounces=1), model="asymptotic")
-    with pytest.raises(SolverError, match="locus"):
+    assert (refused.value.key, refused.value.value) == ("B_{-2}", 0.0)
+    with pytest.raises(SolverError) as without:
         solve(PAPER, model="asymptotic", outputs={"contact_locus"})
+    assert (without.value.key, without.value.value) == ("model", "asymptotic")
+    assert "asymptotic" not in without.value.allowed
 
 
 def test_the_old_name_of_a_method_is_understood_with_a_warning() -> None:
