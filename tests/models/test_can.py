@@ -56,10 +56,7 @@ def test_a_disk_without_thickness_is_allowed_and_nothing_beyond_it(
 def test_moments_of_no_rigid_body_are_refused() -> None:
     with pytest.raises(InvalidValueError) as caught:
         Can(mass=1.0, radius=1.0, half_height=1.0, transverse_inertia=1.0, axial_inertia=2.5)
-    assert str(caught.value) == (
-        "`axial_inertia` is 2.5, but must be at most twice the moment about a transverse axis: "
-        "no rigid body has C greater than 2A"
-    )
+    assert (caught.value.key, caught.value.value) == ("axial_inertia", 2.5)
 
 
 @pytest.mark.parametrize("key", ["mass", "radius", "a", "c", "h"])
@@ -68,17 +65,18 @@ def test_every_quantity_must_be_finite_and_positive(key: str, value: Any) -> Non
     groups: dict[str, Any] = PAPER | {key: value}
     with pytest.raises(InvalidValueError) as caught:
         Can.from_groups(**groups)
-    assert str(caught.value) == (
-        f"`{key}` is {value!r}, but must be a finite number greater than zero"
-    )
+    assert (caught.value.key, repr(caught.value.value)) == (key, repr(value))
     assert isinstance(caught.value, ModelError | ValueError)
 
 
 def test_moments_that_underflow_are_refused_and_not_rounded_to_zero() -> None:
-    with pytest.raises(InvalidValueError, match="transverse_inertia"):
+    with pytest.raises(InvalidValueError) as caught:
         Can.from_groups(**(PAPER | {"mass": 1e-300, "radius": 1e-100}))
+    assert (caught.value.key, caught.value.value) == ("transverse_inertia", 0.0)
 
 
 def test_an_error_keeps_its_message_through_pickling() -> None:
     error = InvalidValueError("mass", -1.0, "positive")
-    assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301  # our own bytes
+    again = pickle.loads(pickle.dumps(error))  # noqa: S301  # our own bytes
+    assert (again.key, again.value, again.allowed) == ("mass", -1.0, "positive")
+    assert str(again) == "`mass` is -1.0, but must be positive"

@@ -49,22 +49,22 @@ def test_scenes_differ_in_every_thing_they_say() -> None:
 def test_a_name_is_safe_as_a_file_name(name: Any) -> None:
     with pytest.raises(InvalidValueError) as caught:
         replace(SCENE, name=name)
-    assert str(caught.value).endswith(
-        "but must be 1 to 64 lower-case letters, digits, dots, dashes and underscores, the first "
-        "a letter or digit"
-    )
+    assert (caught.value.key, caught.value.value) == ("name", name)
 
 
 @pytest.mark.parametrize("cite", ["two\nlines", "x" * 501, "\x00", "\ud800", None])
 def test_a_citation_is_one_printable_line(cite: Any) -> None:
-    with pytest.raises(InvalidValueError, match="but must be at most 500 printable characters"):
+    with pytest.raises(InvalidValueError) as caught:
         replace(SCENE, cite=cite)
+    assert (caught.value.key, caught.value.value) == ("cite", cite)
+    assert caught.value.allowed == "at most 500 printable characters on one line"
 
 
 @pytest.mark.parametrize("gravity", [-9.81, float("nan"), float("inf"), "heavy"])
 def test_gravity_points_down(gravity: Any) -> None:
-    with pytest.raises(InvalidValueError, match=r"`gravity` is .* zero or greater"):
+    with pytest.raises(InvalidValueError) as caught:
         replace(SCENE, gravity=gravity)
+    assert (caught.value.key, repr(caught.value.value)) == ("gravity", repr(gravity))
 
 
 def test_free_fall_is_a_scene() -> None:
@@ -74,26 +74,33 @@ def test_free_fall_is_a_scene() -> None:
 @pytest.mark.parametrize("key", ["can", "release", "effects", "horizon"])
 def test_parts_are_of_their_kind(key: str) -> None:
     part: dict[str, Any] = {key: None}
-    with pytest.raises(InvalidValueError, match=f"^`{key}` is None, but must be a {key.title()}$"):
+    with pytest.raises(InvalidValueError) as caught:
         replace(SCENE, **part)
+    error = caught.value
+    assert (error.key, error.value, error.allowed) == (key, None, f"a {key.title()}")
 
 
-@pytest.mark.parametrize(("bounces", "seconds"), [(None, None), (1, 1.0)])
-def test_a_horizon_is_one_or_the_other(bounces: int | None, seconds: float | None) -> None:
-    with pytest.raises(InvalidValueError, match="exactly one of `bounces` and `seconds`"):
+@pytest.mark.parametrize(
+    ("bounces", "seconds", "given"), [(None, None, "neither"), (1, 1.0, "both")]
+)
+def test_a_horizon_is_one_or_the_other(
+    bounces: int | None, seconds: float | None, given: str
+) -> None:
+    with pytest.raises(InvalidValueError) as caught:
         Horizon(bounces=bounces, seconds=seconds)
+    assert (caught.value.key, caught.value.value) == ("horizon", given)
 
 
 @pytest.mark.parametrize("bounces", [0, -1, 100_001, 1.0, True, "one"])
 def test_bounces_are_counted(bounces: Any) -> None:
     with pytest.raises(InvalidValueError) as caught:
         Horizon(bounces=bounces)
-    assert str(caught.value) == (
-        f"`bounces` is {bounces!r}, but must be an integer from 1 to 100000"
-    )
+    assert caught.value.key == "bounces"
+    assert caught.value.value is bounces
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), True])
 def test_seconds_pass(seconds: Any) -> None:
-    with pytest.raises(InvalidValueError, match=r"`seconds` is .* greater than zero"):
+    with pytest.raises(InvalidValueError) as caught:
         Horizon(seconds=seconds)
+    assert (caught.value.key, caught.value.value) == ("seconds", seconds)

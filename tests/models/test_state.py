@@ -20,17 +20,16 @@ def test_what_a_release_leaves_out_is_zero() -> None:
 def test_a_release_stands_on_one_point_of_its_rim(phi: float) -> None:
     with pytest.raises(InvalidValueError) as caught:
         Release(phi=phi)
-    assert str(caught.value) == (
-        f"`phi` is {phi!r}, but must be greater than 0 and less than pi/2 (radians)"
-    )
+    assert (caught.value.key, caught.value.value) == ("phi", phi)
 
 
 @pytest.mark.parametrize("key", ["phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot"])
 @pytest.mark.parametrize("value", [math.nan, -math.inf, "fast", 1j, 10**400])
 def test_a_release_is_finite(key: str, value: Any) -> None:
     fields: dict[str, Any] = {"phi": 0.4} | {key: value}
-    with pytest.raises(InvalidValueError, match=f"^`{key}` is .*, but must be a finite number$"):
+    with pytest.raises(InvalidValueError) as caught:
         Release(**fields)
+    assert (caught.value.key, caught.value.allowed) == (key, "a finite number")
 
 
 def test_equal_numbers_make_equal_releases_whatever_their_type() -> None:
@@ -58,17 +57,21 @@ def test_poses_and_twists_keep_read_only_copies() -> None:
 
 
 @pytest.mark.parametrize(
-    ("position", "quaternion", "message"),
+    ("position", "quaternion", "key", "value", "allowed"),
     [
-        ((0.0, 0.0), (1, 0, 0, 0), r"`position` is \[0.0, 0.0\], but must be 3 finite numbers"),
-        ((0, 0, math.nan), (1, 0, 0, 0), "`position` is .*nan.*, but must be 3 finite numbers"),
-        ((0, 0, 0), (1, 0, 0), "`quaternion` is .*, but must be 4 finite numbers"),
-        ((0, 0, 0), (2, 0, 0, 0), "`quaternion` is .*, but must be of unit length"),
+        ((0.0, 0.0), (1, 0, 0, 0), "position", "[0.0, 0.0]", "3 finite numbers"),
+        ((0, 0, math.nan), (1, 0, 0, 0), "position", "[0.0, 0.0, nan]", "3 finite numbers"),
+        ((0, 0, 0), (1, 0, 0), "quaternion", "[1.0, 0.0, 0.0]", "4 finite numbers"),
+        ((0, 0, 0), (2, 0, 0, 0), "quaternion", "[2.0, 0.0, 0.0, 0.0]", "of unit length"),
     ],
 )
-def test_a_pose_is_a_point_and_a_rotation(position: Any, quaternion: Any, message: str) -> None:
-    with pytest.raises(InvalidValueError, match=message):
+def test_a_pose_is_a_point_and_a_rotation(
+    position: Any, quaternion: Any, key: str, value: str, allowed: str
+) -> None:
+    with pytest.raises(InvalidValueError) as caught:
         Pose(position=position, quaternion=quaternion)
+    error = caught.value
+    assert (error.key, str(error.value), error.allowed) == (key, value, allowed)
 
 
 def test_the_ideal_can_declares_no_effect() -> None:
@@ -81,12 +84,14 @@ def test_the_ideal_can_declares_no_effect() -> None:
 def test_friction_is_finite_and_never_drives(mu: Any) -> None:
     with pytest.raises(InvalidValueError) as caught:
         Slip(mu=mu)
-    assert str(caught.value) == f"`mu` is {mu!r}, but must be a finite number, zero or greater"
+    assert (caught.value.key, repr(caught.value.value)) == ("mu", repr(mu))
 
 
 def test_an_effect_is_an_object_and_not_its_constant() -> None:
-    with pytest.raises(InvalidValueError, match=r"^`slip` is 0.3, but must be a Slip or None$"):
+    with pytest.raises(InvalidValueError) as caught:
         Effects(slip=0.3)  # type: ignore[arg-type]
+    error = caught.value
+    assert (error.key, error.value, error.allowed) == ("slip", 0.3, "a Slip or None")
 
 
 def test_values_survive_pickling() -> None:
