@@ -20,12 +20,19 @@ INSIDE, OUTSIDE = 1.0 - 1e-6, 1.0 + 1e-6
 
 
 def refused(scene: Scene) -> str:
-    """Return what a scene is refused for; empty if it is not."""
+    """Return the key that a scene is refused for; empty if it is not."""
     try:
         check_scene_limits(scene)
     except SceneLimitError as error:
-        return str(error)
+        return error.key
     return ""
+
+
+def allowed(scene: Scene) -> str:
+    """Return what is allowed instead of what a scene is refused for."""
+    with pytest.raises(SceneLimitError) as caught:
+        check_scene_limits(scene)
+    return caught.value.allowed
 
 
 def with_can(**groups: float) -> Scene:
@@ -51,7 +58,7 @@ def test_a_can_is_within_both_ends(
     for value in (low * OUTSIDE, high * INSIDE):
         assert refused(with_can(**others, **{name: value})) == ""
     for value in (low * INSIDE, high * OUTSIDE):
-        assert f"'{key}' is" in refused(with_can(**others, **{name: value}))
+        assert refused(with_can(**others, **{name: value})) == key
 
 
 def test_gravity_is_within_both_ends_or_zero() -> None:
@@ -60,7 +67,7 @@ def test_gravity_is_within_both_ends_or_zero() -> None:
         horizon = Horizon(seconds=1.0) if value == 0.0 else PLAIN.horizon
         assert refused(replace(PLAIN, gravity=value, release=still, horizon=horizon)) == ""
     for value in (1e-9 * INSIDE, 1e6 * OUTSIDE):
-        assert "'gravity' is" in refused(replace(PLAIN, gravity=value))
+        assert refused(replace(PLAIN, gravity=value)) == "gravity"
 
 
 @pytest.mark.parametrize(
@@ -82,7 +89,7 @@ def test_a_release_is_no_larger_than_it_may_be(key: str, most: float) -> None:
             return replace(PLAIN, release=release)
 
         assert refused(released(most * INSIDE)) == ""
-        assert f"'release.{key}' is" in refused(released(most * OUTSIDE))
+        assert refused(released(most * OUTSIDE)) == f"release.{key}"
 
 
 def test_a_release_is_a_trillionth_of_a_radian_off_flat() -> None:
@@ -90,7 +97,8 @@ def test_a_release_is_a_trillionth_of_a_radian_off_flat() -> None:
         return replace(PLAIN, release=Release(phi=phi))
 
     assert refused(leaning(1e-12)) == ""
-    assert "must be at least 1e-12 rad" in refused(leaning(1e-12 * INSIDE))
+    assert refused(leaning(1e-12 * INSIDE)) == "release.phi"
+    assert allowed(leaning(1e-12 * INSIDE)) == "at least 1e-12 rad"
 
 
 @pytest.mark.parametrize(("phi", "most"), [(1.0, 1e4), (1e-2, None)])
@@ -106,7 +114,8 @@ def test_a_run_lasts_ten_thousand_natural_times_or_two_thousand_falls(
 
     assert (2000.0 * 2.0 * fall < 1e4) is (most is None)
     assert refused(lasting(longest * INSIDE)) == ""
-    assert "2000 bounces" in refused(lasting(longest * OUTSIDE))
+    assert refused(lasting(longest * OUTSIDE)) == "horizon.seconds"
+    assert "2000 bounces" in allowed(lasting(longest * OUTSIDE))
 
 
 @pytest.mark.parametrize("key", ["phi_dot", "psi_dot", "theta_dot"])
@@ -116,4 +125,5 @@ def test_a_release_turns_by_ten_thousand_radians_within_the_horizon(key: str) ->
         return replace(PLAIN, release=release, horizon=Horizon(seconds=2.0))
 
     assert refused(turning(1e4 * INSIDE)) == ""
-    assert "at the rates of its release" in refused(turning(1e4 * OUTSIDE))
+    assert refused(turning(1e4 * OUTSIDE)) == "horizon.seconds"
+    assert "at the rates of its release" in allowed(turning(1e4 * OUTSIDE))

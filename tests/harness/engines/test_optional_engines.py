@@ -92,8 +92,9 @@ def test_an_engine_that_should_be_there_is_not_left_out(
     assert not packages().missing
     assert "glider" not in registry.left_out()
     assert "glider" in api.stepping_engines(None)
-    with pytest.raises(MissingPackageError, match="'glider' needs the package 'glide'"):
+    with pytest.raises(MissingPackageError) as caught:
         registry.engine("glider")
+    assert (caught.value.part, caught.value.package) == ("engine 'glider'", "glide")
 
 
 def test_a_package_that_another_python_depends_on_is_optional_in_this_one(
@@ -109,8 +110,9 @@ def test_an_engine_that_is_left_out_takes_part_where_it_is_named(register: Regis
     assert "glider" not in api.stepping_engines(None)
     assert "mujoco" in api.stepping_engines(None)
     assert api.stepping_engines(["glider"]) == ("glider",)
-    with pytest.raises(MissingPackageError, match=r"pip install 'glider-kit\[glider\]'"):
+    with pytest.raises(MissingPackageError) as caught:
         registry.engine("glider")
+    assert caught.value.install.endswith("pip install 'glider-kit[glider]'")
 
 
 @pytest.mark.parametrize(

@@ -81,8 +81,10 @@ def planted(
     indirect=["planted"],
 )
 def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: str) -> None:
-    with pytest.raises(EngineCrashError, match=f"'{planted.name}' falls.*{reason}.*--engine"):
+    with pytest.raises(EngineCrashError) as caught:
         registry.engine(planted.name)
+    assert (caught.value.engine, caught.value.entry) == (planted.name, planted.value)
+    assert reason in caught.value.reason
 
 
 @pytest.mark.parametrize("planted", [HANGS, HANGS_WHEN_ASKED], indirect=True)
@@ -90,8 +92,9 @@ def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
     planted: EntryPoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(registry, "_PATIENCE", Limits(seconds=2.0))
-    with pytest.raises(EngineCrashError, match="longer than the 2 s allowed"):
+    with pytest.raises(EngineCrashError) as caught:
         registry.engine(planted.name)
+    assert "longer than the 2 s allowed" in caught.value.reason
 
 
 @pytest.mark.parametrize("planted", [SOUND], indirect=True)
@@ -113,8 +116,9 @@ class Engine:
     "planted", ["raise ValueError('no licence')\n", RAISES_WHEN_ASKED], indirect=True
 )
 def test_an_error_in_python_is_told_as_itself(planted: EntryPoint) -> None:
-    with pytest.raises(BrokenEngineError, match="ValueError: no licence") as caught:
+    with pytest.raises(BrokenEngineError) as caught:
         registry.engine(planted.name)
+    assert caught.value.reason == "ValueError: no licence"
     assert not isinstance(caught.value, EngineCrashError)
 
 

@@ -109,10 +109,10 @@ def test_an_engine_knows_its_name_its_version_and_its_settings(name: str) -> Non
 
 
 def test_an_unknown_engine_is_refused_with_those_there_are(toys: None) -> None:  # noqa: ARG001
-    with pytest.raises(UnknownEngineError, match=r"unknown engine 'ode'") as caught:
+    with pytest.raises(UnknownEngineError) as caught:
         registry.engine("ode")
-    for name in registry.names():
-        assert name in str(caught.value)
+    assert caught.value.name == "ode"
+    assert caught.value.available == tuple(sorted(registry.names()))
     assert isinstance(caught.value, LookupError)
     assert isinstance(caught.value, HarnessError)
 
@@ -121,9 +121,10 @@ def test_a_missing_package_says_how_to_install_it(
     toys: None,  # noqa: ARG001
     gentle: Scene,
 ) -> None:
-    with pytest.raises(MissingPackageError, match="pip install warpdrive") as caught:
+    with pytest.raises(MissingPackageError) as caught:
         evaluate(Case(scene=gentle, engine="warp"))
-    assert "'warp'" in str(caught.value)
+    assert caught.value.part == "engine 'warp'"
+    assert caught.value.install.endswith("pip install warpdrive")
     assert isinstance(caught.value, ImportError)
 
 
@@ -135,7 +136,8 @@ def test_an_engine_that_is_missing_is_not_said_to_be_able(
     rounded = replace(gentle, effects=Effects(rim=RoundedRim(radius=1e-3)))
     with pytest.raises(UnsupportedEffectError) as caught:
         registry.check_effects("mujoco", rounded)
-    assert str(caught.value).endswith("engines that can: pybullet, reference")
+    assert (caught.value.engine, caught.value.effect) == ("mujoco", "rim")
+    assert caught.value.able == ("pybullet", "reference")
 
 
 def test_an_imposed_effect_is_no_reason_to_refuse(
@@ -154,8 +156,10 @@ def test_a_third_party_engine_is_evaluated_like_any_other(
     assert e.errors is not None
     # late by t dt: at most |phi'| t dt, with phi' below 4 rad/s and t below 0.35 s
     assert 0.0 < e.errors.phi_max < 4.0 * 0.35 * 1e-3
-    with pytest.raises(UnknownSettingError, match="its settings are: fault"):
+    with pytest.raises(UnknownSettingError) as caught:
         evaluate(Case(scene=gentle, engine="late-clock", options=(("impratio", 1.0),)))
+    assert (caught.value.engine, caught.value.name) == ("late-clock", "impratio")
+    assert caught.value.available == ("fault",)
 
 
 def test_a_third_party_engine_takes_part_in_the_comparison(

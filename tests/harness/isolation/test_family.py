@@ -80,8 +80,10 @@ def test_a_task_that_leaves_its_group_and_hangs_is_ended(
 
 
 def test_what_a_crashing_task_started_ends_with_it(told: Path) -> None:
-    with IsolatedProcessPool(1) as executor, pytest.raises(LostTaskError, match="SIGSEGV"):
+    with IsolatedProcessPool(1) as executor, pytest.raises(LostTaskError) as caught:
         executor.submit(tasks.start_and_crash, str(told)).result()
+    assert caught.value.loss is Loss.CRASHED
+    assert "SIGSEGV" in caught.value.reason
     assert ended(number(told))
 
 

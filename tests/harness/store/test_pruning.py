@@ -5,12 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.core.errors import CacheWarning, StoreError
+from harness.core.errors import CacheWarning
 from harness.execution.cache import (
     ASIDE,
     DRAFTS,
     JOURNAL,
     CacheFolder,
+    NoCacheError,
     inspect_cache,
     prune_cache,
 )
@@ -59,8 +60,9 @@ def test_a_journal_of_ours_makes_a_store(store: CacheFolder, journal: str | None
     if journal in {"", '{"event": "kept"'}:  # a full disk leaves as much of it
         assert prune_cache(store, lambda _: True)[0] == 0
         return
-    with pytest.raises(StoreError, match="no store at"):
+    with pytest.raises(NoCacheError) as caught:
         prune_cache(store, lambda _: True)
+    assert caught.value.folder == store.folder
 
 
 @pytest.mark.parametrize(("before", "ours"), [(4, True), (5, False)])
@@ -73,5 +75,6 @@ def test_of_a_journal_the_first_five_lines_are_looked_at(
     if ours:
         assert prune_cache(store, lambda _: True)[0] == 0
         return
-    with pytest.raises(StoreError, match="no store at"):
+    with pytest.raises(NoCacheError) as caught:
         prune_cache(store, lambda _: True)
+    assert caught.value.folder == store.folder

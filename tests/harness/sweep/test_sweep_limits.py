@@ -19,8 +19,9 @@ def test_a_sweep_has_a_billion_scenes_at_most() -> None:
         return make_plan("gentle-rock", f"release.psi_dot=0.5:2:{count}")
 
     assert of(1_000_000_000).rows == 1_000_000_000
-    with pytest.raises(InvalidSettingError, match="at most 1000000000 scenes in all"):
+    with pytest.raises(InvalidSettingError) as caught:
         of(1_000_000_001)
+    assert "1000000000" in caught.value.allowed
 
 
 def test_a_partition_has_32768_exact_bounces_or_256_runs() -> None:

@@ -84,8 +84,9 @@ def test_a_tied_setting_follows_the_timestep_in_force(gentle: Scene) -> None:
 def test_gaps_can_be_put_first(gentle: Scene) -> None:
     names = ablation_path(gentle, "mujoco", first=("timestep",)).names
     assert names == ("timestep", "compliance", "friction regularisation", "solver")
-    with pytest.raises(InvalidSettingError, match="compliance"):
+    with pytest.raises(InvalidSettingError) as caught:
         ablation_path(gentle, "mujoco", first=("softness",))
+    assert "compliance" in caught.value.allowed
 
 
 def test_what_has_no_truth_or_no_timestep_is_refused(gentle: Scene) -> None:
