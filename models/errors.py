@@ -59,12 +59,16 @@ class SceneFileError(ModelError):
         The file.
     problems : sequence of str
         What is wrong with it, one sentence each.
+    keys : sequence of str, optional
+        For each problem the key or table that it is about, such as ``can.mass``; empty where it is
+        the file as a whole, as it is of all problems if left out.
     """
 
-    def __init__(self, path: Path, problems: Sequence[str]) -> None:
-        super().__init__(path, tuple(problems))
+    def __init__(self, path: Path, problems: Sequence[str], keys: Sequence[str] = ()) -> None:
+        super().__init__(path, tuple(problems), tuple(keys))
         self.path = path
         self.problems = tuple(problems)
+        self.keys = tuple(keys) or ("",) * len(self.problems)
 
     def __str__(self) -> str:
         """Return one line for each problem, each with the name of the file."""

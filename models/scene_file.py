@@ -121,10 +121,13 @@ def read_scene(path: str | Path) -> Scene:
     try:
         file = FileTable.model_validate(tomllib.loads(text))
     except ValidationError as error:
-        problems = [_sentence(detail) for detail in _once(error.errors())]
+        details = _once(error.errors())
+        problems = [_sentence(detail) for detail in details]
+        keys = [".".join(map(str, detail["loc"])) for detail in details]
         if len(problems) > MOST_PROBLEMS:
             problems[MOST_PROBLEMS:] = [f"has {len(problems) - MOST_PROBLEMS} more such problems"]
-        raise SceneFileError(path, problems) from None
+            keys[MOST_PROBLEMS:] = [""]
+        raise SceneFileError(path, problems, keys) from None
     except tomllib.TOMLDecodeError as error:  # its message says the line and the column
         raise SceneFileError(path, [f"is not valid TOML: {error}"]) from None
     except RecursionError:
@@ -227,14 +230,18 @@ def _table(location: list[str]) -> type[BaseModel]:
 def _scene(path: Path, file: FileTable) -> Scene:
     """Build the scene that the file describes."""
     problems: list[str] = []
+    keys: list[str] = []
 
     def built(prefix: str, build: Callable[[], T]) -> T | None:
         try:
             return build()
         except InvalidValueError as error:
-            key = f"'{prefix}{error.key}'"
-            problems.append(f"key {key} is {shown(error.value)}, but must be {error.allowed}")
+            keys.append(f"{prefix}{error.key}")
+            problems.append(
+                f"key '{keys[-1]}' is {shown(error.value)}, but must be {error.allowed}"
+            )
         except ModelError as error:
+            keys.append(prefix.removesuffix("."))
             problems.append(str(error))
         return None
 
@@ -246,10 +253,10 @@ def _scene(path: Path, file: FileTable) -> Scene:
         for name, constants in file.effects.model_dump(exclude_none=True).items()
     }
     if None in declared.values():
-        raise SceneFileError(path, problems)
+        raise SceneFileError(path, problems, keys)
     effects = built("effects.", lambda: Effects(**declared))
     if can is None or release is None or horizon is None or effects is None:
-        raise SceneFileError(path, problems)
+        raise SceneFileError(path, problems, keys)
     scene = built(
         "",
         lambda: Scene(
@@ -263,7 +270,7 @@ def _scene(path: Path, file: FileTable) -> Scene:
         ),
     )
     if scene is None:
-        raise SceneFileError(path, problems)
+        raise SceneFileError(path, problems, keys)
     return scene
 
 

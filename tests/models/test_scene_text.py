@@ -33,6 +33,7 @@ def problem(path: Path) -> str:
     with pytest.raises(SceneFileError) as caught:
         read_scene(path)
     assert str(caught.value).startswith(f"scene file '{path}': ")
+    assert caught.value.keys == ("",)
     (only,) = caught.value.problems
     return only
 
