@@ -36,11 +36,6 @@ def test_time_must_increase(time: tuple[float, ...]) -> None:
         make_trajectory(3, time=np.array(time))
 
 
-def test_no_sample_at_all_is_no_trajectory() -> None:
-    with pytest.raises(TrajectoryError, match="at least one instant"):
-        make_trajectory(0)
-
-
 def test_a_refusal_is_a_value_error_and_one_of_the_harness() -> None:
     assert issubclass(TrajectoryError, ValueError)
     assert issubclass(TrajectoryError, HarnessError)

@@ -74,20 +74,6 @@ def test_a_folder_that_is_no_report_is_refused_and_untouched(
     assert names(tmp_path) == ["thesis"]
 
 
-def test_a_file_is_refused(tmp_path: Path) -> None:
-    out = tmp_path / "report"
-    out.write_text("a file")
-    with pytest.raises(OutputError, match="it is a file"):
-        check_writable(out)
-
-
-def test_a_link_that_leads_nowhere_is_refused(tmp_path: Path) -> None:
-    out = tmp_path / "report"
-    out.symlink_to(tmp_path / "nowhere")
-    with pytest.raises(OutputError, match="leads nowhere"):
-        check_writable(out)
-
-
 def test_a_parent_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     out = tmp_path / "file" / "report"
