@@ -17,7 +17,13 @@ from .effects import (
     Effects,
     modelling_choices,
 )
-from .errors import InvalidValueError, ModelError, SceneFileError, UnknownSceneError
+from .errors import (
+    InvalidValueError,
+    ModelError,
+    RecordShapeError,
+    SceneFileError,
+    UnknownSceneError,
+)
 from .kinematics import (
     RESOLVED_STEP,
     Angles,
@@ -63,6 +69,7 @@ __all__ = [
     "ModelError",
     "PointMass",
     "Pose",
+    "RecordShapeError",
     "Release",
     "Restitution",
     "RollingResistance",

@@ -50,6 +50,32 @@ class InvalidValueError(ModelError):
         return f"`{self.key}` is {shown(self.value)}, but must be {self.allowed}"
 
 
+class RecordShapeError(ModelError):
+    """The arrays of a record of a motion do not belong together.
+
+    Parameters
+    ----------
+    time, quaternion, angular_velocity : tuple of int
+        The shapes they have; (n,), (n, 4) and (n, 3) with n of at least 1 belong together.
+    """
+
+    def __init__(
+        self, time: tuple[int, ...], quaternion: tuple[int, ...], angular_velocity: tuple[int, ...]
+    ) -> None:
+        super().__init__(time, quaternion, angular_velocity)
+        self.time = time
+        self.quaternion = quaternion
+        self.angular_velocity = angular_velocity
+
+    def __str__(self) -> str:
+        """Return the shapes that a record needs, and those found."""
+        return (
+            f"a record needs `time` of shape (n,), `quaternion` (n, 4) and `angular_velocity` "
+            f"(n, 3), n at least 1; found {self.time}, {self.quaternion} and "
+            f"{self.angular_velocity}"
+        )
+
+
 class SceneFileError(ModelError):
     """A scene file cannot be read, or says something that no scene may say.
 

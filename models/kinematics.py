@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from models.can import Can
-from models.errors import ModelError
+from models.errors import RecordShapeError
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -287,7 +287,7 @@ def angles_of_record(
 
     Raises
     ------
-    ModelError
+    RecordShapeError
         If the shapes do not agree.
     """
     t = np.asarray(time, dtype=np.float64)
@@ -295,10 +295,7 @@ def angles_of_record(
     q = np.asarray(quaternion, dtype=np.float64)
     omega = np.asarray(angular_velocity, dtype=np.float64)
     if n == 0 or t.shape != (n,) or q.shape != (n, 4) or omega.shape != (n, 3):
-        raise ModelError(
-            f"a record needs `time` of shape (n,), `quaternion` (n, 4) and `angular_velocity` "
-            f"(n, 3), n at least 1; found {t.shape}, {q.shape} and {omega.shape}"
-        )
+        raise RecordShapeError(t.shape, q.shape, omega.shape)
     phi, sigma, delta = half_angles(q)
     phi_dot, psi_dot, theta_dot = angle_rates(phi, (sigma + delta) / 2.0, omega)
 

@@ -1,5 +1,7 @@
 """Unwrapping psi and theta, on bounces whose exact motion is a straight line."""
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +11,7 @@ from models import (
     RESOLVED_STEP,
     Angles,
     Can,
-    ModelError,
+    RecordShapeError,
     angles_of_record,
     angular_velocity,
     quaternion,
@@ -191,5 +193,10 @@ def test_a_flat_can_is_no_error() -> None:
 def test_shapes_that_disagree_are_refused(
     time: list[float], q: np.ndarray, omega: np.ndarray
 ) -> None:
-    with pytest.raises(ModelError, match=r"^a record needs `time` of shape \(n,\), .*; found "):
+    with pytest.raises(RecordShapeError) as refused:
         angles_of_record(CAN, time, q, omega)
+    error = refused.value
+    assert error.time == np.shape(time)
+    assert (error.quaternion, error.angular_velocity) == (q.shape, omega.shape)
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - our own bytes
+    assert str(error).endswith(f"; found {error.time}, {q.shape} and {omega.shape}")
