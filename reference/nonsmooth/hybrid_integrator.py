@@ -56,7 +56,8 @@ RESOLVED = 3e-14
 NOISE = 2e-15
 # Of the velocities, or of forces of size 1: a part smaller than this share has their round-off.
 QUIET = 1e-3
-# No step is longer, in sigma: longer ones are mostly refused, which costs more than they save.
+# In sigma. Longer steps are mostly refused, which costs more than they save, unless the step before
+# left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
 FIRST = 0.05
 # A step shorter than this no longer moves a double.
@@ -138,7 +139,7 @@ class HybridIntegrator:
 
     def _step(self) -> Segment | None:
         """Take the longest step that is resolved, unless too much has been spent."""
-        length = min(self._length, LONGEST, self._left())
+        length = min(self._length, self._left())
         rows = self._equations.core(self._mode)
         while length > SHORTEST and self._evaluations <= MOST_WORK:
             taken = step(
@@ -158,8 +159,8 @@ class HybridIntegrator:
                 length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
                 continue
             # a tail of round-off says only that more is to be had
-            grown = 2.0 if tail < NOISE else 0.9 * (RESOLVED / tail) ** (1 / STAGES)
-            self._length = length * grown
+            grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
+            self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST)
             return Segment(
                 start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode
             )

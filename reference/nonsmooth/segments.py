@@ -85,8 +85,7 @@ class SegmentsPath:
         self._starts = np.stack([piece.start for piece in pieces])
         self._coefficients = np.stack([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
-        spans = [float(piece.end[TIME] - piece.start[TIME]) for piece in pieces]
-        self._spans = np.maximum(spans, np.finfo(float).tiny)
+        self._spans = np.array([piece.end[TIME] - piece.start[TIME] for piece in pieces])
         modes = [piece.mode for piece in pieces]
         self._modes = list(dict.fromkeys(modes))
         self._mode = np.array([self._modes.index(mode) for mode in modes])
@@ -120,11 +119,14 @@ class SegmentsPath:
 
     def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:
         """Return the place of each time in its piece, by Newton's method within a bisection."""
-        target = times - self._starts[number, TIME]
+        target, spans = times - self._starts[number, TIME], self._spans[number]
         series = self._coefficients[number, TIME]
         noise = 2 * np.finfo(float).eps * np.abs(series).sum(axis=1)
         low, high = np.zeros_like(target), self._cuts[number].copy()
-        c = high * np.clip(target / self._spans[number], 0.0, 1.0)
+        # a piece that takes less than an ulp of the time is over at its beginning
+        over = (target >= spans) | (spans == 0.0)
+        share = np.divide(target, spans, out=np.ones_like(target), where=~over)
+        c = high * np.maximum(share, 0.0)
         for _ in range(HALVINGS):
             residual = np.einsum("ij,ij->i", basis(c), series) - target
             low, high = np.where(residual < 0, c, low), np.where(residual < 0, high, c)
@@ -134,9 +136,10 @@ class SegmentsPath:
             inside = (better >= low) & (better <= high)
             new = np.where(inside, better, (low + high) / 2)
             stands = np.abs(new - c) <= 4 * np.finfo(float).eps * (1e-3 + c)
-            if (stands | (np.abs(residual) <= noise)).all():
+            found = over | stands | (np.abs(residual) <= noise)
+            if found.all():
                 break
-            c = new
+            c = np.where(found, c, new)
         return np.asarray(np.clip(c, 0.0, self._cuts[number]))
 
     def _rows(self, number: NDArray[np.intp], c: Floats) -> Floats:

@@ -40,3 +40,14 @@ def test_a_slip_that_stops_does_not_shorten_the_steps_that_stick() -> None:
     kinds = [phase.kind.value for phase in found.phases]
     assert "stick" in kinds
     assert found.steps < 40 * len(kinds)
+
+
+def test_a_fall_that_nothing_curves_is_one_long_step_after_the_other() -> None:
+    """Fast rolling on a rim almost flat: it takes thousands of times the natural length, phi."""
+    spins = Problem(
+        parameters=PAPER_CAN, phi=1e-9, phi_dot=1e-9, psi_dot=1e-5, theta_dot=-8.0, bounces=1
+    )
+    by_friction, rolling = solve(spins, model="coulomb"), solve(spins, model="rolling")
+    assert by_friction.outcome is rolling.outcome is Outcome.FINISHED
+    assert by_friction.steps < 100
+    assert by_friction.t_end == pytest.approx(rolling.t_end, rel=1e-12, abs=0.0)
