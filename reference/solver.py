@@ -12,6 +12,8 @@ The smallest model that carries a problem follows from its effects and its relea
 Psi, theta, the time and the contact point are quadratures wherever nothing depends on them.
 "exact", the closed solution, is of the same can as "rolling"; "reduced" and "asymptotic" are
 approximations of it, good for nothing more.
+
+Models beside the rolling can are imported when they are solved: a bounce needs none of them.
 """
 
 import warnings
@@ -22,15 +24,8 @@ from types import MappingProxyType
 
 from reference.analysis.bounces import measure_bounces
 from reference.analysis.confirmation import solve_twice
-from reference.asymptotic.matched import solve_asymptotically
-from reference.asymptotic.small_nutation import solve_reduced
 from reference.equations.contact_laws import Kind, Mode, Phase
-from reference.equations.coulomb import CoulombEquations
-from reference.equations.frictionless import solve_frictionless
-from reference.equations.newton_euler import GeneralEquations
-from reference.equations.pendulum import solve_pendulum
 from reference.integrable.exact_motion import solve_exactly
-from reference.nonsmooth.hybrid_integrator import HybridIntegrator, PhasedRun
 from reference.problem.problem import Problem
 from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Run
@@ -87,6 +82,8 @@ def smallest(problem: Problem) -> Choice:
 def equations_of(model: str, problem: Problem) -> int:
     """Return how many equations a model integrates together for a problem."""
     if model == "general":
+        from reference.equations.newton_euler import GeneralEquations
+
         equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
         return len(equations.core(Mode(slips=problem.effects.mu is not None)))
     counts = {"pendulum": 2, "frictionless": 2, "coulomb": 6, "reduced": 2}
@@ -216,7 +213,7 @@ def solve(
         bounces = measure_bounces(
             run.path, run.track, problem.parameters, sliding=solved_by == "frictionless"
         )
-    phases = run.phases if isinstance(run, PhasedRun) else ()
+    phases = run.phases
     if solved_by in WITHOUT_SLIP:
         phases = (Phase(kind=Kind.STICK, start=0.0, end=run.track.t_end),)
     return Solution(
@@ -254,12 +251,12 @@ def _dispatch(
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
-        "pendulum": lambda: (solve_pendulum(problem), "closed form"),
-        "asymptotic": lambda: (solve_asymptotically(problem), "closed form"),
-        "reduced": lambda: (solve_reduced(problem, method=stepped, rtol=rtol), stepped),
-        "frictionless": lambda: (solve_frictionless(problem, method=method, rtol=rtol), method),
-        "coulomb": lambda: (_follow_with_friction(problem, locus=locus), method),
-        "general": lambda: (_follow_with_everything(problem, locus=locus), method),
+        "pendulum": lambda: (_in_closed_form(problem, model), "closed form"),
+        "asymptotic": lambda: (_in_closed_form(problem, model), "closed form"),
+        "reduced": lambda: (_reduced(problem, stepped, rtol), stepped),
+        "frictionless": lambda: (_without_friction(problem, method, rtol), method),
+        "coulomb": lambda: (_with_phases(problem, model, locus=locus), method),
+        "general": lambda: (_with_phases(problem, model, locus=locus), method),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -275,12 +272,35 @@ def _dispatch(
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
 
 
-def _follow_with_friction(problem: Problem, *, locus: bool) -> Run:
-    mu = float("inf") if problem.effects.mu is None else problem.effects.mu
-    equations = CoulombEquations(parameters=problem.parameters, mu=mu)
-    return HybridIntegrator(problem, equations, locus=locus).run()
+def _in_closed_form(problem: Problem, model: str) -> Run:
+    from reference.asymptotic.matched import solve_asymptotically
+    from reference.equations.pendulum import solve_pendulum
+
+    return solve_pendulum(problem) if model == "pendulum" else solve_asymptotically(problem)
 
 
-def _follow_with_everything(problem: Problem, *, locus: bool) -> Run:
-    equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
+def _reduced(problem: Problem, method: str, rtol: float) -> Run:
+    from reference.asymptotic.small_nutation import solve_reduced
+
+    return solve_reduced(problem, method=method, rtol=rtol)
+
+
+def _without_friction(problem: Problem, method: str, rtol: float) -> Run:
+    from reference.equations.frictionless import solve_frictionless
+
+    return solve_frictionless(problem, method=method, rtol=rtol)
+
+
+def _with_phases(problem: Problem, model: str, *, locus: bool) -> Run:
+    from reference.equations.coulomb import CoulombEquations
+    from reference.equations.newton_euler import GeneralEquations
+    from reference.nonsmooth.hybrid_integrator import HybridIntegrator
+
+    parameters, effects = problem.parameters, problem.effects
+    equations: CoulombEquations | GeneralEquations
+    if model == "coulomb":
+        mu = float("inf") if effects.mu is None else effects.mu
+        equations = CoulombEquations(parameters=parameters, mu=mu)
+    else:
+        equations = GeneralEquations(parameters=parameters, effects=effects)
     return HybridIntegrator(problem, equations, locus=locus).run()

@@ -13,7 +13,8 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from harness.cli import options, run_options, terminal
+from harness.cli import options, terminal
+from harness.cli.settings import parse_settings
 from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import OutputError, ParityError, TrajectoryError
@@ -81,7 +82,7 @@ def run(  # noqa: PLR0917 - a parameter an option
         engine=engine,
         profile=profile,
         timestep=timestep,
-        options=run_options.parse_settings(set_ or []),
+        options=parse_settings(set_ or []),
     )
     if out is not None:
         check_motion_file(out)

@@ -14,6 +14,7 @@ from rich.markup import escape
 
 from harness import api
 from harness.cli import options, run_options, terminal
+from harness.cli.settings import parse_settings
 from harness.cli.study_command import run_command, shown
 from harness.cli.terminal import write_text
 from harness.core.case import Case
@@ -90,7 +91,7 @@ def errors(  # noqa: PLR0917 - a parameter an option
 
     For example: rockingcan errors gentle-rock --engine mujoco --set solref=0.005,1
     """
-    options = run_options.parse_settings(set_ or [])
+    options = parse_settings(set_ or [])
     plan = plan_errors(load(scene), engine, profile, timestep=timestep, options=options)
     study = ErrorsStudy(plan=plan)
     of_split = {"timestep_s", "true", "value", "limit", "order_spread", "command"}

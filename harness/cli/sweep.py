@@ -12,6 +12,7 @@ import typer
 from rich.markup import escape
 
 from harness.cli import options, run_options, terminal
+from harness.cli.settings import parse_settings
 from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
@@ -93,7 +94,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         engine=engine,
         profile=profile,
         timestep=timestep,
-        options=run_options.parse_settings(set_ or []),
+        options=parse_settings(set_ or []),
         quantities=asked,
     )
     if against is not None and against not in chosen.quantities:

@@ -13,6 +13,7 @@ import typer
 from harness import api
 from harness.cli import options, run_options, terminal
 from harness.cli.reports import joined_sections, show_changes
+from harness.cli.settings import engine_settings, settings_to_dict
 from harness.cli.study_command import not_installed, run_with_progress, shown
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
@@ -106,11 +107,11 @@ def validate(  # noqa: PLR0917 - a parameter an option
     """
     engines = api.stepping_engines(engine)
     absent = () if engine else left_out()
-    chosen = run_options.engine_settings(set_ or [], engines)
+    chosen = engine_settings(set_ or [], engines)
     study = plan_comparison(suite, engines, chosen)
     check_writable(out)
     others = joined_sections(with_ or [])
-    settings = run_options.settings_to_dict(chosen)
+    settings = settings_to_dict(chosen)
     if accept and settings:
         allowed = "nothing beside --set: accepted results are an engine's own"
         raise InvalidSettingError("--accept", accept, allowed)

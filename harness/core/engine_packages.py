@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from packaging.requirements import Requirement
-from packaging.utils import canonicalize_name
+if TYPE_CHECKING:
+    from packaging.requirements import Requirement
 
 ENGINE_ENTRY_POINTS = "rockingcan.engines"
 """Group of entry points under which packages register engines."""
@@ -47,6 +48,9 @@ class EnginePackages:
 @cache
 def packages_of(entry: EntryPoint) -> EnginePackages:
     """Return the packages of an engine, from the metadata of the package that registers it."""
+    from packaging.requirements import Requirement  # noqa: PLC0415 - one engine by name needs none
+    from packaging.utils import canonicalize_name  # noqa: PLC0415
+
     owner = entry.dist
     if owner is None or entry.name not in (owner.metadata.get_all("Provides-Extra") or ()):
         return EnginePackages()
@@ -64,7 +68,7 @@ def packages_of(entry: EntryPoint) -> EnginePackages:
     )
 
 
-def _applies(requirement: Requirement, extra: str) -> bool:
+def _applies(requirement: "Requirement", extra: str) -> bool:
     """Whether a requirement is installed in this Python with an extra; "" for none."""
     return requirement.marker is None or requirement.marker.evaluate({"extra": extra})
 

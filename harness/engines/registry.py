@@ -178,6 +178,15 @@ def engine(name: str) -> Engine:
     return created
 
 
+def engine_version(name: str) -> str:
+    """Return the version of an engine, or "unknown" if its adapter cannot tell."""
+    try:
+        version: object = engine(name).version
+        return version if isinstance(version, str) else "unknown"
+    except Exception:  # noqa: BLE001 - an adapter is somebody's program
+        return "unknown"
+
+
 def variants(name: str) -> tuple[Variant, ...]:
     """Return the variants of an engine: its own, or the profiles and each word that it allows."""
     chosen = engine(name)

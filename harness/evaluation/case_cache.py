@@ -5,7 +5,7 @@ program: all on which the result depends.
 """
 
 from harness.core.case import Case
-from harness.engines.registry import engine, names
+from harness.engines.registry import engine, engine_version, names
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata, checksum
@@ -49,15 +49,6 @@ def is_current(metadata: Metadata) -> bool:
 def code_fingerprint(name: str, *modules: str) -> str:
     """Return the fingerprint of the program behind results of an engine."""
     return fingerprint(_module_of(name), *modules)
-
-
-def engine_version(name: str) -> str:
-    """Return the version of an engine, or "unknown" if its adapter cannot tell."""
-    try:
-        version: object = engine(name).version
-        return version if isinstance(version, str) else "unknown"
-    except Exception:  # noqa: BLE001 - an adapter is somebody's program
-        return "unknown"
 
 
 def _module_of(name: str) -> str:

@@ -21,8 +21,9 @@ from harness.engines.reference.truth import Truth, solve_case, truth
 from harness.engines.registry import engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.physics_engine import schedule_of
-from harness.evaluation.evaluate import evaluate_case, failed_evaluation
+from harness.evaluation.evaluate import evaluate_case
 from harness.evaluation.evaluation import Record
+from harness.evaluation.run_cases import failed_evaluation
 from harness.execution.worker import LostTaskError
 from harness.metrics.motion import shares
 from harness.metrics.quantities import QUANTITIES, finite

@@ -5,8 +5,6 @@ the truth at the same instants, and the numbers.
 """
 
 import pickle
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
 
@@ -23,13 +21,8 @@ from harness.engines.reference import PARTED
 from harness.engines.reference.assumption_checks import divergence_of, findings
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, sample_truth, truth
-from harness.engines.registry import check_effects, engine, is_ours, timestep_of
-from harness.evaluation.case_cache import engine_version, evaluation_cache
+from harness.engines.registry import check_effects, engine, engine_version, is_ours, timestep_of
 from harness.evaluation.evaluation import Evaluation
-from harness.execution.cache import CacheFolder
-from harness.execution.isolated_pool import SerialExecutor
-from harness.execution.tasks import ProgressListener, run_tasks
-from harness.execution.worker import LostTaskError
 from harness.metrics.bounces import bounces
 from harness.metrics.energy import energy_drift
 from harness.metrics.error import errors, rotation_between
@@ -206,48 +199,3 @@ def _until(scene: Scene, own: Truth, end: float) -> Truth:
     while 0.0 < seconds < end:
         seconds *= 1.25
     return own if seconds == own.ends else truth(scene, seconds)
-
-
-def run_cases(
-    cases: Sequence[Case],
-    executor: Executor | None = None,
-    on_done: Callable[[Evaluation], None] | None = None,
-    *,
-    store: CacheFolder | None = None,
-) -> tuple[Evaluation, ...]:
-    """Evaluate cases, each once, and return them in the order given.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-    executor : Executor, optional
-        Where they run; here and one by one if left out.
-    on_done : callable, optional
-        Called with each evaluation as it is ready.
-    store : CacheFolder, optional
-        Cache of evaluations. A stored case is not run again, and has the same bits as if it were;
-        its times are those that were measured when it ran.
-
-    Raises
-    ------
-    HarnessError
-        Before anything runs, if a case is wrong use; else as `evaluate_case` does.
-    """
-    for case in cases:
-        check_case(case)
-    return tuple(
-        run_tasks(
-            cases,
-            evaluate_case,
-            SerialExecutor() if executor is None else executor,
-            lost=failed_evaluation,
-            cache=None if store is None else evaluation_cache(store),
-            listener=ProgressListener(done=lambda _, e, __: on_done(e)) if on_done else None,
-        )
-    )
-
-
-def failed_evaluation(case: Case, error: LostTaskError) -> Evaluation:
-    """Return the evaluation of a case whose process died or was stopped."""
-    outcome = Outcome[error.loss.name]
-    return Evaluation(simulation=failed_simulation(case, error.reason, outcome))

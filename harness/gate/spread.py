@@ -16,7 +16,7 @@ from dataclasses import replace
 from itertools import islice
 
 from harness.core.case import Case
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.gate.scores import QUANTITIES, QuantityKind, Score, scored
 from harness.studies.shared.perturbation import perturbed
 

@@ -18,8 +18,9 @@ from harness.core.report_model import Artefact
 from harness.core.simulation import Simulation
 from harness.evaluation.case_cache import case_key, case_metadata, evaluation_cache
 from harness.evaluation.effort import engine_group, expected_seconds, expected_timing
-from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
+from harness.evaluation.evaluate import check_case, evaluate_case
 from harness.evaluation.evaluation import Evaluation, Record
+from harness.evaluation.run_cases import failed_evaluation
 from harness.evaluation.timing import single_thread_executor, time_alone, untimed
 from harness.execution.cache import CacheFolder
 from harness.execution.estimate import (

@@ -19,7 +19,8 @@ from scipy.stats import qmc
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.evaluation.case_cache import code_fingerprint, engine_version
+from harness.engines.registry import engine_version
+from harness.evaluation.case_cache import code_fingerprint
 from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, checked_scene
 from harness.sweep.parameters import Floats

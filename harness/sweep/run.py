@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import pandas as pd
 
-from harness.evaluation.evaluate import failed_evaluation
+from harness.evaluation.run_cases import failed_evaluation
 from harness.execution.limits import NO_LIMITS, Limits
 from harness.execution.signals import delay_signals
 from harness.execution.tasks import run_queue

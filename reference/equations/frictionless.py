@@ -35,7 +35,7 @@ import numpy as np
 from reference.equations.contact_laws import Contact, Kind, Mode, Phase
 from reference.equations.reaction_force import contact_from_middle, middle_velocity
 from reference.equations.state_vector import LEAN, PSI, ROWS, TIME, TOTAL, W2, Angles, Index
-from reference.nonsmooth.hybrid_integrator import HybridIntegrator, PhasedRun
+from reference.nonsmooth.hybrid_integrator import HybridIntegrator
 from reference.problem.can import Parameters
 from reference.problem.effects import IDEAL
 from reference.problem.problem import Problem
@@ -206,7 +206,7 @@ class SlidingPath:
         )
 
 
-def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedRun:
+def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> Run:
     """Integrate the can without friction, with the rates of psi and theta from the two momenta."""
     p = problem.parameters
     release = initial_states(problem)
@@ -222,7 +222,7 @@ def solve_frictionless(problem: Problem, *, method: str, rtol: float) -> PhasedR
     path = SlidingPath(inner=run.path, equations=equations, drift=drift)
     there = path.at(run.track.times)
     extrema = replace(run.track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
-    return PhasedRun(
+    return Run(
         path=path,
         track=replace(run.track, extrema=extrema),
         steps=run.steps,

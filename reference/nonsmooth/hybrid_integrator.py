@@ -5,7 +5,7 @@ step that contains it (`reference.nonsmooth.events`), the step is cut there, and
 begins with the other law.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -81,13 +81,6 @@ ENDINGS = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PhasedRun(Run):
-    """A finished integration and the phases of its contact."""
-
-    phases: tuple[Phase, ...]
-
-
 class HybridIntegrator:
     """Integrates one problem."""
 
@@ -110,7 +103,7 @@ class HybridIntegrator:
     def _mode(self) -> Mode:
         return self._now.mode
 
-    def run(self) -> PhasedRun:
+    def run(self) -> Run:
         """Integrate to the horizon or an ending."""
         while not self.watch.ended():
             piece = self._step()
@@ -122,7 +115,7 @@ class HybridIntegrator:
         track = self.watch.track()
         there = path.at(track.times)
         extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
-        return PhasedRun(
+        return Run(
             path=path,
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from reference.equations.contact_laws import Phase
 from reference.equations.nonholonomic import nutation_acceleration, stands_still
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
@@ -194,9 +195,12 @@ class Run:
     track : Extrema
     steps, evaluations : int
         Solver work.
+    phases : tuple of Phase
+        Of sticking and slipping, where the law of contact may change.
     """
 
     path: Path
     track: Extrema
     steps: int
     evaluations: int
+    phases: tuple[Phase, ...] = ()

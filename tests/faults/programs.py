@@ -28,7 +28,7 @@ from harness.core.errors import HarnessError
 from harness.core.simulation import Simulation
 from harness.engines.base import Capabilities, Setting
 from harness.engines.registry import engine, left_out
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits

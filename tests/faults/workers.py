@@ -14,8 +14,8 @@ from typing import Any
 
 from harness.core.engine_packages import install_command
 from harness.core.errors import MissingPackageError
-from harness.evaluation.evaluate import run_cases
 from harness.evaluation.evaluation import Evaluation
+from harness.evaluation.run_cases import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.dask_cluster import dask_executor
 from harness.execution.isolated_pool import SerialExecutor

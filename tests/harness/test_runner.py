@@ -15,7 +15,7 @@ from harness.core.errors import (
     UnknownSettingError,
     UnsupportedEffectError,
 )
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from models import Effects, Horizon, Restitution, Scene
 

@@ -11,7 +11,7 @@ from harness.core.case import Case
 from harness.core.provenance import Commit, Provenance
 from harness.core.report_model import Artefact, Figure, Panel, Prose, Series, Table
 from harness.core.verdict import Status, Verdict
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.report.write import write_report
 from harness.studies.comparison.study import comparison_report
 from models import load

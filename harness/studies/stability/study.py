@@ -15,7 +15,8 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Column, Figure, Prose, Series, table_of
 from harness.evaluation.effort import engine_group, expected_seconds
-from harness.evaluation.evaluate import check_case, evaluate_case, failed_evaluation
+from harness.evaluation.evaluate import check_case, evaluate_case
+from harness.evaluation.run_cases import failed_evaluation
 from harness.execution.worker import LostTaskError
 from harness.studies.shared import run_columns
 from harness.studies.stability.failure_criteria import (

@@ -9,7 +9,7 @@ import pytest
 from harness.cli.main import code_of
 from harness.core.provenance import provenance
 from harness.core.report_model import Prose, Table
-from harness.evaluation import evaluate
+from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.report.write import write_report
 
 
@@ -31,7 +31,7 @@ def test_reports_are_joined_without_a_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     first, second = (written(tmp_path, name) for name in ("first", "second"))
-    monkeypatch.setattr(evaluate, "run_cases", lambda *_: pytest.fail("something was run"))
+    monkeypatch.setattr(IsolatedProcessPool, "submit", lambda *_: pytest.fail("something was run"))
     out = tmp_path / "all"
     assert code_of(["report", str(first), str(second), "--out", str(out)]) == 0
     assert "2 studies in one report" in capsys.readouterr().out

@@ -66,7 +66,7 @@ def test_scenes_and_wrong_scenes_need_no_engine(words: tuple[str, ...]) -> None:
 def test_the_exact_motion_needs_neither_tables_nor_engines() -> None:
     code, packages = imported("reference", "gentle-rock")
     assert code == 0
-    assert not packages & (HEAVY - {"reference", "scipy", "pyarrow"})
+    assert not packages & (HEAVY - {"reference", "scipy"})
 
 
 def test_the_version_is_that_of_the_package(capfd: pytest.CaptureFixture[str]) -> None:

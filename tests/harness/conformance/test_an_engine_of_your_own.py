@@ -25,7 +25,7 @@ from harness.engines.conformance import conform
 from harness.engines.probes import measure
 from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.engines.registry import engine, names
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.studies.comparison.study import comparison_report
 from models import load

@@ -18,7 +18,8 @@ from harness.core.errors import BrokenEngineError, InvalidSettingError, RefusedM
 from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.engines import registry
 from harness.engines.base import Capabilities
-from harness.evaluation.evaluate import evaluate, run_cases
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.run_cases import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
 from harness.execution.isolated_pool import SerialExecutor
@@ -154,9 +155,9 @@ def spoilt(monkeypatch: pytest.MonkeyPatch, brief: Scene) -> Callable[[Spoil], C
 
     def register(spoil: Spoil) -> Case:
         real = registry.engine
-        for module in ("evaluate", "case_cache"):
+        for module in ("evaluation.evaluate", "evaluation.case_cache", "engines.registry"):
             monkeypatch.setattr(
-                f"harness.evaluation.{module}.engine",
+                f"harness.{module}.engine",
                 lambda name: Spoilt(spoil) if name == "spoilt" else real(name),
             )
         monkeypatch.setattr("harness.evaluation.evaluate.check_effects", lambda *_: None)

@@ -10,7 +10,7 @@ import pytest
 from harness.core.case import Case, Value
 from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from models import Can, Effects, Scene, Slip
 from tests.support.engines import stepping_engine
 from tests.support.trajectories import make_trajectory

@@ -23,7 +23,8 @@ from harness.core.simulation import Outcome, Simulation
 from harness.engines import registry
 from harness.engines.base import Capabilities, Setting, resolve
 from harness.engines.reference.truth import truth
-from harness.evaluation.evaluate import evaluate, run_cases
+from harness.evaluation.evaluate import evaluate
+from harness.evaluation.run_cases import run_cases
 from harness.studies.comparison.study import comparison_report
 from models import Effects, RoundedRim, Scene, Slip
 

@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from harness.core.case import Case
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import SerialExecutor, local_executor
 from models import Scene

@@ -7,7 +7,7 @@ from types import MappingProxyType
 import pytest
 
 from harness.core.case import Case, Value
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.execution.isolated_pool import SerialExecutor
 from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, regressions, sentences

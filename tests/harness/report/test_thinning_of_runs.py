@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.report.simplify_curves import PAPER, SCREEN, Detail, plottable, simplify
 from harness.studies.comparison.study import comparison_report
 from models.catalogue import load

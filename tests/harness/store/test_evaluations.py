@@ -13,8 +13,9 @@ from harness.core.errors import CacheWarning
 from harness.core.simulation import Outcome
 from harness.engines.reference.assumption_checks import Divergence
 from harness.evaluation.case_cache import evaluation_cache
-from harness.evaluation.evaluate import evaluate, failed_evaluation, run_cases
+from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
+from harness.evaluation.run_cases import failed_evaluation, run_cases
 from harness.execution.cache import JOURNAL, CacheFolder
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, run_tasks

@@ -83,7 +83,12 @@ def test_an_error_that_cannot_be_said_is_an_outcome_too(
     chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:2:4", engine="mujoco", quantities=["period_s"]
     )
-    for place in ("sweep.values", "evaluation.evaluate", "evaluation.case_cache"):
+    for place in (
+        "sweep.values",
+        "evaluation.evaluate",
+        "evaluation.case_cache",
+        "engines.registry",
+    ):
         monkeypatch.setattr(f"harness.{place}.engine", lambda _: Mute())
     frame = carried_out(tmp_path / "out", chosen)
     assert frame.outcome.astype(str).str.contains("`simulate` raised Unspeakable").all()

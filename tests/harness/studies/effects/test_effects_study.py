@@ -6,7 +6,7 @@ import pytest
 
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Prose, Table
-from harness.evaluation.evaluate import run_cases
+from harness.evaluation.run_cases import run_cases
 from harness.studies.effects.changes import Effect, EffectsResults, EffectStatus
 from harness.studies.effects.plan import EffectsPlan, plan_effects
 from harness.studies.effects.study import effects_report
