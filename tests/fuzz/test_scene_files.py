@@ -57,6 +57,7 @@ def test_a_name_that_means_harm_is_refused(tmp_path: Path, name: str) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_number_at_an_edge_is_answered_or_refused(tmp_path: Path, number: str) -> None:
     for key in ("radius", "phi", "psi_dot"):

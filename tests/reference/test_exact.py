@@ -58,6 +58,7 @@ def test_golden_releases_solved_one_by_one(model: str) -> None:
             assert getattr(bounce, name) == pytest.approx(float(row[name]), rel=1e-10, abs=0), name
 
 
+@pytest.mark.slow
 def test_formula_and_integrator_agree_in_all_that_a_bounce_reports() -> None:
     """To 1e-10, on every row."""
     for row in GOLDEN:

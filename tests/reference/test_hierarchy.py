@@ -96,6 +96,7 @@ def test_composite_solution_is_uniformly_close() -> None:
     assert order(SIZES, differences) == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.slow
 def test_outer_correction_improves_the_fall() -> None:
     """With its first correction the outer solution errs by epsilon^2 instead of epsilon."""
     errors: dict[bool, list[float]] = {False: [], True: []}

@@ -151,6 +151,7 @@ def test_slip_and_rolling_may_begin_together() -> None:
     assert (np.diff(lost(found, np.linspace(0.0, found.t_end, 100))) > 0.0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theta_dot", [0.0, 1e-15, 1e-13, 1e-10, 1e-6])
 @pytest.mark.parametrize("phi_dot", [0.0, -1e-16, 1e-13, 1e-8])
 def test_hardly_rolling_is_followed_too(phi_dot: float, theta_dot: float) -> None:

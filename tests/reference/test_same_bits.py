@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 PROGRAM = """
 import hashlib
 import numpy as np
@@ -48,6 +50,7 @@ def digest_with(threads: int) -> str:
     ).stdout
 
 
+@pytest.mark.slow
 def test_one_thread_and_several_give_the_same_bits() -> None:
     assert len(digest_with(1)) == 65
     assert digest_with(1) == digest_with(2)

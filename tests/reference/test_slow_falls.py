@@ -49,6 +49,7 @@ def test_beyond_a_fold_the_can_overturns_however_slowly() -> None:
     assert solve(beside_the_fold(0.0), model="rolling").outcome is Outcome.STEADY
 
 
+@pytest.mark.slow
 def test_of_a_fall_that_no_single_ulp_but_all_of_them_decide_no_bounce_is_given() -> None:
     """Once a crash: no neighbour parts by itself, so that there is no instant up to which."""
     found = solve(beside_the_fold(1e-12))

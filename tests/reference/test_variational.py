@@ -234,6 +234,7 @@ def disturbed(problem: Problem, name: str, size: float) -> Solution:
     return solve(replace(problem, **{name: getattr(problem, name) + size}), model="general")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mass on a shaken plane", "drag", "drilling", "friction"])
 def test_disturbances_are_differences_of_motions(name: str) -> None:
     effects, slip = (SMOOTH[name], (0.0, 0.0)) if name in SMOOTH else SWITCHING[name]

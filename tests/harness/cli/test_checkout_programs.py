@@ -11,6 +11,7 @@ from harness.cli import checkout
 from tests.support.command_line import Command
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [

@@ -103,6 +103,7 @@ def test_a_number_is_at_most_what_is_allowed(number: float, *, passes: bool) -> 
     assert found is (ClauseStatus.PASSED if passes else ClauseStatus.FAILED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("toy", BROKEN, ids=lambda toy: toy.__name__)
 def test_a_broken_adapter_is_told_its_clause(toy: type[Toy]) -> None:
     failed = told(conform(toy()), ClauseStatus.FAILED)

@@ -87,6 +87,7 @@ def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: 
     assert reason in caught.value.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planted", [HANGS, HANGS_WHEN_ASKED], indirect=True)
 def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
     planted: EntryPoint, monkeypatch: pytest.MonkeyPatch

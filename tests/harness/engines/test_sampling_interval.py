@@ -80,6 +80,7 @@ def runs(scene: Scene, profile: str, timestep: float, patch: Patch) -> tuple[Eva
 SCENES = [("gentle-rock", 2e-5), ("paper-release", 5e-6), ("wobble", 2e-5)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "timestep"), SCENES)
 @pytest.mark.parametrize("profile", ["default", "matched"])
 def test_all_that_is_reported_stays(

@@ -55,6 +55,7 @@ def test_it_ends_after_the_maximum_that_closes_the_last_bounce(
     assert closing < when < closing + 0.1415 / (np.pi * 6.5) + 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("part", [1, 3, 17, 250])
 def test_what_it_says_does_not_depend_on_the_parts(gentle: Scene, seed: int, part: int) -> None:

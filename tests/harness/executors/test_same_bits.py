@@ -3,6 +3,8 @@
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import pytest
+
 from harness.core.case import Case
 from harness.evaluation.run_cases import run_cases
 from harness.execution.cache import CacheFolder
@@ -11,6 +13,7 @@ from models import Scene
 from tests.faults.journal_check import differing, ledger, whole
 
 
+@pytest.mark.slow
 def test_here_in_threads_and_in_processes(brief: Scene, tmp_path: Path) -> None:
     cases = [
         Case(scene=brief, engine=engine, timestep=timestep)

@@ -220,6 +220,7 @@ def test_a_measurement_travels_and_repeats(scene: Scene, name: str) -> None:
     assert there.engine_version == engine(name).version
 
 
+@pytest.mark.slow
 def test_every_effect_has_a_finding(scene: Scene) -> None:
     measurement = measure(Case(scene=scene, engine="mujoco", timestep=1e-3))
     assert list(PROBES) == list(dict.fromkeys(f.effect for f in measurement.findings))

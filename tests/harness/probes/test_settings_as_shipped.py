@@ -109,6 +109,7 @@ def findings() -> dict[str, ProbeFinding]:
     return {finding.quantity: finding for finding in measure(case).findings}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "quantity"),
     [

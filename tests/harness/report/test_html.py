@@ -163,6 +163,7 @@ def test_every_panel_has_one_still_picture_with_words(page: Page, hostile_page: 
     assert stills[0]["aria-label"].startswith("Nutation </script>")
 
 
+@pytest.mark.slow
 def test_files_for_paper_are_named_where_there_are_any(
     artefacts: tuple[Artefact, ...], provenance: Provenance, page: Page, tmp_path: Path
 ) -> None:

@@ -52,6 +52,7 @@ def test_svg_is_well_formed_and_says_what_the_figure_says(
         assert {series.label for series in panel.series} <= texts
 
 
+@pytest.mark.slow
 def test_no_text_becomes_an_element_or_a_formula(hostile_artefacts: tuple[Artefact, ...]) -> None:
     for figure in figures(hostile_artefacts):
         root = ET.fromstring(draw(figure).svg)  # noqa: S314 # written by this test

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from urllib.parse import unquote
 from xml.etree.ElementTree import Element, fromstring
 
+import pytest
+
 from harness.core.report_model import Artefact, Figure
 from harness.report.matplotlib_renderer import address, render
 from harness.report.style import palette
@@ -53,6 +55,7 @@ def steps(path: str) -> Sequence[str]:
     return found
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_and_it_is_shorter_than_in_base64(
     artefacts: tuple[Artefact, ...], hostile_artefacts: tuple[Artefact, ...]
 ) -> None:

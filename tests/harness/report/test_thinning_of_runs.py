@@ -61,6 +61,7 @@ def drawn(points: Floats) -> Floats:
     return np.column_stack([np.interp(places, along, points[:, axis]) for axis in range(2)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("detail", [SCREEN, PAPER], ids=["screen", "paper"])
 def test_no_curve_is_off_by_a_pixel(figures: list[Figure], detail: Detail) -> None:
     left_out = 0

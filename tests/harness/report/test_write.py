@@ -68,6 +68,7 @@ def test_the_same_report_gives_the_same_bytes(
     assert again == told
 
 
+@pytest.mark.slow
 def test_figures_for_paper_are_drawn_once_and_alike_in_any_process(
     artefacts: tuple[Artefact, ...], provenance: Provenance, tmp_path: Path
 ) -> None:

@@ -212,6 +212,7 @@ def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
     carried_out(out, sweep_of_225)
 
 
+@pytest.mark.slow
 def test_threads_and_processes_make_the_same_bytes(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
     runs = make_plan(
         "gentle-rock",

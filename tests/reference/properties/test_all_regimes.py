@@ -183,6 +183,7 @@ def test_time_runs_backwards_to_where_it_began(problem: Problem, share: float) -
         assert -getattr(home, name)[0] == pytest.approx(getattr(problem, name), abs=allowed), name
 
 
+@pytest.mark.slow
 @given(problem=releases())
 def test_in_a_mirror_the_can_turns_the_other_way(problem: Problem) -> None:
     """In every regime, and to the last bit: the same operations with other signs."""

@@ -9,6 +9,7 @@ from harness.core.errors import OutputError
 from harness.paper.gallery import FIGURES
 
 
+@pytest.mark.slow
 def test_the_gallery_is_written(tmp_path: Path) -> None:
     gallery(tmp_path / "gallery")
     folder = tmp_path / "gallery" / "figures"

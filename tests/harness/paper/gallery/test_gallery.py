@@ -34,6 +34,7 @@ def panel(figure: Figure, title: str) -> Panel:
     return next(p for p in figure.panels if p.title.startswith(title))
 
 
+@pytest.mark.slow
 def test_every_figure_of_the_paper_is_there(drawn: dict[str, Figure]) -> None:
     assert set(drawn) == PAPERS | {"wells"}
     assert len(FIGURES) == len(drawn)
@@ -47,6 +48,7 @@ def test_every_curve_has_something_to_show(drawn: dict[str, Figure]) -> None:
                 assert np.isfinite(series.x + series.y).any(), (figure.name, series.label)
 
 
+@pytest.mark.slow
 def test_every_figure_can_be_printed(drawn: dict[str, Figure]) -> None:
     for figure in drawn.values():
         files = render(figure, palette(s.kind for p in figure.panels for s in p.series))

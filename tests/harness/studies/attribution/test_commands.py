@@ -37,6 +37,7 @@ def test_attribute_answers_with_one_object_and_writes_a_report(tmp_path: Path) -
     )
 
 
+@pytest.mark.slow
 def test_errors_answers_with_one_object_and_writes_a_report(tmp_path: Path) -> None:
     out = tmp_path / "report"
     words = ("--set", "solref=0.02,1", "--timestep", "1e-3", "--figures", "--out", str(out))

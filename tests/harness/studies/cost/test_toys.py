@@ -241,6 +241,7 @@ def test_every_point_has_its_command(found: Cost) -> None:
     assert table["command"].is_unique
 
 
+@pytest.mark.slow
 def test_what_was_measured_is_not_measured_again(study: Studied, tmp_path: Path) -> None:
     first, worked = study(tmp_path)
     assert worked
@@ -251,6 +252,7 @@ def test_what_was_measured_is_not_measured_again(study: Studied, tmp_path: Path)
         assert one == other
 
 
+@pytest.mark.slow
 def test_a_repeated_study_has_the_same_winners(found: Cost, study: Studied, tmp_path: Path) -> None:
     other, _ = study(tmp_path)
     for target in (1.0, 0.1, 0.01, 1e-3, 1e-4):

@@ -126,6 +126,7 @@ def test_an_effect_that_contradicts_the_scene_is_said_to(
     assert all(one.run is None and not one.changes and not one.declared for one in of_kind)
 
 
+@pytest.mark.slow
 def test_the_changes_of_two_factors_add_up() -> None:
     scene = with_effects(slip=Slip(mu=0.2), tilt=Tilt(angle=0.02))
     found = studied(plan_effects(scene, ("mujoco",), timestep=COARSE))
@@ -142,6 +143,7 @@ def test_the_changes_of_two_factors_add_up() -> None:
         assert slip.mean[key] == pytest.approx((first + end) / 2.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_artefacts_name_every_effect_and_every_column() -> None:
     made = plan_effects(with_effects(slip=Slip(mu=0.2)), ("mujoco",), timestep=COARSE)
     artefacts = effects_report(studied(made))

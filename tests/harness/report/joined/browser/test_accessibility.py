@@ -13,6 +13,7 @@ EVERYTHING = "article { content-visibility: visible !important; }"
 RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (1400, "dark"), (375, "light")])
 def test_axe_finds_nothing(
     width: int, scheme: str, browse: Open, axe: str, joined_report: Path
@@ -40,6 +41,7 @@ def complaints(page: Any, axe: str) -> list[tuple[str, object, str]]:
     ]
 
 
+@pytest.mark.slow
 def test_everything_that_answers_can_be_reached_by_keyboard(
     browse: Open, joined_report: Path
 ) -> None:

@@ -37,6 +37,7 @@ def test_every_figure_draws_without_a_network(browse: Open, joined_report: Path)
     assert page.locator(".modebar-btn").count() == 0  # none that sends anything away
 
 
+@pytest.mark.slow
 def test_a_link_in_the_contents_leads_there_and_draws(browse: Open, real_report: Path) -> None:
     page = browse(real_report, whole=False)
     assert page.locator(".figure.drawn").count() == 0  # none is near the top of the page
@@ -47,6 +48,7 @@ def test_a_link_in_the_contents_leads_there_and_draws(browse: Open, real_report:
     assert page.locator(".figure.drawn").count() < page.locator(".figure").count()
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_real_report_draws(browse: Open, real_report: Path) -> None:
     page = browse(real_report)
     drawn = page.locator(".graph").evaluate_all(TRACES)
@@ -56,6 +58,7 @@ def test_every_figure_of_a_real_report_draws(browse: Open, real_report: Path) ->
     assert page.locator(".figure.failed").count() == 0
 
 
+@pytest.mark.slow
 def test_the_legend_hides_and_shows(browse: Open, joined_report: Path) -> None:
     figure = browse(joined_report).locator(".figure").first
     entry, graph = figure.locator(".entry").nth(1), figure.locator(".graph").first
@@ -68,6 +71,7 @@ def test_the_legend_hides_and_shows(browse: Open, joined_report: Path) -> None:
     assert entry.get_attribute("aria-pressed") == "true"
 
 
+@pytest.mark.slow
 def test_an_engine_is_shown_alone_and_again_with_all(browse: Open, joined_report: Path) -> None:
     figure = browse(joined_report).locator(".figure").first
     entry, shown = figure.locator(".entry").nth(1), figure.locator(".graph").first.locator(".trace")
@@ -80,6 +84,7 @@ def test_an_engine_is_shown_alone_and_again_with_all(browse: Open, joined_report
     assert pressed.count() == 3
 
 
+@pytest.mark.slow
 def test_a_drag_zooms_panels_over_the_same_times_together(
     browse: Open, joined_report: Path
 ) -> None:
@@ -103,6 +108,7 @@ def test_a_drag_zooms_panels_over_the_same_times_together(
     until(page, lambda: spans(page) == before)
 
 
+@pytest.mark.slow
 def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     graph = page.locator(".figure").first.locator(".graph").first
@@ -134,6 +140,7 @@ def test_tables_sort_numbers_by_value_and_put_nothing_last(
     assert column(page, 1) == ["late", "mujoco", "pybullet"]
 
 
+@pytest.mark.slow
 def test_a_number_leads_to_its_case(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     place = page.locator("#case-0123456789abcdef")
@@ -143,6 +150,7 @@ def test_a_number_leads_to_its_case(browse: Open, joined_report: Path) -> None:
     assert "rockingcan run gentle-rock" in place.inner_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["joined_report", "hostile_joined_report", "real_report"])
 def test_no_sideways_scroll_on_a_phone(
     name: str, browse: Open, request: pytest.FixtureRequest
@@ -162,6 +170,7 @@ def test_hostile_texts_do_not_run(
     assert page.locator("img[onerror]").count() == 0
 
 
+@pytest.mark.slow
 def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     page.emulate_media(media="print")
@@ -171,6 +180,7 @@ def test_on_paper_pictures_take_the_place_of_graphs(browse: Open, joined_report:
         assert not page.locator(hidden).first.is_visible(), hidden
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_without_scripts_pictures_and_tables_are_there(
     scheme: str, browse: Open, joined_report: Path
@@ -190,6 +200,7 @@ def test_without_scripts_pictures_and_tables_are_there(
     assert page.locator("#table-engines tbody tr").count() == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [PHONE, 1400])
 def test_no_text_of_a_picture_leaves_it_or_is_too_small(
     width: int, browse: Open, real_report: Path

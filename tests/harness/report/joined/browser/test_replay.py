@@ -45,6 +45,7 @@ def test_reference_and_engine_are_drawn_side_by_side(browse: Open, joined_report
     assert names == ["exact", "MuJoCo"]
 
 
+@pytest.mark.slow
 def test_it_plays_to_its_end_and_again(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     element = replay(page)
@@ -60,6 +61,7 @@ def test_it_plays_to_its_end_and_again(browse: Open, joined_report: Path) -> Non
     wait_until(page, lambda: 0 < frame(element) < LAST)
 
 
+@pytest.mark.slow
 def test_a_pause_holds_it(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     element = replay(page)
@@ -72,6 +74,7 @@ def test_a_pause_holds_it(browse: Open, joined_report: Path) -> None:
     assert frame(element) == held < LAST
 
 
+@pytest.mark.slow
 def test_the_slider_answers_to_the_keyboard(browse: Open, joined_report: Path) -> None:
     element = replay(browse(joined_report))
     slider = element.locator("input")
@@ -84,6 +87,7 @@ def test_the_slider_answers_to_the_keyboard(browse: Open, joined_report: Path) -
     assert slider.get_attribute("aria-valuetext") == "990.000 milliseconds"
 
 
+@pytest.mark.slow
 def test_it_goes_to_the_bounce(browse: Open, joined_report: Path) -> None:
     element = replay(browse(joined_report))
     element.locator(".to-bounce").press("Enter")
@@ -91,6 +95,7 @@ def test_it_goes_to_the_bounce(browse: Open, joined_report: Path) -> None:
     assert element.locator(".clock").inner_text().startswith("500.0000 ms; a second of watching")
 
 
+@pytest.mark.slow
 def test_who_wants_no_motion_gets_steps(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report, reduced_motion="reduce")
     element = replay(page)
@@ -102,6 +107,7 @@ def test_who_wants_no_motion_gets_steps(browse: Open, joined_report: Path) -> No
     assert frame(element) == stepped > 0
 
 
+@pytest.mark.slow
 def test_nothing_moves_by_itself(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     element = replay(page)
@@ -109,6 +115,7 @@ def test_nothing_moves_by_itself(browse: Open, joined_report: Path) -> None:
     assert frame(element) == 0
 
 
+@pytest.mark.slow
 def test_a_real_can_rolls(browse: Open, real_report: Path) -> None:
     element = replay(browse(real_report, whole=False))
     before = pictures(element)
