@@ -94,7 +94,7 @@ def provenance() -> Provenance:
         python=platform.python_version(),
         packages=MappingProxyType({k: v for k, v in versions.items() if v != UNKNOWN}),
         platform=platform.platform(),
-        processor=_processor(),
+        processor=processor(),
         cores=_cores(),
         commit=commit_of(Path(__file__)),
         written=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -147,7 +147,7 @@ def version_of(package: str, missing: str = UNKNOWN) -> str:
         return missing
 
 
-def _processor() -> str:
+def processor() -> str:
     """Return the name of the processor, which Linux has in a file only."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()

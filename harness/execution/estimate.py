@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.core.provenance import provenance
+from harness.core.provenance import processor
 from harness.execution.atomic_write import write_atomically
 
 FILE = "speeds.json"
@@ -168,7 +168,7 @@ def read_speeds(folder: Path) -> dict[str, float]:
     """Return the factors that an earlier run with a store found on this processor."""
     with suppress(OSError, ValueError, AttributeError):
         known = json.loads((folder / FILE).read_text(encoding="utf-8"))
-        own = known.get(provenance().processor, {})
+        own = known.get(processor(), {})
         return {
             name: speed for name, speed in own.items() if isinstance(speed, float) and speed > 0
         }
@@ -180,7 +180,7 @@ def write_speeds(folder: Path, speeds: Mapping[str, float]) -> None:
     others: dict[str, object] = {}
     with suppress(OSError, ValueError, TypeError):
         others = dict(json.loads((folder / FILE).read_text(encoding="utf-8")))
-    known = others | {provenance().processor: read_speeds(folder) | dict(speeds)}
+    known = others | {processor(): read_speeds(folder) | dict(speeds)}
     with suppress(OSError):  # it is the worth of an estimate, not of a result
         write_atomically(folder / FILE, json.dumps(known, indent=1, sort_keys=True).encode())
 

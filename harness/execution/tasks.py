@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from functools import cache
 from typing import Generic, TypeVar
 
-from harness.core.provenance import provenance
+from harness.core.provenance import processor
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
 from harness.execution.estimate import Taken
@@ -67,7 +67,7 @@ class ResultCache(Generic[T, R]):
 @cache
 def _machine() -> str:
     """Return the processor of this machine."""
-    return provenance().processor
+    return processor()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from itertools import count
 from typing import Any, Generic, Protocol, TypeVar
 
 from harness.core.case import Case
-from harness.core.provenance import provenance
+from harness.core.provenance import processor
 from harness.core.report_model import Artefact
 from harness.core.simulation import Simulation
 from harness.evaluation.case_cache import case_key, case_metadata, evaluation_cache
@@ -354,7 +354,7 @@ def record_cache(kind: str, module: str) -> Callable[[CacheFolder], ResultCache[
 
 def _timing_cache(store: CacheFolder) -> ResultCache[Case, Record]:
     # times of one processor say nothing of another
-    machine = sha256(provenance().processor.encode()).hexdigest()[:8]
+    machine = sha256(processor().encode()).hexdigest()[:8]
     return record_cache(f"times-{machine}", time_alone.__module__)(store)
 
 

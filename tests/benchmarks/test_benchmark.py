@@ -84,6 +84,7 @@ def bound_holds(row: dict[str, Any]) -> bool:
     return holds(float(found[1].replace(",", "")))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("small")
 def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")

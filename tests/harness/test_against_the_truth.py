@@ -28,10 +28,11 @@ def turn_error(e: Evaluation) -> float:
     return abs(math.degrees(e.errors.angle_of_turn[0]))
 
 
-# the record of many bounces takes the exact motion tens of seconds to evaluate; of a chaotic motion
-# no error is given, see test_effect_scenes
+# the record of many bounces takes the exact motion tens of seconds to evaluate, one with effects
+# some; of a chaotic motion no error is given, see test_effect_scenes
+DEAR = {"cusps", "shaken-plane", "off-centre-mass"}
 CATALOGUE = [
-    pytest.param(name, marks=pytest.mark.slow) if name == "cusps" else name
+    pytest.param(name, marks=pytest.mark.slow) if name in DEAR else name
     for name in names()
     if name != "chaotic-can"
 ]

@@ -123,6 +123,7 @@ def test_at_folds_two_steady_motions_meet(can: Parameters) -> None:
     assert seen > 0 or can.h > 2  # of tall cans folds lie below 0.25
 
 
+@pytest.mark.slow
 def test_a_fold_in_forty_digits() -> None:
     """V' and V'' vanish with mpmath's derivatives of V along the subsystem, without our series."""
     fold = folds(UPPER, np.array([1.45]))[0]

@@ -173,7 +173,16 @@ def test_without_friction() -> None:
     assert bounce.angle_of_turn == pytest.approx(leading_turn_without_friction(PAPER_CAN), rel=1e-2)
 
 
-@pytest.mark.parametrize("model", ["exact", "rolling", "reduced", "asymptotic", "frictionless"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        "exact",
+        "rolling",
+        pytest.param("reduced", marks=pytest.mark.slow),
+        "asymptotic",
+        "frictionless",
+    ],
+)
 def test_every_model_has_the_same_face(model: str) -> None:
     solution = solve(PAPER, model=model)
     assert solution.outcome is Outcome.FINISHED

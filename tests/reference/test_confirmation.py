@@ -18,6 +18,7 @@ from reference.analysis.conditioning import EPS, neighbours
 from reference.equations.steady_motion import steady_rotation
 from reference.integrable.effective_potential import EffectivePotential
 from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
+from tests.support.examples import examples
 
 HARD = json.loads((Path(__file__).parent / "golden" / "hard.json").read_text())
 GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.12, theta_dot=-0.06, bounces=1)
@@ -179,6 +180,7 @@ def test_a_bounce_that_only_the_closed_solution_finds_is_denied(
     assert not found.agreement.holds
 
 
+@pytest.mark.slow
 def test_beside_a_separatrix_there_is_no_bounce() -> None:
     """The release rests where its two neighbours among the doubles end otherwise.
 
@@ -238,7 +240,7 @@ def test_hard_releases_are_confirmed(row: dict[str, Any]) -> None:
 def test_random_releases_are_confirmed() -> None:
     """Over disks and needles: the bound is neither passed by round-off nor larger than 1e-9."""
     random = np.random.default_rng(11)
-    for _ in range(25):
+    for _ in range(examples(1 / 4)):
         a, h = 10.0 ** random.uniform(-1.0, 1.0), 10.0 ** random.uniform(-1.5, 0.8)
         can = Parameters(a=a, c=a * random.uniform(0.05, 1.9), h=h)
         problem = Problem(
@@ -287,7 +289,7 @@ def test_the_quantity_that_parts_most_is_the_one_that_is_said() -> None:
     assert found.agreement.sentence == found.caveat != ""
 
 
-@pytest.mark.parametrize("ulps", [-6, -9])
+@pytest.mark.parametrize("ulps", [-6, pytest.param(-9, marks=pytest.mark.slow)])
 def test_a_period_of_which_an_ulp_decides_the_third_digit_is_withheld(ulps: int) -> None:
     speed = 0.13864725449021076
     problem = Problem(
@@ -301,7 +303,10 @@ def test_a_period_of_which_an_ulp_decides_the_third_digit_is_withheld(ulps: int)
     assert solve(problem).outcome is Outcome.UNRESOLVED
 
 
-@pytest.mark.parametrize("psi_dot", [0.18679177426536972, 0.18679177426536975])
+@pytest.mark.parametrize(
+    "psi_dot",
+    [0.18679177426536972, pytest.param(0.18679177426536975, marks=pytest.mark.slow)],
+)
 def test_a_least_phi_without_a_digit_is_withheld(psi_dot: float) -> None:
     """The two releases are an ulp apart, and the integrations' least phi are 6e-17 and 7e-18."""
     problem = Problem(

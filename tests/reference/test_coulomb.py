@@ -191,6 +191,7 @@ def test_a_can_that_is_thrown_up_does_not_begin_to_roll() -> None:
         assert found.t_end == 0
 
 
+@pytest.mark.slow
 def test_cusps_do_not_lift_but_slip_whatever_the_friction() -> None:
     """Rolling asks for N of -3000 m g there, and before N vanishes for infinite friction."""
     fast = replace(GENTLE, phi=math.pi / 100, psi_dot=1.7267 * UNIT, theta_dot=7 * UNIT)

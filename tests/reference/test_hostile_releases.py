@@ -80,6 +80,7 @@ def test_small_oscillations_about_steady_rolling_keep_their_digits(
     assert np.abs(states.phi_dot).max() == pytest.approx(fastest, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_slow_passage_over_a_barrier_keeps_its_digits() -> None:
     """Released 1e-15 from the barrier, with all but 3e-17 of the energy that it takes to pass."""
     can = Parameters(a=6.751948587671912, c=7.5542583265216114, h=6.325856466979378)

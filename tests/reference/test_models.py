@@ -90,6 +90,7 @@ def test_reduced_force_is_the_full_one_to_its_order() -> None:
     assert errors[1] < errors[0] / 6
 
 
+@pytest.mark.slow
 def test_hamiltonian_gives_the_force() -> None:
     """-dH/dphi is the force, by central differences; and H is conserved along solutions."""
     reduced = reduced_of(PAPER)

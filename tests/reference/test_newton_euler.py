@@ -69,7 +69,13 @@ VANISHING = {
 }
 
 
-@pytest.mark.parametrize("name", VANISHING)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in {"mass", "tilt", "drilling"} else pytest.mark.slow)
+        for name in VANISHING
+    ],
+)
 def test_each_effect_vanishes_with_its_size(name: str) -> None:
     ideal = solve(GENTLE, model="rolling", outputs=LOCUS)
     sizes = np.array([1e-4, 1e-5])
@@ -232,6 +238,7 @@ def test_damping_decays_as_declared_where_nothing_else_acts() -> None:
     assert states.slip == pytest.approx(start * np.exp(-0.2 * times)[:, None], abs=1e-13)
 
 
+@pytest.mark.slow
 def test_drilling_stops_a_spinning_ball_and_holds_it() -> None:
     """Moment l N against the turning: w falls at l/c, and stays at rest."""
     length, spin = 0.02, 0.04

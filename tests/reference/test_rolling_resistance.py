@@ -106,6 +106,7 @@ def test_within_the_arm_of_balance_it_stands(share: float, side: float, *, held:
         assert (np.diff(moved) > 0.0).all()
 
 
+@pytest.mark.slow
 def test_it_stands_for_as_long_as_it_is_watched() -> None:
     found = general(replace(REST, phi=PAPER_CAN.balancing_angle, duration=None, bounces=1))
     assert found.outcome is Outcome.STEADY

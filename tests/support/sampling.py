@@ -1,7 +1,7 @@
 """A sample of a test's parameters in which each value, or each pair of values, still occurs."""
 
 from collections.abc import Hashable, Sequence
-from itertools import combinations
+from itertools import chain, combinations
 
 import pytest
 
@@ -44,8 +44,15 @@ def sampled(items: Sequence[pytest.Item]) -> list[pytest.Item]:
 
 
 def _rows(items: Sequence[pytest.Item]) -> list[tuple[Hashable, ...]]:
-    """Return the parameters of the tests of one function; those that go together are one."""
-    indices = [getattr(getattr(item, "callspec", None), "indices", {}) for item in items]
-    columns = {tuple(own.get(name) for own in indices) for name in indices[0]}
-    ordered = sorted(columns, key=lambda column: [str(one) for one in column])
-    return list(zip(*ordered, strict=True)) if ordered else [()] * len(items)
+    """Return the parameters of the tests of one function; those of one mark are one."""
+    values = [getattr(getattr(item, "callspec", None), "params", {}) for item in items]
+    marked = [_names(mark) for mark in items[0].iter_markers("parametrize")]
+    groups = [*marked, *((name,) for name in values[0] if name not in {*chain(*marked)})]
+    # of tests that have a value in common it is one object, which need not be hashable
+    return [tuple(tuple(id(own[name]) for name in group) for group in groups) for own in values]
+
+
+def _names(mark: pytest.Mark) -> tuple[str, ...]:
+    """Return the parameters that a mark gives values to."""
+    names = mark.args[0] if mark.args else mark.kwargs["argnames"]
+    return tuple(names.replace(",", " ").split()) if isinstance(names, str) else tuple(names)

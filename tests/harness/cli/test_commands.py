@@ -80,7 +80,7 @@ MODEL = {
         ("frictionless", "frictionless", 2),
         ("gentle-rock", "rolling", 4),
         ("slipping-rock", "coulomb", 6),
-        ("tilted-plane", "general", 6),
+        pytest.param("tilted-plane", "general", 6, marks=pytest.mark.slow),
         pytest.param("shaken-plane", "general", 7, marks=pytest.mark.slow),
     ],
 )
@@ -166,7 +166,10 @@ def test_the_reference_answers_in_the_promised_keys(rockingcan_process: Command)
     assert found["outcome"].startswith("finished")
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet", "reference"])
+@pytest.mark.parametrize(
+    "name",
+    ["mujoco", *(pytest.param(name, marks=pytest.mark.slow) for name in ("pybullet", "reference"))],
+)
 def test_a_run_answers_in_the_promised_keys_and_with_nothing_else(
     rockingcan_process: Command, name: str
 ) -> None:

@@ -35,7 +35,13 @@ def check_parses(words: list[str]) -> None:
     BY_NAME[name].make_context(name, arguments)
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=BY_NAME)
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(each, id=name, marks=pytest.mark.slow if name in PROGRAMS else ())
+        for name, each in BY_NAME.items()
+    ],
+)
 def test_every_command_teaches(
     rockingcan: Command, rockingcan_process: Command, command: DeferredCommand
 ) -> None:

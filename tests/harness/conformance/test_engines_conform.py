@@ -25,7 +25,11 @@ def told(verdicts: tuple[ClauseResult, ...], result: ClauseStatus) -> dict[str, 
     return {verdict.name: verdict.detail for verdict in verdicts if verdict.result is result}
 
 
-@pytest.mark.parametrize("name", NOT_APPLICABLE)
+DEAR = [pytest.param(name, marks=pytest.mark.slow) for name in ("pybullet", "reference")]
+"""Engines that keep the contract as `mujoco` does, some seconds each."""
+
+
+@pytest.mark.parametrize("name", ["mujoco", *DEAR])
 def test_the_engines_keep_the_contract(name: str) -> None:
     verdicts = verdicts_on(name)
     assert [verdict.name for verdict in verdicts] == list(CLAUSES)
@@ -34,9 +38,9 @@ def test_the_engines_keep_the_contract(name: str) -> None:
     assert told(verdicts, ClauseStatus.NOT_APPLICABLE).keys() == NOT_APPLICABLE[name] | alone
 
 
-def test_the_adapters_of_physics_engines_are_exact_where_they_can_be() -> None:
-    for name in ("mujoco", "pybullet"):
-        numbers = {verdict.name: verdict.number or 0.0 for verdict in verdicts_on(name)}
-        # of a reading of the wrong instant it would be 1; round-off of a soft constraint is 1e-11
-        assert numbers["newton"] < 1e-9
-        assert numbers["same instant"] < 1e-9
+@pytest.mark.parametrize("name", ["mujoco", DEAR[0]])
+def test_the_adapters_of_physics_engines_are_exact_where_they_can_be(name: str) -> None:
+    numbers = {verdict.name: verdict.number or 0.0 for verdict in verdicts_on(name)}
+    # of a reading of the wrong instant it would be 1; round-off of a soft constraint is 1e-11
+    assert numbers["newton"] < 1e-9
+    assert numbers["same instant"] < 1e-9

@@ -42,6 +42,7 @@ def test_walking_is_stepping(brief: Scene, name: str, size: int) -> None:
     assert len(chunks) == (3 if size == 4 else 1)  # 21 steps in stages of 7, taken whole
 
 
+@pytest.mark.slow
 def test_walking_follows_a_schedule_that_changes_its_steps(brief: Scene) -> None:
     case = Case(scene=replace(brief, horizon=Horizon(seconds=0.16)), engine="mujoco")
     world = stepping_engine("mujoco").open(case)

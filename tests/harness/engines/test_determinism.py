@@ -58,6 +58,7 @@ def test_while_another_world_is_open(gentle: Scene, name: str) -> None:
     assert same_bits(alone.trajectory, beside.trajectory)
 
 
+@pytest.mark.slow
 def test_a_process_pool_gives_the_same_bits_in_the_same_order(gentle: Scene) -> None:
     cases = [
         Case(scene=gentle, engine=name, profile=profile, timestep=timestep)

@@ -136,8 +136,13 @@ def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
     ("timestep", "error", "reason"),
     [
         (1e-3, EngineContractError, "SIGSEGV, segmentation fault"),
-        (2e-3, EngineContractError, "`timestep` raised ZeroDivisionError: "),
-        (3e-3, HarnessError, "allowed: another"),
+        pytest.param(
+            2e-3,
+            EngineContractError,
+            "`timestep` raised ZeroDivisionError: ",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(3e-3, HarnessError, "allowed: another", marks=pytest.mark.slow),
         (4e-3, EngineContractError, "it returned str, not a positive number"),
     ],
 )

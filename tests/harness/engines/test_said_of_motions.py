@@ -66,10 +66,11 @@ def test_a_can_that_rolling_resistance_holds_is_a_motion_like_any_other() -> Non
     ("scene", "words", "model"),
     [
         (load("wobble"), "the scene should declare slip.", "coulomb"),
-        (
+        pytest.param(
             replace(load("wobble"), effects=Effects(damping=Damping(linear=1e-6, angular=1e-6))),
             "Declare slip: `general` carries it.",
             "",
+            marks=pytest.mark.slow,
         ),
         (
             load("planar-fall"),

@@ -14,6 +14,7 @@ from harness.gate.report import GATE, regressions, sentences
 from harness.gate.scores import Score, Scores, scored
 from harness.gate.spread import MOST, SIZES, measured, member
 from models import load
+from tests.support.examples import examples
 
 Held = Callable[[Sequence[Case]], tuple[Difference, ...]]
 
@@ -62,7 +63,7 @@ def held(accepted: Scores, coarse: tuple[Case, ...]) -> Held:
 def test_a_repeat_is_equal_to_the_last_bit(
     accepted: Scores, held: Held, coarse: tuple[Case, ...]
 ) -> None:
-    for _ in range(REPEATS):
+    for _ in range(examples(REPEATS / 100)):
         found = held(coarse)
         assert regressions(found) == ()
         judged = [one for one in found if one.quantity not in {"wall_s", "cpu_s"}]

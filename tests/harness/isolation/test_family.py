@@ -102,6 +102,7 @@ def test_what_a_task_started_is_weighed_with_it(told: Path) -> None:
     assert ended(number(told))
 
 
+@pytest.mark.slow
 def test_what_two_processes_share_is_weighed_once(told: Path) -> None:
     with IsolatedProcessPool(1, _SMALL) as executor:
         executor.submit(tasks.share, str(told)).result()

@@ -204,6 +204,7 @@ def test_mujoco_touches_in_several_points_by_the_depth_of_its_contact(
     assert threshold < 1.2 * depth / (1.5 * scene.can.radius)
 
 
+@pytest.mark.slow
 def test_a_round_rim_in_pybullet_touches_in_one_point(probe: Callable[..., Values]) -> None:
     found = probe("contact points", "pybullet", timestep=1e-3)
     assert found["tilt below which several points bear the load"] == 0.0

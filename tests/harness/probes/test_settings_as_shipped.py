@@ -129,6 +129,7 @@ def test_pybullet_ships_what_is_stated(
     assert findings[quantity].value == pytest.approx(shipped(name), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_pybullet_ships_a_prism(findings: dict[str, ProbeFinding]) -> None:
     assert findings["sides of the rim; 0 is round"].value == 32.0
     radius = load("gentle-rock").can.radius

@@ -23,9 +23,15 @@ def figures(artefacts: tuple[Artefact, ...]) -> list[Figure]:
     return [artefact for artefact in artefacts if isinstance(artefact, Figure)]
 
 
-def test_png_is_a_picture_of_the_stated_width(artefacts: tuple[Artefact, ...]) -> None:
-    for figure in figures(artefacts):
-        png = draw(figure).png
+@pytest.fixture(scope="module")
+def printed(artefacts: tuple[Artefact, ...]) -> list[RenderedFigure]:
+    """Return every figure on paper."""
+    return [draw(figure) for figure in figures(artefacts)]
+
+
+def test_png_is_a_picture_of_the_stated_width(printed: list[RenderedFigure]) -> None:
+    for one in printed:
+        png = one.png
         assert png.startswith(b"\x89PNG\r\n\x1a\n")
         assert png.endswith(b"IEND\xaeB`\x82")
         width, height = struct.unpack(">II", png[16:24])
@@ -33,19 +39,20 @@ def test_png_is_a_picture_of_the_stated_width(artefacts: tuple[Artefact, ...]) -
         assert 300 < height < 2 * PIXELS
 
 
-def test_the_same_figure_gives_the_same_bytes(artefacts: tuple[Artefact, ...]) -> None:
-    figure = figures(artefacts)[0]
-    once = draw(figure)
+def test_the_same_figure_gives_the_same_bytes(
+    artefacts: tuple[Artefact, ...], printed: list[RenderedFigure]
+) -> None:
+    figure, once = figures(artefacts)[0], printed[0]
     with mpl.rc_context({"font.size": 30.0, "lines.linewidth": 9.0}):  # what a user may have set
         assert draw(figure) == once
     assert "date" not in once.svg.lower()
 
 
 def test_svg_is_well_formed_and_says_what_the_figure_says(
-    artefacts: tuple[Artefact, ...],
+    artefacts: tuple[Artefact, ...], printed: list[RenderedFigure]
 ) -> None:
     figure = figures(artefacts)[0]
-    root = ET.fromstring(draw(figure).svg)  # noqa: S314 # written by this test
+    root = ET.fromstring(printed[0].svg)  # noqa: S314 # written by this test
     texts = {"".join(element.itertext()) for element in root.iter(f"{SVG}text")}
     for panel in figure.panels:
         assert {panel.title, panel.x_label, panel.y_label} <= texts

@@ -69,6 +69,7 @@ def test_nothing_is_lost_and_it_is_shorter_than_in_base64(
         assert len(picture) < len(svg)  # base64 makes it 1.33 times as long
 
 
+@pytest.mark.slow
 def test_every_reference_leads_somewhere(artefacts: tuple[Artefact, ...]) -> None:
     for figure in (a for a in artefacts if isinstance(a, Figure)):
         picture = unquote(address(drawn(figure)))

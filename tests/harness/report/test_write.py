@@ -96,6 +96,7 @@ def test_figures_for_paper_are_drawn_once_and_alike_in_any_process(
     assert drawn[1] == drawn[3]
 
 
+@pytest.mark.slow
 def test_a_figure_that_cannot_be_drawn_leaves_no_report(
     artefacts: tuple[Artefact, ...],
     provenance: Provenance,

@@ -41,11 +41,21 @@ def chaos() -> list[Evaluation]:
     return [evaluated("chaotic-can", name, 2e-4) for name in ENGINES]
 
 
-@pytest.fixture(scope="module")
-def found(chaos: list[Evaluation]) -> Found:
+def compared(*others: Evaluation) -> Found:
+    """Return the report of runs beside those of a can that slips, which a toy cannot represent."""
     slipping = [evaluated("slipping-rock", name, 1e-3) for name in ENGINES]
     left_out = Unsupported(scene="slipping-rock", engine="toy", effects=("slip",))
-    return {a.name: a for a in comparison_report([*chaos, *slipping], [left_out])}
+    return {a.name: a for a in comparison_report([*others, *slipping], [left_out])}
+
+
+@pytest.fixture(scope="module")
+def found(chaos: list[Evaluation]) -> Found:
+    return compared(*chaos)
+
+
+@pytest.fixture(scope="module")
+def slipping() -> Found:
+    return compared()
 
 
 def test_an_engine_is_not_asked_for_what_it_cannot_represent(gentle: Scene) -> None:
@@ -74,11 +84,12 @@ def test_the_suite_leaves_it_out_of_the_run_and_says_so(
         }
 
 
-def test_what_is_left_out_is_unsupported_in_every_quantity(found: Found) -> None:
-    told = verdicts(found, "fidelity", "verdict", engine="toy")
+def test_what_is_left_out_is_unsupported_in_every_quantity(slipping: Found) -> None:
+    told = verdicts(slipping, "fidelity", "verdict", engine="toy")
     assert told == {"unsupported: cannot represent slip"}
 
 
+@pytest.mark.slow
 def test_a_chaotic_run_is_followed_and_not_judged(found: Found, chaos: list[Evaluation]) -> None:
     for e in chaos:
         assert e.errors is None
@@ -90,6 +101,7 @@ def test_a_chaotic_run_is_followed_and_not_judged(found: Found, chaos: list[Eval
         assert verdicts(found, "results", "parts_at_s", **own) == {e.parts_at}
 
 
+@pytest.mark.slow
 def test_every_scene_says_what_its_exact_motion_supposes(
     found: Found, chaos: list[Evaluation]
 ) -> None:
@@ -115,13 +127,15 @@ def test_a_broken_assumption_is_told_with_the_model_that_would_carry_it() -> Non
     assert f"A model that would carry it: {e.findings[0].model}." in text.text
 
 
-def test_slip_is_no_fault_where_the_scene_lets_the_can_slip(found: Found) -> None:
-    told = verdicts(found, "fidelity", "verdict", scene="slipping-rock", quantity="slip_m_s")
+def test_slip_is_no_fault_where_the_scene_lets_the_can_slip(slipping: Found) -> None:
+    told = verdicts(slipping, "fidelity", "verdict", scene="slipping-rock", quantity="slip_m_s")
     assert told == {
         "not decidable: the scene lets the can slip",
         "unsupported: cannot represent slip",
     }
-    energy = verdicts(found, "fidelity", "verdict", scene="slipping-rock", quantity="energy_drift")
+    energy = verdicts(
+        slipping, "fidelity", "verdict", scene="slipping-rock", quantity="energy_drift"
+    )
     assert "not decidable: the scene does not conserve its energy" in energy
 
 

@@ -90,6 +90,7 @@ def test_runs_of_an_engine_are_those_of_its_adapter(tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.slow
 def test_runs_of_other_lengths_are_those_of_their_scenes(tmp_path: Path) -> None:
     words = ["period_s", "steps", "energy_drift"]
     more = {"engine": "mujoco", "timestep": 1e-3, "quantities": words}

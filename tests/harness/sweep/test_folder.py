@@ -15,6 +15,7 @@ from harness.execution.isolated_pool import SerialExecutor, local_executor
 from harness.sweep.folder import PlanMismatchError, opened
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
+from tests.support.examples import evenly
 from tests.support.sweeps import carried_out, contents, make_plan, table
 
 pytestmark = pytest.mark.usefixtures("small_partitions")
@@ -87,7 +88,7 @@ def test_no_bit_of_a_partition_can_change_unseen(sweep_of_225: SweepPlan, tmp_pa
     victim = file_of(out, 0)
     whole = victim.read_bytes()
     with opened(out, sweep_of_225) as folder:
-        for place in range(0, len(whole), 7):  # all regions of the file, all bits of a byte
+        for place in evenly(range(0, len(whole), 7)):  # all regions of the file, all bits of a byte
             hurt = bytearray(whole)
             hurt[place] ^= 1 << place % 8
             victim.write_bytes(hurt)
@@ -153,6 +154,7 @@ def test_what_is_no_sweep_is_left_alone(
     assert left.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_reading_leaves_no_thread_that_could_outlive_the_program(
     sweep_of_225: SweepPlan, tmp_path: Path
 ) -> None:

@@ -72,6 +72,7 @@ def test_a_repeat_that_hangs_is_stopped_and_the_next_is_timed(
         assert executor.submit(divmod, 7, 2).result() == (3, 1)
 
 
+@pytest.mark.slow
 def test_who_waits_for_another_to_time_is_not_stopped_for_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -86,6 +87,7 @@ def test_who_waits_for_another_to_time_is_not_stopped_for_it(
         assert waiting.result() == (3, 1)
 
 
+@pytest.mark.slow
 def test_two_tasks_of_one_program_are_not_at_once_either() -> None:
     with single_thread_executor() as executor:
         first = executor.submit(time.sleep, 0.3)

@@ -52,6 +52,7 @@ def test_the_constants_of_the_release() -> None:
     assert ours == pytest.approx(theirs, rel=1e4 * EPS)
 
 
+@pytest.mark.slow
 def test_the_coefficients_of_the_reduced_equation() -> None:
     zero, two = 0.4, 1.0
     theirs = reduced_equation(PAPER_CAN, zero, two)

@@ -20,7 +20,7 @@ from tests.support.figures import assert_two_sentences
 _SCALES = {"turn_error_deg": 360.0, "contact_locus_rms_m": 0.1, "phi_rms_rad": 1.0}
 
 
-@pytest.fixture(scope="module", params=["mujoco", "pybullet"])
+@pytest.fixture(scope="module", params=["mujoco", pytest.param("pybullet", marks=pytest.mark.slow)])
 def found(request: pytest.FixtureRequest, gentle: Scene) -> Attribution:
     study = AttributionStudy(path=ablation_path(gentle, request.param))
     return study.findings(run_study(study))

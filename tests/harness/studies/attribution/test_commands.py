@@ -23,6 +23,7 @@ def answer(*words: str) -> dict[str, object]:
     return found
 
 
+@pytest.mark.slow
 def test_attribute_answers_with_one_object_and_writes_a_report(tmp_path: Path) -> None:
     out = tmp_path / "report"
     words = ("--engine", "mujoco", "--figures", "--out", str(out))

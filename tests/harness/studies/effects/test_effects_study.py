@@ -90,10 +90,18 @@ def test_a_slippery_plane_is_missing_where_the_rim_would_slip_and_else_harmless(
     assert abs(found.changes["turn_deg"] or 0.0) < 1e-6
 
 
-def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it() -> None:
-    for mu, verdict in ((0.1, EffectStatus.NEEDED), (5.0, EffectStatus.HARMLESS)):
-        made = plan_effects(with_effects(slip=Slip(mu=mu)), ("reference",))
-        assert of(studied(made), "reference", "slip").verdict is verdict
+@pytest.mark.parametrize(
+    ("mu", "verdict"),
+    [
+        (0.1, EffectStatus.NEEDED),
+        pytest.param(5.0, EffectStatus.HARMLESS, marks=pytest.mark.slow),
+    ],
+)
+def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it(
+    mu: float, verdict: EffectStatus
+) -> None:
+    made = plan_effects(with_effects(slip=Slip(mu=mu)), ("reference",))
+    assert of(studied(made), "reference", "slip").verdict is verdict
 
 
 def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
@@ -109,10 +117,12 @@ def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
 @pytest.mark.parametrize(
     ("declared", "contradicted"),
     [
-        ({"slip": Slip(mu=0.0)}, {"drilling", "rolling_resistance"}),
+        pytest.param(
+            {"slip": Slip(mu=0.0)}, {"drilling", "rolling_resistance"}, marks=pytest.mark.slow
+        ),
         ({"compliance": Compliance(stiffness=1e5, damping=10.0)}, {"restitution"}),
         ({"restitution": Restitution(coefficient=0.5)}, {"compliance"}),
-        ({"slip": Slip(mu=0.3)}, set()),
+        pytest.param({"slip": Slip(mu=0.3)}, set(), marks=pytest.mark.slow),
     ],
 )
 def test_an_effect_that_contradicts_the_scene_is_said_to(

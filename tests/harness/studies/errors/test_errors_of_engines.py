@@ -21,7 +21,7 @@ def found_of(scene: Scene, engine: str, timestep: float | None = COARSEST) -> Th
     return study.findings(run_study(study))
 
 
-EACH = pytest.mark.parametrize("name", ["mujoco", pytest.param("pybullet", marks=pytest.mark.slow)])
+EACH = pytest.mark.parametrize("name", ["mujoco", "pybullet"])
 """Engines; the errors of each are found once, in some six seconds."""
 
 
@@ -46,6 +46,7 @@ def test_the_truth_is_within_the_limit_s_uncertainty(
         assert split.limit.order == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_soft_contact_converges_neatly_to_another_can(mujoco: ThreeErrors) -> None:
     split = mujoco.splits["solref held", "turn_deg"]
     assert split.limit is not None
@@ -56,6 +57,7 @@ def test_a_soft_contact_converges_neatly_to_another_can(mujoco: ThreeErrors) -> 
     assert split.limit.order == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 @EACH
 def test_the_three_sum_to_the_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)
@@ -69,6 +71,7 @@ def test_the_three_sum_to_the_whole(name: str, request: pytest.FixtureRequest) -
         assert sum(part or 0.0 for part in parts) == pytest.approx(split.total, rel=0, abs=ulps)
 
 
+@pytest.mark.slow
 def test_engine_and_truth_follow_a_perturbed_release_alike(mujoco: ThreeErrors) -> None:
     for size in (1e-7, 1e-6):
         spread = mujoco.spreads["turn_deg", size]
@@ -91,6 +94,7 @@ def test_more_sweeps_leave_less_solver_error(pybullet: ThreeErrors) -> None:
     assert abs(turn["as set"]) < 1e-3 * abs(turn["1 sweep"])
 
 
+@pytest.mark.slow
 @EACH
 def test_artefacts_are_whole(name: str, request: pytest.FixtureRequest) -> None:
     found: ThreeErrors = request.getfixturevalue(name)

@@ -72,7 +72,7 @@ def test_a_run_ends_when_its_numbers_break(engine: str) -> None:
         # friction that is soft takes all of its cone only where the can slides fast
         ("hundred-g", "mujoco", "default", None),
         # a solver that stops early, for impulses are tiny
-        ("short-look", "pybullet", "matched", 1e-8),
+        pytest.param("short-look", "pybullet", "matched", 1e-8, marks=pytest.mark.slow),
         # a can of a millimetre, of which an engine leaves a hundredth alone
         ("tiny-can", "pybullet", "default", 1e-4),
     ],

@@ -31,8 +31,8 @@ def test_each_hard_case_is_solved_or_refused_with_a_sentence(name: str) -> None:
 
 
 def test_random_scenes_do_not_fail_and_are_the_same_every_time() -> None:
-    scenes = list(random_scenes(40))
-    assert scenes == list(random_scenes(40))
+    scenes = list(random_scenes(examples(2 / 5)))
+    assert scenes == list(random_scenes(examples(2 / 5)))
     assert [found.failure for found in map(examine, scenes) if found.failure] == []
 
 
@@ -41,7 +41,7 @@ def test_random_scenes_do_not_fail_and_are_the_same_every_time() -> None:
     [
         pytest.param(1833, "overturned", id="phi falls to 1e-26 and rises"),
         pytest.param(3911, "overturned", id="barely over the top"),
-        pytest.param(5464, "fell flat", id="a fall of a third of the lean"),
+        pytest.param(5464, "fell flat", marks=pytest.mark.slow, id="a fall of a third of the lean"),
         pytest.param(4786, "finished", id="ten thousand lengths of phi without a force"),
     ],
 )

@@ -160,6 +160,7 @@ def test_no_sideways_scroll_on_a_phone(
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
 
 
+@pytest.mark.slow
 def test_hostile_texts_do_not_run(
     browse: Open, joined_report: Path, hostile_joined_report: Path
 ) -> None:

@@ -37,6 +37,7 @@ def pictures(element: Any) -> list[str]:
     return [str(one) for one in element.locator("canvas").evaluate_all(PAINTED)]
 
 
+@pytest.mark.slow
 def test_reference_and_engine_are_drawn_side_by_side(browse: Open, joined_report: Path) -> None:
     element = replay(browse(joined_report))
     exact, engine = pictures(element)
