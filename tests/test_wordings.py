@@ -1,23 +1,48 @@
 """The whole message of each error of the harness; elsewhere tests ask for type and fields."""
 
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from harness.cli.main import StandardOutputError
+from harness.cli.motions import BrokenRunError
 from harness.cli.paper import MissingMathematicsError
 from harness.core import errors
-from harness.core.errors import HarnessError, OutputError, TrajectoryError
+from harness.core.errors import HarnessError
 from harness.core.scene_limits import SceneLimitError
+from harness.core.trajectory import ArrayShapeError, TimeOrderError
+from harness.core.writing import ForeignFolderError, WriteError
 from harness.execution.cache import NoCacheError
-from harness.execution.cache_entry import read_entry
+from harness.execution.cache_entry import BrokenEntryError, Defect
+from harness.execution.dask_cluster import (
+    LateWorkerError,
+    LostSchedulerError,
+    NoSchedulerError,
+    NoWorkersError,
+    UnfitWorkersError,
+    UnknownWorkersError,
+)
 from harness.execution.worker import Loss, LostTaskError
-from harness.gate.baseline import BaselineError, check_place, read_baseline
-from harness.report.atomic_folder import check_writable
-from harness.studies.comparison.quantity_figures import UnknownQuantityError
-from harness.sweep.folder import PlanMismatchError, ProgramMismatchError
-from tests.support.trajectories import make_trajectory
+from harness.gate.errors import (
+    ChangedScenesError,
+    Fault,
+    NoCommonCaseError,
+    OtherEnginesError,
+    OtherSuiteError,
+    ResultsError,
+)
+from harness.report.stored import ReportVersionError, UnreadableReportError
+from harness.studies.comparison.quantity_figures import NothingToDrawError, UnknownQuantityError
+from harness.sweep.folder import (
+    PartitionError,
+    PlanMismatchError,
+    ProgramMismatchError,
+    SweepBusyError,
+    UnreadablePartitionError,
+    UnreadablePlanError,
+)
 
 MADE: list[tuple[Exception, str]] = [
     (
@@ -149,6 +174,177 @@ MADE: list[tuple[Exception, str]] = [
         ),
     ),
     (LostTaskError(Loss.CRASHED, "killed: SIGSEGV"), "killed: SIGSEGV"),
+    (
+        BrokenRunError(case="one case", note="no number"),
+        "one case: no number",
+    ),
+    (StandardOutputError(reason="full"), "cannot write to standard output: full"),
+    (
+        ArrayShapeError(name="time", shape=(3,), expected=(4,)),
+        "`time` has shape (3,), but 4 samples need (4,)",
+    ),
+    (TimeOrderError(), "`time` must hold at least one instant and increase strictly"),
+    (WriteError(path=Path("a"), reason="full"), "cannot write 'a': full"),
+    (
+        WriteError(path=Path("a"), reason="full", what="a report to", fix="make room"),
+        "cannot write a report to 'a': full; make room",
+    ),
+    (
+        ForeignFolderError(path=Path("a"), action="replace", thing="report", fix="empty it"),
+        "will not replace 'a': the folder is not empty and holds no report of rockingcan; empty it",
+    ),
+    (
+        UnreadableReportError(path=Path("a"), reason="it is no record of a report"),
+        "cannot read 'a': it is no record of a report",
+    ),
+    (
+        UnreadableReportError(path=Path("a"), reason="full", fix="name a folder"),
+        "cannot read 'a': full; name a folder",
+    ),
+    (
+        ReportVersionError(path=Path("a"), version=1),
+        (
+            "cannot read 'a': it is of version 1, this reads 2; write the report again with the "
+            "command that made it"
+        ),
+    ),
+    (BrokenEntryError(defect=Defect.FORMAT), "it is of another format"),
+    (BrokenEntryError(defect=Defect.CHECKSUM), "its checksum is not that of its content"),
+    (BrokenEntryError(defect=Defect.OTHER_CASE), "it is the entry of another case"),
+    (BrokenEntryError(defect=Defect.CUT_SHORT), "its arrays are cut short"),
+    (BrokenEntryError(defect=Defect.ARRAYS), "the checksum of its arrays is not theirs"),
+    (BrokenEntryError(defect=Defect.NO_RECORD), "it is no whole record"),
+    (
+        BrokenEntryError(defect=Defect.UNREADABLE, reason="a bad block"),
+        "it cannot be read: a bad block",
+    ),
+    (SweepBusyError(out=Path("a")), "a sweep is already at work in 'a'; wait for it"),
+    (
+        UnreadablePlanError(place=Path("a/sweep.json"), reason="it is cut"),
+        (
+            "the plan of the sweep in 'a' cannot be read (it is cut); remove 'a/sweep.json' and "
+            "start the same sweep again, which goes on with the partitions that are there, or "
+            "choose another folder with --out"
+        ),
+    ),
+    (
+        PartitionError(parts=Path("a/parts"), index=3),
+        "partition 3 in 'a/parts' is missing or damaged; run the sweep again to mend it",
+    ),
+    (
+        UnreadablePartitionError(path=Path("a"), reason="another Arrow"),
+        "cannot read 'a' (another Arrow); remove it",
+    ),
+    (
+        NoSchedulerError(address="host:1", reason="refused"),
+        (
+            "no Dask scheduler answers at 'host:1' (refused); start one with: dask scheduler, and "
+            "workers with: dask worker ADDRESS"
+        ),
+    ),
+    (
+        NoWorkersError(address="host:1"),
+        "the cluster at 'host:1' has no workers; start: dask worker ADDRESS",
+    ),
+    (
+        UnknownWorkersError(address="host:1", reason="TimeoutError: late"),
+        (
+            "workers of the cluster at 'host:1' cannot say what they compute with (TimeoutError: "
+            "late); have the same there as here, and start the workers again"
+        ),
+    ),
+    (
+        UnfitWorkersError(address="host:1", workers={"a": "has x 1 (here 2)", "b": "cannot say"}),
+        (
+            "workers of the cluster at 'host:1' would not compute as it is done here: a has x 1 "
+            "(here 2); b cannot say; have the same there as here, and start the workers again"
+        ),
+    ),
+    (
+        LateWorkerError(node="n", differences=("x 1 (here 2)", "y 3 (here 4)")),
+        (
+            "a worker on 'n' would not compute as it is done here: it has x 1 (here 2), y 3 (here "
+            "4); have the same there as here, and start the workers again"
+        ),
+    ),
+    (
+        LostSchedulerError(),
+        "the scheduler let go of a task, or is gone; start again to go on",
+    ),
+    (
+        LostSchedulerError(reason="timed out"),
+        "the scheduler let go of a task, or is gone; start again to go on (timed out)",
+    ),
+    (
+        NothingToDrawError(scenes=()),
+        "a figure is of runs of one scene; there are none",
+    ),
+    (
+        NothingToDrawError(scenes=("wobble", "petals")),
+        "a figure is of runs of one scene; these are of wobble, petals",
+    ),
+    (
+        NothingToDrawError(scenes=("wobble",), quantity="phi", drawn=("bounce", "angles")),
+        "the runs have no figure 'phi'; they have: bounce, angles",
+    ),
+    (
+        NothingToDrawError(scenes=("wobble",), endings=("killed", "flat")),
+        "the runs have no figure; killed; flat",
+    ),
+    *(
+        (ResultsError(place=Path("a"), fault=fault, reason="why"), message)
+        for fault, message in {
+            Fault.MISSING: (
+                "'a' holds no accepted results ('accepted.json'); write some with: rockingcan "
+                "validate --accept --baseline a"
+            ),
+            Fault.UNREADABLE: "accepted results 'a' cannot be read: why",
+            Fault.DAMAGED: "accepted results 'a' are damaged (why)",
+            Fault.VERSION: (
+                "'a' is no file of accepted results of version why; write it anew with --accept"
+            ),
+            Fault.NO_FOLDER: (
+                "'a' is no folder; name one that rockingcan validate wrote, with --out or with "
+                "--accept"
+            ),
+            Fault.NEITHER: (
+                "'a' is neither a report nor accepted results; name one that rockingcan validate "
+                "wrote, with --out or with --accept"
+            ),
+            Fault.DAMAGED_REPORT: "the report in 'a' cannot be read (why)",
+            Fault.FOREIGN_REPORT: "'a' is no report of rockingcan",
+            Fault.OTHER_REPORT: (
+                "'a' is a report, but not of rockingcan validate, or of a version that could not "
+                "be compared yet; write it again"
+            ),
+        }.items()
+    ),
+    (
+        OtherEnginesError(place="a", engines=("mujoco",), accepted=()),
+        "'a' holds no accepted results of mujoco, only of none; accept some first, with --accept",
+    ),
+    (
+        OtherSuiteError(place="a", suite="full", accepted="quick", cases=26, common=20),
+        (
+            "'a' holds the quick suite, which has 20 of the 26 cases of the full suite; run "
+            "--suite quick, or accept the full suite with --accept"
+        ),
+    ),
+    (
+        ChangedScenesError(place="a", scenes=("petals", "wobble")),
+        (
+            "'a' was accepted for other scenes: since then petals, wobble changed, and errors of "
+            "two motions cannot be compared; accept anew with --accept"
+        ),
+    ),
+    (
+        NoCommonCaseError(a=Path("a"), b=Path("b")),
+        "'a' and 'b' have no case in common: there is nothing to compare",
+    ),
+    (
+        errors.CacheWarning(Path("a"), "it is cut", Path("aside")),
+        "a: it is cut; it is set aside in 'aside' and done again",
+    ),
 ]
 
 
@@ -164,66 +360,16 @@ def test_the_quantities_there_are_end_the_message() -> None:
     assert message.startswith("no figure shows 'phy', did you mean 'phi'? there are: phi, ")
 
 
-RAISED: list[tuple[Callable[[Path], object], type[HarnessError], str]] = [
-    (
-        lambda folder: check_writable(folder / "file"),
-        OutputError,
-        "cannot write a report to '{0}/file': it is a file, not a folder",
-    ),
-    (
-        lambda folder: check_writable(folder / "link"),
-        OutputError,
-        "cannot write a report to '{0}/link': the link leads nowhere",
-    ),
-    (
-        check_writable,
-        OutputError,
-        (
-            "will not replace '{0}': the folder is not empty and holds no report of rockingcan; "
-            "choose another folder with --out, or empty it"
-        ),
-    ),
-    (
-        lambda folder: check_place(folder / "file"),
-        OutputError,
-        (
-            "cannot write accepted results to '{0}/file': '{0}/file' is no folder that you may "
-            "write to; name another with --baseline"
-        ),
-    ),
-    (
-        read_baseline,
-        BaselineError,
-        (
-            "'{0}' holds no accepted results ('accepted.json'); write some with: rockingcan "
-            "validate --accept --baseline {0}"
-        ),
-    ),
-    (
-        lambda _: make_trajectory(0),
-        TrajectoryError,
-        "`time` must hold at least one instant and increase strictly",
-    ),
-    (lambda _: read_entry(b"[", "toys", "abcd"), errors.StoreError, "it is no whole record"),
-]
-
-
-@pytest.mark.parametrize(("call", "kind", "message"), RAISED)
-def test_what_is_refused_is_said_in_one_sentence(
-    call: Callable[[Path], object], kind: type[HarnessError], message: str, tmp_path: Path
-) -> None:
-    (tmp_path / "file").write_text("mine", encoding="utf-8")
-    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
-    with pytest.raises(kind) as caught:
-        call(tmp_path)
-    assert str(caught.value) == message.format(tmp_path)
-
-
 def descendants(kind: type[Exception]) -> Iterator[type[Exception]]:
     """Yield every class below another."""
     for one in kind.__subclasses__():
         yield one
         yield from descendants(one)
+
+
+def test_every_reason_not_to_read_is_in_the_table() -> None:
+    assert {one.fault for one, _ in MADE if isinstance(one, ResultsError)} == set(Fault)
+    assert {one.defect for one, _ in MADE if isinstance(one, BrokenEntryError)} == set(Defect)
 
 
 def test_every_error_made_of_parts_is_in_the_table() -> None:

@@ -12,6 +12,7 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import typer
@@ -28,6 +29,17 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
 
+@dataclass(eq=False, kw_only=True)
+class StandardOutputError(OutputError):
+    """Standard output takes no more, such as into a file on a full disk."""
+
+    reason: str
+
+    def __str__(self) -> str:
+        """Say why."""
+        return f"cannot write to standard output: {self.reason}"
+
+
 class _Answers(io.FileIO):
     """Standard output for answers. Raises once that it cannot write, and drops all that follows."""
 
@@ -40,7 +52,7 @@ class _Answers(io.FileIO):
         ------
         BrokenPipeError
             If nobody reads any more.
-        OutputError
+        StandardOutputError
             If it cannot be written for another reason.
         """
         if self._failed:  # what is buffered comes again when the program leaves
@@ -51,8 +63,7 @@ class _Answers(io.FileIO):
             raise
         except OSError as error:
             self._failed = True
-            message = f"cannot write to standard output: {error.strerror or error}"
-            raise OutputError(message) from error
+            raise StandardOutputError(reason=error.strerror or str(error)) from error
 
 
 def keep_for_answers() -> None:

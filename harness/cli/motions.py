@@ -6,7 +6,7 @@ The answers of `--json` have exactly the documented keys; what is unknown is nul
 import math
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,8 +17,9 @@ from harness.cli import options, terminal
 from harness.cli.settings import parse_settings
 from harness.core.bounce import Bounce
 from harness.core.case import Case
-from harness.core.errors import OutputError, ParityError, TrajectoryError
+from harness.core.errors import ParityError, TrajectoryError
 from harness.core.simulation import Outcome
+from harness.core.writing import WriteError
 from harness.engines.reference import ENDING, PARTED, Agreement
 from harness.engines.reference.assumption_checks import Divergence, check_assumptions
 from harness.engines.reference.to_reference_problem import refusal
@@ -31,6 +32,18 @@ from models.catalogue import load
 from models.effects import modelling_choices
 
 Answer = dict[str, Any]
+
+
+@dataclass(eq=False, kw_only=True)
+class BrokenRunError(TrajectoryError):
+    """The simulation of the case of this label is no motion, and its note says why."""
+
+    case: str
+    note: str
+
+    def __str__(self) -> str:
+        """Return the case and the note."""
+        return f"{self.case}: {self.note}"
 
 
 def reference(
@@ -195,7 +208,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
     }
     if truth is None:
         if e.simulation.outcome is Outcome.BROKEN:
-            raise TrajectoryError(f"{e.simulation.case.label()}: {e.simulation.note}")
+            raise BrokenRunError(case=e.simulation.case.label(), note=e.simulation.note)
         if refusal(e.simulation.case.scene):
             return answer
         # a model without a locus, of a motion that ends early: there is no trajectory, but a model
@@ -325,7 +338,7 @@ def write_motion(motion: Motion, out: Path) -> None:
 
     Raises
     ------
-    OutputError
+    WriteError
         If the file cannot be written.
     """
     frame = motion_frame(motion)
@@ -340,12 +353,12 @@ def check_motion_file(out: Path) -> None:
 
     Raises
     ------
-    OutputError
+    WriteError
         If its name ends otherwise than in a known suffix, or its folder cannot be written.
     """
     if out.suffix not in _SUFFIXES:
-        raise OutputError(f"cannot write '{out}': its name must end in {' or '.join(_SUFFIXES)}")
+        raise WriteError(path=out, reason=f"its name must end in {' or '.join(_SUFFIXES)}")
     if out.is_dir() or not out.absolute().parent.is_dir():
-        raise OutputError(f"cannot write '{out}': it must be a file in a folder that exists")
+        raise WriteError(path=out, reason="it must be a file in a folder that exists")
     if not os.access(out.absolute().parent, os.W_OK):
-        raise OutputError(f"cannot write '{out}': its folder is not writable")
+        raise WriteError(path=out, reason="its folder is not writable")

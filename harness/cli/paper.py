@@ -10,8 +10,9 @@ import typer
 from harness import paper
 from harness.cli import terminal
 from harness.cli.terminal import write_text
-from harness.core.errors import HarnessError, writing
+from harness.core.errors import HarnessError
 from harness.core.provenance import provenance
+from harness.core.writing import writing
 from harness.paper.audit import CLAIMS, audit_table, audit_words, counts, markdown
 from harness.paper.gallery import ABOUT, FIGURES
 from harness.progress import ItemBar, report_progress
@@ -76,7 +77,7 @@ def audit(
         from harness.paper.audit.checks import audit as run  # noqa: PLC0415
     except ImportError as error:
         raise MissingMathematicsError(str(error)) from error
-    with writing(f"to '{out}'"):
+    with writing(out, "to"):
         out.mkdir(parents=True, exist_ok=True)
     if page is not None:
         check_writable(page)

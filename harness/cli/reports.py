@@ -16,8 +16,9 @@ from harness.cli.options import Figures, Json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.verdict import Status
-from harness.gate.baseline import BaselineError, read_baseline, read_scores
+from harness.gate.baseline import read_baseline, read_scores
 from harness.gate.comparison import differences
+from harness.gate.errors import NoCommonCaseError
 from harness.gate.report import SIDES, changed, gate_report, regressions, sentences
 from harness.progress import report_progress
 from harness.report.atomic_folder import check_writable
@@ -116,7 +117,7 @@ def diff(
     first, second = read_scores(a), read_scores(b)
     spreads = None if baseline is None else read_baseline(baseline)
     if not set(first.scores) & set(second.scores):
-        raise BaselineError(f"'{a}' and '{b}' have no case in common: there is nothing to compare")
+        raise NoCommonCaseError(a=a, b=b)
     compared = differences(first, second, spreads=spreads)
     if json:
         words = sentences(compared, first, second, SIDES, spreads)

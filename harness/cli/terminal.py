@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from harness.core.errors import writing
 from harness.core.verdict import Verdict
+from harness.core.writing import writing
 from harness.execution.atomic_write import write_atomically
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def write_bytes(content: bytes, out: Path) -> None:
     OutputError
         If the file cannot be written.
     """
-    with writing(f"'{out}'"):
+    with writing(out):
         write_atomically(out.absolute(), content)
 
 

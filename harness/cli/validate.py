@@ -23,8 +23,6 @@ from harness.engines.registry import left_out
 from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import (
-    FILE,
-    BaselineError,
     cases_of_absent,
     check_place,
     gate_keys,
@@ -33,6 +31,7 @@ from harness.gate.baseline import (
     write_baseline,
 )
 from harness.gate.comparison import Difference, differences
+from harness.gate.errors import FILE, BaselineError
 from harness.gate.report import GATE, gate_report, regressions
 from harness.gate.scores import CaseIdentity, Scores, scored
 from harness.gate.spread import measured, planned_members

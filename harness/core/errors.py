@@ -4,14 +4,25 @@ A numerical failure of an engine is no error: it is an `Outcome` of a simulation
 """
 
 import re
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Self
 
 from models.errors import did_you_mean
 
 
 class HarnessError(Exception):
     """Root of all errors that the harness raises for wrong use."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by the attributes: an error made of keywords has no arguments to be made from."""
+        return self._made_again, (self.args,), vars(self)
+
+    @classmethod
+    def _made_again(cls, args: tuple[object, ...]) -> Self:
+        error = cls.__new__(cls, *args)
+        error.args = args
+        return error
 
 
 class UnknownEngineError(HarnessError, LookupError):
@@ -294,11 +305,11 @@ class ParityError(HarnessError, ValueError):
 
 
 class TrajectoryError(HarnessError, ValueError):
-    """An engine returned arrays that are not a trajectory."""
+    """An engine returned what is no trajectory."""
 
 
 class OutputError(HarnessError, OSError):
-    """A result cannot be written where it was asked for."""
+    """A result cannot be written, or completed, where it was asked for."""
 
 
 class ReportError(HarnessError, OSError):
@@ -306,36 +317,28 @@ class ReportError(HarnessError, OSError):
 
 
 class StoreError(HarnessError, ValueError):
-    """An entry of a store is not what was written there."""
+    """A store, or an entry of one, is not what was written there."""
 
 
 class CacheWarning(UserWarning):
-    """A broken entry of the result cache was moved to the folder `aside`."""
+    """A broken entry of the result cache was moved to the folder `aside`.
+
+    Parameters
+    ----------
+    path : Path
+        Where it was.
+    reason : str
+    aside : Path
+    """
+
+    def __init__(self, path: Path, reason: str, aside: Path) -> None:
+        super().__init__(path, reason, aside)
+        self.path, self.reason, self.aside = path, reason, aside
+
+    def __str__(self) -> str:
+        """Say what becomes of the entry."""
+        return f"{self.path}: {self.reason}; it is set aside in '{self.aside}' and done again"
 
 
 class ClusterError(HarnessError, OSError):
     """A cluster cannot be reached, or is not fit to run cases."""
-
-
-@contextmanager
-def writing(what: str, hint: str = "") -> Iterator[None]:
-    """Turn an `OSError` within into an `OutputError` that says what cannot be written, and why.
-
-    Parameters
-    ----------
-    what : str
-        After "cannot write": the thing or the place.
-    hint : str
-        After the reason.
-
-    Raises
-    ------
-    OutputError
-        For an `OSError` within; a `HarnessError` within is raised as it is.
-    """
-    try:
-        yield
-    except HarnessError:
-        raise
-    except OSError as error:
-        raise OutputError(f"cannot write {what}: {error.strerror or error}{hint}") from error

@@ -11,6 +11,31 @@ from harness.core.errors import TrajectoryError
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+
+@dataclass(eq=False, kw_only=True)
+class ArrayShapeError(TrajectoryError):
+    """The array `name` has another shape than the number of samples makes it need."""
+
+    name: str
+    shape: tuple[int, ...]
+    expected: tuple[int, ...]
+
+    def __str__(self) -> str:
+        """Return both shapes."""
+        return (
+            f"`{self.name}` has shape {self.shape}, but {self.expected[0]} samples need "
+            f"{self.expected}"
+        )
+
+
+class TimeOrderError(TrajectoryError):
+    """The instants of a trajectory do not increase, or there are none."""
+
+    def __str__(self) -> str:
+        """Say what time must do."""
+        return "`time` must hold at least one instant and increase strictly"
+
+
 _WIDTHS = {
     "time": None,
     "position": 3,
@@ -51,8 +76,10 @@ class Trajectory:
 
     Raises
     ------
-    TrajectoryError
-        If a shape is wrong or time does not increase.
+    ArrayShapeError
+        If an array has the wrong shape.
+    TimeOrderError
+        If time does not increase.
     """
 
     time: Floats
@@ -73,13 +100,11 @@ class Trajectory:
             array = np.array(getattr(self, name), dtype=kind)
             expected = (samples,) if width is None else (samples, width)
             if array.shape != expected:
-                raise TrajectoryError(
-                    f"`{name}` has shape {array.shape}, but {samples} samples need {expected}"
-                )
+                raise ArrayShapeError(name=name, shape=array.shape, expected=expected)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         if samples == 0 or not np.all(np.diff(self.time) > 0.0):
-            raise TrajectoryError("`time` must hold at least one instant and increase strictly")
+            raise TimeOrderError
 
     def __len__(self) -> int:
         """Return the number of samples."""

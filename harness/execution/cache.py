@@ -25,8 +25,16 @@ from typing import Any
 import psutil
 
 from harness.core.errors import CacheWarning, OutputError, StoreError
+from harness.core.writing import WriteError
 from harness.execution.atomic_write import write_atomically
-from harness.execution.cache_entry import CacheEntry, Metadata, read_entry, write_entry
+from harness.execution.cache_entry import (
+    BrokenEntryError,
+    CacheEntry,
+    Defect,
+    Metadata,
+    read_entry,
+    write_entry,
+)
 from harness.execution.signals import delay_signals
 
 DRAFTS, ASIDE, JOURNAL = "drafts", "aside", "journal.jsonl"
@@ -108,7 +116,7 @@ class CacheFolder:
         ------
         FileNotFoundError
             If there is none.
-        StoreError
+        BrokenEntryError
             If it is not what was written.
         """
         try:
@@ -116,7 +124,7 @@ class CacheFolder:
         except FileNotFoundError:
             raise
         except OSError as error:
-            raise StoreError(f"it cannot be read: {error.strerror}") from error
+            raise BrokenEntryError(defect=Defect.UNREADABLE, reason=str(error.strerror)) from error
         return read_entry(content, kind, key)
 
     def put(self, kind: str, key: str, metadata: Metadata, value: object) -> None:
@@ -190,11 +198,7 @@ class CacheFolder:
         with suppress(FileNotFoundError):  # another process was faster
             path.rename(place / f"{kind}-{key}-{uuid.uuid4().hex[:8]}{path.suffix}")
         self.note("aside", kind, key)
-        warnings.warn(
-            f"{path}: {reason}; it is set aside in '{place}' and done again",
-            CacheWarning,
-            stacklevel=3,
-        )
+        warnings.warn(CacheWarning(path, reason, place), stacklevel=3)
 
     def path(self, kind: str, key: str) -> Path:
         """Return the path of an entry."""
@@ -204,9 +208,12 @@ class CacheFolder:
         """Return the error of a folder that cannot be written to."""
         if isinstance(error, OutputError):
             return error
-        return OutputError(
-            f"cannot write to the store '{self.folder}': {error.strerror or error}; what is kept "
-            "there is whole: make room, or choose another folder with --store, and start again"
+        return WriteError(
+            path=self.folder,
+            reason=error.strerror or str(error),
+            what="to the store",
+            fix="what is kept there is whole: make room, or choose another folder with --store, "
+            "and start again",
         )
 
 

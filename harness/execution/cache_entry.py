@@ -27,6 +27,31 @@ from harness.core.errors import StoreError
 
 FORMAT, VERSION = "rockingcan-store", 2
 
+
+class Defect(Enum):
+    """Why an entry is not what was written."""
+
+    UNREADABLE = "it cannot be read"
+    FORMAT = "it is of another format"
+    CHECKSUM = "its checksum is not that of its content"
+    OTHER_CASE = "it is the entry of another case"
+    CUT_SHORT = "its arrays are cut short"
+    ARRAYS = "the checksum of its arrays is not theirs"
+    NO_RECORD = "it is no whole record"
+
+
+@dataclass(eq=False, kw_only=True)
+class BrokenEntryError(StoreError):
+    """An entry is not what was written; `reason` is what the system says, if it says something."""
+
+    defect: Defect
+    reason: str = ""
+
+    def __str__(self) -> str:
+        """Return the defect in words."""
+        return f"{self.defect.value}{self.reason and f': {self.reason}'}"
+
+
 _TUPLE, _FLOAT, _ARRAY = "(tuple)", "(float)", "(array)"
 _CLASS, _SAME, _ENUM = "(class)", "(same)", "(enum)"
 
@@ -210,17 +235,17 @@ class CacheEntry:
 
         Raises
         ------
-        StoreError
+        BrokenEntryError
             If the entry is broken.
         """
         if checksum(self.arrays) != self.arrays_sha256:
-            raise StoreError("the checksum of its arrays is not theirs")
+            raise BrokenEntryError(defect=Defect.ARRAYS)
         try:
             size = self.arrays_size
             content = pa.decompress(self.arrays, size, _CODEC, asbytes=True) if size else b""
             return Decoder(content).decode(self.encoded)
         except (ValueError, LookupError, TypeError, AttributeError, ImportError) as error:
-            raise StoreError("it is no whole record") from error
+            raise BrokenEntryError(defect=Defect.NO_RECORD) from error
 
 
 def write_entry(kind: str, key: str, metadata: Metadata, value: object) -> bytes:
@@ -258,21 +283,21 @@ def read_entry(content: bytes, kind: str, key: str) -> CacheEntry:
 
     Raises
     ------
-    StoreError
-        If the entry is broken; the message says why.
+    BrokenEntryError
+        If the entry is broken; its defect says how.
     """
     line, newline, arrays = content.partition(b"\n")
     try:
         record = json.loads(line)
         stated = record.pop("sha256")
         if record["format"] != FORMAT or record["version"] != VERSION:
-            raise StoreError("it is of another format")
+            raise BrokenEntryError(defect=Defect.FORMAT)
         if checksum(_text(record)) != stated or not newline:
-            raise StoreError("its checksum is not that of its content")
+            raise BrokenEntryError(defect=Defect.CHECKSUM)
         if (record["kind"], record["key"]) != (kind, key):
-            raise StoreError("it is the entry of another case")
+            raise BrokenEntryError(defect=Defect.OTHER_CASE)
         if record["arrays"]["bytes"] != len(arrays):
-            raise StoreError("its arrays are cut short")
+            raise BrokenEntryError(defect=Defect.CUT_SHORT)
         return CacheEntry(
             metadata=Metadata(**Decoder().decode(record["about"])),
             encoded=record["result"],
@@ -282,9 +307,9 @@ def read_entry(content: bytes, kind: str, key: str) -> CacheEntry:
         )
     # too deep a nesting is a RecursionError
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        if isinstance(error, StoreError):
+        if isinstance(error, BrokenEntryError):
             raise
-        raise StoreError("it is no whole record") from error
+        raise BrokenEntryError(defect=Defect.NO_RECORD) from error
 
 
 def checksum(content: bytes) -> str:

@@ -17,6 +17,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from types import TracebackType
@@ -40,7 +41,91 @@ _IN_SOURCES = ("numpy", "scipy")
 _OURS = "harness"
 _NONE = "none"
 
-REMEDY = "have the same there as here, and start the workers again"
+_REMEDY = "have the same there as here, and start the workers again"
+
+
+@dataclass(eq=False, kw_only=True)
+class NoSchedulerError(ClusterError):
+    """No scheduler answers at the address."""
+
+    address: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Say how a cluster is started."""
+        return (
+            f"no Dask scheduler answers at '{self.address}' ({self.reason}); start one with: dask "
+            "scheduler, and workers with: dask worker ADDRESS"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class NoWorkersError(ClusterError):
+    """The scheduler at the address has nobody to do its tasks."""
+
+    address: str
+
+    def __str__(self) -> str:
+        """Say how a worker is started."""
+        return f"the cluster at '{self.address}' has no workers; start: dask worker ADDRESS"
+
+
+@dataclass(eq=False, kw_only=True)
+class UnknownWorkersError(ClusterError):
+    """The workers of a cluster cannot be asked for their environment."""
+
+    address: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Say why, and what to do."""
+        return (
+            f"workers of the cluster at '{self.address}' cannot say what they compute with "
+            f"({self.reason}); {_REMEDY}"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class UnfitWorkersError(ClusterError):
+    """Workers of a cluster have another environment; for each by its place, in what it differs."""
+
+    address: str
+    workers: Mapping[str, str]
+
+    def __str__(self) -> str:
+        """Name the workers, and say what to do."""
+        each = "; ".join(f"{place} {words}" for place, words in self.workers.items())
+        return (
+            f"workers of the cluster at '{self.address}' would not compute as it is done here: "
+            f"{each}; {_REMEDY}"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class LateWorkerError(ClusterError):
+    """A worker that was given a task has another environment than whoever gave it."""
+
+    node: str
+    differences: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Name the machine and the differences, and say what to do."""
+        return (
+            f"a worker on '{self.node}' would not compute as it is done here: it has "
+            f"{', '.join(self.differences)}; {_REMEDY}"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class LostSchedulerError(ClusterError):
+    """The scheduler no longer answers; `reason` is what the network says, if it says something."""
+
+    reason: str = ""
+
+    def __str__(self) -> str:
+        """Say to start again."""
+        gone = "the scheduler let go of a task, or is gone; start again to go on"
+        return f"{gone} ({self.reason})" if self.reason else gone
 
 
 @cache
@@ -83,14 +168,11 @@ def check_same_environment(
 
     Raises
     ------
-    ClusterError
+    LateWorkerError
         If it has another: it joined after the check, or was started before an edit.
     """
     if other := environment_differences(environment_description(), here):
-        raise ClusterError(
-            f"a worker on '{platform.node()}' would not compute as it is done here: it has "
-            f"{', '.join(other)}; {REMEDY}"
-        )
+        raise LateWorkerError(node=platform.node(), differences=tuple(other))
     return fn(*args, **kwargs)
 
 
@@ -103,8 +185,6 @@ _ADDRESS = re.compile(
 )
 _LAST_PORT = 2**16 - 1
 _FORM = "the address of a Dask scheduler, such as tcp://host:8786"
-
-_GONE = "the scheduler let go of a task, or is gone; start again to go on"
 
 _TASKS_A_THREAD = 2
 """Tasks for each thread: one runs and one waits, so that the network causes no delay."""
@@ -138,10 +218,7 @@ def dask_executor(address: str, limits: Limits) -> "DaskExecutor":
     try:
         client = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        raise ClusterError(
-            f"no Dask scheduler answers at '{address}' ({error}); start one with: dask scheduler, "
-            "and workers with: dask worker ADDRESS"
-        ) from error
+        raise NoSchedulerError(address=address, reason=str(error)) from error
     try:
         _check(client, address)
     except BaseException:
@@ -168,32 +245,27 @@ def _check(client: Any, address: str) -> None:  # noqa: ANN401 - the package shi
     try:
         workers = client.run(environment_description, on_error="return")
     except Exception as error:
-        raise ClusterError(
-            f"workers of the cluster at '{address}' cannot say what they compute with "
-            f"({type(error).__name__}: {error}); {REMEDY}"
-        ) from error
+        reason = f"{type(error).__name__}: {error}"
+        raise UnknownWorkersError(address=address, reason=reason) from error
     if not workers:
-        raise ClusterError(f"the cluster at '{address}' has no workers; start: dask worker ADDRESS")
-    here, others = environment_description(), []
+        raise NoWorkersError(address=address)
+    here, others = environment_description(), {}
     for place, there in sorted(workers.items()):
         if isinstance(there, Exception):
-            others.append(f"{place} cannot say ({type(there).__name__}: {there})")
+            others[place] = f"cannot say ({type(there).__name__}: {there})"
         elif other := environment_differences(there, here):
-            others.append(f"{place} has {', '.join(other)}")
+            others[place] = f"has {', '.join(other)}"
     if others:
-        raise ClusterError(
-            f"workers of the cluster at '{address}' would not compute as it is done here: "
-            f"{'; '.join(others)}; {REMEDY}"
-        )
+        raise UnfitWorkersError(address=address, workers=others)
 
 
 @contextmanager
 def _scheduler_errors() -> Iterator[None]:
-    """Turn the errors of a scheduler that no longer answers into a `ClusterError`."""
+    """Turn the errors of a scheduler that no longer answers into a `LostSchedulerError`."""
     try:
         yield
     except OSError as error:  # timeouts and closed connections of Dask are among these
-        raise ClusterError(f"{_GONE} ({error})") from error
+        raise LostSchedulerError(reason=str(error)) from error
 
 
 class DaskExecutor(Executor):
@@ -247,7 +319,7 @@ class DaskExecutor(Executor):
         except dask.KilledWorker as error:
             future.set_exception(LostTaskError(Loss.STOPPED, f"killed: with its worker, {error}"))
         except CancelledError:
-            future.set_exception(ClusterError(_GONE))
+            future.set_exception(LostSchedulerError())
         except Exception as error:  # noqa: BLE001 - handed on to whoever asks for the result
             future.set_exception(error)
         finally:

@@ -18,9 +18,18 @@ import pyarrow.parquet as pq
 from pydantic import TypeAdapter
 
 from harness.core.case import Case
-from harness.core.errors import HarnessError, OutputError, writing
 from harness.core.simulation import Outcome
+from harness.core.writing import WriteError, writing
 from harness.execution.atomic_write import write_atomically
+from harness.gate.errors import (
+    FILE,
+    BaselineError,
+    ChangedScenesError,
+    Fault,
+    OtherEnginesError,
+    OtherSuiteError,
+    ResultsError,
+)
 from harness.gate.scores import (
     CaseIdentity,
     Score,
@@ -36,13 +45,8 @@ from harness.report.atomic_folder import MANIFEST
 from harness.studies.comparison.suite import SUITES, suite_cases
 from models.catalogue import load
 
-
-class BaselineError(HarnessError, ValueError):
-    """Accepted results, or a report, cannot be read or do not fit what they are held against."""
-
-
-FILE = "accepted.json"
 FORMAT, VERSION = "rockingcan-baseline", 1
+_WHAT = "accepted results to"
 
 _DIGITS = 3
 """Of a spread: it is a largest departure of a few, known to a digit at best."""
@@ -62,12 +66,12 @@ def write_baseline(scores: Scores, folder: Path) -> Path:
 
     Raises
     ------
-    OutputError
+    WriteError
         If it cannot be written.
     """
     path = folder / FILE
-    hint = "; name a folder that you may write to with --baseline"
-    with writing(f"accepted results to '{path}'", hint):
+    fix = "name a folder that you may write to with --baseline"
+    with writing(path, _WHAT, fix):
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(path, _text(scores).encode())
     return path
@@ -78,15 +82,14 @@ def check_place(folder: Path) -> None:
 
     Raises
     ------
-    OutputError
+    WriteError
         If it is a file, or cannot be written to.
     """
     place = next(p for p in (folder.absolute(), *folder.absolute().parents) if p.exists())
     if not place.is_dir() or not os.access(place, os.W_OK):
-        raise OutputError(
-            f"cannot write accepted results to '{folder}': '{place}' is no folder that you may "
-            "write to; name another with --baseline"
-        )
+        reason = f"'{place}' is no folder that you may write to"
+        fix = "name another with --baseline"
+        raise WriteError(path=folder, reason=reason, what=_WHAT, fix=fix)
 
 
 def read_baseline(folder: Path) -> Scores:
@@ -94,25 +97,19 @@ def read_baseline(folder: Path) -> Scores:
 
     Raises
     ------
-    BaselineError
+    ResultsError
         If it holds none, or what it holds is not what was written.
     """
     path = folder / FILE
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise BaselineError(
-            f"'{folder}' holds no accepted results ('{FILE}'); write some with: "
-            f"rockingcan validate --accept --baseline {folder}"
-        ) from error
+        raise ResultsError(place=folder, fault=Fault.MISSING) from error
     except (OSError, ValueError) as error:
-        raise BaselineError(f"accepted results '{path}' cannot be read: {error}") from error
-    with _reading(f"accepted results '{path}' are damaged"):
+        raise ResultsError(place=path, fault=Fault.UNREADABLE, reason=str(error)) from error
+    with _reading(path, Fault.DAMAGED):
         if (stored["format"], stored["version"]) != (FORMAT, VERSION):
-            raise BaselineError(
-                f"'{path}' is no file of accepted results of version {VERSION}; write it anew with "
-                "--accept"
-            )
+            raise ResultsError(place=path, fault=Fault.VERSION, reason=str(VERSION))
         scores = [_SCORE.validate_python({**case, "identity": case}) for case in stored["cases"]]
         return Scores(
             suite=str(stored["suite"]),
@@ -124,15 +121,15 @@ def read_baseline(folder: Path) -> Scores:
 
 
 @contextmanager
-def _reading(what: str) -> Iterator[None]:
-    """Turn any error of content into a `BaselineError` of one sentence."""
+def _reading(place: Path, fault: Fault) -> Iterator[None]:
+    """Turn any error of content into a `ResultsError` of one sentence."""
     try:
         yield
     except BaselineError:
         raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        raise BaselineError(f"{what} ({reason})") from error
+        raise ResultsError(place=place, fault=fault, reason=reason) from error
 
 
 def _text(scores: Scores) -> str:
@@ -198,27 +195,21 @@ def read_scores(folder: Path) -> Scores:
 
     Raises
     ------
-    BaselineError
+    ResultsError
         If it holds neither.
     """
     if (folder / FILE).is_file():
         return read_baseline(folder)
     if not (folder / MANIFEST).is_file():
-        what = "no folder" if not folder.is_dir() else "neither a report nor accepted results"
-        raise BaselineError(
-            f"'{folder}' is {what}; name one that rockingcan validate wrote, with --out or with "
-            "--accept"
-        )
-    with _reading(f"the report in '{folder}' cannot be read"):
+        fault = Fault.NEITHER if folder.is_dir() else Fault.NO_FOLDER
+        raise ResultsError(place=folder, fault=fault)
+    with _reading(folder, Fault.DAMAGED_REPORT):
         manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         if manifest["format"] != REPORT_FORMAT:
-            raise BaselineError(f"'{folder}' is no report of rockingcan")
+            raise ResultsError(place=folder, fault=Fault.FOREIGN_REPORT)
         cases = {case["digest"]: case for case in manifest["cases"] if "identity" in case}
         if not cases or not (folder / RESULTS).is_file():
-            raise BaselineError(
-                f"'{folder}' is a report, but not of rockingcan validate, or of a version that "
-                "could not be compared yet; write it again"
-            )
+            raise ResultsError(place=folder, fault=Fault.OTHER_REPORT)
         return _scores(folder, manifest, cases)
 
 
@@ -285,33 +276,33 @@ def required_cases(
 
     Raises
     ------
-    BaselineError
-        If the accepted results are of another suite or engine, or a scene has changed since.
+    OtherEnginesError, OtherSuiteError
+        If the accepted results are of other engines or another suite.
+    ChangedScenesError
+        If a scene has changed since.
     """
     names = {identity(case): case for case in designed}
     engines = {case.engine for case in designed}
     known = {name.engine for name in accepted.scores}
     if not engines & known:
-        raise BaselineError(
-            f"'{accepted.place}' holds no accepted results of {', '.join(sorted(engines))}, only "
-            f"of {', '.join(sorted(known)) or 'none'}; accept some first, with --accept"
+        raise OtherEnginesError(
+            place=accepted.place, engines=tuple(sorted(engines)), accepted=tuple(sorted(known))
         )
     common = [name for name in names if name in accepted.scores]
     fresh = [n for n in names if n.engine in known and n not in accepted.scores]
     if accepted.suite != suite and len(fresh) > _FRESH * len(common):
-        raise BaselineError(
-            f"'{accepted.place}' holds the {accepted.suite} suite, which has {len(common)} of the "
-            f"{len(common) + len(fresh)} cases of the {suite} suite; run --suite {accepted.suite}, "
-            f"or accept the {suite} suite with --accept"
+        raise OtherSuiteError(
+            place=accepted.place,
+            suite=suite,
+            accepted=accepted.suite,
+            cases=len(common) + len(fresh),
+            common=len(common),
         )
     changed = sorted(
         {n.scene for n in common if accepted.scores[n].scene_digest != scene_digest(names[n].scene)}
     )
     if changed:
-        raise BaselineError(
-            f"'{accepted.place}' was accepted for other scenes: since then {', '.join(changed)} "
-            "changed, and errors of two motions cannot be compared; accept anew with --accept"
-        )
+        raise ChangedScenesError(place=accepted.place, scenes=tuple(changed))
     if accepted.suite != suite:
         return tuple(common)
     return tuple(n for n in accepted.scores if every_engine or n.engine in engines)

@@ -13,10 +13,11 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from harness.core.errors import OutputError, writing
+from harness.core.writing import ForeignFolderError, WriteError, writing
 
 MANIFEST = "manifest.json"
 FORMAT = "rockingcan-report"
+_WHAT = "a report to"
 
 
 def check_writable(out: Path) -> None:
@@ -88,14 +89,16 @@ def _refuse_foreign(out: Path) -> None:
     """Refuse to replace a file, or a folder that is no report."""
     if not out.exists():
         if out.is_symlink():
-            raise OutputError(f"cannot write a report to '{out}': the link leads nowhere")
+            raise WriteError(path=out, reason="the link leads nowhere", what=_WHAT)
         return
     if not out.is_dir():
-        raise OutputError(f"cannot write a report to '{out}': it is a file, not a folder")
+        raise WriteError(path=out, reason="it is a file, not a folder", what=_WHAT)
     if any(out.iterdir()) and not _is_report(out):
-        raise OutputError(
-            f"will not replace '{out}': the folder is not empty and holds no report of "
-            "rockingcan; choose another folder with --out, or empty it"
+        raise ForeignFolderError(
+            path=out,
+            action="replace",
+            thing="report",
+            fix="choose another folder with --out, or empty it",
         )
 
 
@@ -112,4 +115,4 @@ def _hidden(out: Path, purpose: str) -> str:
 
 
 def _writing(out: Path) -> AbstractContextManager[None]:
-    return writing(f"a report to '{out}'", "; choose a folder that you may write to with --out")
+    return writing(out, _WHAT, "choose a folder that you may write to with --out")

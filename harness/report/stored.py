@@ -19,6 +19,34 @@ VERSION = 2
 """Of the file; any other is refused. 2: verdicts have a status."""
 
 
+@dataclass(eq=False, kw_only=True)
+class UnreadableReportError(ReportError):
+    """The file `path` is no record of a report, and `reason` says why; `fix` may be empty."""
+
+    path: Path
+    reason: str
+    fix: str = ""
+
+    def __str__(self) -> str:
+        """Say why, and what to do."""
+        return f"cannot read '{self.path}': {self.reason}{self.fix and f'; {self.fix}'}"
+
+
+@dataclass(eq=False, kw_only=True)
+class ReportVersionError(ReportError):
+    """The file `path` is of the `version` of another release."""
+
+    path: Path
+    version: object
+
+    def __str__(self) -> str:
+        """Say to write the report again."""
+        return (
+            f"cannot read '{self.path}': it is of version {self.version}, this reads {VERSION}; "
+            "write the report again with the command that made it"
+        )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoredReport:
     """The content of `artefacts.json`."""
@@ -42,22 +70,23 @@ def read_report(folder: Path) -> tuple[Section, ...]:
 
     Raises
     ------
-    ReportError
-        If the folder holds no report, or one that this version cannot read.
+    UnreadableReportError
+        If the folder holds no report.
+    ReportVersionError
+        If it holds one that this version cannot read.
     """
     path = folder / ARTEFACTS
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        if data["version"] != VERSION:
-            raise ReportError(
-                f"cannot read '{path}': it is of version {data['version']}, this reads {VERSION}; "
-                "write the report again with the command that made it"
-            )
-        return _REPORT.validate_python(data).chapters
+        content = path.read_bytes()
     except OSError as error:
-        raise ReportError(
-            f"cannot read '{path}': {error.strerror or error}; name the folder of a report, "
-            "such as reports/latest"
-        ) from error
+        fix = "name the folder of a report, such as reports/latest"
+        reason = error.strerror or str(error)
+        raise UnreadableReportError(path=path, reason=reason, fix=fix) from error
+    try:
+        data = json.loads(content)
+        if data["version"] != VERSION:
+            raise ReportVersionError(path=path, version=data["version"])
+        return _REPORT.validate_python(data).chapters
     except (ValueError, KeyError, TypeError) as error:
-        raise ReportError(f"cannot read '{path}': it is no record of a report") from error
+        reason = "it is no record of a report"
+        raise UnreadableReportError(path=path, reason=reason) from error

@@ -14,13 +14,15 @@ import json
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pyarrow as pa
 
-from harness.core.errors import HarnessError, OutputError, writing
+from harness.core.errors import HarnessError, OutputError
+from harness.core.writing import ForeignFolderError, WriteError, writing
 from harness.execution.atomic_write import DRAFT_SUFFIX, write_atomically
 from harness.execution.cache_entry import checksum
 from harness.execution.signals import delay_signals
@@ -83,6 +85,60 @@ class ProgramMismatchError(PlanMismatchError):
         )
 
 
+@dataclass(eq=False, kw_only=True)
+class SweepBusyError(OutputError):
+    """Another process is at work in the folder `out`."""
+
+    out: Path
+
+    def __str__(self) -> str:
+        """Say to wait."""
+        return f"a sweep is already at work in '{self.out}'; wait for it"
+
+
+@dataclass(eq=False, kw_only=True)
+class UnreadablePlanError(OutputError):
+    """The file `place` states no plan, and `reason` says why."""
+
+    place: Path
+    reason: str
+
+    def __str__(self) -> str:
+        """Say how to go on with what is there."""
+        return (
+            f"the plan of the sweep in '{self.place.parent}' cannot be read ({self.reason}); "
+            f"remove '{self.place}' and start the same sweep again, which goes on with the "
+            "partitions that are there, or choose another folder with --out"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class PartitionError(OutputError):
+    """The partition of number `index` in the folder `parts` is missing or damaged."""
+
+    parts: Path
+    index: int
+
+    def __str__(self) -> str:
+        """Say how it is mended."""
+        return (
+            f"partition {self.index} in '{self.parts}' is missing or damaged; run the sweep again "
+            "to mend it"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class UnreadablePartitionError(OutputError):
+    """The partition in the file `path` is whole, but this Arrow cannot read it."""
+
+    path: Path
+    reason: str
+
+    def __str__(self) -> str:
+        """Say to remove it."""
+        return f"cannot read '{self.path}' ({self.reason}); remove it"
+
+
 class Folder:
     """The place of one sweep; opened by `opened`, which holds its lock."""
 
@@ -139,8 +195,7 @@ class Folder:
             content = encode_partition(part, self._digest)
             index = part.index[0] // self.plan.rows_per_partition
             path = self.parts / f"part-{index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
-            hint = "; what is done stays, and the same command goes on from it"
-            with writing(f"'{path}'", hint):
+            with writing(path, fix="what is done stays, and the same command goes on from it"):
                 write_atomically(path, content)
 
     def read(self) -> Iterator[pd.DataFrame]:
@@ -148,27 +203,26 @@ class Folder:
 
         Raises
         ------
-        OutputError
+        PartitionError
             If a partition is missing or damaged.
+        UnreadablePartitionError
+            If it is whole and cannot be read.
         """
         there = self.there()
         for index in range(self.plan.partitions):
             paths = there.get(index, [])
             content = _content(paths[0]) if len(paths) == 1 else None
             if content is None:
-                raise OutputError(
-                    f"partition {index} in '{self.parts}' is missing or damaged; run the sweep "
-                    "again to mend it"
-                )
+                raise PartitionError(parts=self.parts, index=index)
             try:
                 yield decode_partition(content)
             except pa.ArrowException as error:  # whole, but of another Arrow
-                raise OutputError(f"cannot read '{paths[0]}' ({error}); remove it") from error
+                raise UnreadablePartitionError(path=paths[0], reason=str(error)) from error
 
     def _set_aside(self, path: Path) -> None:
         """Move a damaged partition out of the table."""
         aside = self.out / DAMAGED
-        with writing(f"to '{self.out}'"):
+        with writing(self.out, "to"):
             aside.mkdir(exist_ok=True)
             self.damaged.append(path.rename(aside / path.name))
 
@@ -181,22 +235,28 @@ def opened(out: Path, plan: SweepPlan) -> Iterator[Folder]:
     ------
     PlanMismatchError
         If another sweep is there.
-    OutputError
-        If the folder cannot be written, holds something else, or a sweep is at work there.
+    WriteError
+        If the folder cannot be written.
+    ForeignFolderError
+        If it holds something else.
+    UnreadablePlanError
+        If the plan that is there cannot be read.
+    SweepBusyError
+        If a sweep is at work there.
     """
     folder = Folder(out, plan)
-    with writing(f"to '{out}'"):
+    with writing(out, "to"):
         if out.exists() and not out.is_dir():
-            raise OutputError(f"cannot write a sweep to '{out}': it is a file, not a folder")
+            raise WriteError(path=out, reason="it is a file, not a folder", what="a sweep to")
         check_same(out, plan)  # before anything is written into a folder of others
         folder.parts.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("w")
     with lock:
-        with writing(f"to '{out}'"):
+        with writing(out, "to"):
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                raise OutputError(f"a sweep is already at work in '{out}'; wait for it") from None
+                raise SweepBusyError(out=out) from None
             check_same(out, plan)  # another sweep may have begun since
             for draft in (*out.glob(_DRAFTS), *folder.parts.glob(_DRAFTS)):
                 draft.unlink()
@@ -228,8 +288,10 @@ def check_same(out: Path, plan: SweepPlan) -> None:
     ------
     PlanMismatchError
         If another sweep is there, or this one as another program made it.
-    OutputError
-        If something else is, or the plan that is there cannot be read.
+    ForeignFolderError
+        If something else is.
+    UnreadablePlanError
+        If the plan that is there cannot be read.
     """
     if not (out / PLAN).exists():
         _check_without_plan(out, plan)
@@ -271,25 +333,21 @@ def _read(out: Path) -> dict[str, Any]:
     try:
         content: Any = json.loads(place.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise _unreadable(place, f"{type(error).__name__}: {error}") from error
+        reason = f"{type(error).__name__}: {error}"
+        raise UnreadablePlanError(place=place, reason=reason) from error
     if not isinstance(content, dict) or content.get("format") != _FORMAT:
         raise _foreign(out)
     there = content.get("plan")
     if not isinstance(there, dict) or digest_of(there) != content.get("digest"):
-        raise _unreadable(place, "its checksum is not that of its content")
+        reason = "its checksum is not that of its content"
+        raise UnreadablePlanError(place=place, reason=reason)
     return there
 
 
-def _foreign(out: Path) -> OutputError:
-    return OutputError(
-        f"will not write a sweep to '{out}': the folder is not empty and holds no sweep of "
-        "rockingcan; choose another folder with --out"
-    )
-
-
-def _unreadable(place: Path, reason: str) -> OutputError:
-    return OutputError(
-        f"the plan of the sweep in '{place.parent}' cannot be read ({reason}); remove '{place}' "
-        "and start the same sweep again, which goes on with the partitions that are there, or "
-        "choose another folder with --out"
+def _foreign(out: Path) -> ForeignFolderError:
+    return ForeignFolderError(
+        path=out,
+        action="write a sweep to",
+        thing="sweep",
+        fix="choose another folder with --out",
     )

@@ -11,9 +11,10 @@ import typer
 from harness.cli import terminal
 from harness.cli.main import main
 from harness.cli.terminal import write_text
-from harness.core.errors import InvalidSettingError, OutputError
+from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table
+from harness.core.writing import writing
 from harness.progress import ItemBar
 from harness.report.tables import csv_text
 from tests.faults.programs import end_all
@@ -71,10 +72,8 @@ def faults(
 
 def _make(out: Path) -> None:
     """Make the folder of the report, before anything takes its time."""
-    try:
+    with writing(out, "to"):
         out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot write to '{out}': {error.strerror or error}") from error
 
 
 def _tried(names: Sequence[str], demands: Demands) -> list[Trial]:

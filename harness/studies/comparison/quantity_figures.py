@@ -1,7 +1,7 @@
 """The figure of one quantity of given runs: panels of the report's figures of their scene."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -41,8 +41,35 @@ class UnknownQuantityError(HarnessError, LookupError):
         return f"no figure shows '{self.name}'{hint} there are: {names}"
 
 
+@dataclass(eq=False, kw_only=True)
 class NothingToDrawError(HarnessError, ValueError):
-    """The runs have no figure of a quantity, or are not of one scene."""
+    """The runs have no figure of a quantity, or are not of one scene.
+
+    Parameters
+    ----------
+    scenes : tuple of str
+        Of the runs.
+    quantity : str
+        What was asked for; empty for whatever there is.
+    drawn : tuple of str
+        The quantities of which the runs have a figure.
+    endings : tuple of str
+        Of the runs without a motion.
+    """
+
+    scenes: tuple[str, ...]
+    quantity: str = ""
+    drawn: tuple[str, ...] = ()
+    endings: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        """Say what there is to draw, or why there is nothing."""
+        if len(self.scenes) != 1:
+            which = f"these are of {', '.join(self.scenes)}" if self.scenes else "there are none"
+            return f"a figure is of runs of one scene; {which}"
+        what = f" '{self.quantity}'" if self.quantity else ""
+        have = f"they have: {', '.join(self.drawn)}" if self.drawn else "; ".join(self.endings)
+        return f"the runs have no figure{what}; {have}"
 
 
 def quantity_figure(evaluations: Sequence[Evaluation], quantity: str = "") -> Figure:
@@ -65,16 +92,15 @@ def quantity_figure(evaluations: Sequence[Evaluation], quantity: str = "") -> Fi
         raise UnknownQuantityError(quantity)
     scenes = [scene for (scene,) in by_case(evaluations, "scene")]
     if len(scenes) != 1:
-        which = f"these are of {', '.join(scenes)}" if scenes else "there are none"
-        raise NothingToDrawError(f"a figure is of runs of one scene; {which}")
+        raise NothingToDrawError(scenes=tuple(scenes))
     figures = _figures(scenes[0], evaluations)
     chosen = quantity or next(iter(figures), "")
     if chosen in figures:
         return figures[chosen]
-    reasons = dict.fromkeys(e.simulation.ending for e in evaluations if e.motion is None)
-    what = f"the runs have no figure '{chosen}'" if chosen else "the runs have no figure"
-    have = f"they have: {', '.join(figures)}" if figures else "; ".join(reasons)
-    raise NothingToDrawError(f"{what}; {have}")
+    endings = dict.fromkeys(e.simulation.ending for e in evaluations if e.motion is None)
+    raise NothingToDrawError(
+        scenes=tuple(scenes), quantity=chosen, drawn=tuple(figures), endings=tuple(endings)
+    )
 
 
 def _figures(scene: str, evaluations: Sequence[Evaluation]) -> dict[str, Figure]:

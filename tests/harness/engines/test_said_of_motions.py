@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 import reference.integrable.exact_motion
-from harness.cli.motions import model_answer, sentences
+from harness.cli.motions import BrokenRunError, model_answer, sentences
 from harness.core.case import Case
-from harness.core.errors import TrajectoryError
 from harness.core.simulation import Outcome
 from harness.engines.reference.assumption_checks import divergence_of, findings, may_be_chaotic
 from harness.engines.reference.truth import solve_case, truth
@@ -105,8 +104,9 @@ def test_a_model_without_a_locus_is_named_though_the_motion_ends_early() -> None
 def test_what_is_no_motion_is_no_answer() -> None:
     e = evaluate_without_truth(Case(scene=GENTLE, engine="reference"))
     broken = replace(e.simulation, outcome=Outcome.BROKEN, trajectory=None, note="no number")
-    with pytest.raises(TrajectoryError, match="no number"):
+    with pytest.raises(BrokenRunError) as caught:
         model_answer(replace(e, simulation=broken), None, "auto")
+    assert (caught.value.case, caught.value.note) == (broken.case.label(), "no number")
 
 
 def test_that_two_methods_agree_is_said_and_that_they_do_not_is_a_finding(

@@ -9,15 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.core.errors import OutputError
+from harness.core.writing import WriteError
 from harness.gate.baseline import (
-    FILE,
-    BaselineError,
     _rounded_up,
     check_place,
     read_baseline,
     write_baseline,
 )
+from harness.gate.errors import FILE, Fault, ResultsError
 from harness.gate.scores import Scores
 from tests.support.gate_scores import make_score, make_scores
 
@@ -63,8 +62,9 @@ def test_the_file_is_for_everyone_to_read_and_of_version_1(some: Scores, tmp_pat
     told = json.loads(path.read_text(encoding="utf-8"))
     assert (told["format"], told["version"]) == ("rockingcan-baseline", 1)
     path.write_text(json.dumps(told | {"version": 2}), encoding="utf-8")
-    with pytest.raises(BaselineError, match="no file of accepted results of version 1"):
+    with pytest.raises(ResultsError) as caught:
         read_baseline(path.parent)
+    assert (caught.value.place, caught.value.fault) == (path, Fault.VERSION)
 
 
 def test_what_is_no_number_is_not_written_and_letters_are_as_they_are(tmp_path: Path) -> None:
@@ -89,8 +89,9 @@ def test_what_cannot_be_written_leaves_what_was_there(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(OutputError, match=str(path)) as caught:
+    with pytest.raises(WriteError) as caught:
         write_baseline(some, tmp_path)
+    assert caught.value.path == path
     assert isinstance(caught.value.__cause__, OSError)
     assert caught.value.__cause__.errno == errno.ENOSPC
     assert path.read_bytes() == before
@@ -101,8 +102,16 @@ def test_a_place_that_is_a_file_is_refused_at_once(tmp_path: Path) -> None:
     check_place(tmp_path / "new" / "folder")
     (tmp_path / "file").write_text("", encoding="utf-8")
     for place in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(OutputError, match="no folder that you may write to"):
+        with pytest.raises(WriteError) as caught:
             check_place(place)
+        assert caught.value.path == place
+        assert str(tmp_path / "file") in caught.value.reason
+
+
+def test_a_folder_without_accepted_results_holds_none(tmp_path: Path) -> None:
+    with pytest.raises(ResultsError) as caught:
+        read_baseline(tmp_path)
+    assert (caught.value.place, caught.value.fault) == (tmp_path, Fault.MISSING)
 
 
 @pytest.mark.parametrize(
@@ -111,10 +120,11 @@ def test_a_place_that_is_a_file_is_refused_at_once(tmp_path: Path) -> None:
 )
 def test_what_is_none_is_refused_in_one_sentence(text: str, tmp_path: Path) -> None:
     (tmp_path / FILE).write_text(text, encoding="utf-8")
-    with pytest.raises(BaselineError) as told:
+    with pytest.raises(ResultsError) as caught:
         read_baseline(tmp_path)
-    assert str(tmp_path) in str(told.value)
-    assert "\n" not in str(told.value)
+    assert caught.value.place == tmp_path / FILE
+    assert caught.value.fault in {Fault.UNREADABLE, Fault.DAMAGED, Fault.VERSION}
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("key", ["suite", "versions", "made", "cases"])
@@ -123,5 +133,6 @@ def test_what_lacks_a_part_is_damaged(some: Scores, key: str, tmp_path: Path) ->
     told = json.loads(path.read_text(encoding="utf-8"))
     del told[key]
     path.write_text(json.dumps(told), encoding="utf-8")
-    with pytest.raises(BaselineError, match=f"damaged .*{key}"):
+    with pytest.raises(ResultsError) as caught:
         read_baseline(tmp_path)
+    assert (caught.value.fault, caught.value.reason) == (Fault.DAMAGED, f"KeyError: '{key}'")

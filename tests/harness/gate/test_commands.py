@@ -10,7 +10,8 @@ from xml.etree.ElementTree import fromstring
 import pytest
 
 from harness.gate import spread
-from harness.gate.baseline import FILE, read_scores
+from harness.gate.baseline import read_scores
+from harness.gate.errors import FILE
 from tests.support.command_line import Answer, Command
 
 

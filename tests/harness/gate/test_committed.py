@@ -6,7 +6,8 @@ import pytest
 
 from harness import api
 from harness.engines.registry import left_out
-from harness.gate.baseline import FILE, read_baseline, required_cases
+from harness.gate.baseline import read_baseline, required_cases
+from harness.gate.errors import FILE
 from harness.gate.scores import QUANTITIES, QuantityKind, identity
 from harness.gate.spread import FEWEST
 

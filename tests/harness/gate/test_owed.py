@@ -7,7 +7,8 @@ import pytest
 
 from harness import api
 from harness.core.case import Case
-from harness.gate.baseline import BaselineError, required_cases
+from harness.gate.baseline import required_cases
+from harness.gate.errors import ChangedScenesError, OtherEnginesError, OtherSuiteError
 from harness.gate.scores import Score, Scores, identity, scene_digest
 from harness.studies.comparison.suite import SUITES
 from models import load
@@ -52,22 +53,25 @@ def test_the_same_suite_owes_all_of_it() -> None:
 
 def test_a_smaller_suite_does_not_stand_for_a_larger_one() -> None:
     known = accepted("quick", api.suite("quick"))
-    with pytest.raises(BaselineError, match=r"holds the quick suite.*run --suite quick"):
+    with pytest.raises(OtherSuiteError) as caught:
         required_cases(known, "full", api.suite("full"), every_engine=True)
+    assert (caught.value.suite, caught.value.accepted) == ("full", "quick")
 
 
 def test_results_of_another_engine_are_not_those_of_this_one() -> None:
     known = accepted("quick", api.suite("quick", ["pybullet"]))
-    with pytest.raises(BaselineError, match="no accepted results of mujoco, only of pybullet"):
+    with pytest.raises(OtherEnginesError) as caught:
         required_cases(known, "quick", api.suite("quick", ["mujoco"]), every_engine=False)
+    assert (caught.value.engines, caught.value.accepted) == (("mujoco",), ("pybullet",))
 
 
 def test_results_of_a_scene_that_has_changed_are_refused() -> None:
     scene = load("gentle-rock")
     steeper = replace(scene, release=replace(scene.release, phi=0.41))
     known = accepted("quick", (Case(scene=steeper, engine="mujoco", timestep=1e-4),))
-    with pytest.raises(BaselineError, match="gentle-rock changed"):
+    with pytest.raises(ChangedScenesError) as caught:
         required_cases(known, "quick", api.suite("quick", ["mujoco"]), every_engine=False)
+    assert caught.value.scenes == ("gentle-rock",)
 
 
 def test_neither_name_nor_citation_makes_another_motion() -> None:

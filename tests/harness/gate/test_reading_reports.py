@@ -10,7 +10,8 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
-from harness.gate.baseline import RESULTS, BaselineError, gate_keys, read_scores
+from harness.gate.baseline import RESULTS, gate_keys, read_scores
+from harness.gate.errors import Fault, ResultsError
 from harness.report.atomic_folder import FORMAT, MANIFEST
 from models.catalogue import load
 
@@ -55,21 +56,23 @@ def test_a_report_is_read_as_the_scores_of_its_cases(report: Report) -> None:
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "fault"),
     [
-        ({"format": "another"}, "is no report of rockingcan"),
-        ({"results": False}, "is a report, but not of rockingcan validate"),
-        ({"case": False}, "is a report, but not of rockingcan validate"),
-        ({"provenance": None}, "cannot be read"),
+        ({"format": "another"}, Fault.FOREIGN_REPORT),
+        ({"results": False}, Fault.OTHER_REPORT),
+        ({"case": False}, Fault.OTHER_REPORT),
+        ({"provenance": None}, Fault.DAMAGED_REPORT),
     ],
 )
-def test_another_report_is_refused(report: Report, wrong: dict[str, Any], said: str) -> None:
-    with pytest.raises(BaselineError, match=said):
-        read_scores(report(**wrong))
+def test_another_report_is_refused(report: Report, wrong: dict[str, Any], fault: Fault) -> None:
+    folder = report(**wrong)
+    with pytest.raises(ResultsError) as caught:
+        read_scores(folder)
+    assert (caught.value.place, caught.value.fault) == (folder, fault)
 
 
 def test_a_folder_that_is_none_and_one_without_a_report(tmp_path: Path) -> None:
-    with pytest.raises(BaselineError, match="is no folder; name one"):
-        read_scores(tmp_path / "nowhere")
-    with pytest.raises(BaselineError, match="is neither a report nor accepted results"):
-        read_scores(tmp_path)
+    for place, fault in ((tmp_path / "nowhere", Fault.NO_FOLDER), (tmp_path, Fault.NEITHER)):
+        with pytest.raises(ResultsError) as caught:
+            read_scores(place)
+        assert (caught.value.place, caught.value.fault) == (place, fault)

@@ -24,5 +24,5 @@ def test_the_columns_of_every_part_are_known() -> None:
 
 
 def test_a_text_without_marks_is_left_alone() -> None:
-    with pytest.raises(ReportError, match="to write between"):
+    with pytest.raises(ReportError):
         with_section("# Another text\n")

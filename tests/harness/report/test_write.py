@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.core.errors import OutputError
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure
+from harness.core.writing import ForeignFolderError
 from harness.report.write import write_report
 
 TOP = {
@@ -182,6 +182,6 @@ def test_a_report_of_nothing_is_a_report(provenance: Provenance, tmp_path: Path)
 
 def test_a_folder_of_something_else_is_refused(provenance: Provenance, tmp_path: Path) -> None:
     (tmp_path / "precious").touch()
-    with pytest.raises(OutputError, match="not empty"):
+    with pytest.raises(ForeignFolderError):
         write_report((), tmp_path, title="", cases=[], provenance=provenance)
     assert names(tmp_path) == ["precious"]

@@ -1,5 +1,7 @@
 """A store in which others write and remove meanwhile, and folders lie where files belong."""
 
+import errno
+import os
 import subprocess
 import sys
 import threading
@@ -16,7 +18,7 @@ from harness.execution.cache import (
     inspect_cache,
     prune_cache,
 )
-from harness.execution.cache_entry import CacheEntry
+from harness.execution.cache_entry import BrokenEntryError, CacheEntry, Defect
 from tests.support.cache_entries import KEY, content, put
 
 OTHER = KEY[:-2] + "cd"
@@ -98,8 +100,9 @@ def test_a_folder_in_place_of_a_file_is_a_broken_entry(store: CacheFolder) -> No
     folder_in_place_of(put(store))
     (found,) = inspect_cache(store, thoroughly=True)
     assert found.state is EntryState.BROKEN
-    assert "Is a directory" in found.reason
-    with pytest.warns(CacheWarning, match="Is a directory; it is set aside"):
+    said = str(BrokenEntryError(defect=Defect.UNREADABLE, reason=os.strerror(errno.EISDIR)))
+    assert found.reason == said
+    with pytest.warns(CacheWarning, match=said):
         assert store.get("things", KEY) is None
     assert [place.read_text() for place in (store.folder / ASIDE).rglob("mine")] == ["kept"]
 

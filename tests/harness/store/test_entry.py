@@ -2,8 +2,7 @@
 
 import pytest
 
-from harness.core.errors import StoreError
-from harness.execution.cache_entry import read_entry
+from harness.execution.cache_entry import BrokenEntryError, Defect, read_entry
 
 _DEEP = 200_000
 """Levels: more than the interpreter follows."""
@@ -11,5 +10,6 @@ _DEEP = 200_000
 
 @pytest.mark.parametrize("content", [b"[" * _DEEP, b'{"a":' * _DEEP, b"[" * 900 + b"]" * 900])
 def test_nesting_without_end_is_no_record(content: bytes) -> None:
-    with pytest.raises(StoreError, match="it is no whole record"):
+    with pytest.raises(BrokenEntryError) as caught:
         read_entry(content, "toys", "abcd")
+    assert caught.value.defect is Defect.NO_RECORD

@@ -17,6 +17,7 @@ from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from harness.evaluation.run_cases import failed_evaluation, run_cases
 from harness.execution.cache import JOURNAL, CacheFolder
+from harness.execution.cache_entry import Defect
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, run_tasks
 from harness.execution.worker import Loss, LostTaskError
@@ -117,7 +118,7 @@ def test_a_broken_one_is_run_again_and_the_rest_is_not(brief: Scene, tmp_path: P
     shelf = evaluation_cache(store)
     path = store.path(shelf.kind, shelf.key(wanted[1]))
     path.write_bytes(path.read_bytes()[:-20])
-    with pytest.warns(CacheWarning, match="arrays are cut short"):
+    with pytest.warns(CacheWarning, match=Defect.CUT_SHORT.value):
         again = run_cases(wanted, store=store)
     assert same(made[0], again[0])
     assert same(made[2], again[2])

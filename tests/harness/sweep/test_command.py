@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 from harness.cli.main import code_of
-from harness.core.errors import ClusterError
+from harness.execution.dask_cluster import LostSchedulerError
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.limits import Limits
 
@@ -135,7 +135,7 @@ class Leaving(SerialExecutor):
         future: Future[Any] = super().submit(fn, *args, **kwargs)
         if self._left:
             future = Future()
-            future.set_exception(ClusterError("the scheduler is gone"))
+            future.set_exception(LostSchedulerError())
         self._left = True
         return future
 
@@ -148,7 +148,7 @@ def test_a_cluster_that_goes_away_leaves_what_is_written_and_says_how_much(
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:9", "--out", str(tmp_path / "out"))
     assert code_of([*over, "--on", "tcp://127.0.0.1:1"]) == 2
     said = capsys.readouterr().err.strip()
-    assert said == "rockingcan: the scheduler is gone. 4 of 9 scenes are written."
+    assert said == f"rockingcan: {LostSchedulerError()}. 4 of 9 scenes are written."
     assert code_of([*over, "--json"]) == 0
     assert capsys.readouterr().err.strip().startswith("4 of 9 scenes are there, 5 to go")
 

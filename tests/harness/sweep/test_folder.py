@@ -11,8 +11,9 @@ import pandas as pd
 import pytest
 
 from harness.core.errors import OutputError
+from harness.core.writing import ForeignFolderError, WriteError
 from harness.execution.isolated_pool import SerialExecutor, local_executor
-from harness.sweep.folder import PlanMismatchError, opened
+from harness.sweep.folder import PartitionError, PlanMismatchError, UnreadablePlanError, opened
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
 from tests.support.examples import evenly
@@ -92,8 +93,9 @@ def test_no_bit_of_a_partition_can_change_unseen(sweep_of_225: SweepPlan, tmp_pa
             hurt = bytearray(whole)
             hurt[place] ^= 1 << place % 8
             victim.write_bytes(hurt)
-            with pytest.raises(OutputError, match=r"partition 0 .* damaged; run .* again"):
+            with pytest.raises(PartitionError) as caught:
                 list(folder.read())
+            assert (caught.value.parts, caught.value.index) == (folder.parts, 0)
             if place % 700 == 0:  # that which reads is that which sets aside
                 assert folder.missing() == [0]
         victim.write_bytes(whole)
@@ -111,8 +113,9 @@ def test_a_partition_that_is_there_twice_counts_once(
     twin = sound.with_name(f"{sound.stem[:-32]}{'f' * 32}.parquet")
     twin.write_bytes(sound.read_bytes())
     with opened(out, sweep_of_225) as folder:
-        with pytest.raises(OutputError, match="run the sweep again"):
+        with pytest.raises(PartitionError) as caught:
             list(folder.read())
+        assert caught.value.index == 3
         assert folder.missing() == []
         assert [path.name for path in folder.damaged] == [twin.name]
     assert contents(out) == before
@@ -137,18 +140,19 @@ def test_another_sweep_is_refused_and_the_difference_named(
     assert contents(out) == before
 
 
-@pytest.mark.parametrize("thing", ["a file", "a folder of others", "a broken plan"])
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [("", WriteError), ("thesis.tex", ForeignFolderError), ("sweep.json", UnreadablePlanError)],
+    ids=["a file", "a folder of others", "a broken plan"],
+)
 def test_what_is_no_sweep_is_left_alone(
-    sweep_of_225: SweepPlan, tmp_path: Path, thing: str
+    sweep_of_225: SweepPlan, tmp_path: Path, name: str, error: type[OutputError]
 ) -> None:
     out = tmp_path / "out"
-    if thing == "a file":
-        out.write_text("mine")
-    else:
+    if name:
         out.mkdir()
-        name = "thesis.tex" if thing == "a folder of others" else "sweep.json"
-        (out / name).write_text("mine")
-    with pytest.raises(OutputError, match="out"):
+    (out / name).write_text("mine")
+    with pytest.raises(error):
         opened(out, sweep_of_225).__enter__()
     left = out if out.is_file() else next(out.iterdir())
     assert left.read_text() == "mine"
@@ -208,8 +212,9 @@ def test_a_partition_that_cannot_be_written_is_said_and_leaves_nothing(
     out = tmp_path / "out"
     with opened(out, sweep_of_225) as folder, monkeypatch.context() as patched:
         patched.setattr(os, "fsync", full)
-        with pytest.raises(OutputError, match=r"No space left.*goes on"):
+        with pytest.raises(WriteError) as caught:
             run_sweep(folder, SerialExecutor())
+        assert caught.value.path.parent == out / "parts"
     assert list((out / "parts").iterdir()) == []
     carried_out(out, sweep_of_225)
 

@@ -9,8 +9,13 @@ from typing import Any
 
 import pytest
 
-from harness.core.errors import OutputError
-from harness.sweep.folder import PlanMismatchError, ProgramMismatchError, opened
+from harness.sweep.folder import (
+    PlanMismatchError,
+    ProgramMismatchError,
+    SweepBusyError,
+    UnreadablePlanError,
+    opened,
+)
 from harness.sweep.plan import SweepPlan, digest_of
 from tests.support.sweeps import carried_out, contents, make_plan
 
@@ -20,9 +25,10 @@ pytestmark = pytest.mark.usefixtures("small_partitions")
 def test_two_sweeps_do_not_share_a_folder(sweep_of_225: SweepPlan, tmp_path: Path) -> None:
     with (
         opened(tmp_path / "out", sweep_of_225),
-        pytest.raises(OutputError, match="already at work"),
+        pytest.raises(SweepBusyError) as caught,
     ):
         opened(tmp_path / "out", sweep_of_225).__enter__()
+    assert caught.value.out == tmp_path / "out"
     with opened(tmp_path / "out", sweep_of_225):  # the lock goes with its holder
         pass
 
@@ -58,8 +64,9 @@ def test_a_plan_that_cannot_be_read_says_what_to_do_and_that_helps(
     hurt = {"emptied": "", "cut short": whole[:99], "a number changed": whole.replace("15", "16")}
     place.write_text(hurt[damage])
     before = contents(out)
-    with pytest.raises(OutputError, match=r"plan .* cannot be read .*remove '.*sweep\.json' and"):
+    with pytest.raises(UnreadablePlanError) as unreadable:
         opened(out, sweep_of_225).__enter__()
+    assert unreadable.value.place == place
     assert place.read_text() == hurt[damage]
     place.unlink()
     # partitions without a plan are of another sweep for all others

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli.paper import gallery
-from harness.core.errors import OutputError
+from harness.core.writing import ForeignFolderError
 from harness.paper.gallery import FIGURES
 
 
@@ -22,5 +22,5 @@ def test_the_gallery_is_written(tmp_path: Path) -> None:
 
 def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine", encoding="utf-8")
-    with pytest.raises(OutputError, match="will not replace"):
+    with pytest.raises(ForeignFolderError):
         gallery(tmp_path)

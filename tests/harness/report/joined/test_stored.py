@@ -7,12 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.core.errors import ReportError
 from harness.core.provenance import Provenance
 from harness.core.report_model import Figure, Heatmap, Panel, Table
 from harness.core.verdict import Status, Verdict
 from harness.report.layout import Section
-from harness.report.stored import read_report
+from harness.report.stored import ReportVersionError, UnreadableReportError, read_report
 from harness.report.write import write_chapters, write_report
 
 
@@ -89,8 +88,10 @@ def test_every_kind_of_cell_comes_back(provenance: Provenance, tmp_path: Path) -
 
 
 def test_a_folder_without_a_report_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ReportError, match=r"cannot read .*name the folder of a report"):
+    with pytest.raises(UnreadableReportError) as caught:
         read_report(tmp_path)
+    assert caught.value.path == tmp_path / "artefacts.json"
+    assert isinstance(caught.value.__cause__, FileNotFoundError)
 
 
 @pytest.mark.parametrize(
@@ -98,16 +99,19 @@ def test_a_folder_without_a_report_is_refused(tmp_path: Path) -> None:
 )
 def test_a_broken_record_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "artefacts.json").write_text(text)
-    with pytest.raises(ReportError, match="it is no record of a report"):
+    with pytest.raises(UnreadableReportError) as caught:
         read_report(tmp_path)
+    assert caught.value.path == tmp_path / "artefacts.json"
+    assert not isinstance(caught.value.__cause__, OSError)  # there is a file, but no record
 
 
 @pytest.mark.parametrize("version", [1, 3])
 def test_another_version_is_refused(version: int, joined_report: Path, tmp_path: Path) -> None:
     told = json.loads((joined_report / "artefacts.json").read_text(encoding="utf-8"))
     (tmp_path / "artefacts.json").write_text(json.dumps(told | {"version": version}))
-    with pytest.raises(ReportError, match=f"of version {version}, this reads 2; write"):
+    with pytest.raises(ReportVersionError) as caught:
         read_report(tmp_path)
+    assert caught.value.version == version
 
 
 def test_a_case_of_two_studies_is_listed_once(
