@@ -2,7 +2,7 @@ from .analysis.agreement import ENDING, Agreement
 from .analysis.conditioning import neighbours
 from .analysis.confirmation import differences
 from .analysis.lyapunov import PARTED, Divergence, divergence
-from .analysis.validity import Finding, Guard, examine
+from .analysis.validity import Finding, FindingKind, Guard, examine
 from .asymptotic.expansions import leading_constants, paper_constants
 from .asymptotic.hypergeometric import hypergeometric_pair
 from .asymptotic.matched import boundary_rotation, friction_bound, locus_arc, matched_of
@@ -56,6 +56,7 @@ __all__ = [
     "EffectError",
     "Effects",
     "Finding",
+    "FindingKind",
     "Gravity",
     "Guard",
     "Kind",

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from reference.analysis.agreement import Agreement
-from reference.analysis.conditioning import caveat
+from reference.analysis.conditioning import RoundOff, round_off
 from reference.analysis.sampling import grid_by_angle
 from reference.equations.contact_laws import Phase
 from reference.nonsmooth.segments import SegmentsPath
@@ -124,14 +124,23 @@ class Solution:
         return own.lost(times) if isinstance(own, SegmentsPath) else np.zeros_like(times)
 
     @property
+    def _rocks(self) -> bool:
+        """Whether the motion has a maximum of phi either side of a bounce, and no other ending."""
+        rolls = self.model in {"exact", "rolling"} and self.outcome is Outcome.FINISHED
+        return rolls and self.maxima.size >= 2  # noqa: PLR2004 - either side
+
+    @property
+    def round_off(self) -> RoundOff | None:
+        """Return the foretold loss by round-off of an endless rocking; mostly None."""
+        return round_off(self.problem, self.at(self.maxima[-1:])) if self._rocks else None
+
+    @property
     def caveat(self) -> str:
         """Return a sentence on the loss by round-off of an endless rocking; mostly empty."""
-        rolls = self.model in {"exact", "rolling"} and self.outcome is Outcome.FINISHED
-        if not rolls or self.maxima.size < 2:  # noqa: PLR2004 - a maximum either side of a bounce
-            return ""
+        if foretold := self.round_off:
+            return foretold.sentence
         seen = self.agreement
-        measured = seen.sentence if seen is not None and seen.holds else ""
-        return caveat(self.problem, self.at(self.maxima[-1:])) or measured
+        return seen.sentence if self._rocks and seen is not None and seen.holds else ""
 
     def grid(self) -> Floats:
         """Return sampling times, dense by angle.

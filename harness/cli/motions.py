@@ -20,7 +20,7 @@ from harness.core.case import Case
 from harness.core.errors import ParityError, TrajectoryError
 from harness.core.simulation import Outcome
 from harness.core.writing import WriteError
-from harness.engines.reference import ENDING, PARTED, Agreement
+from harness.engines.reference import ENDING, PARTED, Agreement, Finding
 from harness.engines.reference.assumption_checks import Divergence, check_assumptions
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
@@ -179,6 +179,10 @@ def divergence_json(divergence: Divergence | None) -> Answer | None:
     }
 
 
+def _findings_json(findings: Iterable[Finding]) -> list[dict[str, str]]:
+    return [{"sentence": finding.sentence, "model": finding.model} for finding in findings]
+
+
 def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
     """Return the part of the answer of `reference` on the model and its checks.
 
@@ -203,7 +207,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "agreement": None,
         "phases": [],
         "guard": None,
-        "findings": [asdict(finding) for finding in e.findings],
+        "findings": _findings_json(e.findings),
         "divergence": divergence_json(e.divergence),
     }
     if truth is None:
@@ -227,7 +231,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
     }
     if e.simulation.trajectory is not None:
         seen = check_assumptions(truth)
-        answer["findings"] = [asdict(finding) for finding in seen.findings]
+        answer["findings"] = _findings_json(seen.findings)
         answer["guard"] = {
             "friction_ratio": seen.friction_ratio,
             "least_normal_force_n": seen.normal_force,

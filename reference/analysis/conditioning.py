@@ -11,7 +11,8 @@ Effects that no formula predicts are measured by solving the neighbours of a pro
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
@@ -27,8 +28,45 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 256 * EPS
 
 
-def caveat(problem: Problem, top: States) -> str:
-    """Return a sentence on the loss by round-off of a motion that rocks; empty if below 1e-9.
+class Lost(Enum):
+    """What round-off takes from a motion, in the sentence that says how much."""
+
+    ENERGY = (
+        "At its highest the can all but balances, and round-off of the energy is up to {share:.0e} "
+        "of what is left: the motion is known to no more than that."
+    )
+    FORCE = (
+        "Beside steady rolling the forces on phi cancel, and round-off is up to {share:.0e} of "
+        "what is left: the motion is known to no more than that."
+    )
+    NEIGHBOURS = (
+        "Beside the balancing angle one ulp of phi changes the force on it by {share:.0e} of "
+        "itself: the motion is that of exactly the numbers given."
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoundOff:
+    """Loss by round-off of a motion.
+
+    Attributes
+    ----------
+    lost : Lost
+    share : float
+        How much, relative.
+    """
+
+    lost: Lost
+    share: float
+
+    @property
+    def sentence(self) -> str:
+        """Return the loss in words."""
+        return self.lost.value.format(share=self.share)
+
+
+def round_off(problem: Problem, top: States) -> RoundOff | None:
+    """Return the loss by round-off of a motion that rocks; None if below 1e-9.
 
     Parameters
     ----------
@@ -41,22 +79,14 @@ def caveat(problem: Problem, top: States) -> str:
     left, terms = (float(part[0]) for part in _forces(at, problem))
     if moving:
         lost = ROUNDINGS * (1 + terms + problem.phi_dot**2) / left**2
-        where, of_what = "At its highest the can all but balances", "round-off of the energy"
     else:
         lost = float(lost_of_force(at, problem)[0])
-        where, of_what = "Beside steady rolling the forces on phi cancel", "round-off"
     if lost > PROMISED:
-        return (
-            f"{where}, and {of_what} is up to {lost:.0e} of what is left: the motion is known to "
-            "no more than that."
-        )
+        return RoundOff(lost=Lost.ENERGY if moving else Lost.FORCE, share=lost)
     changed = EPS * problem.phi / left
     if changed > PROMISED and not moving:
-        return (
-            f"Beside the balancing angle one ulp of phi changes the force on it by {changed:.0e} "
-            "of itself: the motion is that of exactly the numbers given."
-        )
-    return ""
+        return RoundOff(lost=Lost.NEIGHBOURS, share=changed)
+    return None
 
 
 def lost_of_force(states: States, problem: Problem) -> Floats:

@@ -6,6 +6,7 @@ plane. This module examines a motion and reports each assumption that it breaks.
 """
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -32,18 +33,33 @@ LIMITS = {Outcome.OUTWORKED, Outcome.STALLED, Outcome.UNRESOLVED}
 NONE_CARRIES = "No reference model carries it."
 
 
+class FindingKind(Enum):
+    """What a finding is about."""
+
+    REFUSED = "the reference does not carry the scene"
+    DISAGREEMENT = "two methods part by more than round-off"
+    ENDING = "the can no longer touches at one point of its rim"
+    LIMIT = "the solver came to a limit of its own"
+    PULL = "the plane would have to pull"
+    FRICTION = "rolling needs more friction than few pairs have"
+    FAR_RIM = "the far rim all but touches"
+    CONE = "the rim sticks with more friction than there is"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
     """An assumption that a motion breaks.
 
     Attributes
     ----------
+    kind : FindingKind
     sentence : str
     model : str
         The larger reference model that would carry it; empty if none does, or the same would with
         another effect declared.
     """
 
+    kind: FindingKind
     sentence: str
     model: str = ""
 
@@ -117,35 +133,33 @@ def _beyond_cone(
     if needs[worst] <= BESIDE_CONE * max(1.0, float(friction.max())):
         return []
     told = f"The rim sticks with a friction of {friction[worst]:.4g} m g where the plane has"
-    return [Finding(sentence=f"{told} {mu * normal[worst]:.4g}: this is no motion of the model.")]
+    sentence = f"{told} {mu * normal[worst]:.4g}: this is no motion of the model."
+    return [Finding(kind=FindingKind.CONE, sentence=sentence)]
 
 
 def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     findings = []
     seen = solution.agreement
     if seen is not None and not seen.holds and seen.sentence:
-        findings.append(Finding(sentence=seen.sentence))
+        findings.append(Finding(kind=FindingKind.DISAGREEMENT, sentence=seen.sentence))
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
-        findings.append(Finding(sentence=f"{solution.outcome.value} {NONE_CARRIES}"))
+        sentence = f"{solution.outcome.value} {NONE_CARRIES}"
+        findings.append(Finding(kind=FindingKind.ENDING, sentence=sentence))
     if solution.outcome in LIMITS:
-        findings.append(Finding(sentence=solution.outcome.value))
+        findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
     # at lift-off it is zero but for round-off, and the outcome has said so
     lifted = solution.outcome is Outcome.LIFTED
     if never_slips and guard.normal_force <= 0 and not lifted:
         pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
-        findings.append(
-            Finding(sentence=f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}")
-        )
+        sentence = f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}"
+        findings.append(Finding(kind=FindingKind.PULL, sentence=sentence))
     elif never_slips and guard.friction_ratio > PLENTY:
         findings.append(_slippery(solution, guard.friction_ratio))
     if guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
         near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
-        findings.append(
-            Finding(
-                sentence=f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
-            )
-        )
+        sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
+        findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
     return findings
 
 
@@ -155,5 +169,7 @@ def _slippery(solution: Solution, ratio: float) -> Finding:
         f"Rolling needs a friction of {ratio:.4g}, which few pairs have: with less the rim slips"
     )
     if solution.problem.effects.declared():
-        return Finding(sentence=f"{needs}. Declare slip: `general` carries it.")
-    return Finding(sentence=f"{needs}, and the scene should declare slip.", model="coulomb")
+        sentence, model = f"{needs}. Declare slip: `general` carries it.", ""
+    else:
+        sentence, model = f"{needs}, and the scene should declare slip.", "coulomb"
+    return Finding(kind=FindingKind.FRICTION, sentence=sentence, model=model)

@@ -1,6 +1,7 @@
 """The default answer needs two methods: a closed motion that is wrong is caught by the other."""
 
 import json
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,7 +13,7 @@ import pytest
 
 import reference.analysis.confirmation
 import reference.integrable.exact_motion
-from reference import PAPER_CAN, Outcome, Parameters, Problem, examine, solve
+from reference import PAPER_CAN, FindingKind, Outcome, Parameters, Problem, examine, solve
 from reference.analysis.agreement import Agreement
 from reference.analysis.conditioning import EPS, neighbours
 from reference.equations.steady_motion import steady_rotation
@@ -104,8 +105,8 @@ def test_a_wrong_potential_is_caught(
     assert not found.agreement.holds
     assert found.agreement.discrepancy >= 0.1 * by
     (finding,) = examine(found, np.linspace(0.0, found.t_end, 50)).findings
-    assert f"{found.agreement.discrepancy:.1e}" in finding.sentence
-    assert "integration's" in finding.sentence
+    assert finding.kind is FindingKind.DISAGREEMENT
+    assert finding.sentence == found.agreement.sentence
 
 
 def test_methods_that_part_where_an_ulp_decides_give_no_bounce() -> None:
@@ -159,7 +160,7 @@ def test_a_bounce_that_the_closed_solution_denies_is_found(
     found = solve(replace(GENTLE, **horizon))
     assert found.agreement is not None
     assert not found.agreement.holds
-    assert "end otherwise" in found.agreement.sentence
+    assert math.isinf(found.agreement.discrepancy)
     assert found.bounces
 
 
@@ -205,7 +206,7 @@ def test_beside_a_separatrix_there_is_no_bounce() -> None:
     assert 10.0 < found.t_end < 60.0
     assert 0.9 < found.at(np.array([found.t_end])).phi[0] < np.pi / 2
     (finding,) = examine(found, np.linspace(0.0, found.t_end, 50)).findings
-    assert finding.sentence == Outcome.UNRESOLVED.value
+    assert finding.kind is FindingKind.LIMIT
     # what ends before that does not depend on it
     early = solve(replace(thrown(back), bounces=None, duration=0.2))
     assert early.outcome is Outcome.FINISHED
@@ -330,7 +331,6 @@ def test_an_integration_that_stands_alone_is_given_where_no_ulp_moves_it() -> No
     assert np.diff(found.maxima)[0] == pytest.approx(2.8838076063853777e-4, rel=1e-12, abs=0)
     assert found.agreement is not None
     assert found.agreement.refused
-    assert "lost in round-off" in found.agreement.sentence
 
 
 def test_a_falling_release_that_the_closed_motion_sends_over_the_top_is_found(

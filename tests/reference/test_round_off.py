@@ -13,7 +13,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Outcome, Parameters, Problem, Solution, solve
+from reference import PAPER_CAN, Outcome, Parameters, Problem, solve
+from reference.analysis.conditioning import Lost
 from reference.equations import steady_motion
 from reference.equations.balancing_angle import short_of_balance, sine_and_cosine
 from reference.integrable.cycle import exact_bounces
@@ -175,15 +176,16 @@ def test_a_moving_release_is_followed_both_ways(phi_dot: float) -> None:
 
 
 def test_what_round_off_takes_is_said() -> None:
-    def solved(**release: Any) -> Solution:
-        return solve(Problem(parameters=PAPER_CAN, bounces=1, **release), model="exact")
+    def lost(**release: Any) -> Lost | None:
+        found = solve(Problem(parameters=PAPER_CAN, bounces=1, **release), model="exact").round_off
+        return None if found is None else found.lost
 
     balance = PAPER_CAN.balancing_angle
-    assert "exactly the numbers given" in solved(phi=balance - 1e-12, theta_dot=0.1).caveat
-    assert solved(phi=balance - 1e-5, theta_dot=0.1).caveat == ""
+    assert lost(phi=balance - 1e-12, theta_dot=0.1) is Lost.NEIGHBOURS
+    assert lost(phi=balance - 1e-5, theta_dot=0.1) is None
     rotation = steady_motion.steady_rotation(PAPER_CAN, 0.3, 0.5)
-    assert "cancel" in solved(phi=0.3 * (1 - 1e-8), psi_dot=0.5, theta_dot=rotation).caveat
-    assert solved(phi=0.3, psi_dot=0.5, theta_dot=0.1).caveat == ""
+    assert lost(phi=0.3 * (1 - 1e-8), psi_dot=0.5, theta_dot=rotation) is Lost.FORCE
+    assert lost(phi=0.3, psi_dot=0.5, theta_dot=0.1) is None
 
 
 @pytest.mark.slow
@@ -206,9 +208,9 @@ def test_beside_steady_rolling_no_more_is_lost_than_is_said() -> None:
         formula, integrated = (solve(problem, model=model) for model in ("exact", "rolling"))
         if not formula.bounces or not integrated.bounces:
             continue
-        caveat = formula.caveat
-        lost = float(caveat.split("up to ")[1].split()[0]) if caveat else 1e-9
-        said += bool(caveat)
+        foretold = formula.round_off
+        lost = foretold.share if foretold is not None else 1e-9
+        said += foretold is not None
         one, other = formula.bounces[0], integrated.bounces[0]
         assert math.isclose(one.time, other.time, rel_tol=max(lost, 1e-9))
         assert math.isclose(one.phi_min, other.phi_min, rel_tol=max(lost, 1e-9))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Outcome, Problem, examine, solve
+from reference import PAPER_CAN, FindingKind, Outcome, Problem, examine, solve
 from reference.equations.bifurcation import folds
 
 PHI = 0.6
@@ -57,4 +57,4 @@ def test_of_a_fall_that_no_single_ulp_but_all_of_them_decide_no_bounce_is_given(
     assert found.bounces == ()
     assert np.isfinite(found.t_end)
     (finding,) = examine(found, np.array([0.0])).findings
-    assert finding.sentence == Outcome.UNRESOLVED.value
+    assert finding.kind is FindingKind.LIMIT

@@ -10,7 +10,7 @@ from harness.engines.reference.truth import Truth, sample_truth, truth
 from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
-from reference import PARTED, Finding, Guard, Outcome, divergence, examine
+from reference import PARTED, Finding, FindingKind, Guard, Outcome, divergence, examine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +53,9 @@ def check_assumptions(motion: Truth) -> Guard:
 def findings(scene: Scene) -> tuple[Finding, ...]:
     """Return the assumptions that the exact motion of a scene breaks, or why it has none."""
     reason = refusal(scene)
-    return (Finding(sentence=reason),) if reason else check_assumptions(truth(scene)).findings
+    if reason:
+        return (Finding(kind=FindingKind.REFUSED, sentence=reason),)
+    return check_assumptions(truth(scene)).findings
 
 
 def may_be_chaotic(scene: Scene) -> bool:

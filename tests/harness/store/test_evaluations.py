@@ -22,7 +22,7 @@ from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, run_tasks
 from harness.execution.worker import Loss, LostTaskError
 from models import Compliance, Effects, Scene, Slip, Tilt
-from reference import Finding
+from reference import Finding, FindingKind
 
 
 def same(one: Any, other: Any) -> bool:
@@ -69,9 +69,16 @@ def test_kept_is_made_bit_for_bit(brief: Scene, tmp_path: Path) -> None:
 
 SAID = {
     "nothing": ((), None, None),
-    "a finding": ((Finding(sentence="The plane would have to pull.", model="coulomb"),), None, 0.0),
+    "a finding": (
+        (Finding(kind=FindingKind.PULL, sentence="It pulls.", model="coulomb"),),
+        None,
+        0.0,
+    ),
     "two, and a motion that never parts": (
-        (Finding(sentence="phi is ½π."), Finding(sentence="µ is too small.", model="general")),
+        (
+            Finding(kind=FindingKind.ENDING, sentence="phi is ½π."),
+            Finding(kind=FindingKind.CONE, sentence="µ is too small.", model="general"),
+        ),
         Divergence(growth=1.0, lyapunov_time=math.inf, parted=math.inf, chaotic=False),
         None,
     ),
@@ -108,7 +115,7 @@ def test_a_real_finding_and_a_real_divergence_are_kept(brief: Scene, tmp_path: P
     wanted = [Case(scene=scene, engine="pybullet", timestep=1e-3) for scene in (tilted, soft)]
     made = run_cases(wanted, store=store)
     assert made[0].divergence is not None
-    assert "rigid" in made[1].findings[0].sentence
+    assert made[1].findings[0].kind is FindingKind.REFUSED
     assert all(map(same, made, run_cases(wanted, store=store)))
 
 

@@ -15,6 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from reference import PAPER_CAN, Outcome, Parameters, Problem, Solution, States, solve
+from reference.analysis.conditioning import Lost
 from reference.equations.energy import energy
 from reference.integrable.frobenius import can_constants, first_integrals, series_of
 from tests.support.examples import examples
@@ -132,13 +133,13 @@ def test_first_integrals_stay(problem: Problem) -> None:
 
 @given(problem=releases())
 def test_formula_and_integration_agree_in_every_regime(problem: Problem) -> None:
-    """To 1e-9, or to the number in the sentence that says what round-off takes."""
+    """To 1e-9, or to what round-off is foretold to take."""
     formula, integrated = solve(problem, model="exact"), rolled(problem)
     assert formula.outcome is integrated.outcome
     assert len(formula.bounces) == len(integrated.bounces)
-    caveat = formula.caveat
-    allowed = float(caveat.split("up to ")[1].split()[0]) if "up to " in caveat else 0.0
-    allowed = max(allowed, ALLOWED)
+    allowed, foretold = ALLOWED, formula.round_off
+    if foretold is not None and foretold.lost is not Lost.NEIGHBOURS:
+        allowed = max(allowed, foretold.share)
     periods = np.diff(integrated.maxima)[: len(integrated.bounces)].tolist()
     for one, other, period in zip(formula.bounces, integrated.bounces, periods, strict=True):
         # a release may be as near to the minimum as one likes: times are known to a share of a
