@@ -61,9 +61,16 @@ def see_all(page: Any) -> None:
     page.evaluate("scrollTo(0, 0)")
 
 
+def pass_frames(page: Any, count: int) -> None:
+    """Let a page draw so many frames: whatever moves in it moves in one of them."""
+    page.evaluate(
+        "async (count) => { while (count--) await new Promise(requestAnimationFrame); }", count
+    )
+
+
 def until(page: Any, done: Callable[[], bool]) -> None:
     """Let a page go on until it shows what it should, a minute at the most."""
     end = time.monotonic() + 60.0
     while not done():
         assert time.monotonic() < end
-        page.wait_for_timeout(20)
+        pass_frames(page, 1)

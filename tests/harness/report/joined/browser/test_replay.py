@@ -1,12 +1,11 @@
 """The replay in a browser: it plays, stops, goes where it is told, and stands still if asked to."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.support.browser import Open
+from tests.support.browser import Open, pass_frames, until
 
 PAINTED = "canvases => canvases.map((canvas) => canvas.toDataURL())"
 
@@ -18,15 +17,6 @@ def replay(page: Any) -> Any:
     element.scroll_into_view_if_needed()
     element.locator(".clock", has_text="ms").wait_for()  # it is opened as it comes near
     return element
-
-
-def wait_until(page: Any, reached: Callable[[], bool]) -> None:
-    """Wait for something to come true, for as long as a slow machine may need."""
-    for _ in range(600):
-        if reached():
-            return
-        page.wait_for_timeout(50)
-    pytest.fail("it did not come true in half a minute")
 
 
 def frame(element: Any) -> int:
@@ -55,11 +45,11 @@ def test_it_plays_to_its_end_and_again(browse: Open, joined_report: Path) -> Non
     before = pictures(element)
     play.click()
     assert play.inner_text() == "Pause"
-    wait_until(page, lambda: frame(element) == LAST)
-    wait_until(page, lambda: play.inner_text() == "Play")  # a frame later at most
+    until(page, lambda: frame(element) == LAST)
+    until(page, lambda: play.inner_text() == "Play")  # a frame later at most
     assert pictures(element) != before
     play.click()
-    wait_until(page, lambda: 0 < frame(element) < LAST)
+    until(page, lambda: 0 < frame(element) < LAST)
 
 
 @pytest.mark.slow
@@ -68,10 +58,10 @@ def test_a_pause_holds_it(browse: Open, joined_report: Path) -> None:
     element = replay(page)
     element.locator("select").select_option("0.0625")
     element.locator(".play").press("Enter")
-    wait_until(page, lambda: frame(element) > 1)
+    until(page, lambda: frame(element) > 1)
     element.locator(".play").press("Enter")
     held = frame(element)
-    page.wait_for_timeout(500)
+    pass_frames(page, 30)  # at this pace two of the replay
     assert frame(element) == held < LAST
 
 
@@ -104,7 +94,7 @@ def test_who_wants_no_motion_gets_steps(browse: Open, joined_report: Path) -> No
     assert button.inner_text() == "Step"
     button.click()
     stepped = frame(element)
-    page.wait_for_timeout(300)
+    pass_frames(page, 20)
     assert frame(element) == stepped > 0
 
 
@@ -112,7 +102,7 @@ def test_who_wants_no_motion_gets_steps(browse: Open, joined_report: Path) -> No
 def test_nothing_moves_by_itself(browse: Open, joined_report: Path) -> None:
     page = browse(joined_report)
     element = replay(page)
-    page.wait_for_timeout(300)
+    pass_frames(page, 20)
     assert frame(element) == 0
 
 
