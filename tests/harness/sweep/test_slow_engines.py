@@ -2,11 +2,13 @@
 
 import math
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from harness.execution import worker
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits
 from harness.sweep import partition
@@ -14,15 +16,29 @@ from harness.sweep.folder import opened
 from harness.sweep.partition import compute, compute_for
 from harness.sweep.plan import SweepPlan
 from harness.sweep.run import run_sweep
+from tests.support.clock import Clock, stop_clock
 from tests.support.sweeps import make_plan, table
 
-ENGINE = """
+ENGINE = '''
 import time
 from dataclasses import replace
 from pathlib import Path
 
 from harness.engines.base import Capabilities
 from harness.engines.registry import engine
+from harness.sweep import partition
+
+
+class Clock:
+    """That by which the rows of a task are timed; a run takes its time in no time."""
+
+    passed = 0.0
+
+    def monotonic(self):
+        return time.monotonic() + self.passed
+
+
+partition.time = Clock()
 
 
 class Slow:
@@ -37,12 +53,24 @@ class Slow:
     def simulate(self, case):
         with Path({log!r}).open("a") as log:
             log.write(f"{{case.scene.release.psi_dot}}\\n")
-        time.sleep({seconds})
+        partition.time.passed += {seconds}
         if case.scene.release.psi_dot == 2.0:
             time.sleep(999.0)
         whole = engine("reference").simulate(replace(case, engine="reference", timestep=None))
         return replace(whole, case=case, model=self.name)
-"""
+'''
+
+
+class ClockOfRuns(Clock):
+    """A clock that goes on by so much with each run that an engine begins, and not otherwise."""
+
+    def __init__(self, log: Path, seconds: float) -> None:
+        super().__init__()
+        self._log, self._seconds = log, seconds
+
+    def monotonic(self) -> float:
+        """Return the time, s."""
+        return self.now + self._seconds * len(rates(self._log))
 
 
 def installed(folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, seconds: float) -> Path:
@@ -62,7 +90,7 @@ def installed(folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, seconds:
 
 def rates(log: Path) -> list[float]:
     """Return of which scenes a run was begun, in order of their rates."""
-    return sorted(map(float, log.read_text().split()))
+    return sorted(map(float, log.read_text().split())) if log.exists() else []
 
 
 @pytest.mark.slow
@@ -74,6 +102,7 @@ def test_rows_that_together_take_longer_than_a_task_may_are_run_once_each(
         "gentle-rock", "release.psi_dot=1:1.9:18", engine="patient", quantities=["period_s"]
     )
     limits = Limits(seconds=20.0)  # of 21.6 that the partition takes
+    monkeypatch.setattr(worker, "time", ClockOfRuns(log, 1.2))
     with (
         opened(tmp_path / "out", chosen) as folder,
         local_executor(2, spawned=True, limits=limits) as executor,
@@ -92,12 +121,24 @@ def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
     chosen = make_plan(
         "gentle-rock", "release.psi_dot=1:3:9", engine="stuck", quantities=["period_s"]
     )
-    limits = Limits(seconds=12.0)
+    clock = stop_clock(monkeypatch)
+
+    def let_it_hang(times: int) -> None:
+        for begun in range(1, times + 1):
+            end = time.monotonic() + 120.0
+            while rates(log).count(2.0) < begun and time.monotonic() < end:
+                time.sleep(0.01)
+            clock.now += 12.01
+
     with (
         opened(tmp_path / "out", chosen) as folder,
-        local_executor(2, spawned=True, limits=limits) as executor,
+        ThreadPoolExecutor(1) as hand,
+        # one process: when the clock goes on, what hangs is all that runs
+        local_executor(1, spawned=True, limits=Limits(seconds=12.0)) as executor,
     ):
+        gone_on = hand.submit(let_it_hang, 2)
         run_sweep(folder, executor)
+        gone_on.result()
     frame = table(tmp_path / "out")
     assert frame.period_s.isna().tolist() == [row == 4 for row in range(9)]
     assert "ran longer than the 12 s allowed" in str(frame.outcome[4])
