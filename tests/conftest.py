@@ -2,7 +2,7 @@
 
 ``fixed`` is what `make test-all` takes: the same examples in every run, so that a change that fails
 is the change's own fault. It finds what it found yesterday and nothing else. ``quick``, of `make
-test`, is a quarter of it.
+test`, is a tenth of it.
 
 ``explore`` is what `make explore` takes: five times as many examples from fresh seeds, those that
 failed kept in `.hypothesis` and tried first the next time. What it finds becomes part of `fixed`:
@@ -76,7 +76,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--quick",
         action="store_true",
-        help="No slow tests, a sample of the parameters of a test, a quarter of the examples.",
+        help="No slow tests, a sample of the parameters of a test, a tenth of the examples.",
     )
 
 
@@ -105,12 +105,12 @@ def _left_out() -> dict[str, str]:
 
 def pytest_report_header(config: pytest.Config) -> list[str]:
     """Say what a run leaves out, and how long it takes."""
-    said = "all tests, a quarter of an hour on two cores; `make test` runs the quick ones"
+    said = "all tests, twenty minutes on two cores; `make test` runs the quick ones"
     if config.option.quick:
         said = (
             "quick tests, three minutes on two cores; left out: what is marked `slow` (campaigns, "
-            "whole studies), most combinations of parameters, three quarters of the drawn "
-            "examples; `make test-all` runs everything, in a quarter of an hour"
+            "whole studies), most combinations of parameters, nine tenths of the drawn "
+            "examples; `make test-all` runs everything, in twenty minutes"
         )
     return [said, *_left_out().values()]
 
