@@ -44,7 +44,7 @@ def skipping_absent(named: Collection[str] = ()) -> Iterator[None]:
         yield
     except MissingPackageError as error:
         for name in absent_engines():
-            if f"engine '{name}'" in str(error):
+            if error.part == f"engine '{name}'":
                 _skip(name)
         raise
 

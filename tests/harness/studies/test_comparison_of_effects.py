@@ -68,6 +68,7 @@ def test_an_engine_is_not_asked_for_what_it_cannot_represent(gentle: Scene) -> N
     assert str(left_out[0].verdict) == "unsupported: cannot represent rim"
 
 
+@pytest.mark.engine("pybullet")
 def test_the_suite_leaves_it_out_of_the_run_and_says_so(
     gentle: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
