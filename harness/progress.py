@@ -28,7 +28,7 @@ from harness.execution.estimate import (
     Taken,
     account,
     announcement,
-    current_load,
+    side_by_side,
 )
 
 if TYPE_CHECKING:
@@ -89,10 +89,15 @@ class ProgressBar:
 
     In a notebook it is one output that is replaced each time: an output of `ipywidgets`, which the
     library of the bar would take, leaves a dead widget in the saved notebook.
+
+    Parameters
+    ----------
+    unit : str
+        What one of its tasks is.
     """
 
-    def __init__(self) -> None:
-        self._bar = _bar()
+    def __init__(self, unit: str = "run") -> None:
+        self._bar, self._unit = _bar(), unit
         self._task = self._bar.add_task("starting the engines", total=None)
         self._notebook = in_notebook()
         self._output: Any = None
@@ -136,7 +141,7 @@ class ProgressBar:
         left = estimate.seconds
         if self._estimated is None:
             self._began, self._estimated = time.monotonic(), left
-            self._say(announcement(left, estimate.tasks, estimate.cores))
+            self._say(announcement(left, estimate.tasks, estimate.cores, self._unit))
         self._bar.update(
             self._task,
             completed=done,
@@ -168,15 +173,21 @@ class ItemBar(ProgressBar):
     ----------
     efforts : mapping of str to float
         By name: seconds of processor on a usual machine.
+    unit : str
+        What one of them is.
+    executor : Executor, optional
+        Where they are done; here if left out.
     cores : int
-        How many are done side by side.
+        How many are done at once, if the executor does not say.
     """
 
-    def __init__(self, efforts: Mapping[str, float], cores: int = 1) -> None:
-        super().__init__()
+    def __init__(
+        self, efforts: Mapping[str, float], unit: str, executor: object = None, cores: int = 1
+    ) -> None:
+        super().__init__(unit)
+        cores, load = side_by_side(executor, cores)
         self._count, self._cores = len(efforts), cores
         # what runs beside it is in the efforts, for here the clock alone tells what a thing takes
-        load = current_load(cores)
         self._estimate = Estimate(cores)
         self._estimate.expect({n: Expected("", load * effort) for n, effort in efforts.items()})
         self._since = time.monotonic()

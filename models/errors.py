@@ -18,8 +18,9 @@ def shown(value: object) -> str:
 
 def did_you_mean(name: str, names: Iterable[str], otherwise: str = ";") -> str:
     """Return what follows a wrong name in a message: the nearest of the names, if one is near."""
-    near = get_close_matches(name, list(names), n=1)
-    return f", did you mean {near[0]!r}?" if near else otherwise
+    known = {one.casefold(): one for one in names}
+    near = get_close_matches(name.casefold(), list(known), n=1)
+    return f", did you mean {known[near[0]]!r}?" if near else otherwise
 
 
 class ModelError(ValueError):

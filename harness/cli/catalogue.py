@@ -73,7 +73,7 @@ def check(
         _measure(name, profile, timestep, json=json)
         return
     chosen = engine(name)
-    with ItemBar(dict.fromkeys(CLAUSES, _CLAUSE)) as bar:
+    with ItemBar(dict.fromkeys(CLAUSES, _CLAUSE), "clause") as bar:
         bar.label("the contract")
         verdicts = conform(chosen, bar.advance)
     failed = any(verdict.result is ClauseStatus.FAILED for verdict in verdicts)

@@ -82,7 +82,7 @@ def audit(
     if page is not None:
         check_writable(page)
     rows: list[AuditRow] = []
-    with ItemBar(_efforts("audit", (claim.label for claim in CLAIMS))) as bar:
+    with ItemBar(_efforts("audit", (claim.label for claim in CLAIMS)), "claim") as bar:
         for claim, row in zip(
             CLAIMS, run(CLAIMS, lambda claim: bar.label(claim.label)), strict=True
         ):
@@ -111,7 +111,7 @@ def gallery(
     """
     check_writable(out)
     drawn: list[Figure | Prose] = [ABOUT]
-    with ItemBar(_efforts("gallery", (draw.__name__ for draw in FIGURES))) as bar:
+    with ItemBar(_efforts("gallery", (draw.__name__ for draw in FIGURES)), "figure") as bar:
         for draw in FIGURES:
             bar.label(draw.__name__.replace("_", " "))
             drawn.append(draw())

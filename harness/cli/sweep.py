@@ -139,8 +139,8 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
     efforts = {f"partition {index}": row * len(chosen.span(index)) for index in missing}
     try:
         with (
-            ItemBar(efforts, jobs if on is None else 1) as bar,
             _executor(chosen, jobs, on, limits) as executor,
+            ItemBar(efforts, "partition", executor, jobs) as bar,
         ):
             bar.label(chosen.base.scene.name)
 

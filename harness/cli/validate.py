@@ -240,8 +240,7 @@ def _accept(
         case.label(): expected_seconds(study.designed[place])
         for place, case in planned_members(study.designed, own)
     }
-    cores = running.jobs if running.on is None else 1
-    with running.executor() as executor, ItemBar(efforts, cores) as bar:
+    with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
         bar.label("measuring the spread")
         with_spread = measured(study.designed, own, executor, bar.advance)
     return write_baseline(replace(scores, scores={s.identity: s for s in with_spread}), place)

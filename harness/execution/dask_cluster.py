@@ -271,6 +271,11 @@ def _scheduler_errors() -> Iterator[None]:
 class DaskExecutor(Executor):
     """Runs tasks on the workers of a Dask cluster.
 
+    Attributes
+    ----------
+    remote : bool
+        The load of this machine says nothing of how fast they are.
+
     Parameters
     ----------
     client : distributed.Client
@@ -279,6 +284,8 @@ class DaskExecutor(Executor):
         Of each task.
     """
 
+    remote = True
+
     def __init__(self, client: Any, limits: Limits) -> None:  # noqa: ANN401 - it ships no types
         self._client = client
         self.limits = limits
@@ -286,11 +293,16 @@ class DaskExecutor(Executor):
         self._futures: set[Any] = set()
 
     @property
-    def window(self) -> int:
-        """Number of tasks that keep the executor busy."""
+    def workers(self) -> int:
+        """Number of tasks that the cluster runs side by side."""
         with _scheduler_errors():
             threads: dict[str, int] = self._client.nthreads()
-        return _TASKS_A_THREAD * max(1, sum(threads.values()))
+        return max(1, sum(threads.values()))
+
+    @property
+    def window(self) -> int:
+        """Number of tasks that keep the executor busy."""
+        return _TASKS_A_THREAD * self.workers
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
         """Submit a task; its exception, if any, is in the future."""

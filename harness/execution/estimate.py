@@ -164,13 +164,28 @@ def current_load(cores: int) -> float:
     return max(1.0, (os.getloadavg()[0] + cores) / (os.cpu_count() or 1))
 
 
+def side_by_side(executor: object, otherwise: int = 1) -> tuple[int, float]:
+    """Return how many tasks an executor runs at once, and the load that they meet.
+
+    Parameters
+    ----------
+    executor : Executor
+    otherwise : int
+        The number, if the executor has no `workers` and so runs them here.
+    """
+    cores = int(getattr(executor, "workers", otherwise))
+    return cores, 1.0 if getattr(executor, "remote", False) else current_load(cores)
+
+
 def read_speeds(folder: Path) -> dict[str, float]:
     """Return the factors that an earlier run with a store found on this processor."""
     with suppress(OSError, ValueError, AttributeError):
         known = json.loads((folder / FILE).read_text(encoding="utf-8"))
         own = known.get(processor(), {})
         return {
-            name: speed for name, speed in own.items() if isinstance(speed, float) and speed > 0
+            name: speed
+            for name, speed in own.items()
+            if isinstance(speed, float) and 0.0 < speed < math.inf
         }
     return {}
 
@@ -195,12 +210,21 @@ def about(seconds: float) -> str:
     return f"{minutes / 60.0:.2g} h"
 
 
-def announcement(seconds: float, tasks: int, cores: int) -> str:
-    """Return the line before work begins; nothing if it is short."""
+def announcement(seconds: float, tasks: int, cores: int, unit: str = "run") -> str:
+    """Return the line before work begins; nothing if it is short.
+
+    Parameters
+    ----------
+    seconds : float
+    tasks : int
+    cores : int
+    unit : str
+        What one task is.
+    """
     if seconds < _SAID:
         return ""
     side = f" on {cores} cores" if cores > 1 else ""
-    return f"about {about(seconds)} for {tasks} runs{side}"
+    return f"about {about(seconds)} for {tasks} {unit}{'s' * (tasks != 1)}{side}"
 
 
 def account(taken: float, estimated: float) -> str:

@@ -58,16 +58,33 @@ def prominent_minima(values: Floats, prominence: float) -> list[int]:
     changes = np.flatnonzero(np.diff(values) != 0.0)
     falls = values[changes + 1] < values[changes]
     bottoms = np.flatnonzero(falls[:-1] & ~falls[1:])
-    minima = []
-    for first, last in zip(changes[bottoms] + 1, changes[bottoms + 1], strict=True):
-        depth = values[first]
-        before = np.flatnonzero(values[:first] < depth)
-        after = np.flatnonzero(values[last:] < depth)
-        left = values[before[-1] if before.size else 0 : first]
-        right = values[last : last + after[0] if after.size else len(values)]
-        if min(left.max(), right.max()) - depth >= prominence:
-            minima.append(int(first + last) // 2)
-    return minima
+    firsts, lasts = changes[bottoms] + 1, changes[bottoms + 1]
+    if not bottoms.size:
+        return []
+    # of alternating bottoms and peaks, the first and the last peak may be an end
+    depths, peaks = values[firsts], np.maximum.reduceat(values, np.concatenate(([0], lasts)))
+    rises = np.minimum(_rises(depths, peaks[:-1]), _rises(depths[::-1], peaks[:0:-1])[::-1])
+    found = np.flatnonzero(rises - depths >= prominence)
+    return [int(first + last) // 2 for first, last in zip(firsts[found], lasts[found], strict=True)]
+
+
+def _rises(depths: Floats, peaks: Floats) -> Floats:
+    """Return how high values were before each bottom, since they were below it last, shape (n,).
+
+    Parameters
+    ----------
+    depths : ndarray, shape (n,)
+        Values at the bottoms.
+    peaks : ndarray, shape (n,)
+        Largest value between each bottom and the one before.
+    """
+    highest = np.array(peaks)
+    above: list[int] = []
+    for index, depth in enumerate(depths):
+        while above and depths[above[-1]] >= depth:
+            highest[index] = max(highest[index], highest[above.pop()])
+        above.append(index)
+    return highest
 
 
 def _is_maximum(motion: Motion, index: int) -> bool:

@@ -27,8 +27,8 @@ from harness.execution.estimate import (
     Estimate,
     Expected,
     Taken,
-    current_load,
     read_speeds,
+    side_by_side,
     write_speeds,
 )
 from harness.execution.isolated_pool import SerialExecutor
@@ -254,23 +254,25 @@ def run_study(
     results = Results()
     usual = SerialExecutor() if executor is None else executor
     listen = on_progress or (lambda _: None)
-    cores = getattr(usual, "workers", 1)
     speeds = {} if cache is None else read_speeds(cache.folder)
-    estimate = Estimate(cores, current_load(cores), speeds)
-    while wanted := [j for j in dict.fromkeys(study.next_jobs(results)) if j not in results]:
-        for job in wanted:
-            job.work.check(job.task)
-        later = (job for job in study.foreseen(results) if job not in results)
-        left = (j for j in dict.fromkeys((*wanted, *later)) if not j.stored(cache))
-        estimate.expect({job: job.expected() for job in left})
-        for work in dict.fromkeys(job.work for job in wanted):
-            tasks = [job.task for job in wanted if job.work is work]
-            with timer() if work.alone else nullcontext(usual) as chosen:
-                results = results.joined(
-                    work, _done(work, tasks, chosen, cache=cache, listen=listen, estimate=estimate)
-                )
-    if cache is not None and estimate.speeds() != speeds:
-        write_speeds(cache.folder, estimate.speeds())
+    estimate = Estimate(*side_by_side(usual), speeds)
+    try:
+        while wanted := [j for j in dict.fromkeys(study.next_jobs(results)) if j not in results]:
+            for job in wanted:
+                job.work.check(job.task)
+            later = (job for job in study.foreseen(results) if job not in results)
+            left = (j for j in dict.fromkeys((*wanted, *later)) if not j.stored(cache))
+            estimate.expect({job: job.expected() for job in left})
+            for work in dict.fromkeys(job.work for job in wanted):
+                tasks = [job.task for job in wanted if job.work is work]
+                with timer() if work.alone else nullcontext(usual) as chosen:
+                    results = results.joined(
+                        work,
+                        _done(work, tasks, chosen, cache=cache, listen=listen, estimate=estimate),
+                    )
+    finally:  # one that is stopped has learnt, too
+        if cache is not None and estimate.speeds() != speeds:
+            write_speeds(cache.folder, estimate.speeds())
     return results
 
 

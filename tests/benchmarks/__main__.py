@@ -54,7 +54,7 @@ def benchmark(
         **{name: engine_ratios([name]) for name in chosen},
     }
     efforts = {part: _USUAL.get(part, _USUAL["an engine"]) for part in (*parts, "lean")}
-    with ItemBar(efforts) as bar:
+    with ItemBar(efforts, "measurement") as bar:
         for part, claims in parts.items():
             bar.label(part)
             for ratio in claims:

@@ -81,7 +81,7 @@ def _tried(names: Sequence[str], demands: Demands) -> list[Trial]:
     found: list[Trial] = []
     efforts = usual_seconds(demands)
     with (
-        ItemBar({name: efforts[name] for name in names}) as bar,
+        ItemBar({name: efforts[name] for name in names}, "trial") as bar,
         tempfile.TemporaryDirectory(prefix="rockingcan-") as folder,
     ):
         bar.label("starting")

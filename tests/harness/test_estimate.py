@@ -1,8 +1,10 @@
 """How long work will take: cases of costs that differ a thousandfold, on machines that differ."""
 
 import json
+import math
 import random
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -17,8 +19,10 @@ from harness.execution.estimate import (
     account,
     announcement,
     read_speeds,
+    side_by_side,
     write_speeds,
 )
+from harness.execution.isolated_pool import SerialExecutor
 from harness.paper.audit import CLAIMS
 from harness.paper.gallery import FIGURES
 from harness.progress import ItemBar
@@ -106,6 +110,8 @@ def test_what_an_earlier_run_found_is_known_at_once(tmp_path: Path) -> None:
     write_speeds(tmp_path, TRUE)
     write_speeds(tmp_path, {"slow": 5.0})
     assert read_speeds(tmp_path) == {"fast": 0.5, "slow": 5.0}
+    write_speeds(tmp_path, {"slow": math.inf})
+    assert read_speeds(tmp_path) == {"fast": 0.5}
     estimate = Estimate(speeds=TRUE)
     estimate.expect(EFFORTS)
     assert estimate.seconds == pytest.approx(WHOLE)
@@ -121,7 +127,7 @@ def test_a_broken_file_of_speeds_is_none(tmp_path: Path, text: str) -> None:
 
 def test_the_words() -> None:
     assert announcement(200.0, 394, 2) == "about 3.3 min for 394 runs on 2 cores"
-    assert announcement(12.3, 1, 1) == "about 12 s for 1 runs"
+    assert announcement(12.3, 1, 1) == "about 12 s for 1 run"
     assert announcement(3.0, 50, 2) == ""
     assert account(1000.0, 700.0) == "took 17 min, estimated 12 min"
     assert account(11.0, 3.0) == "took 11 s, estimated 3 s"
@@ -162,14 +168,14 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """Return the time that the bar reads, s, which a test moves."""
     now = [100.0]
     monkeypatch.setattr("harness.progress.time.monotonic", lambda: now[0])
-    monkeypatch.setattr("harness.progress.current_load", lambda _: 1.0)
+    monkeypatch.setattr("harness.execution.estimate.current_load", lambda _: 1.0)
     return now
 
 
 def test_a_bar_says_before_and_after_how_long_it_takes(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with ItemBar({"one": 30.0, "two": 60.0}) as bar:
+    with ItemBar({"one": 30.0, "two": 60.0}, "claim") as bar:
         bar.label("one")
         clock[0] += 40.0
         bar.advance("one")
@@ -177,18 +183,29 @@ def test_a_bar_says_before_and_after_how_long_it_takes(
         bar.advance("two")
     said = capsys.readouterr()
     assert said.out == ""
-    assert said.err.splitlines() == ["about 90 s for 2 runs", "took 1.7 min, estimated 90 s"]
+    assert said.err.splitlines() == ["about 90 s for 2 claims", "took 1.7 min, estimated 90 s"]
+
+
+def test_a_cluster_is_as_wide_as_its_workers_and_the_load_here_says_nothing_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("harness.execution.estimate.current_load", lambda cores: 3.0 * cores)
+    cluster = SimpleNamespace(workers=8, remote=True)
+    assert side_by_side(cluster) == (8, 1.0)
+    assert side_by_side(SimpleNamespace(workers=2)) == (2, 6.0)
+    assert side_by_side(SerialExecutor()) == (1, 3.0)
+    assert side_by_side(object(), 4) == (4, 12.0)
 
 
 def test_a_short_work_and_a_failed_one_say_nothing_after(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with ItemBar({"one": 3.0}) as bar:
+    with ItemBar({"one": 3.0}, "claim") as bar:
         bar.label("one")
         clock[0] += 3.0
         bar.advance("one")
     assert capsys.readouterr().err == ""
-    bar = ItemBar({"one": 30.0})
+    bar = ItemBar({"one": 30.0}, "claim")
     bar.label("one")
     bar.__exit__(KeyboardInterrupt, None, None)
-    assert capsys.readouterr().err.splitlines() == ["about 30 s for 1 runs"]
+    assert capsys.readouterr().err.splitlines() == ["about 30 s for 1 claim"]

@@ -182,6 +182,11 @@ def test_an_unknown_scene_lists_what_there_is() -> None:
     )
 
 
+def test_capital_letters_are_no_other_name() -> None:
+    with pytest.raises(UnknownSceneError, match="did you mean 'paper-release'"):
+        load("Paper-Release")
+
+
 @pytest.mark.parametrize("name", ["", ".", "..", "x" * 5000, "a\0b", "gentle-rock\n"])
 def test_no_odd_name_is_taken_for_a_scene_or_a_file(name: str) -> None:
     with pytest.raises(UnknownSceneError):

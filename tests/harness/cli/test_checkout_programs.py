@@ -25,13 +25,14 @@ from tests.support.command_line import Command
 def test_options_and_codes_are_those_of_the_program(
     words: tuple[str, ...], code: int, said: str, tmp_path: Path
 ) -> None:
-    # in a folder that has tests of its own, which are not meant
+    # in a folder that has tests of its own, as some packages bring them, which are not meant
     (tmp_path / "tests").mkdir()
     (tmp_path / "tests" / "__init__.py").touch()
+    paths = (Path(__file__).parents[3], tmp_path)
     done = subprocess.run(  # noqa: S603 - our own program
         [sys.executable, "-c", "from harness.__main__ import main; main()", *words],
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(map(str, paths))},
         capture_output=True,
         text=True,
         check=False,

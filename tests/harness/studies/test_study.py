@@ -13,6 +13,7 @@ from harness.core.errors import UnknownEngineError
 from harness.core.report_model import Artefact, Prose
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
+from harness.execution.estimate import read_speeds
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ResultCache
 from harness.execution.worker import LostTaskError
@@ -147,6 +148,7 @@ def test_an_interrupted_study_goes_on_where_it_was(
     with pytest.raises(KeyboardInterrupt) as stopped:
         run_study(Once(jobs), cache=store, on_progress=stop)
     assert stopped.value.__notes__ == [f"2 of 4 are done and kept in '{store.folder}'."]
+    assert read_speeds(store.folder)  # what was learnt of how long it takes
     first = list(RAN)
     RAN.clear()
     seen: list[StudyProgress] = []
