@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from hashlib import sha256
 from itertools import count
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 from harness.core.case import Case
 from harness.core.provenance import processor
@@ -155,12 +155,17 @@ class Study(Protocol):
         """
         ...
 
-    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
-        """Return the jobs of later rounds, as far as they can be told: the estimate has them."""
-        ...
-
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return tables, figures and prose of the results."""
+        ...
+
+
+@runtime_checkable
+class ForeseeingStudy(Study, Protocol):
+    """A study that can tell jobs of its later rounds, so that the estimate has them."""
+
+    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
+        """Return the jobs of later rounds, as far as they can be told."""
         ...
 
 
@@ -182,8 +187,9 @@ class StudyGroup:
         return [job for study in self.studies for job in study.next_jobs(done)]
 
     def foreseen(self, done: Results) -> list[Job[Any, Any]]:
-        """Return the later jobs of all studies."""
-        return [job for study in self.studies for job in study.foreseen(done)]
+        """Return the later jobs of all studies that can tell them."""
+        able = (study for study in self.studies if isinstance(study, ForeseeingStudy))
+        return [job for study in able for job in study.foreseen(done)]
 
     def report(self, done: Results) -> list[Artefact]:
         """Return the artefacts of all studies, one after the other."""
@@ -260,7 +266,8 @@ def run_study(
         while wanted := [j for j in dict.fromkeys(study.next_jobs(results)) if j not in results]:
             for job in wanted:
                 job.work.check(job.task)
-            later = (job for job in study.foreseen(results) if job not in results)
+            foreseen = study.foreseen(results) if isinstance(study, ForeseeingStudy) else ()
+            later = (job for job in foreseen if job not in results)
             left = (j for j in dict.fromkeys((*wanted, *later)) if not j.stored(cache))
             estimate.expect({job: job.expected() for job in left})
             for work in dict.fromkeys(job.work for job in wanted):

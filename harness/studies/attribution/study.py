@@ -275,10 +275,6 @@ class AttributionStudy:
         """Return the cases of the path."""
         return evaluation_jobs(self.path.cases())
 
-    def foreseen(self, _: Results) -> tuple[()]:
-        """Return nothing: there is one round."""
-        return ()
-
     def findings(self, done: Results) -> Attribution:
         """Return the part of each gap in each discrepancy."""
         runs = done.of(EVALUATION)

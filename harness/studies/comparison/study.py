@@ -84,10 +84,6 @@ class ComparisonStudy:
         """Return all jobs: one round."""
         return evaluation_jobs(self.cases)
 
-    def foreseen(self, _: Results) -> tuple[()]:
-        """Return nothing: there is one round."""
-        return ()
-
     def evaluations(self, done: Results) -> tuple[Evaluation, ...]:
         """Return the evaluations in the order of `designed`."""
         return tuple(map(done.of(EVALUATION).__getitem__, self.cases))

@@ -50,10 +50,6 @@ class ErrorsStudy:
         """Return the cases of the plan."""
         return evaluation_jobs(self.plan.cases())
 
-    def foreseen(self, _: Results) -> tuple[()]:
-        """Return nothing: there is one round."""
-        return ()
-
     def findings(self, done: Results) -> ThreeErrors:
         """Return the three errors of every quantity on every way."""
         plan, runs = self.plan, done.of(EVALUATION)

@@ -21,6 +21,8 @@ from harness.studies.study import (
     EVALUATION,
     Job,
     Results,
+    Study,
+    StudyGroup,
     StudyProgress,
     Work,
     evaluation_jobs,
@@ -65,11 +67,6 @@ class Root:
         high = min((x for x, square in known.items() if square > 2.0), default=2.0)
         return [Job(SQUARE, x) for x in ((low + high) / 2.0,) if high - low > 1e-3]
 
-    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
-        """Return nothing: what the bracket will be is not known."""
-        del done
-        return ()
-
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return the nearest number that was tried."""
         best = min(done.of(SQUARE).items(), key=lambda pair: abs(pair[1] - 2.0))[0]
@@ -110,15 +107,37 @@ class Once:
         del done
         return self.jobs
 
-    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
-        """Return nothing: there is one round."""
-        del done
-        return ()
-
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return nothing."""
         del done
         return []
+
+
+class Foreseeing(Once):
+    """Tells a job of a later round, which never comes."""
+
+    def foreseen(self, done: Results) -> Iterable[Job[Any, Any]]:
+        """Return the job that may come."""
+        del done
+        return [Job(SQUARE, 9.0)]
+
+
+JOBS = [Job(SQUARE, 1.0)]
+
+
+@pytest.mark.parametrize(
+    ("study", "jobs"),
+    [
+        (Once(JOBS), 1),
+        (Foreseeing(JOBS), 2),
+        (StudyGroup(name="both", studies=(Once(JOBS), Foreseeing(JOBS))), 2),
+    ],
+    ids=["no foresight", "foresight", "group"],
+)
+def test_a_study_may_foresee_later_jobs_and_need_not(study: Study, jobs: int) -> None:
+    left: list[int] = []
+    run_study(study, on_progress=lambda progress: left.append(progress.estimate.tasks))
+    assert left == [jobs, jobs - 1]
 
 
 def test_long_jobs_begin_first_and_results_keep_the_order_asked() -> None:
