@@ -18,7 +18,11 @@ from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
 from harness.progress import ProgressBar, in_notebook
-from harness.studies.comparison.quantity_figures import NothingToDrawError, quantity_figure
+from harness.studies.comparison.quantity_figures import (
+    NothingToDrawError,
+    NotRunsError,
+    quantity_figure,
+)
 from harness.studies.comparison.study import ComparisonStudy, EngineSettings, plan_comparison
 from harness.studies.comparison.tables import results, run_table
 from harness.studies.study import Listener, run_study
@@ -42,9 +46,10 @@ class Comparison(pd.DataFrame):
         super().__init__(results(evaluations).frame)  # type: ignore[call-arg]  # stubs have __new__
         self.evaluations = tuple(evaluations)
 
-    def _repr_html_(self) -> str:
-        """Return what a notebook shows: the table of the report, and its first figure."""
-        return to_html(self)
+    def _repr_html_(self) -> str | None:
+        """Return what a notebook shows: the frame as it is, and the first figure of the runs."""
+        frame: str | None = super()._repr_html_()  # type: ignore[misc]  # not in the stubs
+        return None if frame is None else frame + _first_figure(self.evaluations)
 
 
 def simulate(
@@ -157,31 +162,39 @@ def plot(what: Evaluation | Comparison | Iterable[Evaluation], quantity: str = "
     Raises
     ------
     HarnessError
-        If there is no such quantity, if the runs do not have it, or are of several scenes.
+        If there is no such quantity, if the runs do not have it or are of several scenes, or if
+        these are no runs, such as a part of a comparison: rows have their runs in `evaluations`.
     """
     from harness.report.plotly_renderer import plotly_figure  # noqa: PLC0415 - imports plotly
 
     return plotly_figure(quantity_figure(_runs(what), quantity))
 
 
-def to_html(what: Evaluation | Comparison) -> str:
-    """Return a table of one run or of a comparison, and its first figure, as HTML."""
-    from harness.report.notebook import notebook_html  # noqa: PLC0415 - imports matplotlib
+def to_html(run: Evaluation) -> str:
+    """Return a table of one run, and its first figure, as HTML."""
+    from harness.report.notebook import table_html  # noqa: PLC0415 - imports matplotlib
 
-    runs = _runs(what)
-    table = run_table(what) if isinstance(what, Evaluation) else results(runs)
+    return table_html(run_table(run)) + _first_figure((run,))
+
+
+def _first_figure(runs: Sequence[Evaluation]) -> str:
+    """Return the first figure of the report that runs have, as HTML; nothing if they have none."""
+    from harness.report.notebook import figure_html  # noqa: PLC0415 - imports matplotlib
+
     try:
-        figure = quantity_figure(runs)
+        return figure_html(quantity_figure(runs))
     except NothingToDrawError:  # runs without a motion; the table says how they ended
-        figure = None
-    return notebook_html(table, figure)
+        return ""
 
 
 def _runs(what: Evaluation | Comparison | Iterable[Evaluation]) -> tuple[Evaluation, ...]:
     """Return the runs of a result."""
-    if isinstance(what, Evaluation):
-        return (what,)
-    return what.evaluations if isinstance(what, Comparison) else tuple(what)
+    if isinstance(what, Comparison):
+        return what.evaluations
+    runs = tuple(what) if isinstance(what, Iterable) else (what,)
+    if not all(isinstance(run, Evaluation) for run in runs):
+        raise NotRunsError(type(what).__name__)
+    return runs
 
 
 def suite(

@@ -12,7 +12,7 @@ from harness.report.simplify_curves import PAPER, simplify
 from harness.report.style import palette
 from harness.report.tables import grid
 
-_TEMPLATE = """\
+_TABLE = """\
 <div style="overflow-x: auto">
 <table>
 <caption style="text-align: left; caption-side: top">{{ table.title }}</caption>
@@ -27,19 +27,28 @@ _TEMPLATE = """\
 {%- endfor %}
 </tbody>
 </table>
-{% if figure %}<figure style="margin: 0.5em 0">
+</div>
+"""
+
+_FIGURE = """\
+<figure style="margin: 0.5em 0">
 <img src="{{ picture }}" alt="{{ figure.title }}" style="max-width: 100%; background: white">
 <figcaption>{{ figure.title }}{% if figure.seen %}. {{ figure.seen }}{% endif %}</figcaption>
 </figure>
-{% endif %}</div>
 """
 
 
-def notebook_html(table: Table, figure: Figure | None) -> str:
-    """Return a table and a figure as HTML that stands in a page of its own or in a notebook."""
-    picture = ""
-    if figure is not None:
-        inks = palette(series.kind for panel in figure.panels for series in panel.series)
-        picture = address(render(simplify(figure, PAPER), inks).svg)
-    template = Environment(autoescape=True).from_string(_TEMPLATE)
-    return template.render(table=grid("table", table, ()), figure=figure, picture=picture)
+def table_html(table: Table) -> str:
+    """Return a table as HTML that stands in a page of its own or in a notebook."""
+    return _filled(_TABLE, table=grid("table", table, ()))
+
+
+def figure_html(figure: Figure) -> str:
+    """Return a figure as HTML that stands in a page of its own or in a notebook."""
+    inks = palette(series.kind for panel in figure.panels for series in panel.series)
+    picture = address(render(simplify(figure, PAPER), inks).svg)
+    return _filled(_FIGURE, figure=figure, picture=picture)
+
+
+def _filled(template: str, **parts: object) -> str:
+    return Environment(autoescape=True).from_string(template).render(parts)

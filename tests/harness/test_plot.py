@@ -1,6 +1,7 @@
 """What a notebook shows of results, and the figure of a quantity."""
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ from harness import Comparison, Evaluation, compare, plot, simulate
 from harness.studies.comparison.quantity_figures import (
     QUANTITIES_DRAWN,
     NothingToDrawError,
+    NotRunsError,
     UnknownQuantityError,
 )
 
@@ -117,4 +119,31 @@ def test_a_comparison_is_a_table_whose_parts_are_plain(comparison: Comparison) -
     again = pickle.loads(pickle.dumps(comparison))  # noqa: S301 - just made
     assert type(again) is Comparison
     assert [e.simulation.digest for e in again.evaluations] == list(comparison["digest"])
-    assert comparison._repr_html_().count("<img ") == 1
+
+
+def test_a_comparison_shows_itself_as_it_is(comparison: Comparison) -> None:
+    changed = pickle.loads(pickle.dumps(comparison))  # noqa: S301 - just made
+    changed["mine"] = 4711
+    html = changed._repr_html_()
+    assert html.count("<img ") == 1
+    assert html.count("<td>4711</td>") == len(changed)
+    assert "mine" not in (comparison._repr_html_() or "")
+    with pd.option_context("display.notebook_repr_html", False):  # noqa: FBT003 - pandas has it so
+        assert changed._repr_html_() is None
+
+
+def test_rows_of_a_comparison_are_drawn_as_the_message_says(comparison: Comparison) -> None:
+    rows = comparison[comparison.timestep_s == 5e-4]
+    for part in (rows, comparison[["engine"]]):
+        with pytest.raises(NotRunsError, match=r"comparison.evaluations\[row\]") as caught:
+            plot(part, "phi")
+        assert caught.value.kind == "DataFrame"
+    chosen = [comparison.evaluations[row] for row in rows.index]
+    assert set(names(plot(chosen, "phi"))) == {"exact", "mujoco, matched, 0.0005 s"}
+
+
+@pytest.mark.parametrize("what", [5, None, "gentle-rock", ["gentle-rock"]])
+def test_what_is_no_run_is_refused(what: Any) -> None:
+    with pytest.raises(NotRunsError) as caught:
+        plot(what)
+    assert caught.value.kind == type(what).__name__

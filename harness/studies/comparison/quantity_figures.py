@@ -41,6 +41,28 @@ class UnknownQuantityError(HarnessError, LookupError):
         return f"no figure shows '{self.name}'{hint} there are: {names}"
 
 
+class NotRunsError(HarnessError, TypeError):
+    """What is to be drawn or shown is neither a run nor several.
+
+    Parameters
+    ----------
+    kind : str
+        Name of its type.
+    """
+
+    def __init__(self, kind: str) -> None:
+        super().__init__(kind)
+        self.kind = kind
+
+    def __str__(self) -> str:
+        """Say what is drawn, and how a part of a comparison is."""
+        return (
+            "runs are drawn: an Evaluation, a Comparison, or several Evaluations; this is of type "
+            f"'{self.kind}'. Rows of a Comparison are drawn by: "
+            "plot([comparison.evaluations[row] for row in rows.index])"
+        )
+
+
 @dataclass(eq=False, kw_only=True)
 class NothingToDrawError(HarnessError, ValueError):
     """The runs have no figure of a quantity, or are not of one scene.
