@@ -1,6 +1,9 @@
 """The openable model files are those that the generator gives, byte for byte."""
 
+import importlib
 from pathlib import Path
+
+import pytest
 
 import models
 from models.export import model_files, write_model_files
@@ -28,3 +31,10 @@ def test_writing_them_anew_removes_those_of_scenes_that_are_gone(tmp_path: Path)
     assert not stale.exists()
     for path, text in model_files():
         assert (tmp_path / path).read_bytes() == text.encode()
+
+
+@pytest.mark.parametrize("name", ["mjcf", "urdf"])
+def test_a_folder_of_model_files_is_no_module_in_the_place_of_the_function(name: str) -> None:
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module(f"models.{name}")
+    assert callable(getattr(models, name))
