@@ -9,7 +9,9 @@ import pytest
 from harness.cli.main import StandardOutputError
 from harness.cli.motions import BrokenRunError
 from harness.cli.paper import MissingMathematicsError
+from harness.cli.study_command import FiguresWithoutReportError
 from harness.core import errors
+from harness.core.engine_packages import install_command
 from harness.core.errors import HarnessError
 from harness.core.scene_limits import SceneLimitError
 from harness.core.trajectory import ArrayShapeError, TimeOrderError
@@ -34,7 +36,11 @@ from harness.gate.errors import (
     ResultsError,
 )
 from harness.report.stored import ReportVersionError, UnreadableReportError
-from harness.studies.comparison.quantity_figures import NothingToDrawError, UnknownQuantityError
+from harness.studies.comparison.quantity_figures import (
+    NothingToDrawError,
+    NotRunsError,
+    UnknownQuantityError,
+)
 from harness.sweep.folder import (
     PartitionError,
     PlanMismatchError,
@@ -170,7 +176,19 @@ MADE: list[tuple[Exception, str]] = [
         MissingMathematicsError("no sympy"),
         (
             "the audit needs sympy and mpmath, which cannot be imported (no sympy); install them "
-            "with: pip install 'rockingcan[paper]'"
+            f"with: {install_command(['rockingcan[paper]'])}"
+        ),
+    ),
+    (
+        FiguresWithoutReportError(),
+        "--figures needs --out: the figures are written into the folder of the report",
+    ),
+    (
+        NotRunsError("int"),
+        (
+            "runs are drawn: an Evaluation, a Comparison, or several Evaluations; this is of type "
+            "'int'. Rows of a Comparison are drawn by: "
+            "plot([comparison.evaluations[row] for row in rows.index])"
         ),
     ),
     (LostTaskError(Loss.CRASHED, "killed: SIGSEGV"), "killed: SIGSEGV"),

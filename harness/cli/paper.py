@@ -10,6 +10,7 @@ import typer
 from harness import paper
 from harness.cli import terminal
 from harness.cli.terminal import write_text
+from harness.core.engine_packages import install_command
 from harness.core.errors import HarnessError
 from harness.core.provenance import provenance
 from harness.core.writing import writing
@@ -45,11 +46,9 @@ class MissingMathematicsError(HarnessError, ImportError):
         Why it cannot be imported.
     """
 
-    install = "pip install 'rockingcan[paper]'"
-
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
-        self.reason = reason
+        self.reason, self.install = reason, install_command(["rockingcan[paper]"])
 
     def __str__(self) -> str:
         """Say how the packages are installed."""

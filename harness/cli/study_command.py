@@ -11,7 +11,7 @@ from rich.markup import escape
 from harness.cli import terminal
 from harness.cli.run_options import RunOptions
 from harness.cli.terminal import to_json
-from harness.core.errors import InvalidSettingError
+from harness.core.errors import HarnessError
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.engines.registry import how_to_add
@@ -24,6 +24,14 @@ from harness.studies.study import Results, Study, StudyProgress, run_study
 
 Shown = Mapping[str, Collection[str]]
 """Artefacts that the terminal shows, by the end of their names, and columns of tables left out."""
+
+
+class FiguresWithoutReportError(HarnessError, ValueError):
+    """Figures for paper are asked for, and no report that would have them."""
+
+    def __str__(self) -> str:
+        """Name the option that is missing."""
+        return "--figures needs --out: the figures are written into the folder of the report"
 
 
 def run_with_progress(study: Study, running: RunOptions) -> Results:
@@ -74,7 +82,7 @@ def run_command(
         Prints what a person reads.
     """
     if figures and out is None:
-        raise InvalidSettingError("--figures", figures, "given with --out: figures are in a report")
+        raise FiguresWithoutReportError
     if out is not None:
         check_writable(out)
     done = run_with_progress(study, running)

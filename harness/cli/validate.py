@@ -237,8 +237,8 @@ def _accept(
     """Measure how far each result is free to move, accept the run, and return the file."""
     own = list(scores.scores.values())
     efforts = {
-        case.label(): expected_seconds(study.designed[place])
-        for place, case in planned_members(study.designed, own)
+        case.label(): expected_seconds(study.designed[number])
+        for number, case in planned_members(study.designed, own)
     }
     with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
         bar.label("measuring the spread")

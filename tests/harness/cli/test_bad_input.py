@@ -133,6 +133,11 @@ def test_other_wrong_use_is_refused(rockingcan: Command, words: tuple[str, ...])
     is_one_clear_message(rockingcan(*words))
 
 
+def test_figures_without_a_report_name_the_option_that_is_missing(rockingcan: Command) -> None:
+    answer = rockingcan("effects", "gentle-rock", "--engine", "mujoco", "--figures")
+    is_one_clear_message(answer, "rockingcan: --figures needs --out: ")
+
+
 @pytest.mark.parametrize(
     ("words", "parts"),
     [

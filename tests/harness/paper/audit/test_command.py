@@ -16,8 +16,10 @@ def test_without_sympy_one_message_says_what_to_install(
 ) -> None:
     # as if the module that needs sympy had never been imported and could not be
     monkeypatch.setitem(sys.modules, "harness.paper.audit.checks", None)
-    with pytest.raises(MissingMathematicsError):
+    monkeypatch.setenv("PATH", "")  # no pip of another environment is meant
+    with pytest.raises(MissingMathematicsError) as caught:
         audit(tmp_path)
+    assert caught.value.install.endswith("-m pip install 'rockingcan[paper]'")
     assert not list(tmp_path.iterdir())
 
 
