@@ -54,7 +54,7 @@ class _TimeLeft(ProgressColumn):
 def _bar() -> Progress:
     """Return a bar on standard error that leaves when it is done."""
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),

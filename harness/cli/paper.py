@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 
 from harness import paper
 from harness.cli import terminal
@@ -96,7 +97,7 @@ def audit(
     numbers = [(status.value, number) for status, number in counts(rows).items()]
     console = terminal.stdout_console()
     console.print(terminal.table("Audit of the paper", ("verdict", "claims"), numbers))
-    console.print(f"\nEvery claim: {out / 'audit.md'}")
+    console.print(escape(f"\nEvery claim: {out / 'audit.md'}"))
 
 
 def gallery(
@@ -125,4 +126,4 @@ def gallery(
             figures=True,  # what the command is for
             on_progress=progress,
         )
-    terminal.stdout_console().print(f"The gallery: {page}")
+    terminal.stdout_console().print(escape(f"The gallery: {page}"))

@@ -60,7 +60,7 @@ def report(
             figures=figures,
             on_progress=progress,
         )
-    terminal.stdout_console().print(f"{len(chapters)} studies in one report: {page}")
+    terminal.stdout_console().print(escape(f"{len(chapters)} studies in one report: {page}"))
 
 
 def joined_sections(folders: Sequence[Path]) -> list[Section]:

@@ -106,7 +106,7 @@ def run_command(
     show(done, artefacts)
     shown({"summary": ()})(done, notes)
     if page is not None:
-        terminal.stdout_console().print(f"\nThe report: {page}")
+        terminal.stdout_console().print(escape(f"\nThe report: {page}"))
     return done
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 
 from harness import api
 from harness.cli import options, run_options, terminal
@@ -151,8 +152,8 @@ def validate(  # noqa: PLR0917 - a parameter an option
     show_changes(changes)
     console = terminal.stdout_console()
     if place is not None:
-        console.print(f"\nAccepted: {_accept(study, scores, running, place)}")
-    console.print(f"\nThe report: {page}")
+        console.print(escape(f"\nAccepted: {_accept(study, scores, running, place)}"))
+    console.print(escape(f"\nThe report: {page}"))
     wrong = [e for e in evaluations if e.simulation.outcome is Outcome.MISMATCH]
     for evaluation in wrong:
         console.print(terminal.parity(evaluation.simulation.parity))

@@ -44,6 +44,12 @@ def test_reports_are_joined_without_a_run(
     assert "3 studies in one report" in capsys.readouterr().out
 
 
+def test_a_folder_is_named_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "all[" / "b]"  # to rich the end of something bold
+    assert code_of(["report", str(written(tmp_path, "first")), "--out", str(out)]) == 0
+    assert str(out / "index.html") in capsys.readouterr().out
+
+
 def test_a_folder_without_a_report_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
