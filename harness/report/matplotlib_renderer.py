@@ -23,8 +23,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from harness.core.report_model import Figure, Heatmap, Panel, Series
-from harness.report.simplify_curves import plottable
-from harness.report.style import BAR_WIDTH, PLAIN, SIGNED, Entry, LineStyle, entries, span
+from harness.report.simplify_curves import bar_base, plottable
+from harness.report.style import BAR_WIDTH, PLAIN, SIGNED, Entry, LineStyle, entries, limited, span
 
 PIXELS = 1200  # of the PNG's width
 _INCHES = 8.0
@@ -145,7 +145,7 @@ def _look(entry: Entry, ink: LineStyle) -> dict[str, object]:
 def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: LineStyle) -> None:
     x, y = plottable(series, panel)
     if series.mark == "bars":
-        base = np.zeros(len(y)) if series.base is None else series.base
+        base = bar_base(series)
         axes.use_sticky_edges = False  # bars, too, keep their distance from the frame
         look = {"color": ink.light, "alpha": entry.opacity, "linewidth": 1.0}  # seen at no height
         axes.bar(x, y - base, bottom=base, width=BAR_WIDTH, zorder=2.0, **look)  # type: ignore[arg-type]
@@ -162,9 +162,10 @@ def _draw(axes: Axes, series: Series, panel: Panel, entry: Entry, ink: LineStyle
 def _colour(sheet: Sheet, axes: Axes, heat: Heatmap) -> None:
     """Draw cells below the curves, and a colour bar next to the axes."""
     low, high = span(heat)
+    x, y = limited(heat.x), limited(heat.y)
     cells = axes.pcolormesh(
-        heat.x,
-        heat.y,
+        x,
+        y,
         np.ma.masked_invalid(heat.z),
         cmap=SIGNED[0] if heat.signed else PLAIN[0],
         vmin=low,
@@ -173,8 +174,8 @@ def _colour(sheet: Sheet, axes: Axes, heat: Heatmap) -> None:
         zorder=0.5,
     )
     axes.grid(visible=False)
-    axes.set_xlim(heat.x[0], heat.x[-1])
-    axes.set_ylim(heat.y[0], heat.y[-1])
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(y[0], y[-1])
     there = heat.z[np.isfinite(heat.z)]
     beyond = (bool((there < low).any()), bool((there > high).any()))
     ends = {(False, False): "neither", (True, False): "min", (False, True): "max"}

@@ -18,7 +18,7 @@ from plotly.offline import get_plotlyjs
 
 from harness.core.report_model import Figure, Heatmap, Panel, Series
 from harness.core.trajectory import Floats
-from harness.report.simplify_curves import plottable
+from harness.report.simplify_curves import bar_base, plottable
 from harness.report.style import (
     BAR_WIDTH,
     PAPER_LIGHT,
@@ -27,6 +27,7 @@ from harness.report.style import (
     Entry,
     LineStyle,
     entries,
+    limited,
     palette,
     span,
 )
@@ -156,7 +157,7 @@ def _trace(
         "x": x,
     }
     if series.mark == "bars":
-        base = np.zeros(len(y)) if series.base is None else series.base
+        base = bar_base(series)
         trace |= {
             "type": "bar",
             "width": BAR_WIDTH,
@@ -240,7 +241,7 @@ def _axis(
         axis["minor"] = {"ticks": "inside", "ticklen": 3, "dtick": "D1"}
         data = _together(panel, name) if ends is None else np.array(ends)
         positive = data[data > 0.0]
-        if not positive.size or positive.max() <= positive.min() * 10.0**_MANY_DECADES:
+        if not positive.size or positive.max() / 10.0**_MANY_DECADES <= positive.min():
             axis["dtick"] = 1  # powers of ten
     if ends is not None:
         axis["range"] = [math.log10(end) if log else end for end in ends]
@@ -277,7 +278,7 @@ def _linked(panels: tuple[Panel, ...]) -> list[int]:
 
 def _packed(values: Floats) -> dict[str, str]:
     """Return an array as plotly.js reads it, in half the space where that loses nothing visible."""
-    finite = values[np.isfinite(values)]
+    finite = limited(values[np.isfinite(values)])
     width = float(np.ptp(finite)) if finite.size else 0.0
     largest = float(np.abs(finite).max()) if finite.size else 0.0
     single = largest <= _SINGLE_REACH * width and 1e-30 < width < 1e30  # noqa: PLR2004 # its exponents

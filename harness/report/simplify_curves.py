@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
+from harness.report.style import limited
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,12 +48,14 @@ def simplify(figure: Figure, detail: Detail) -> Figure:
 def plottable(series: Series, panel: Panel) -> tuple[Floats, Floats]:
     """Return x and y with NaN where the panel's axes have no place for the point.
 
+    Numbers are limited to those that can be drawn.
+
     Returns
     -------
     x, y : ndarray, shape (n,)
     """
-    x = np.array(series.x, dtype=np.float64)
-    y = np.array(series.y, dtype=np.float64)
+    x = limited(np.asarray(series.x, dtype=np.float64))
+    y = limited(np.asarray(series.y, dtype=np.float64))
     bad = ~(np.isfinite(x) & np.isfinite(y))
     if panel.log_x:
         bad |= x <= 0.0
@@ -61,6 +64,11 @@ def plottable(series: Series, panel: Panel) -> tuple[Floats, Floats]:
     x[bad] = np.nan
     y[bad] = np.nan
     return x, y
+
+
+def bar_base(series: Series) -> Floats:
+    """Return where the bars of a series begin, limited as their ends are, shape (n,)."""
+    return np.zeros(len(series.y)) if series.base is None else limited(series.base)
 
 
 def kept_points(points: Floats, tolerance: float) -> NDArray[np.bool_]:

@@ -16,6 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from harness.core.report_model import Figure, Heatmap
+from harness.core.trajectory import Floats
 
 PAPER_LIGHT = "#fcfbf8"
 PAPER_DARK = "#14171c"
@@ -161,11 +162,33 @@ SIGNED: tuple[str, Scale] = (
 _MOST = 0.99
 _FAR = 10.0
 
+LARGEST = 1e250
+"""What is drawn of a larger number: doubles have room for sums, ticks, and margins of decades."""
+
+_LEAST = 1e-305  # that a range is wide: its ticks are doubles with all their digits
+_ALIKE = 1e-12  # of the larger end: a narrower range is as good as one number
+
+
+def limited(values: Floats) -> Floats:
+    """Return finite numbers no larger than any that can be drawn, and others as they are."""
+    return np.where(np.isfinite(values), np.clip(values, -LARGEST, LARGEST), values)
+
+
+def widened(low: float, high: float) -> tuple[float, float]:
+    """Return the ends of a scale, of numbers that can be drawn and that ticks tell apart."""
+    low, high = (min(max(end, -LARGEST), LARGEST) for end in (low, high))
+    largest = max(abs(low), abs(high))
+    if high - low > max(2.0 * _ALIKE * largest, _LEAST):
+        return low, high
+    half = 0.5 * largest if largest > _LEAST else 0.5
+    return low - half, high + half
+
 
 def span(heat: Heatmap) -> tuple[float, float]:
     """Return the ends of the scale: of the numbers there are, alike on both sides of a sign.
 
-    Where a few numbers are ten times as large as all others, the scale is that of the others.
+    Where a few numbers are ten times as large as all others, the scale is that of the others; about
+    one number it is half as wide to both sides as the number is large.
     """
     there = heat.z[np.isfinite(heat.z)]
     if not there.size:
@@ -176,5 +199,5 @@ def span(heat: Heatmap) -> tuple[float, float]:
         low, high = max(low, -most), min(high, most)
     if heat.signed:
         reach = max(abs(low), abs(high)) or 1.0
-        return -reach, reach
-    return (low, high) if high > low else (low - 1.0, high + 1.0)
+        return widened(-reach, reach)
+    return widened(low, high)

@@ -18,7 +18,7 @@ from markupsafe import escape
 from harness.core.report_model import Figure, Heatmap, Panel, Series
 from harness.core.trajectory import Floats
 from harness.report.number_format import SUPERSCRIPT, readable
-from harness.report.simplify_curves import STILL, plottable, simplify
+from harness.report.simplify_curves import STILL, bar_base, plottable, simplify
 from harness.report.style import (
     BAR_WIDTH,
     PLAIN_COLOURS,
@@ -27,7 +27,9 @@ from harness.report.style import (
     LineStyle,
     Scale,
     entries,
+    limited,
     span,
+    widened,
 )
 
 _WIDTH, _HEIGHT, _SQUARE = 400.0, 270.0, 380.0
@@ -36,8 +38,8 @@ _LETTER, _LINE = 7.5, 16.0  # most that a digit is wide and height of a line of 
 _SLANT = math.radians(30.0)  # of names below the axis
 _ROOM = 0.05  # of the range of the numbers, left free at both ends
 _TICKS = 6
-_LARGEST = 1e307  # half a range that leaves doubles some room
-_DECADES = (-307, 308)  # whose powers of ten are doubles, all digits of them
+_DECADES = (-300, 300)  # ends of a logarithmic axis: doubles have room for ticks beyond them
+_ALIKE = 1e-12  # decades; numbers that are closer are as good as one
 _FAR = 1e6  # units; a point beyond is as good as there
 _PLAIN_FROM, _PLAIN_BELOW = 1e-3, 1e5  # numbers in between are written without a power of ten
 
@@ -79,10 +81,11 @@ class _Axis:
     length: float
 
     def place(self, values: Floats) -> Floats:
-        """Return where numbers are, in units from the lower end, shape (n,)."""
-        scaled = np.log10(values) if self.log else values
-        shares: Floats = (scaled - self.low) / (self.high - self.low)
-        return np.clip(self.length * shares, -_FAR, _FAR)
+        """Return where numbers are, in units from the lower end, shape (n,); NaN is nowhere."""
+        scaled = np.log10(np.where(values > 0.0, values, np.nan)) if self.log else limited(values)
+        with np.errstate(over="ignore"):  # of what is far beyond an axis that is given
+            places: Floats = self.length * ((scaled - self.low) / (self.high - self.low))
+        return np.clip(places, -_FAR, _FAR)
 
 
 def _still(panel: Panel, legend: Mapping[str, Entry], pens: Mapping[str, _Pen]) -> str:
@@ -104,7 +107,7 @@ def _still(panel: Panel, legend: Mapping[str, Entry], pens: Mapping[str, _Pen]) 
     height = outer - _TOP - _LINE / 2 - bottom if not panel.x_names else 0.6 * outer
     if panel.equal:
         x_ends, y_ends = _alike(x_ends, y_ends, width / height)
-        y_ticks = _ticks(*y_ends, log=False)
+        y_ticks = _ticks(*y_ends, log=panel.log_y)
     x = _Axis(low=x_ends[0], high=x_ends[1], log=panel.log_x, length=width)
     y = _Axis(low=y_ends[0], high=y_ends[1], log=panel.log_y, length=height)
     named = [(float(n), name) for n, name in enumerate(panel.x_names)]
@@ -175,14 +178,18 @@ def _ends(
     if axis == 0 and panel.x_names:
         return -BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH
     if (given := (panel.x_range, panel.y_range)[axis]) is not None:
-        return (math.log10(given[0]), math.log10(given[1])) if log else given
-    low, high = float(numbers.min()), float(numbers.max())
-    half = high / 2.0 - low / 2.0  # as the whole may be too large for a double
-    if half <= 1e-12 * max(abs(low), abs(high)):  # as good as one number
-        half = 0.5 if log else 0.5 * (abs(high) or 1.0)
-        return low - half, high + half
-    room = 0.0 if panel.heat is not None or half > _LARGEST else 2.0 * _ROOM * half
-    return low - room, high + room
+        low, high = map(math.log10, given) if log else given
+    else:
+        low, high = float(numbers.min()), float(numbers.max())
+        room = 0.0 if panel.heat is not None else _ROOM * (high - low)
+        low, high = low - room, high + room
+    return _decades(low, high) if log else widened(low, high)
+
+
+def _decades(low: float, high: float) -> tuple[float, float]:
+    """Return the ends of a logarithmic axis, whose numbers are doubles that ticks tell apart."""
+    low, high = (min(max(end, _DECADES[0]), _DECADES[1]) for end in (low, high))
+    return (low, high) if high - low > _ALIKE else (low - 0.5, high + 0.5)
 
 
 def _numbers(panel: Panel, axis: int, data: Sequence[tuple[Floats, Floats]]) -> Floats:
@@ -190,15 +197,17 @@ def _numbers(panel: Panel, axis: int, data: Sequence[tuple[Floats, Floats]]) -> 
     drawn = [np.isfinite(x) & np.isfinite(y) for x, y in data]
     if panel.heat is not None:
         there = np.isfinite(panel.heat.z).any() or any(map(np.any, drawn))
-        return (panel.heat.x, panel.heat.y)[axis] if there else np.empty(0)
-    numbers = [pair[axis][there] for pair, there in zip(data, drawn, strict=True)]
-    if axis == 1:  # bars reach from their base
+        numbers = [(panel.heat.x, panel.heat.y)[axis]] if there else []
+    else:
+        numbers = [pair[axis][there] for pair, there in zip(data, drawn, strict=True)]
+    if axis == 1 and panel.heat is None:  # bars reach from their base
         numbers += [
-            np.zeros(1) if series.base is None else series.base[there]
+            bar_base(series)[there]
             for series, there in zip(panel.series, drawn, strict=True)
-            if series.mark == "bars" and there.any()
+            if series.mark == "bars"
         ]
-    return np.concatenate([*numbers, np.empty(0)])
+    together = limited(np.concatenate([*numbers, np.empty(0)]))
+    return together[np.isfinite(together)]
 
 
 Ends = tuple[float, float]
@@ -230,7 +239,7 @@ def _ticks(low: float, high: float, *, log: bool) -> Ticks:
             return [(value, readable(value)) for value in within]
         low, high = 10.0**low, 10.0**high
     power = 10.0 ** math.floor(math.log10((high - low) / _TICKS))
-    step = next(m * power for m in (1, 2, 5, 10) if m * power * _TICKS >= high - low)
+    step = next((m * power for m in (1, 2, 5) if m * power * _TICKS >= high - low), 10 * power)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     values = [n * step for n in range(first, last + 1)]
     return list(zip(values, _written(values, step), strict=True))
@@ -270,10 +279,11 @@ def _drawn(
         look += f' opacity="{entry.opacity:g}"'
     there = np.isfinite(x) & np.isfinite(y)
     if series.mark == "bars":
-        base = np.zeros(len(y)) if series.base is None else series.base
-        foot = axes[1].length - axes[1].place(base)
-        left, right = axes[0].place(np.array([0.0, BAR_WIDTH])).tolist()
-        half = (right - left) / 2.0
+        base = bar_base(series)
+        there &= np.isfinite(base)
+        # nothing is below a logarithmic axis: a bar from zero stands on its lower end
+        foot = axes[1].length - np.fmax(axes[1].place(base), 0.0 if axes[1].log else -_FAR)
+        half = min(axes[0].length * BAR_WIDTH / (axes[0].high - axes[0].low), _FAR) / 2.0
         bars = zip(x[there] - half, y[there], (foot - y)[there], strict=True)
         path = "".join(
             f"M{_n(a)} {_n(b)}h{_n(2 * half)}v{_n(c)}h{_n(-2 * half)}z" for a, b, c in bars
@@ -337,7 +347,7 @@ def _image(heat: Heatmap, z: Floats, width: float, height: float) -> str:
     scale: Scale = SIGNED[1] if heat.signed else PLAIN_COLOURS
     stops = np.array([stop for stop, _ in scale])
     inks = np.array([tuple(bytes.fromhex(colour[1:])) for _, colour in scale])
-    share = np.nan_to_num((z - low) / (high - low))
+    share = np.nan_to_num((np.clip(z, low, high) - low) / (high - low))
     pixels = [np.interp(share, stops, inks[:, n]) for n in range(3)] + [255.0 * np.isfinite(z)]
     picture = base64.b64encode(_png(np.rint(np.stack(pixels, axis=-1)).astype(np.uint8)))
     return (

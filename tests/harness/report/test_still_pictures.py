@@ -133,6 +133,14 @@ def test_bars_reach_from_their_base_to_their_value() -> None:
     assert tops[1] - tops[0] == pytest.approx(2.0 * scale, abs=0.2)
 
 
+def test_bars_from_zero_stand_on_the_lower_end_of_a_logarithmic_axis() -> None:
+    root = still(panel(series([0.0, 1.0], [1e-3, 10.0], mark="bars"), log_y=True))
+    (frame,) = (path.attrib["d"] for path in root.iter("path") if path.get("class") == "frame")
+    height = float(frame.partition("V")[2].partition("H")[0])
+    bars = re.findall(r"M\S+ (\S+)h\S+?v([\d.]+)h", curves(root)[0])
+    assert [float(top) + float(high) for top, high in bars] == pytest.approx([height] * 2, abs=0.11)
+
+
 def test_the_truth_lies_below_and_colours_are_those_of_the_page() -> None:
     root = still(panel(series([0, 1], [0, 1]), series([0, 1], [1, 0], kind="reference", label="r")))
     styles = [path.attrib["style"] for path in root.iter("path") if "style" in path.attrib]
@@ -162,6 +170,15 @@ def test_colours_of_cells_are_those_of_the_scale() -> None:
     assert f"#{bytes(shades[0, 0, :3]).hex()}" == ends[1.0]
     assert f"#{bytes(shades[-1, 0, :3]).hex()}" == ends[0.0]
     assert "h [m]" in texts(root)
+
+
+@pytest.mark.parametrize("signed", [False, True])
+@pytest.mark.parametrize("number", [7e20, -7e20, 1.7e308, 5e-324, 0.0])
+def test_a_map_of_one_number_has_a_scale_about_it(number: float, *, signed: bool) -> None:
+    heat = Heatmap(label="h [m]", x=np.arange(3.0), y=np.arange(2.0), z=np.full((1, 2), number))
+    root = still(panel(heat=replace(heat, signed=signed)))
+    scale = [text.text for text in root.iter("text") if text.attrib["text-anchor"] == "start"]
+    assert len(set(scale)) == len(scale) >= 2
 
 
 def unpacked(png: bytes) -> "np.ndarray[tuple[int, int, int], np.dtype[np.uint8]]":
