@@ -97,6 +97,7 @@ def run_command(
                 cases=done.manifest(),
                 provenance=provenance(),
                 figures=figures,
+                jobs=running.jobs,
                 on_progress=progress,
             )
     if json:

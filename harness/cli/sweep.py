@@ -111,6 +111,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
             cases=(),
             provenance=provenance(),
             figures=figures,
+            jobs=workers,
             on_progress=progress,
         )
     if json:

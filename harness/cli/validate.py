@@ -146,6 +146,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
             title=comparison.title,
             provenance=comparison.provenance,
             figures=figures,
+            jobs=running.jobs,
             on_progress=progress,
         )
     shown({"scorecard": (), "summary": ()})(done, artefacts)

@@ -81,7 +81,7 @@ class ReportPart:
 class Report:
     """Everything that a report says.
 
-    `on_paper` tells whether its folder has the figures as files for paper.
+    `on_paper` tells whether its folder has the figures as files for paper, but for those `undrawn`.
     """
 
     title: str
@@ -89,6 +89,7 @@ class Report:
     parts: tuple[ReportPart, ...]
     figures: Mapping[str, Figure]
     on_paper: bool
+    undrawn: frozenset[str] = frozenset()
     tables: Mapping[str, Table]
     inks: Mapping[str, LineStyle]
     cases: tuple[Mapping[str, Any], ...]

@@ -102,6 +102,7 @@ def page(report: Report) -> str:
         "kinds": colours,
         "marks": MARKS,
         "on_paper": report.on_paper,
+        "undrawn": report.undrawn,
         "grid": lambda name, table: grid(name, table, digests),
         "entries": entries,
         "description": lambda figure: description(figure, report.inks),

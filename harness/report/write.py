@@ -1,26 +1,29 @@
 """Write a report: the page, its tables as files, a summary, verdicts and a manifest.
 
 The summary is the headline in Markdown, for pasting into a pull request. Figures for paper are
-drawn when they are asked for, in as many processes as there are cores.
+drawn when they are asked for, in processes of their own: one that dies costs its figure alone.
 """
 
 import hashlib
 import json
 import os
 import re
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from harness.core.engine_packages import engine_packages
+from harness.core.errors import OutputError
 from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
 from harness.core.verdict import Status, Verdict
 from harness.execution.isolated_pool import local_executor
+from harness.execution.worker import LostTaskError
 from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
 from harness.report.layout import FIDELITY, Report, Section, arrange, ordered, unique_names
 from harness.report.number_format import readable
@@ -147,6 +150,34 @@ Progress = Callable[[str, int, int], None]
 VERSION = 1  # of the manifest's keys; a later one adds keys and removes none
 
 
+@dataclass(eq=False, kw_only=True)
+class UndrawnFiguresError(OutputError):
+    """A report is written, but the processes that drew some of its figures for paper have died.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the report.
+    titles : tuple of str
+        Of these figures.
+    reason : str
+        What happened to the first.
+    """
+
+    folder: Path
+    titles: tuple[str, ...]
+    reason: str
+
+    def __str__(self) -> str:
+        """Name the figures and how they are drawn again."""
+        titles = ", ".join(f"'{title}'" for title in self.titles)
+        return (
+            f"the report in '{self.folder}' is written without the figures for paper of {titles} "
+            f"({self.reason}); to draw them again: rockingcan report "
+            f"{shlex.quote(str(self.folder))} --figures"
+        )
+
+
 def write_report(
     artefacts: Iterable[Artefact],
     out: Path,
@@ -155,6 +186,7 @@ def write_report(
     cases: Sequence[Mapping[str, Any]],
     provenance: Provenance,
     figures: bool = False,
+    jobs: int | None = None,
     on_progress: Progress | None = None,
 ) -> Path:
     """Write the report of one study as one folder, whole or not at all.
@@ -173,6 +205,8 @@ def write_report(
     provenance : Provenance
     figures : bool
         Whether to draw each figure for paper too, as PNG and SVG.
+    jobs : int, optional
+        Processes that draw them; as many as there are cores if left out.
     on_progress : callable, optional
 
     Returns
@@ -184,6 +218,8 @@ def write_report(
     ------
     OutputError
         If `out` cannot be written, or is a folder that is not a report.
+    UndrawnFiguresError
+        After the report is written, if a process that drew a figure for paper has died.
     """
     chapter = Section(
         title=title, artefacts=tuple(artefacts), cases=tuple(cases), provenance=provenance
@@ -194,6 +230,7 @@ def write_report(
         title=title,
         provenance=provenance,
         figures=figures,
+        jobs=jobs,
         on_progress=on_progress,
     )
 
@@ -205,6 +242,7 @@ def write_chapters(
     title: str,
     provenance: Provenance,
     figures: bool = False,
+    jobs: int | None = None,
     on_progress: Progress | None = None,
 ) -> Path:
     """Write one report of several studies.
@@ -213,7 +251,7 @@ def write_chapters(
     ----------
     chapters : sequence of Section
         At least one; the comparison of engines comes first on the page wherever it stands here.
-    out, title, provenance, figures, on_progress
+    out, title, provenance, figures, jobs, on_progress
         As for `write_report`.
 
     Returns
@@ -223,13 +261,15 @@ def write_chapters(
 
     Raises
     ------
-    OutputError
+    OutputError, UndrawnFiguresError
         As for `write_report`.
     """
     steps = _Steps(chapters, on_progress, figures=figures)
     fine = [_fine(chapter, steps) for chapter in ordered(chapters)]
     report = _report(fine, title, provenance, on_paper=figures)
     with replace_folder(out) as draft:
+        lost = _draw(report, draft / "figures", steps, jobs) if figures else {}
+        report = replace(report, undrawn=frozenset(lost))
         _write_files(report, draft, steps)
         manifest = {
             "format": FORMAT,
@@ -241,6 +281,10 @@ def write_chapters(
         }
         text = json.dumps(manifest, indent=1, ensure_ascii=False, allow_nan=False)
         (draft / MANIFEST).write_text(text + "\n", encoding="utf-8")
+    if lost:
+        titles = tuple(figure.title for name, figure in report.figures.items() if name in lost)
+        reason = next(iter(lost.values())).reason
+        raise UndrawnFiguresError(folder=out, titles=titles, reason=reason)
     return out / "index.html"
 
 
@@ -317,9 +361,6 @@ def _once(chapters: Sequence[Section]) -> tuple[Mapping[str, Any], ...]:
 
 
 def _write_files(report: Report, folder: Path, steps: _Steps) -> None:
-    if report.on_paper:
-        (folder / "figures").mkdir()
-        _draw(report, folder / "figures", steps)
     (folder / "tables").mkdir()
     for name, table in report.tables.items():
         _write_text(folder / "tables" / f"{name}.csv", csv_text(table))
@@ -333,23 +374,32 @@ def _write_files(report: Report, folder: Path, steps: _Steps) -> None:
     steps.done_with("the page")
 
 
-def _draw(report: Report, folder: Path, steps: _Steps) -> None:
-    """Draw the figures for paper, each once, in processes of their own."""
+def _draw(
+    report: Report, folder: Path, steps: _Steps, jobs: int | None
+) -> dict[str, LostTaskError]:
+    """Draw the figures for paper, each once, and return what became of the others, by name."""
     # here and not above: what nobody asks for is not imported
     from harness.report.matplotlib_renderer import render  # noqa: PLC0415
 
-    inks = dict(report.inks)
-    jobs = max(1, min(len(os.sched_getaffinity(0)), len(report.figures)))
-    with local_executor(jobs) as executor:
+    folder.mkdir()
+    inks, lost = dict(report.inks), {}
+    jobs = max(1, min(jobs or len(os.sched_getaffinity(0)), len(report.figures)))
+    with local_executor(jobs, spawned=True) as executor:
         drawings = {
             executor.submit(render, simplify(figure, PAPER), inks): name
             for name, figure in report.figures.items()
         }
         for drawing in as_completed(drawings):
-            name, picture = drawings[drawing], drawing.result()
-            (folder / f"{name}.png").write_bytes(picture.png)
-            _write_text(folder / f"{name}.svg", picture.svg)
+            name = drawings[drawing]
+            try:
+                picture = drawing.result()
+            except LostTaskError as error:
+                lost[name] = error
+            else:
+                (folder / f"{name}.png").write_bytes(picture.png)
+                _write_text(folder / f"{name}.svg", picture.svg)
             steps.done_with(report.figures[name].title)
+    return lost
 
 
 def _write_text(path: Path, text: str) -> None:

@@ -3,6 +3,8 @@
 import hashlib
 import json
 import math
+import signal
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,11 @@ import pytest
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure
 from harness.core.writing import ForeignFolderError
-from harness.report.write import write_report
+from harness.execution.isolated_pool import SerialExecutor
+from harness.report.matplotlib_renderer import RenderedFigure
+from harness.report.stored import read_report
+from harness.report.style import LineStyle
+from harness.report.write import UndrawnFiguresError, write_chapters, write_report
 
 TOP = {
     "index.html",
@@ -120,6 +126,73 @@ def test_a_figure_that_cannot_be_drawn_leaves_no_report(
             on_progress=stop,
         )
     assert names(tmp_path) == []
+
+
+def killed_at_the_locus(figure: Figure, inks: Mapping[str, LineStyle]) -> RenderedFigure:
+    if figure.name == "locus":
+        signal.raise_signal(signal.SIGKILL)
+    return RenderedFigure(png=b"", svg=",".join(inks))
+
+
+def test_a_process_that_dies_costs_its_figure_and_no_other(
+    artefacts: tuple[Artefact, ...],
+    provenance: Provenance,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("harness.report.matplotlib_renderer.render", killed_at_the_locus)
+    out, told = tmp_path / "report", []
+    with pytest.raises(UndrawnFiguresError, match="killed: SIGKILL") as caught:
+        write_report(
+            artefacts,
+            out,
+            title="t",
+            cases=(),
+            provenance=provenance,
+            figures=True,
+            jobs=1,
+            on_progress=lambda *step: told.append(step),
+        )
+    (title,) = (a.title for a in artefacts if isinstance(a, Figure) and a.name == "locus")
+    assert caught.value.titles == (title,)
+    assert names(out / "figures") == ["angles.png", "angles.svg", "order.png", "order.svg"]
+    page = (out / "index.html").read_text(encoding="utf-8")
+    assert "figures/angles.png" in page
+    assert "figures/locus" not in page
+    assert told[-1][1] == told[-1][2]
+    # the report is whole: the figure can be drawn from it
+    monkeypatch.undo()
+    write_chapters(read_report(out), out, title="t", provenance=provenance, figures=True, jobs=1)
+    assert (out / "figures" / "locus.png").stat().st_size > 1000
+
+
+def test_figures_are_drawn_in_as_many_processes_as_are_allowed(
+    artefacts: tuple[Artefact, ...],
+    provenance: Provenance,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    started: list[int] = []
+
+    def executor(count: int, **_: object) -> SerialExecutor:
+        started.append(count)
+        return SerialExecutor()
+
+    picture = RenderedFigure(png=b"", svg="")
+    monkeypatch.setattr("harness.report.matplotlib_renderer.render", lambda *_: picture)
+    monkeypatch.setattr("harness.report.write.local_executor", executor)
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(8)))
+    for jobs in (1, 2, 9, None):
+        write_report(
+            artefacts,
+            tmp_path / "report",
+            title="t",
+            cases=(),
+            provenance=provenance,
+            figures=True,
+            jobs=jobs,
+        )
+    assert started == [1, 2, 3, 3]  # there are three figures
 
 
 def test_progress_counts_every_part_to_the_end(
