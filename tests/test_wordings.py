@@ -36,7 +36,6 @@ from harness.gate.errors import (
     ResultsError,
 )
 from harness.report.stored import ReportVersionError, UnreadableReportError
-from harness.report.write import UndrawnFiguresError
 from harness.studies.comparison.quantity_figures import (
     NothingToDrawError,
     NotRunsError,
@@ -207,13 +206,6 @@ MADE: list[tuple[Exception, str]] = [
     (
         WriteError(path=Path("a"), reason="full", what="a report to", fix="make room"),
         "cannot write a report to 'a': full; make room",
-    ),
-    (
-        UndrawnFiguresError(folder=Path("a b"), titles=("A", "B"), reason="killed: SIGBUS"),
-        (
-            "the report in 'a b' is written without the figures for paper of 'A', 'B' "
-            "(killed: SIGBUS); to draw them again: rockingcan report 'a b' --figures"
-        ),
     ),
     (
         ForeignFolderError(path=Path("a"), action="replace", thing="report", fix="empty it"),

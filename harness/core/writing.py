@@ -1,5 +1,6 @@
 """What cannot be written, and why: errors of files and folders."""
 
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -58,6 +59,34 @@ class ForeignFolderError(OutputError):
         return (
             f"will not {self.action} '{self.path}': the folder is not empty and holds no "
             f"{self.thing} of rockingcan; {self.fix}"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
+class UndrawnFiguresError(OutputError):
+    """A report is written, but the processes that drew some of its figures for paper have died.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the report.
+    titles : tuple of str
+        Of these figures.
+    reason : str
+        What happened to the first.
+    """
+
+    folder: Path
+    titles: tuple[str, ...]
+    reason: str
+
+    def __str__(self) -> str:
+        """Name the figures and how they are drawn again."""
+        titles = ", ".join(f"'{title}'" for title in self.titles)
+        return (
+            f"the report in '{self.folder}' is written without the figures for paper of {titles} "
+            f"({self.reason}); to draw them again: rockingcan report "
+            f"{shlex.quote(str(self.folder))} --figures"
         )
 
 

@@ -8,20 +8,19 @@ import hashlib
 import json
 import os
 import re
-import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from harness.core.engine_packages import engine_packages
-from harness.core.errors import OutputError
 from harness.core.plain_json import to_plain
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure, Prose, Replay, Table
 from harness.core.verdict import Status, Verdict
+from harness.core.writing import UndrawnFiguresError
 from harness.execution.isolated_pool import local_executor
 from harness.execution.worker import LostTaskError
 from harness.report.atomic_folder import FORMAT, MANIFEST, replace_folder
@@ -148,34 +147,6 @@ Progress = Callable[[str, int, int], None]
 """Called with what is written, and how many parts of the report are done, of how many."""
 
 VERSION = 1  # of the manifest's keys; a later one adds keys and removes none
-
-
-@dataclass(eq=False, kw_only=True)
-class UndrawnFiguresError(OutputError):
-    """A report is written, but the processes that drew some of its figures for paper have died.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the report.
-    titles : tuple of str
-        Of these figures.
-    reason : str
-        What happened to the first.
-    """
-
-    folder: Path
-    titles: tuple[str, ...]
-    reason: str
-
-    def __str__(self) -> str:
-        """Name the figures and how they are drawn again."""
-        titles = ", ".join(f"'{title}'" for title in self.titles)
-        return (
-            f"the report in '{self.folder}' is written without the figures for paper of {titles} "
-            f"({self.reason}); to draw them again: rockingcan report "
-            f"{shlex.quote(str(self.folder))} --figures"
-        )
 
 
 def write_report(

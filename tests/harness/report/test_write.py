@@ -12,12 +12,12 @@ import pytest
 
 from harness.core.provenance import Provenance
 from harness.core.report_model import Artefact, Figure
-from harness.core.writing import ForeignFolderError
+from harness.core.writing import ForeignFolderError, UndrawnFiguresError
 from harness.execution.isolated_pool import SerialExecutor
 from harness.report.matplotlib_renderer import RenderedFigure
 from harness.report.stored import read_report
 from harness.report.style import LineStyle
-from harness.report.write import UndrawnFiguresError, write_chapters, write_report
+from harness.report.write import write_chapters, write_report
 
 TOP = {
     "index.html",
@@ -155,6 +155,10 @@ def test_a_process_that_dies_costs_its_figure_and_no_other(
         )
     (title,) = (a.title for a in artefacts if isinstance(a, Figure) and a.name == "locus")
     assert caught.value.titles == (title,)
+    assert str(caught.value) == (
+        f"the report in '{out}' is written without the figures for paper of '{title}' "
+        f"({caught.value.reason}); to draw them again: rockingcan report {out} --figures"
+    )
     assert names(out / "figures") == ["angles.png", "angles.svg", "order.png", "order.svg"]
     page = (out / "index.html").read_text(encoding="utf-8")
     assert "figures/angles.png" in page
