@@ -15,7 +15,7 @@ from harness.core.engine_packages import install_command
 from harness.core.errors import HarnessError
 from harness.core.scene_limits import SceneLimitError
 from harness.core.trajectory import ArrayShapeError, TimeOrderError
-from harness.core.writing import ForeignFolderError, WriteError
+from harness.core.writing import ForeignFolderError, UndrawnFiguresError, WriteError
 from harness.execution.cache import NoCacheError
 from harness.execution.cache_entry import BrokenEntryError, Defect
 from harness.execution.dask_cluster import (
@@ -60,11 +60,8 @@ MADE: list[tuple[Exception, str]] = [
         "unknown engine 'mujco', did you mean 'mujoco'? there are: mujoco",
     ),
     (
-        errors.MissingPackageError("engine 'e'", "p", "no p", "pip install p"),
-        (
-            "engine 'e' needs the package 'p', which cannot be imported (no p); install it with: "
-            "pip install p"
-        ),
+        errors.MissingPackageError("engine 'e'", "p", "no p", "i"),
+        "engine 'e' needs the package 'p', which cannot be imported (no p); install it with: i",
     ),
     (
         errors.MissingCheckoutError("tests/faults"),
@@ -115,11 +112,8 @@ MADE: list[tuple[Exception, str]] = [
         ),
     ),
     (
-        errors.UnsupportedEffectError("e", "rim", ["b", "a"]),
-        (
-            "engine 'e' cannot represent the effect 'rim' that the scene declares; engines that "
-            "can: a, b"
-        ),
+        errors.UnsupportedEffectError("", "r", ["b", "a"]),
+        "engine '' cannot represent the effect 'r' that the scene declares; engines that can: a, b",
     ),
     (
         errors.UnsupportedEffectError("e", "rim", []),
@@ -206,6 +200,13 @@ MADE: list[tuple[Exception, str]] = [
     (
         WriteError(path=Path("a"), reason="full", what="a report to", fix="make room"),
         "cannot write a report to 'a': full; make room",
+    ),
+    (
+        UndrawnFiguresError(folder=Path("a b"), titles=("A", "B"), reason="killed: SIGBUS"),
+        (
+            "the report in 'a b' is written without the figures for paper of 'A', 'B' (killed: "
+            "SIGBUS); to draw them again: rockingcan report 'a b' --figures"
+        ),
     ),
     (
         ForeignFolderError(path=Path("a"), action="replace", thing="report", fix="empty it"),
