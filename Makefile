@@ -7,7 +7,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= quick
 
-.PHONY: validate test test-all explore mutants lint types contracts models clean
+.PHONY: validate test test-all explore mutants numbers measure lint types contracts models clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
@@ -39,6 +39,14 @@ types: $(VENV)/ready-to-develop
 
 contracts: $(VENV)/ready-to-develop
 	$(BIN)/lint-imports
+
+# the numbers in README, CONTRIBUTING and the docs, from the files that were measured
+numbers: $(VENV)/ready
+	$(BIN)/python -m docs.numbers
+
+# these files, measured again: some forty minutes, or ONLY=cost; docs/measured.toml says how
+measure: $(VENV)/ready-to-test
+	$(BIN)/python -m docs.measure $(ONLY)
 
 # the openable model files, from the scenes
 models: $(VENV)/ready

@@ -6,6 +6,7 @@ The report has a summary, one page an engine, the map, and a table of every run.
 """
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Figure, Prose, Series, table_of
+from harness.core.report_model import Artefact, Column, Figure, Prose, Series, Table, table_of
 from harness.evaluation.effort import engine_group, expected_seconds
 from harness.evaluation.evaluate import check_case, evaluate_case
 from harness.evaluation.run_cases import failed_evaluation
@@ -144,6 +145,7 @@ class StabilityStudy:
             *map_figures(on_grid, names),
             limit_figure(largest, names),
             limit_table(largest),
+            count_table([run for run in on_grid if run.case.scene.name in names]),
             case_table(hard),
             survey_table(random),
             table_of(
@@ -157,6 +159,27 @@ _PROFILES = (
     ("matched", "Matched to the scene"),
     ("adaptive", "With steps that follow the motion"),
 )
+
+
+_COUNTS = (
+    Column("engine", "Name of the engine."),
+    Column("profile", "Which settings."),
+    Column("verdict", "How the runs went."),
+    Column("runs", "How many runs of hard cases in this profile on the grid of timesteps."),
+)
+
+
+def count_table(judged: Sequence[ClassifiedRun]) -> Table:
+    """Return how many runs of each engine and profile have each verdict, good verdicts first."""
+    counts = Counter((run.verdict, run.case.profile, run.case.engine) for run in judged)
+    rows = [
+        {"engine": engine, "profile": profile, "verdict": verdict.value, "runs": runs}
+        for engine in sorted({run.case.engine for run in judged})
+        for profile, _ in _PROFILES
+        for verdict in StabilityStatus
+        if (runs := counts[verdict, profile, engine])
+    ]
+    return table_of("verdict-counts", "How many runs have each verdict", _COUNTS, rows)
 
 
 _VERBS = {StabilityStatus.UNRESOLVED: "is unresolved", StabilityStatus.REFUSED: "is refused"}

@@ -52,6 +52,11 @@ def test_the_report_has_the_map_a_page_for_each_engine_and_the_counts(report: Pa
     assert set(verdicts["verdict"]) <= {verdict.value for verdict in StabilityStatus}
     manifest = json.loads((report / "manifest.json").read_text(encoding="utf-8"))
     assert len(manifest["cases"]) == len(verdicts)
+    counts = pd.read_csv(report / "tables" / "verdict-counts.csv")
+    on_grid = verdicts[verdicts["timestep_s"].isin(TINY.timesteps)]
+    on_grid = on_grid[on_grid["scene"].isin(TINY.scenes)]
+    matched = on_grid[on_grid["profile"] == "matched"]
+    assert counts[counts["profile"] == "matched"]["runs"].sum() == len(matched) > 0
     limits = pd.read_csv(report / "tables" / "largest-timesteps.csv").set_index(["scene", "engine"])
     assert limits["sound_timestep_s"]["thin-disk", "mujoco"] >= 1e-3
 

@@ -1,0 +1,94 @@
+"""Run again what the numbers in the texts come from: ``make measure``, ``make measure ONLY=cost``.
+
+`docs/measured.toml` says which commands these are and which of their files are kept, in the folder
+`reports/baseline/NAME`. Beside them, `made.json` says by which command, when and where.
+"""
+
+import json
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from pydantic import BaseModel, ConfigDict, TypeAdapter
+
+from harness.core.provenance import provenance
+from harness.execution.atomic_write import write_atomically
+
+ROOT = Path(__file__).parents[1]
+KEPT = ROOT / "reports" / "baseline"
+PRINTED = "printed.json"
+"""Name of what a command printed."""
+
+
+class Measured(BaseModel):
+    """A command, and the files of it that are kept.
+
+    Parameters
+    ----------
+    command : str
+        With `{out}` for the folder of its report, which is read and thrown away.
+    files : tuple of str
+        In that folder.
+    exit_codes : tuple of int
+        With which the command may end: a claim that does not hold is a result, too.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    command: str
+    files: tuple[str, ...]
+    exit_codes: tuple[int, ...] = (0,)
+
+
+def measured() -> dict[str, Measured]:
+    """Return the measurements by name."""
+    with (ROOT / "docs" / "measured.toml").open("rb") as file:
+        return TypeAdapter(dict[str, Measured]).validate_python(tomllib.load(file))
+
+
+def measure(name: str, what: Measured) -> None:
+    """Run a command and keep its files.
+
+    Raises
+    ------
+    SystemExit
+        If the command ends with another exit code than it should.
+    """
+    with tempfile.TemporaryDirectory(prefix="rockingcan-") as folder:
+        out = Path(folder) / "out"
+        words = [word.format(out=out) for word in shlex.split(what.command)]
+        program = str(Path(sys.executable).with_name(words[0]))
+        run = subprocess.run(  # noqa: S603 - a command of our own
+            [program, *words[1:]], cwd=ROOT, stdout=subprocess.PIPE, check=False
+        )
+        if run.returncode not in what.exit_codes:
+            sys.exit(f"`{what.command}` ended with {run.returncode}, not in {what.exit_codes}")
+        place = KEPT / name
+        place.mkdir(parents=True, exist_ok=True)
+        for file in what.files:
+            if file == PRINTED:
+                write_atomically(place / PRINTED, run.stdout)
+            else:
+                shutil.copyfile(out / file, place / Path(file).name)
+    made = {"command": what.command, **provenance().to_dict()}
+    write_atomically(place / "made.json", (json.dumps(made, indent=2) + "\n").encode())
+
+
+def main(names: Annotated[list[str] | None, typer.Argument()] = None) -> None:
+    """Run the commands of the measurements named, or of all."""
+    every = measured()
+    if unknown := sorted(set(names or ()) - set(every)):
+        sys.exit(f"no measurement {', '.join(unknown)}; docs/measured.toml has {', '.join(every)}")
+    for name in names or every:
+        typer.echo(f"{name}: {every[name].command}", err=True)
+        measure(name, every[name])
+
+
+if __name__ == "__main__":
+    typer.run(main)

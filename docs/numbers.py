@@ -1,0 +1,333 @@
+"""Fill the numbers of the texts from committed files: ``make numbers``.
+
+A number stands in a text between marks that name it, ``<!-- = audit.holds -->159<!-- / -->``, and
+so does a table. Its source is a file that a command has written: see `docs/measured.toml`.
+"""
+
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from harness.core.errors import HarnessError
+from harness.execution.atomic_write import write_atomically
+from harness.gate.comparison import FACTOR, SPREADS
+from harness.gate.spread import FEWEST, MOST, SIZES
+from models.effects import Effects
+
+ROOT = Path(__file__).parents[1]
+BASELINE = ROOT / "reports" / "baseline"
+TEXTS = ("README.md", "CONTRIBUTING.md", *(f"docs/{p.name}" for p in ROOT.glob("docs/*.md")))
+
+MARKED = re.compile(r"(<!-- = ([\w.-]+) -->)(.*?)(<!-- / -->)", flags=re.DOTALL)
+
+ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
+PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
+
+Row = Mapping[Hashable, Any]
+Source = Callable[[], Mapping[str, str]]
+
+
+def csv(name: str) -> pd.DataFrame:
+    """Return a table below `reports/baseline`; an empty cell is an empty string or NaN."""
+    return pd.read_csv(BASELINE / name)
+
+
+def markdown(head: Iterable[str], rows: Iterable[Iterable[str]], words: int = 1) -> str:
+    """Return a table in Markdown; all columns but the first ones hold numbers."""
+    head = list(head)
+    rule = ["---"] * words + ["---:"] * (len(head) - words)
+    lines = [head, rule, *rows]
+    return "\n" + "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def digits(value: float, count: int = 3) -> str:
+    """Return a number with so many digits that count, or to its unit where it has more."""
+    if abs(value) >= 100.0:  # noqa: PLR2004 - three digits
+        return f"{value:,.0f}"
+    mantissa, power, exponent = f"{value:.{count}g}".partition("e")
+    return mantissa + (power and f"e{int(exponent)}")
+
+
+def exact() -> dict[str, str]:
+    """Return what is told of the paper's release."""
+    printed = json.loads((BASELINE / "paper-release" / "printed.json").read_text())
+    (bounce,) = printed["bounces"]
+    return {
+        "turn": f"{bounce['angle_of_turn_deg']:.2f}",
+        "gap_um": f"{printed['guard']['least_gap_m'] * 1e6:.1f}",
+        "turns_per_s": f"{bounce['peak_psi_dot_rad_s'] / 6.283185307179586:,.0f}",
+        "fall_ms": f"{bounce['time_s'] * 1e3:.0f}",
+    }
+
+
+def quick() -> dict[str, str]:
+    """Return the errors of each engine in the quick suite, as it ships and at its best."""
+    card, results = csv("quick/scorecard.csv"), csv("quick/results.csv")
+    rows = []
+    for scene, own in card.groupby("scene", sort=False):
+        by_engine = own.set_index("engine").to_dict("index")
+        unit = "degrees" if own["best_turn_error_deg"].notna().any() else "rad of phi"
+        line = [f"{scene}, {unit}"]
+        for engine in ENGINES:
+            line += [_error(by_engine[engine], side, unit) for side in ("shipped", "best")]
+        rows.append(line)
+    head = [
+        "scene",
+        *(f"{e}, {side}" for e in ENGINES.values() for side in ("as it ships", "best")),
+    ]
+    steps = results[results["scene"] == "paper-release"].groupby("profile")["steps"]
+    return {
+        "table": markdown(head, rows),
+        "adaptive_steps": f"{steps.max()['adaptive']:,.0f}",
+        "matched_steps": f"{steps.max()['matched']:,.0f}",
+    }
+
+
+def _error(row: Row, side: str, unit: str) -> str:
+    """Return the error of a run, or in words why it has none."""
+    verdict, turn = str(row[f"{side}_verdict"]), row[f"{side}_turn_error_deg"]
+    kind, _, why = verdict.partition(": ")
+    if kind == "not decidable":
+        return kind
+    if kind == "failed" or (unit == "degrees" and pd.isna(turn)):
+        return {"flat": "falls flat", "overturned": "overturns", "diverged": "diverges"}.get(
+            why, why.removesuffix(" the turns")
+        )
+    return digits(float(turn if unit == "degrees" else row[f"{side}_phi_rms_rad"]))
+
+
+def attribution() -> dict[str, str]:
+    """Return for each engine what closing one gap after another takes away of the turn."""
+    facts = {}
+    for engine, label in ENGINES.items():
+        place = f"attribution-{engine}/gentle-rock-{engine}"
+        gaps, whole = csv(f"{place}-gaps.csv"), csv(f"{place}-interactions.csv")
+        turn = gaps[gaps["quantity"] == "turn_error_deg"].sort_values("place")
+        total = whole[whole["quantity"] == "turn_error_deg"].iloc[0]
+        rows = [
+            (str(gap), f"{taken:+.2f}") for gap, taken in zip(turn.gap, turn.in_order, strict=True)
+        ]
+        rows += [("what remains", f"{total['remains']:+.2f}")]
+        rows += [("**as it ships**", f"**{total['as_shipped']:+.2f}**")]
+        facts[engine] = markdown((label, "degrees"), rows)
+    return facts
+
+
+def effects() -> dict[str, str]:
+    """Return by how much each effect changes the turn: exactly, and in each engine."""
+    table = csv("effects/gentle-rock-effects.csv")
+    changes = table.pivot_table(
+        index="effect", columns="engine", values="change_turn_deg", dropna=False, sort=False
+    )
+    strengths = dict(zip(table["effect"], table["strength"], strict=True))
+    known = changes[changes["reference"].notna()]
+    known = known.reindex(known["reference"].abs().sort_values(ascending=False).index)
+    rows = [
+        [f"{str(effect).replace('_', ' ')}, {strengths[effect]}"]
+        + ["cannot" if pd.isna(row[e]) else f"{row[e]:+.4f}" for e in ("reference", *ENGINES)]
+        for effect, row in known.to_dict("index").items()
+    ]
+    return {"table": markdown(("effect, strength", "exact", *ENGINES.values()), rows)}
+
+
+_CHOICES = {
+    "settings as shipped": "as it ships, its own step or a shorter one",
+    "tuned elsewhere, fixed step": "matched, fixed step",
+    "tuned elsewhere, steps follow the motion": "matched, steps that follow the motion",
+}
+
+
+def cost() -> dict[str, str]:
+    """Return the price of an accuracy, and how the price of a degree grows with hardness."""
+    prices = csv("cost/paper-release-prices.csv")
+    targets = sorted(prices["target_deg"].unique(), reverse=True)
+    rows = []
+    for engine in ("reference", *ENGINES):
+        for choice, words in _CHOICES.items():
+            own = prices[(prices["engine"] == engine) & (prices["choice"] == choice)]
+            if own.empty or (engine == "reference" and "fixed" not in choice):
+                continue
+            who = "exact motion" if engine == "reference" else f"{ENGINES[engine]}, {words}"
+            by_target = own.set_index("target_deg").to_dict("index")
+            rows.append([who, *(_price(by_target[target]) for target in targets)])
+    degree = csv("cost/paper-release-degree.csv")
+    growth = {}
+    for steps, own in degree[~degree["engine"].eq("reference")].groupby("steps"):
+        ends = own.sort_values("epsilon").groupby("engine")["cost_s_s"]
+        growth[steps] = ends.first() / ends.last()
+    return {
+        "table": markdown(
+            ["to an error of, degrees", *(f"{target:g}" for target in targets)], rows
+        ),
+        "growth_fixed": _span(growth["fixed step"]),
+        "growth_adaptive": _span(growth["adaptive"]),
+        "easiest": digits(degree["epsilon"].max(), 1),
+        "hardest": digits(degree["epsilon"].min(), 1),
+    }
+
+
+def _price(row: Row) -> str:
+    verdict = str(row["verdict"])
+    if verdict.startswith("not reached"):
+        return verdict.removesuffix(" degrees")
+    return digits(float(row["cost_s_s"]), 2)
+
+
+def _span(values: "pd.Series[float]") -> str:
+    low, high = (digits(float(value), 2) for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
+def stability() -> dict[str, str]:
+    """Return how many runs on hard cases have each verdict, and how the reference fares."""
+    counts, hard = csv("stability/verdict-counts.csv"), csv("stability/hard-cases.csv")
+    survey = csv("stability/random-scenes.csv")
+    wide = counts.pivot_table(
+        index="verdict", columns=["engine", "profile"], values="runs", fill_value=0, sort=False
+    )
+    columns = [(engine, profile) for engine in ENGINES for profile in PROFILES]
+    rows = [
+        [str(verdict), *(f"{row.get(column, 0):.0f}" for column in columns)]
+        for verdict, row in wide.iterrows()
+    ]
+    head = ["runs that are", *(f"{ENGINES[e]}, {PROFILES[p]}" for e, p in columns)]
+    return {
+        "table": markdown(head, rows),
+        "runs": f"{counts['runs'].sum():,}",
+        "cases": str(len(hard)),
+        "solved": str(hard["reference"].str.startswith("solved").sum()),
+        "refused": str(hard["reference"].str.startswith("refused").sum()),
+        "disagreement": f"{hard['disagreement'].max():.1e}",
+        "random": f"{survey['scenes'].sum():,}",
+        "random_refused": str(survey[survey["ends"] == "refused"]["scenes"].sum()),
+        "random_failed": str(survey["failures"].sum()),
+    }
+
+
+def gate() -> dict[str, str]:
+    """Return how many quantities a gate finds worse when friction is made soft."""
+    table = csv("gate/gate.csv")
+    return {"worse": str((table["verdict"] == "worse").sum()), "quantities": str(len(table))}
+
+
+def benchmark() -> dict[str, str]:
+    """Return the ratios that the program claims about its speed."""
+    printed = json.loads((BASELINE / "benchmark" / "printed.json").read_text())
+    rows = [
+        (ratio["what"], digits(ratio["ratio"]), ratio["claim"])
+        for ratio in printed["ratios"]
+        if ratio["claim"]
+    ]
+    lean = pd.DataFrame(printed["lean"])
+    lean["what"] = lean["who"].where(lean["model"] != "general", "general")
+    return {
+        "table": markdown(("measured", "ratio", "claimed"), rows),
+        **{f"lean_{what}": _span(own) for what, own in lean.groupby("what")["ratio"]},
+    }
+
+
+_QUOTED = 5
+"""Errors that README quotes: of those that change something, the shortest to say."""
+
+
+def audit() -> dict[str, str]:
+    """Return how many claims of the paper stand how, and how many errors there are."""
+    claims = pd.read_csv(ROOT / "reports" / "audit.csv")
+    verdicts = claims["verdict"].value_counts()
+    holds, order = verdicts["holds"], verdicts["holds to stated order"]
+    unknown = verdicts["not checkable"]
+    with (ROOT / "harness/paper/audit/claims.toml").open("rb") as file:
+        errors = tomllib.load(file)["errors"]
+    gravest = [error for error in errors if error["weight"] == "substantial"]
+    shortest = sorted(gravest, key=lambda error: len(error["printed"] + error["right"]))[:_QUOTED]
+    return {
+        "claims": str(len(claims)),
+        "holds": str(holds),
+        "to_order": str(order),
+        "not_checkable": str(unknown),
+        "wrong": str(len(claims) - holds - order - unknown),
+        "errors": str(len(errors)),
+        "substantial": str(len(gravest)),
+        "gravest": markdown(
+            ("error", "printed", "right"),
+            ((error["name"], error["printed"], error["right"]) for error in shortest),
+            words=3,
+        ),
+    }
+
+
+def rules() -> dict[str, str]:
+    """Return constants of the program that the texts name."""
+    return {
+        "effects": str(len(fields(Effects))),
+        "factor": digits(FACTOR),
+        "spreads": digits(SPREADS),
+        "fewest": str(FEWEST),
+        "most": str(MOST),
+        "least": digits(min(SIZES)),
+        "largest": digits(max(SIZES)),
+    }
+
+
+SOURCES: Mapping[str, Source] = {
+    source.__name__: source
+    for source in (
+        exact,
+        quick,
+        attribution,
+        effects,
+        cost,
+        stability,
+        gate,
+        benchmark,
+        audit,
+        rules,
+    )
+}
+
+
+@cache
+def facts(source: str) -> Mapping[str, str]:
+    """Return the numbers of a source by name."""
+    return SOURCES[source]()
+
+
+def filled(text: str) -> str:
+    """Return a text with every number between marks written anew.
+
+    Raises
+    ------
+    HarnessError
+        If no source has a number of that name.
+    """
+
+    def replace(found: re.Match[str]) -> str:
+        source, _, name = found[2].partition(".")
+        if source not in SOURCES or name not in facts(source):
+            known = facts(source) if source in SOURCES else SOURCES
+            raise HarnessError(f"no number `{found[2]}`; there are {', '.join(known)}")
+        return f"{found[1]}{facts(source)[name]}{found[4]}"
+
+    return MARKED.sub(replace, text)
+
+
+def main() -> None:
+    """Write the numbers of all texts anew."""
+    for name in TEXTS:
+        path = ROOT / name
+        write_atomically(path, filled(path.read_text(encoding="utf-8")).encode())
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except HarnessError as error:
+        sys.exit(f"docs.numbers: {error}")

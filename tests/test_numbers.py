@@ -1,0 +1,57 @@
+"""Every number in README, CONTRIBUTING and the docs comes from a file that a command wrote."""
+
+import json
+import re
+
+import pytest
+
+from docs.measure import KEPT, measured
+from docs.numbers import MARKED, ROOT, TEXTS, filled
+from harness.core.errors import HarnessError
+
+STATED = {
+    "2302.08335": "the number of the paper at arXiv",
+    "3.11": "a version of Python",
+    "3.12": "a version of Python",
+    "3.13": "a version of Python",
+    "80": "a rule on the length of files",
+    "250": "a rule on the length of files",
+    "400": "a rule on the length of files, which a test holds",
+}
+"""Numbers that nobody measures, with what they are."""
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_the_numbers_are_those_of_the_files(name: str) -> None:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    assert filled(text) == text, "run `make numbers`"
+
+
+def test_readme_and_contributing_have_numbers_to_fill() -> None:
+    for name in ("README.md", "CONTRIBUTING.md"):
+        assert len(MARKED.findall((ROOT / name).read_text(encoding="utf-8"))) > 4
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])
+def test_no_other_number_stands_there(name: str) -> None:
+    text = MARKED.sub(" ", (ROOT / name).read_text(encoding="utf-8"))
+    # code, inputs of commands and addresses are not measured
+    for code in (r"```.*?```", r"^ {4}.*$", r"`[^`]*`", r"\]\([^)]*\)"):
+        text = re.sub(code, " ", text, flags=re.DOTALL if "```" in code else re.MULTILINE)
+    numbers = re.findall(r"(?<![\w.])\d(?:[\d.,]*\d)?(?:e-?\d+)?", text)
+    assert [number for number in numbers if number not in STATED] == []
+
+
+@pytest.mark.parametrize("name", ["quick.tables", "nothing.at_all"])
+def test_a_number_that_no_source_has_is_an_error_that_names_it(name: str) -> None:
+    with pytest.raises(HarnessError, match=name):
+        filled(f"<!-- = {name} -->1<!-- / -->")
+
+
+@pytest.mark.parametrize("name", measured())
+def test_each_file_was_written_by_the_command_that_is_named(name: str) -> None:
+    what = measured()[name]
+    made = json.loads((KEPT / name / "made.json").read_text(encoding="utf-8"))
+    assert made["command"] == what.command
+    kept = {path.name for path in (KEPT / name).iterdir()}
+    assert kept == {"made.json", *(file.rpartition("/")[2] for file in what.files)}
