@@ -133,16 +133,6 @@ def test_claims_name_errors_of_the_audit() -> None:
     assert weights == sorted(weights, key=list(type(weights[0])).index)
 
 
-def test_the_readme_counts_as_the_report_does() -> None:
-    root = Path(__file__).parents[4]
-    with (root / "reports" / "audit.csv").open(encoding="utf-8") as file:
-        verdicts = [row["verdict"] for row in csv.DictReader(file)]
-    holds, to_order = (verdicts.count(x) for x in ("holds", "holds to stated order"))
-    unknown = verdicts.count("not checkable")
-    wrong = len(verdicts) - holds - to_order - unknown
-    readme = " ".join((root / "README.md").read_text(encoding="utf-8").split())
-    assert (
-        f"{len(verdicts)} claims: {holds} hold, {to_order} hold to the stated order, {wrong} do "
-        f"not, {unknown} cannot be checked. The {wrong} come down to {len(ERRORS)} errors"
-    ) in readme
-    assert len(verdicts) == len(CLAIMS)
+def test_the_report_has_a_row_for_each_claim() -> None:
+    with (Path(__file__).parents[4] / "reports" / "audit.csv").open(encoding="utf-8") as file:
+        assert len(list(csv.DictReader(file))) == len(CLAIMS)
