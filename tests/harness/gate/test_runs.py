@@ -60,6 +60,7 @@ def held(accepted: Scores, coarse: tuple[Case, ...]) -> Held:
     return hold
 
 
+@pytest.mark.slow
 def test_a_repeat_is_equal_to_the_last_bit(
     accepted: Scores, held: Held, coarse: tuple[Case, ...]
 ) -> None:
@@ -78,6 +79,7 @@ def test_what_no_one_can_tell_apart_raises_no_alarm(held: Held, coarse: tuple[Ca
         assert regressions(found) == (), number
 
 
+@pytest.mark.slow
 def test_the_spread_is_that_of_an_amplifier(accepted: Scores) -> None:
     # a run that follows its bounce passes a perturbation on; one that steps over it scrambles it
     for one in accepted.scores.values():
@@ -88,6 +90,7 @@ def test_the_spread_is_that_of_an_amplifier(accepted: Scores) -> None:
         assert one.members == MOST
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "worsened",
     [

@@ -29,6 +29,7 @@ def printed(artefacts: tuple[Artefact, ...]) -> list[RenderedFigure]:
     return [draw(figure) for figure in figures(artefacts)]
 
 
+@pytest.mark.slow
 def test_png_is_a_picture_of_the_stated_width(printed: list[RenderedFigure]) -> None:
     for one in printed:
         png = one.png
@@ -39,6 +40,7 @@ def test_png_is_a_picture_of_the_stated_width(printed: list[RenderedFigure]) -> 
         assert 300 < height < 2 * PIXELS
 
 
+@pytest.mark.slow
 def test_the_same_figure_gives_the_same_bytes(
     artefacts: tuple[Artefact, ...], printed: list[RenderedFigure]
 ) -> None:
@@ -48,6 +50,7 @@ def test_the_same_figure_gives_the_same_bytes(
     assert "date" not in once.svg.lower()
 
 
+@pytest.mark.slow
 def test_svg_is_well_formed_and_says_what_the_figure_says(
     artefacts: tuple[Artefact, ...], printed: list[RenderedFigure]
 ) -> None:
@@ -89,6 +92,7 @@ def test_a_panel_with_nothing_to_draw_says_so(y: list[float], log: bool) -> None
     assert ("nothing to draw" in draw(figure).svg) != drawable
 
 
+@pytest.mark.slow
 def test_rounding_moves_nothing_visible(artefacts: tuple[Artefact, ...]) -> None:
     figure = replace(figures(artefacts)[0], columns=3)
     numbers = [

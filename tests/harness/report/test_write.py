@@ -134,6 +134,7 @@ def killed_at_the_locus(figure: Figure, inks: Mapping[str, LineStyle]) -> Render
     return RenderedFigure(png=b"", svg=",".join(inks))
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_costs_its_figure_and_no_other(
     artefacts: tuple[Artefact, ...],
     provenance: Provenance,

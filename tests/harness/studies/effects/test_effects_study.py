@@ -90,6 +90,7 @@ def test_a_slippery_plane_is_missing_where_the_rim_would_slip_and_else_harmless(
     assert abs(found.changes["turn_deg"] or 0.0) < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mu", "verdict"),
     [

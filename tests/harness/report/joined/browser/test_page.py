@@ -124,6 +124,7 @@ def test_the_keyboard_zooms_moves_and_goes_back(browse: Open, joined_report: Pat
     until(page, lambda: spans(page)[0] == before)
 
 
+@pytest.mark.slow
 def test_tables_sort_numbers_by_value_and_put_nothing_last(
     browse: Open, joined_report: Path
 ) -> None:
