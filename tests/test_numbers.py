@@ -42,6 +42,13 @@ def test_no_other_number_stands_there(name: str) -> None:
     assert [number for number in numbers if number not in STATED] == []
 
 
+@pytest.mark.parametrize("name", TEXTS)
+def test_no_line_of_prose_begins_with_a_mark(name: str) -> None:
+    """There a comment would begin a block of HTML, and end the paragraph."""
+    lines = (ROOT / name).read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if re.match(r"<!-- (= [\w.-]+|/) -->.", line)] == []
+
+
 @pytest.mark.parametrize("name", ["quick.tables", "nothing.at_all"])
 def test_a_number_that_no_source_has_is_an_error_that_names_it(name: str) -> None:
     with pytest.raises(HarnessError, match=name):
