@@ -87,3 +87,13 @@ def test_a_case_is_the_same_whatever_was_set_on_top() -> None:
     # the gate names cases as they were designed, so that the two meet
     assert [identity(case) for case in plain] != [identity(case) for case in on_top]
     assert len(plain) == len(on_top)
+
+
+@pytest.mark.parametrize(
+    ("accepted", "said"), [((), "only of none"), (("pybullet", "mine"), "only of pybullet, mine")]
+)
+def test_whose_results_a_place_has_is_said_also_where_it_has_none(
+    accepted: tuple[str, ...], said: str
+) -> None:
+    error = OtherEnginesError(place="accepted", engines=("mujoco",), accepted=accepted)
+    assert f"{said};" in str(error)
