@@ -4,7 +4,8 @@ import hashlib
 import json
 import math
 import signal
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,15 @@ TOP = {
     "manifest.json",
     "tables",
 }
+
+
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def write(artefacts: tuple[Artefact, ...], provenance: Provenance) -> Write:
+    """Return `write_report` of artefacts of all kinds, for the folder and what a test varies."""
+    return partial(write_report, artefacts, title="t", cases=(), provenance=provenance)
 
 
 def names(folder: Path) -> list[str]:
@@ -76,19 +86,15 @@ def test_the_same_report_gives_the_same_bytes(
 
 @pytest.mark.slow
 def test_figures_for_paper_are_drawn_once_and_alike_in_any_process(
-    artefacts: tuple[Artefact, ...], provenance: Provenance, tmp_path: Path
+    write: Write, artefacts: tuple[Artefact, ...], tmp_path: Path
 ) -> None:
     drawn = {}
     for cores in (1, 3):
         told: list[str] = []
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("os.sched_getaffinity", lambda _, n=cores: set(range(n)))
-            write_report(
-                artefacts,
+            write(
                 tmp_path / str(cores),
-                title="t",
-                cases=(),
-                provenance=provenance,
                 figures=True,
                 on_progress=lambda part, *_, told=told: told.append(part),
             )
@@ -103,28 +109,14 @@ def test_figures_for_paper_are_drawn_once_and_alike_in_any_process(
 
 
 @pytest.mark.slow
-def test_a_figure_that_cannot_be_drawn_leaves_no_report(
-    artefacts: tuple[Artefact, ...],
-    provenance: Provenance,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_stops_while_figures_are_drawn_leaves_no_report(write: Write, tmp_path: Path) -> None:
     def stop(part: str, done: int, total: int) -> None:
         assert 0 < done <= total
         if (tuple(tmp_path.glob(".*/figures/*.png"))) and part:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
     with pytest.raises(KeyboardInterrupt):
-        write_report(
-            artefacts,
-            tmp_path / "report",
-            title="t",
-            cases=(),
-            provenance=provenance,
-            figures=True,
-            on_progress=stop,
-        )
+        write(tmp_path / "report", figures=True, jobs=1, on_progress=stop)
     assert names(tmp_path) == []
 
 
@@ -136,6 +128,7 @@ def killed_at_the_locus(figure: Figure, inks: Mapping[str, LineStyle]) -> Render
 
 @pytest.mark.slow
 def test_a_process_that_dies_costs_its_figure_and_no_other(
+    write: Write,
     artefacts: tuple[Artefact, ...],
     provenance: Provenance,
     tmp_path: Path,
@@ -144,16 +137,7 @@ def test_a_process_that_dies_costs_its_figure_and_no_other(
     monkeypatch.setattr("harness.report.matplotlib_renderer.render", killed_at_the_locus)
     out, told = tmp_path / "report", []
     with pytest.raises(UndrawnFiguresError, match="killed: SIGKILL") as caught:
-        write_report(
-            artefacts,
-            out,
-            title="t",
-            cases=(),
-            provenance=provenance,
-            figures=True,
-            jobs=1,
-            on_progress=lambda *step: told.append(step),
-        )
+        write(out, figures=True, jobs=1, on_progress=lambda *step: told.append(step))
     (title,) = (a.title for a in artefacts if isinstance(a, Figure) and a.name == "locus")
     assert caught.value.titles == (title,)
     assert str(caught.value) == (
@@ -172,10 +156,7 @@ def test_a_process_that_dies_costs_its_figure_and_no_other(
 
 
 def test_figures_are_drawn_in_as_many_processes_as_are_allowed(
-    artefacts: tuple[Artefact, ...],
-    provenance: Provenance,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     started: list[int] = []
 
@@ -188,30 +169,13 @@ def test_figures_are_drawn_in_as_many_processes_as_are_allowed(
     monkeypatch.setattr("harness.report.write.local_executor", executor)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(8)))
     for jobs in (1, 2, 9, None):
-        write_report(
-            artefacts,
-            tmp_path / "report",
-            title="t",
-            cases=(),
-            provenance=provenance,
-            figures=True,
-            jobs=jobs,
-        )
+        write(tmp_path / "report", figures=True, jobs=jobs)
     assert started == [1, 2, 3, 3]  # there are three figures
 
 
-def test_progress_counts_every_part_to_the_end(
-    artefacts: tuple[Artefact, ...], provenance: Provenance, tmp_path: Path
-) -> None:
+def test_progress_counts_every_part_to_the_end(write: Write, tmp_path: Path) -> None:
     told: list[tuple[str, int, int]] = []
-    write_report(
-        artefacts,
-        tmp_path / "report",
-        title="t",
-        cases=(),
-        provenance=provenance,
-        on_progress=lambda *step: told.append(step),
-    )
+    write(tmp_path / "report", on_progress=lambda *step: told.append(step))
     assert [done for _, done, _ in told] == list(range(1, 3 + 2 + 1 + 1))
     assert {total for *_, total in told} == {6}
     assert told[-1][0] == "the page"
