@@ -61,6 +61,8 @@ class MissingPackageError(HarnessError, ImportError):
         The command that installs it.
     """
 
+    _needed, _fails = "package", "imported"
+
     def __init__(self, part: str, package: str, reason: str, install: str) -> None:
         super().__init__(part, package, reason, install)
         self.part, self.package, self.reason, self.install = part, package, reason, install
@@ -68,9 +70,18 @@ class MissingPackageError(HarnessError, ImportError):
     def __str__(self) -> str:
         """Say how the package is installed."""
         return (
-            f"{self.part} needs the package '{self.package}', which cannot be imported "
+            f"{self.part} needs the {self._needed} '{self.package}', which cannot be {self._fails} "
             f"({self.reason}); install it with: {self.install}"
         )
+
+
+class MissingLibraryError(MissingPackageError):
+    """A library of the operating system behind an engine is not there, or of the wrong kind.
+
+    `install` is how the operating system installs it.
+    """
+
+    _needed, _fails = "library", "used"
 
 
 class MissingCheckoutError(HarnessError, ImportError):
@@ -122,6 +133,17 @@ class BrokenEngineError(MissingPackageError):
         )
 
 
+class BrokenPackageError(BrokenEngineError):
+    """The packages behind an engine are installed, and cannot be imported."""
+
+    def __str__(self) -> str:
+        """Say that another build may do."""
+        return (
+            f"engine '{self.engine}' is installed, and cannot be imported ({self.reason}): another "
+            "build of it may do"
+        )
+
+
 class EngineCrashError(BrokenEngineError):
     """Making an engine kills the process that does it, or never ends."""
 
@@ -130,6 +152,21 @@ class EngineCrashError(BrokenEngineError):
         return (
             f"engine '{self.engine}' falls while it is made from its entry point '{self.entry}' "
             f"({self.reason}); leave it out with --engine, or uninstall its package"
+        )
+
+
+class ReservedNameError(BrokenEngineError):
+    """An engine is registered under a name that is a word of the command line."""
+
+    def __init__(self, engine: str, entry: str) -> None:
+        super().__init__(engine, entry, "the name is reserved")
+        self.args = engine, entry
+
+    def __str__(self) -> str:
+        """Say what to do."""
+        return (
+            f"no engine can be called '{self.engine}', which is a word of the command line; "
+            f"register '{self.entry}' under another name"
         )
 
 
@@ -166,16 +203,22 @@ class UnknownSettingError(HarnessError, LookupError):
     engine, name : str
     available : iterable of str
         The settings of the engine; kept sorted.
+    owners : iterable of str
+        Engines that have a setting of that name.
     """
 
-    def __init__(self, engine: str, name: str, available: Iterable[str]) -> None:
+    def __init__(
+        self, engine: str, name: str, available: Iterable[str], owners: Iterable[str] = ()
+    ) -> None:
         self.engine, self.name = engine, name
-        self.available = tuple(sorted(available))
-        super().__init__(engine, name, self.available)
+        self.available, self.owners = tuple(sorted(available)), tuple(owners)
+        super().__init__(engine, name, self.available, self.owners)
 
     def __str__(self) -> str:
         """List the settings there are."""
         hint, listed = did_you_mean(self.name, self.available), ", ".join(self.available) or "none"
+        if self.owners:
+            hint = f", which is one of {', '.join(self.owners)};"
         return (
             f"engine '{self.engine}' has no setting '{self.name}'{hint} its settings are: {listed}"
         )

@@ -8,7 +8,7 @@ import os
 import platform
 import shutil
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Any
 
 from harness.core.engine_packages import engine_packages
+from harness.core.environments import environments
 from harness.core.plain_json import Words
 
 PACKAGES = (
@@ -53,6 +54,8 @@ class Provenance:
         Versions.
     packages : mapping of str to str
         Versions of engines' packages and `PACKAGES`, as far as they are installed.
+    environments : mapping of str to str
+        Of each engine in an interpreter of its own, the versions there.
     platform, processor : str
     cores : int
         Cores that this process may use.
@@ -65,6 +68,7 @@ class Provenance:
     rockingcan: str
     python: str
     packages: Words
+    environments: Words = field(default_factory=lambda: MappingProxyType({}))
     platform: str
     processor: str
     cores: int
@@ -77,6 +81,7 @@ class Provenance:
             "rockingcan": self.rockingcan,
             "python": self.python,
             "packages": dict(self.packages),
+            "environments": dict(self.environments),
             "platform": self.platform,
             "processor": self.processor,
             "cores": self.cores,
@@ -93,6 +98,7 @@ def provenance() -> Provenance:
         rockingcan=version_of("rockingcan"),
         python=platform.python_version(),
         packages=MappingProxyType({k: v for k, v in versions.items() if v != UNKNOWN}),
+        environments=MappingProxyType({name: str(place) for name, place in environments().items()}),
         platform=platform.platform(),
         processor=processor(),
         cores=_cores(),

@@ -38,7 +38,7 @@ class ParityRow:
     declared: float
     found: float
     how: str
-    verdict: str  # "equal", "imposed" or "mismatch"
+    verdict: str  # "equal", "imposed", "mismatch" or "does not apply"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,8 +59,12 @@ class Simulation:
         Every setting in force, under the engine's own names.
     steps, constraint_rows : int
         Counts of work, which do not depend on the machine.
+    compile_s : float
+        Time to compile the engine's own program, by the clock: of one that does so on first use,
+        in the first run of a process.
     setup_s, wall_s, cpu_s : float
-        Time to compile and probe; time of the steps, by the clock and of the processor.
+        Time to compile the model and probe it; time of the steps, by the clock and of the
+        processor.
     static_penetration : float
         Depth at which the can was released so that the contact starts at rest, m.
     """
@@ -76,6 +80,7 @@ class Simulation:
     parity: tuple[ParityRow, ...] = ()
     steps: int = 0
     constraint_rows: int = 0
+    compile_s: float = 0.0
     setup_s: float = 0.0
     wall_s: float = 0.0
     cpu_s: float = 0.0

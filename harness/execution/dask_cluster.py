@@ -24,7 +24,13 @@ from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
 from harness.core.engine_packages import ENGINE_ENTRY_POINTS, engine_packages, install_command
-from harness.core.errors import ClusterError, InvalidSettingError, MissingPackageError
+from harness.core.environments import environments
+from harness.core.errors import (
+    ClusterError,
+    InvalidSettingError,
+    MissingPackageError,
+    UnknownEngineError,
+)
 from harness.core.provenance import version_of
 from harness.execution.isolated_pool import run_isolated
 from harness.execution.limits import Limits
@@ -117,6 +123,21 @@ class LateWorkerError(ClusterError):
 
 
 @dataclass(eq=False, kw_only=True)
+class NoEnvironmentError(ClusterError):
+    """A worker has no environment for an engine that has one on the machine of the run."""
+
+    node: str
+    engine: str
+
+    def __str__(self) -> str:
+        """Say how to add it."""
+        return (
+            f"a worker on '{self.node}' has no environment of engine '{self.engine}'; add it there "
+            "as here (see: rockingcan engines list --json), or leave the engine out with --engine"
+        )
+
+
+@dataclass(eq=False, kw_only=True)
 class LostSchedulerError(ClusterError):
     """The scheduler no longer answers; `reason` is what the network says, if it says something."""
 
@@ -138,6 +159,10 @@ def environment_description() -> dict[str, str]:
         "platform": f"{platform.system()} {platform.machine()}",
         **{name: version_of(name, _NONE) for name in (*_IN_SOURCES, *engine_packages())},
         **dict(_engines()),
+        **{
+            f"engine {name}": f"{place}, files {place.fingerprint()}"
+            for name, place in environments().items()
+        },
     }
 
 
@@ -173,7 +198,12 @@ def check_same_environment(
     """
     if other := environment_differences(environment_description(), here):
         raise LateWorkerError(node=platform.node(), differences=tuple(other))
-    return fn(*args, **kwargs)
+    try:
+        return fn(*args, **kwargs)
+    except UnknownEngineError as error:
+        if f"engine {error.name}" not in here:
+            raise
+        raise NoEnvironmentError(node=platform.node(), engine=error.name) from error
 
 
 _PATIENCE = 10.0

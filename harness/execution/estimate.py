@@ -13,6 +13,7 @@ last run with the same store; else one.
 import json
 import math
 import os
+import time
 from collections import defaultdict
 from collections.abc import Hashable, Mapping
 from contextlib import suppress
@@ -39,6 +40,20 @@ class Taken:
 
     cpu: float
     wall: float
+
+
+_elsewhere = 0.0
+
+
+def add_time_elsewhere(cpu: float) -> None:
+    """Add processor time that another process spent on the work of this one, s."""
+    global _elsewhere  # noqa: PLW0603 - as the time of this process, of which it is a part
+    _elsewhere += cpu
+
+
+def processor_time() -> float:
+    """Return the processor time of this process and of those that work for it, s."""
+    return time.process_time() + _elsewhere
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from functools import cache
 from types import TracebackType
 from typing import Any, ParamSpec, TypeAlias, TypeVar
 
+from harness.core.environments import Environment
 from harness.execution.limits import NO_LIMITS, Limits, default_limits
 from harness.execution.signals import SIGNALS
 from harness.execution.worker import Loss, LostTaskError, Worker, run_stopped
@@ -43,11 +44,18 @@ class IsolatedProcessPool(Executor):
     workers : int
     limits : Limits
         Of each task. A process imports the modules of its first task before the clock runs.
+    environment : Environment, optional
+        In whose interpreter the processes run; in this one if left out.
     """
 
-    def __init__(self, workers: int, limits: Limits = NO_LIMITS) -> None:
+    def __init__(
+        self, workers: int, limits: Limits = NO_LIMITS, environment: Environment | None = None
+    ) -> None:
         self.workers = workers
         self.limits = limits
+        self.on_compiling: Callable[[str], object] = lambda _: None
+        """Called with the name of an engine that begins to compile itself, by another thread."""
+        self._environment = environment
         self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
         self._running: set[Worker] = set()
         self._threads: list[threading.Thread] = []
@@ -151,7 +159,8 @@ class IsolatedProcessPool(Executor):
             if self._stopping:
                 raise run_stopped()
             try:
-                worker = Worker(self.limits, modules)
+                worker = Worker(self.limits, modules, self._environment)
+                worker.on_compiling = self.on_compiling
             except OSError as error:
                 reason = f"never begun: no process can be started: {error}"
                 raise LostTaskError(Loss.STOPPED, reason) from error
@@ -187,15 +196,19 @@ def _settle(future: "Future[Any]", answer: bytes) -> None:
 _background: list[IsolatedProcessPool] = []
 
 
-def background_worker(limits: Limits) -> IsolatedProcessPool:
+def background_worker(
+    limits: Limits, environment: Environment | None = None
+) -> IsolatedProcessPool:
     """Return an executor of one process that is ended when this one ends, with what it started.
 
     Parameters
     ----------
     limits : Limits
         Of each task.
+    environment : Environment, optional
+        In whose interpreter the process runs; in this one if left out.
     """
-    executor = IsolatedProcessPool(1, limits)
+    executor = IsolatedProcessPool(1, limits, environment)
     _background.append(executor)
     return executor
 

@@ -16,7 +16,7 @@ from typing import Generic, TypeVar
 from harness.core.provenance import processor
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
-from harness.execution.estimate import Taken
+from harness.execution.estimate import Taken, processor_time
 from harness.execution.signals import delay_signals
 from harness.execution.worker import Loss, LostTaskError
 
@@ -88,9 +88,9 @@ class ProgressListener(Generic[T, R]):
 
 def timed(work: Callable[[T], R], task: T) -> tuple[R, Taken]:
     """Return the result of a task and what it took, where it runs."""
-    wall, cpu = time.perf_counter(), time.process_time()
+    wall, cpu = time.perf_counter(), processor_time()
     result = work(task)
-    return result, Taken(time.process_time() - cpu, time.perf_counter() - wall)
+    return result, Taken(processor_time() - cpu, time.perf_counter() - wall)
 
 
 def run_queue(

@@ -14,13 +14,20 @@ import threading
 import time
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
+from dataclasses import replace
 from enum import Enum
 from multiprocessing import Pipe
+from typing import TYPE_CHECKING
 
 import psutil
 
+from harness.core.environments import Environment, this_environment
 from harness.execution.limits import Limits
-from harness.execution.worker_main import READY
+from harness.execution.source_fingerprint import OUR_PACKAGES, ROOT, sources_fingerprint
+from harness.execution.worker_main import COMPILED, COMPILING, READY, compiling
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 class Loss(Enum):
@@ -50,6 +57,18 @@ class LostTaskError(BrokenExecutor):
     def __str__(self) -> str:
         """Return the sentence."""
         return self.reason
+
+
+class WorkerStartError(LostTaskError):
+    """The interpreter of an environment is there, and no worker of this program."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(Loss.STOPPED, reason)
+        self.args = (reason,)
+
+
+class OtherSourcesError(WorkerStartError):
+    """A worker is of another version of the program than its owner; the reason is both."""
 
 
 _FAULTS = {
@@ -84,9 +103,33 @@ _TICK = 0.05
 _PARTING = 1.0
 """s for a process to end whose connection is closed."""
 
+_LONGEST_COMPILATION = 1800.0
+"""s: no engine takes a tenth of it, on a machine that is busy too."""
+
 _LOOK = os.WEXITED | os.WNOHANG | os.WNOWAIT
 
 _PATIENCE = 120.0  # s: a machine that is busy starts Python and imports the engines in some seconds
+
+_PROGRAM = """\
+import sys
+from importlib.machinery import PathFinder
+from multiprocessing.connection import Connection
+class Running:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        return PathFinder.find_spec(name, [{root!r}]) if name in {packages!r} else None
+sys.meta_path.insert(0, Running)
+if {paths!r}:
+    sys.path[:] = {paths!r}
+try:
+    from harness.execution.worker_main import serve
+except BaseException as error:
+    Connection({handle}).send_bytes(f"{{type(error).__name__}}: {{error}}".encode())
+    sys.exit()
+serve({handle}, {owner}, {imports!r}, {environment!r})
+"""
+"""The program of a worker: its packages of this project are those that run here, from where they
+are, whatever its interpreter has under their names."""
 
 
 class Worker:
@@ -102,25 +145,43 @@ class Worker:
         Of each task.
     imports : tuple of str
         Modules that it imports at its start.
+    environment : Environment, optional
+        In whose interpreter it runs; in this one if left out.
 
     Raises
     ------
     OSError
-        If the system has no process, memory or file left to start it with.
+        If the system has no process, memory or file left to start it with, or the interpreter is
+        not there.
     """
 
-    def __init__(self, limits: Limits, imports: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        limits: Limits,
+        imports: tuple[str, ...] = (),
+        environment: Environment | None = None,
+    ) -> None:
         self._limits = limits
+        self.on_compiling: Callable[[str], object] = lambda _: None
+        """Called with the name of an engine that begins to compile itself."""
+        self._elsewhere = environment is not None
         self._mine, theirs = Pipe()
-        program = (
-            f"import sys; sys.path[:] = {sys.path!r}; "
-            "from harness.execution.worker_main import serve; "
-            f"serve({theirs.fileno()}, {os.getpid()}, {imports!r})"
+        own = this_environment() if environment is None else environment
+        program = _PROGRAM.format(
+            root=str(ROOT),
+            packages=OUR_PACKAGES,
+            paths=[] if self._elsewhere else sys.path,
+            handle=theirs.fileno(),
+            owner=os.getpid(),
+            imports=imports,
+            environment="" if own is None else own.to_json(),
         )
+        # apart from this interpreter's packages, which the variables of Python may lead to
+        words = [sys.executable] if environment is None else [environment.interpreter, "-I"]
         # not `multiprocessing`: what a daemon of a cluster may not start, and no guard in scripts
         try:
             self._process = subprocess.Popen(  # noqa: S603 - our own program
-                [sys.executable, "-c", program],
+                [*words, "-c", program],
                 stdin=subprocess.DEVNULL,
                 pass_fds=[theirs.fileno()],
                 process_group=0,
@@ -143,24 +204,52 @@ class Worker:
             If the process dies or is stopped for its limits; the worker cannot be used again.
         """
         if not self._ready:
-            if self._answer(Limits(seconds=_PATIENCE)) != READY:
-                raise self._connection_lost()
-            self._ready = True
+            self._start(self._answer(Limits(seconds=_PATIENCE)))
         try:
             self._mine.send_bytes(task)
         except OSError as error:
             raise self._connection_lost() from error
         return self._answer(self._limits)
 
+    def _start(self, said: bytes) -> None:
+        """Take the first words of the process: that it is ready, and from which sources."""
+        word, _, sources = said.partition(b" ")
+        if word != READY:
+            self.stop()
+            raise WorkerStartError(said.decode(errors="replace"))
+        # the sources may have been edited while this program runs
+        if self._elsewhere and sources.decode() != sources_fingerprint():
+            self.stop()
+            raise OtherSourcesError(f"{sources.decode()}, and here {sources_fingerprint()}")
+        self._ready = True
+
     def _answer(self, limits: Limits) -> bytes:
-        """Wait for the answer of the process, as long as it keeps its limits."""
-        started = time.monotonic()
+        """Wait for the answer of the process, as long as it keeps its limits.
+
+        While an engine compiles itself the clock of the task stands, and another runs. So does that
+        of the task of this process, if it is a worker itself: the engine is in an environment then.
+        """
+        spent = 0.0
+        while True:
+            said, seconds = self._words(limits, spent)
+            if said.startswith(COMPILING):
+                spent = seconds
+                engine = said.removeprefix(COMPILING).decode()
+                self.on_compiling(engine)
+                with compiling(engine):
+                    said, _ = self._words(replace(limits, seconds=_LONGEST_COMPILATION), 0.0)
+            if said != COMPILED:
+                return said
+
+    def _words(self, limits: Limits, spent: float) -> tuple[bytes, float]:
+        """Wait for what the process says next; return it, and the seconds spent until then."""
+        started = time.monotonic() - spent
         try:
             while not self._mine.poll(_TICK):
                 lost = self._over_limit(limits, time.monotonic() - started)
                 if lost is not None:
                     raise lost
-            return self._mine.recv_bytes()
+            return self._mine.recv_bytes(), time.monotonic() - started
         except (EOFError, OSError) as error:
             raise self._connection_lost() from error
 

@@ -3,6 +3,7 @@
 Started as a program of its own, not as a fork: engines hold threads and global state.
 """
 
+import copyreg
 import ctypes
 import importlib
 import os
@@ -11,22 +12,38 @@ import signal
 import sys
 import traceback
 import warnings
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
-from types import FrameType
+from types import FrameType, MappingProxyType
 
+from harness.core.environments import Environment, work_for
 from harness.core.errors import HarnessError
 from harness.core.public_paths import RenamedValueWarning
 from harness.execution.signals import SIGNALS
+from harness.execution.source_fingerprint import sources_fingerprint
 
 READY = b"ready"
+"""First word of a worker; in an environment the fingerprint of its sources follows."""
+
+COMPILING, COMPILED = b"compiling ", b"compiled"
+"""What a worker says within a task: an engine compiles itself, its name, and that it has."""
 
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _SHED_FIRST = "500"  # of 1000: short of memory, the system takes a worker and not the run
 
 
+def _read_only(content: dict[object, object]) -> MappingProxyType[object, object]:
+    """Return a mapping that cannot be changed."""
+    return MappingProxyType(content)
+
+
+# what an engine declares is read-only, and is sent to whoever asks: pickle does not know how
+copyreg.pickle(MappingProxyType, lambda mapping: (_read_only, (dict(mapping),)))
+
 _serving = False
+_owner: Connection | None = None
 
 
 def is_worker() -> bool:
@@ -34,7 +51,19 @@ def is_worker() -> bool:
     return _serving
 
 
-def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
+@contextmanager
+def compiling(engine: str) -> Iterator[None]:
+    """Tell the owner of this process, if it has one, that an engine compiles itself meanwhile."""
+    if _owner is not None:
+        _owner.send_bytes(COMPILING + engine.encode())
+    try:
+        yield
+    finally:
+        if _owner is not None:
+            _owner.send_bytes(COMPILED)
+
+
+def serve(handle: int, owner: int, imports: tuple[str, ...], environment: str = "") -> None:
     """Serve tasks from a connection until it is closed.
 
     Parameters
@@ -45,8 +74,10 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
         Process that started this one.
     imports : tuple of str
         Modules to import before the first task, so that no task's time is theirs.
+    environment : str
+        The environment, as JSON, of which this is a worker; empty if it is of none.
     """
-    global _serving  # noqa: PLW0603 - what this process is, from its first moment to its last
+    global _serving, _owner  # noqa: PLW0603 - what this process is, from its first moment to its last
     _serving = True
     _die_with(owner)
     _ignore_signals()
@@ -56,11 +87,14 @@ def serve(handle: int, owner: int, imports: tuple[str, ...]) -> None:
     warnings.simplefilter("ignore", RenamedValueWarning)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(_SHED_FIRST, encoding="ascii")
+    if environment:
+        work_for(Environment.from_json(environment))
     for name in imports:
         with suppress(Exception):  # the task meets the same error, and answers with it
             importlib.import_module(name)
-    connection = Connection(handle)
-    connection.send_bytes(READY)
+    connection = _owner = Connection(handle)
+    sources = sources_fingerprint().encode() if environment else b""
+    connection.send_bytes(READY + b" " + sources)
     while True:
         try:
             task = connection.recv_bytes()

@@ -250,3 +250,14 @@ def test_one_job_is_a_process_of_its_own_where_that_is_asked_for() -> None:
     assert isinstance(local_executor(1), SerialExecutor)
     with local_executor(1, spawned=True) as executor:
         assert isinstance(executor, IsolatedProcessPool)
+
+
+def test_the_clock_of_a_task_stands_while_an_engine_compiles_itself() -> None:
+    said: list[str] = []
+    with IsolatedProcessPool(1, Limits(seconds=1.0)) as pool:
+        pool.on_compiling = said.append
+        assert pool.submit(tasks.compile_for, 1.5, 0.1).result() == 1.6
+        assert said == ["toy"]
+        # and goes on afterwards
+        assert loss_of(pool.submit(tasks.compile_for, 0.1, 30.0)).loss is Loss.HUNG
+        assert pool.submit(tasks.square, 3).result() == 9

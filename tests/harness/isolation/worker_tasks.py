@@ -10,10 +10,19 @@ from collections.abc import Callable
 from pathlib import Path
 
 from harness.core.errors import UnknownEngineError
+from harness.execution.worker_main import compiling
 
 
 def square(number: int) -> int:
     return number * number
+
+
+def compile_for(seconds: float, then: float) -> float:
+    """Compile for some time, work for some, and return the sum, s."""
+    with compiling("toy"):
+        time.sleep(seconds)
+    time.sleep(then)
+    return seconds + then
 
 
 def called(function: Callable[[], int]) -> int:
