@@ -5,8 +5,8 @@ An adapter imports all that it needs from here, and this path stays:
     from harness.engines import Capabilities, Chunk, PhysicsEngine, Schedule, Setting
 """
 
-from harness.core.case import Case, Value
-from harness.core.errors import HarnessError, RefusedModelError
+from harness.core.case import PROFILES, Case, Value
+from harness.core.errors import HarnessError, MissingLibraryError, RefusedModelError
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import (
@@ -23,35 +23,54 @@ from harness.engines.base import (
     World,
     resolve,
 )
+from harness.engines.description import Description, Method, Precision
+from harness.engines.parity.checks import SMALLEST_TILT, rim_within
+from harness.engines.parity.contact import (
+    FRICTIONS,
+    TWO_DIRECTIONS,
+    bounded_separately,
+    declared_friction,
+)
 from harness.engines.stepping.generic_stepping import (
     StageReader,
+    contact_of,
     step_by_stages,
     take_stage,
     walk,
 )
-from harness.engines.stepping.physics_engine import PhysicsEngine
+from harness.engines.stepping.physics_engine import ErrorControlledEngine, PhysicsEngine
 from harness.engines.stepping.recording import Chunk, SamplingInterval, record, trajectory_of
 from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
-from harness.engines.stepping.settling import settle
+from harness.engines.stepping.settling import AT_REST, above_origin, pressed_distance, settle
 
 __all__ = [
+    "AT_REST",
     "COMMON",
     "ETA_SETTING",
+    "FRICTIONS",
+    "PROFILES",
+    "SMALLEST_TILT",
     "TIMESTEP",
+    "TWO_DIRECTIONS",
     "Adaptive",
     "Capabilities",
     "Case",
     "Chunk",
     "Contact",
+    "Description",
     "Engine",
     "EngineFeatures",
+    "ErrorControlledEngine",
     "Fixed",
     "Floats",
     "HarnessError",
     "Integers",
+    "Method",
+    "MissingLibraryError",
     "ModelDifference",
     "Outcome",
     "PhysicsEngine",
+    "Precision",
     "RefusedModelError",
     "SamplingInterval",
     "Schedule",
@@ -64,8 +83,14 @@ __all__ = [
     "Value",
     "Variant",
     "World",
+    "above_origin",
+    "bounded_separately",
+    "contact_of",
+    "declared_friction",
+    "pressed_distance",
     "record",
     "resolve",
+    "rim_within",
     "settle",
     "step_by_stages",
     "take_stage",

@@ -17,6 +17,7 @@ from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError, UnknownSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Simulation
+from harness.engines.description import Description, Precision
 from models.state import Pose, Twist
 
 if TYPE_CHECKING:
@@ -64,6 +65,8 @@ class Setting:
         The words allowed, where the setting is a word.
     positive : bool
         Whether a number has to be greater than zero.
+    unset : str
+        What the engine does of its own accord where it is not handed the setting, `default` None.
     """
 
     name: str
@@ -74,6 +77,7 @@ class Setting:
     adaptive: Value = None
     choices: tuple[str, ...] = ()
     positive: bool = False
+    unset: str = ""
 
     @classmethod
     def as_shipped(cls, name: str, value: Value, meaning: str, **allowed: Any) -> "Setting":  # noqa: ANN401 - the fields
@@ -324,6 +328,12 @@ class EngineFeatures:
 
     Parameters
     ----------
+    description : Description
+    imposed_in : callable or None
+        Returns the rows of parity in which the engine goes its own way in a case, each with the
+        largest share of the declared by which it does.
+    precision : callable or None
+        Returns the precision of a case, where a setting chooses it.
     model_differences : tuple of ModelDifference
         In the order in which to remove them.
     solver_efforts : tuple of SolverEffort
@@ -344,6 +354,9 @@ class EngineFeatures:
         Steps a world so many times and does nothing else.
     """
 
+    description: Description = field(default_factory=Description)
+    imposed_in: Callable[[Case], Mapping[str, float]] | None = None
+    precision: Callable[[Case], Precision] | None = None
     model_differences: tuple[ModelDifference, ...] = ()
     solver_efforts: tuple[SolverEffort, ...] = ()
     variants: tuple[Variant, ...] | None = None

@@ -127,6 +127,7 @@ _FIELDS: _Kinds = {
     "timestep": (is_timestep, "a positive number of seconds, or None"),
     "steps": _COUNT,
     "constraint_rows": _COUNT,
+    "compile_s": _SECONDS,
     "setup_s": _SECONDS,
     "wall_s": _SECONDS,
     "cpu_s": _SECONDS,
@@ -135,6 +136,8 @@ _FIELDS: _Kinds = {
 }
 """Kind of each field other than case, settings and trajectory."""
 
+_VERDICTS = {"equal", "imposed", "mismatch", "does not apply"}
+
 _OF_ROWS: _Kinds = {
     "quantity": _TEXT,
     "unit": _TEXT,
@@ -142,8 +145,8 @@ _OF_ROWS: _Kinds = {
     "found": _NUMBER,
     "how": _TEXT,
     "verdict": (
-        lambda value: isinstance(value, str) and value in {"equal", "imposed", "mismatch"},
-        "equal, imposed or mismatch",
+        lambda value: isinstance(value, str) and value in _VERDICTS,
+        "equal, imposed, mismatch or does not apply",
     ),
 }
 """Kind of each field of a row of the parity table."""

@@ -1,148 +1,187 @@
 """Engines by name: whatever is installed under the entry point group `rockingcan.engines`.
 
 An engine of another package is first created in a separate process, and asked there for the
-timestep of each case: a package that crashes or hangs would take the program with it.
+timestep of each case: see `plugin_probe`. One that lives in an interpreter of its own is an engine
+like the others.
 """
 
-import re
-from collections.abc import Iterator, Sequence
-from functools import cache, lru_cache
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache
+from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
 
-from harness.core.case import PROFILES, Case
-from harness.core.engine_packages import ENGINE_ENTRY_POINTS, install_command, packages_of
+from harness.core.case import Case
+from harness.core.engine_packages import (
+    ENGINE_ENTRY_POINTS,
+    EnginePackages,
+    install_command,
+    packages_of,
+    requirements_of,
+)
+from harness.core.environments import (
+    RESERVED,
+    EnvironmentFileError,
+    environment,
+    environment_names,
+    environments,
+    this_environment,
+)
 from harness.core.errors import (
     BrokenEngineError,
+    BrokenPackageError,
     EffectBelowMinimumError,
     EngineContractError,
     EngineCrashError,
     HarnessError,
+    MissingLibraryError,
     MissingPackageError,
+    ReservedNameError,
     UnknownEngineError,
     UnsupportedEffectError,
 )
-from harness.engines.base import COMMON, Engine, Variant, features_of, resolve
-from harness.engines.contract import describe_exception, is_timestep
-from harness.execution.isolated_pool import IsolatedProcessPool, background_worker
-from harness.execution.limits import Limits
+from harness.core.provenance import version_of
+from harness.engines.base import COMMON, Engine, Variant, features_of
+from harness.engines.contract import describe_exception
+from harness.engines.description import FLIGHT, Description, Method
+from harness.engines.plugin_probe import crash_reason, is_our_module, timestep_from_worker
+from harness.engines.remote import RemoteEngine
 from harness.execution.worker import LostTaskError
 from harness.execution.worker_main import is_worker
-from models import Scene, load
-
-_OURS = frozenset({"harness", "models", "reference"})
-"""Packages of this project. Their engines need no process of their own to be asked; and they are
-not to be installed when they are missing: something is wrong with them."""
-
-_PATIENCE = Limits(seconds=60.0)
-"""A package that is large takes some seconds to import."""
-
-_SCENE = "gentle-rock"
-
-_MOST_CASES = 2**14
-"""Cases whose timesteps are known without asking again: more than any suite has."""
+from models import Scene
 
 
 def is_ours(chosen: Engine) -> bool:
-    """Whether an engine is of this project."""
-    return _is_ours(type(chosen).__module__)
+    """Whether the adapter of an engine is of this project."""
+    return is_our_module(module_of(chosen))
 
 
-def _is_ours(place: str) -> bool:
-    """Whether a module, or the value of an entry point, is of this project."""
-    return re.split("[.:]", place)[0] in _OURS
-
-
-def crash_reason(entry: EntryPoint) -> str:
-    """Return how an engine kills the process in which it is created; empty if it does not.
-
-    A Python exception is no crash: it is raised again where it can be reported. A worker tries
-    nothing, since it is a separate process already.
-    """
-    if _is_ours(entry.value) or is_worker():
-        return ""
-    with IsolatedProcessPool(1, _PATIENCE) as alone:
-        error = alone.submit(_probe_plugin, entry.value).exception()
-    return error.reason if isinstance(error, LostTaskError) else ""
-
-
-def _probe_plugin(value: str) -> str:
-    """Create an engine and read all that the program will read; return it as text."""
-    chosen = _made_once(value)
-    description = f"{chosen.name} {chosen.version} {chosen.settings} {chosen.capabilities}"
-    cases = (Case(scene=load(_SCENE), engine=chosen.name, profile=name) for name in PROFILES)
-    return f"{description} {[chosen.timestep(case) for case in cases]}"
-
-
-@lru_cache(maxsize=_MOST_CASES)
-def timestep_from_worker(value: str, case: Case) -> float | None:
-    """Return the timestep of a case, from an engine that is asked in a background process.
-
-    There its settings are resolved, too. The process is one for all cases, and ends with this one.
-
-    Parameters
-    ----------
-    value : str
-        Of the engine's entry point.
-    case : Case
-
-    Raises
-    ------
-    HarnessError
-        If the engine refuses the case as wrong use.
-    LostTaskError
-        If the process dies, or does not answer.
-    Exception
-        Whatever else the engine raises.
-    """
-    return _worker_for(value).submit(_timestep, value, case).result()
-
-
-@cache
-def _worker_for(value: str) -> IsolatedProcessPool:
-    """Return the background process in which an engine is asked, which ends with this one."""
-    del value
-    return background_worker(_PATIENCE)
-
-
-@cache
-def _made_once(value: str) -> Engine:
-    """Create an engine, once in a process."""
-    created: Engine = EntryPoint(name="asked", value=value, group="").load()()
-    return created
-
-
-def _timestep(value: str, case: Case) -> float | None:
-    """Ask an engine for the timestep of a case; resolve its settings as the program will."""
-    chosen = _made_once(value)
-    answer: Any = chosen.timestep(case)
-    if not is_timestep(answer):
-        raise TypeError(f"it returned {type(answer).__name__}, not a positive number or None")
-    timestep = None if answer is None else float(answer)
-    resolve(case, chosen.settings, timestep or 0.0)
-    return timestep
+def module_of(chosen: Engine) -> str:
+    """Return the module that the adapter of an engine comes from, here or in its environment."""
+    if isinstance(chosen, RemoteEngine):
+        return chosen.environment.entry.partition(":")[0]
+    return type(chosen).__module__
 
 
 def names() -> tuple[str, ...]:
     """Return the names of the engines that are registered, sorted, importable or not."""
+    return tuple(sorted({*_entries(), *environment_names()}))
+
+
+def entry_of(name: str) -> EntryPoint:
+    """Return the entry point of an adapter.
+
+    Raises
+    ------
+    UnknownEngineError
+        If none is registered under that name.
+    """
+    try:
+        return _entries()[name]
+    except KeyError:
+        raise UnknownEngineError(name, _entries()) from None
+
+
+def adapter_names() -> tuple[str, ...]:
+    """Return the names under which adapters are registered, sorted."""
     return tuple(sorted(_entries()))
 
 
-def left_out() -> tuple[str, ...]:
-    """Return the engines that are not there unless they are named, sorted.
+def our_names() -> tuple[str, ...]:
+    """Return the names of the engines of this project, sorted, importable or not."""
+    return tuple(name for name, entry in sorted(_entries().items()) if is_our_module(entry.value))
 
-    Their packages are optional and not installed. An engine of which a package is missing that
-    every installation has is not among them: something is wrong with it, and it is not passed over.
+
+def not_installed() -> tuple[str, ...]:
+    """Return the engines whose packages are optional and not installed, sorted.
+
+    An engine of which a package is missing that every installation has is not among them: something
+    is wrong with it, and it is not passed over, unless it lives in an environment.
     """
-    return tuple(name for name, entry in sorted(_entries().items()) if packages_of(entry).missing)
+    elsewhere = {place.engine for place in environments().values()}
+    return tuple(
+        name
+        for name, entry in sorted(_entries().items())
+        if packages_of(entry).missing or (name in elsewhere and packages_of(entry).absent)
+    )
+
+
+def installed() -> tuple[str, ...]:
+    """Return the engines that are installed, sorted; the reference is none to compare."""
+    absent = {"reference", *not_installed()}
+    return tuple(name for name in names() if name not in absent)
+
+
+def left_out(*, every: bool = False) -> tuple[str, ...]:
+    """Return the engines that would take part if they were installed, where none is named or all.
+
+    Parameters
+    ----------
+    every : bool
+        Whether all were asked for, and not those alone that take part by default.
+    """
+    there = stand_ins()
+    return tuple(
+        name
+        for name in not_installed()
+        if name not in there and (every or description_of(name).by_default)
+    )
+
+
+def stand_ins() -> Mapping[str, str]:
+    """Return the engines that are not installed here and have an environment, with its name."""
+    absent = not_installed()
+    return {place.engine: name for name, place in environments().items() if place.engine in absent}
+
+
+@cache
+def description_of(name: str) -> Description:
+    """Return the description of an engine; the defaults where it declares none, or is not there.
+
+    That of an adapter of this project is read without the engine's own package. An engine in an
+    environment takes part by default if its adapter does, and has no engine here.
+    """
+    with suppress(EnvironmentFileError):  # which is told where the engine is asked for
+        chosen = None if name in _entries() else environment(name)
+        if chosen is not None:
+            said = description_of(chosen.engine) if chosen.engine in _entries() else Description()
+            absent = chosen.engine in not_installed()
+            label = f"{said.label or chosen.engine} {chosen.suffix}"
+            by_default = said.by_default and absent
+            return replace(said, label=label, light="", dark="", by_default=by_default)
+    entry, declared = _entries().get(name), None
+    if entry is not None and is_our_module(entry.value):
+        with suppress(ImportError):  # which is told where the engine is asked for
+            declared = getattr(import_module(entry.value.partition(":")[0]), "DESCRIPTION", None)
+    if entry is not None and declared is None:
+        with suppress(HarnessError):
+            declared = features_of(engine(name)).description
+    return declared if isinstance(declared, Description) else Description()
+
+
+def is_constraint(name: str) -> bool:
+    """Whether an engine imposes rolling, so that it is ranked with no engine that has contacts."""
+    return description_of(name).method is Method.CONSTRAINT
 
 
 def how_to_add(engines: Sequence[str]) -> str:
     """Return one sentence on engines that are left out; empty without any."""
     if not engines:
         return ""
-    install = install_command([packages_of(_entries()[name]).extra for name in engines])
-    return f"not installed, and so left out: {', '.join(engines)}; to have it, run: {install}"
+    known = {name: packages_of(_entries()[name]) for name in engines}
+    here = [packages.extra for packages in known.values() if not packages.elsewhere]
+    ways = [install_command(here)] if here else []
+    ways += [_way_elsewhere(name, one) for name, one in known.items() if one.elsewhere]
+    run = "; ".join(ways)
+    return f"not installed, and so left out: {', '.join(engines)}; to have it, run: {run}"
+
+
+def _way_elsewhere(name: str, packages: EnginePackages) -> str:
+    """Return the commands that add an engine of which this Python has no wheel."""
+    compiled = install_command([packages.extra])
+    add = f"rockingcan engines add {name} --python python{packages.elsewhere}"
+    return f"{add} (or, with a compiler: {compiled})"
 
 
 @cache
@@ -153,29 +192,84 @@ def engine(name: str) -> Engine:
     ------
     UnknownEngineError
         If no engine of that name is registered.
+    ReservedNameError
+        If it has a name that no engine can have.
     MissingPackageError
         If the package behind it cannot be imported.
     BrokenEngineError
-        If the package is there, but the engine cannot be made, or falls over while it is.
+        If the package is there, but the engine cannot be made, or falls over while it is; or if
+        the environment in which it lives is broken.
     """
     entries = _entries()
     if name not in entries:
-        raise UnknownEngineError(name, entries)
+        chosen = environment(name)
+        if chosen is None:
+            raise UnknownEngineError(name, names())
+        patience = description_of(chosen.engine).import_s
+        return RemoteEngine(chosen, engine, patience)
+    if name in RESERVED:
+        raise ReservedNameError(name, entries[name].value)
     if reason := crash_reason(entries[name]):
         raise EngineCrashError(name, entries[name].value, reason)
     try:
         created: Engine = entries[name].load()()
         _ = created.version, created.settings, created.capabilities  # what everybody asks it for
+        own = this_environment()
+        if own is not None and own.name == name:
+            created.name = name
+    except MissingLibraryError:
+        raise
     except ImportError as error:
-        if _is_ours(error.name or ""):
-            raise BrokenEngineError(name, entries[name].value, str(error)) from error
-        missing = error.name or name
-        install = install_command([packages_of(entries[name]).extra or missing])
-        raise MissingPackageError(f"engine '{name}'", missing, str(error), install) from error
+        raise _not_imported(name, entries[name], error) from error
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         raise BrokenEngineError(name, entries[name].value, reason) from error
     return created
+
+
+def _not_imported(name: str, entry: EntryPoint, error: ImportError) -> MissingPackageError:
+    """Return what is said of an engine one of whose modules cannot be imported."""
+    if is_our_module(error.name or ""):
+        return BrokenEngineError(name, entry.value, str(error))
+    missing, packages = error.name or name, packages_of(entry)
+    found = not isinstance(error, ModuleNotFoundError)
+    if found and packages.needed and not packages.absent:
+        return BrokenPackageError(name, entry.value, f"{type(error).__name__}: {error}")
+    install = install_command([packages.extra or missing])
+    if packages.elsewhere:
+        install = _way_elsewhere(name, packages)
+    return MissingPackageError(f"engine '{name}'", missing, str(error), install)
+
+
+def forget_engines() -> None:
+    """Ask engines anew from now on: what is installed has changed."""
+    engine.cache_clear()
+    description_of.cache_clear()
+
+
+def outside_range(name: str) -> str:
+    """Return which packages of an engine are of versions that its adapter does not support.
+
+    Those of an engine elsewhere are looked up there; what an adapter supports that is not
+    registered any more is not known.
+    """
+    from packaging.utils import canonicalize_name  # noqa: PLC0415 - one engine by name needs none
+
+    place = environment(name)
+    entry = _entries().get(name if place is None else place.engine)
+    if place is None or entry is None:
+        wanted = () if entry is None else requirements_of(entry)
+        found = {one.name: version_of(one.name, "") for one in wanted}
+    else:
+        there = {"python_version": ".".join(place.python.split(".")[:2])}
+        wanted = requirements_of(entry, there)
+        installed = place.versions()
+        found = {one.name: installed.get(canonicalize_name(one.name), "") for one in wanted}
+    return ", ".join(
+        f"{one.name} {found[one.name]}, which is not {one.specifier}"
+        for one in wanted
+        if found[one.name] and not one.specifier.contains(found[one.name], prereleases=True)
+    )
 
 
 def engine_version(name: str) -> str:
@@ -240,8 +334,8 @@ def timestep_of(case: Case, chosen: Engine | None = None) -> float | None:
 @cache
 def _foreign(name: str, kind: type[Engine]) -> str | None:
     """Return the entry point of an engine that is not of this project; None if it is."""
-    entry = None if _is_ours(kind.__module__) else _entries().get(name)
-    return None if entry is None or _is_ours(entry.value) else entry.value
+    entry = None if is_our_module(kind.__module__) else _entries().get(name)
+    return None if entry is None or is_our_module(entry.value) else entry.value
 
 
 def check_effects(name: str, scene: Scene) -> None:
@@ -263,15 +357,17 @@ def check_effects(name: str, scene: Scene) -> None:
 def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
     """Return the effects that a scene declares and an engine does not represent.
 
-    It neither honours nor imposes them, or makes more of them than the scene declares.
+    It neither honours nor imposes them, or makes more of them than the scene declares. `FLIGHT` is
+    one of them where the can is released above the plane, and the engine holds it there.
     """
-    declared = scene.effects.declared()
+    flies = scene.release.height > 0.0 and is_constraint(name)
+    unable, declared = (FLIGHT,) if flies else (), scene.effects.declared()
     if not declared:
-        return ()
+        return unable
     capabilities = engine(name).capabilities
     faint = {key.partition(".")[0] for key, _, _ in _faint(name, scene)}
     known = (capabilities.honours | set(capabilities.imposes)) - faint
-    return tuple(effect for effect in declared if effect not in known)
+    return unable + tuple(effect for effect in declared if effect not in known)
 
 
 def _faint(name: str, scene: Scene) -> Iterator[tuple[str, float, float]]:
@@ -287,12 +383,17 @@ def _faint(name: str, scene: Scene) -> Iterator[tuple[str, float, float]]:
 def _honours(name: str, effect: str, scene: Scene) -> bool:
     """Whether an engine is there and simulates an effect as a scene declares it."""
     try:
-        honours = effect in engine(name).capabilities.honours
+        honours = effect == FLIGHT or effect in engine(name).capabilities.honours
         return honours and effect not in missing_effects(name, scene)
     except MissingPackageError:
         return False
 
 
 def _entries() -> dict[str, EntryPoint]:
-    """Return the entry points of the group by name."""
-    return {entry.name: entry for entry in entry_points(group=ENGINE_ENTRY_POINTS)}
+    """Return the entry points of the group by name, with that of a worker's own environment."""
+    taken = environment_names()  # each stays that of its engine, whatever is registered later
+    found = {e.name: e for e in entry_points(group=ENGINE_ENTRY_POINTS) if e.name not in taken}
+    own = this_environment()
+    if own is not None:
+        found[own.name] = EntryPoint(name=own.name, value=own.entry, group=ENGINE_ENTRY_POINTS)
+    return found

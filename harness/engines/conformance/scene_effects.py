@@ -120,11 +120,20 @@ def unsupported_effect(fixture: Fixture) -> ClauseResult:
     return holds(wrong, f"refused: {', '.join(missing)}")
 
 
-@clause("Where slip is honoured, friction reaches what is declared and not more.")
+_UNTOLD = "the engine does not tell the force that moves the can"
+
+
+def _tells_forces(fixture: Fixture) -> bool:
+    return features_of(fixture.engine).description.tells_forces
+
+
+@clause("Where slip is honoured, friction reaches what is declared and not more.", contact=True)
 def friction(fixture: Fixture) -> ClauseResult:
     """Put the can on a slippery plane, if the engine says that it honours slip."""
     if "slip" not in fixture.engine.capabilities.honours:
         return not_applicable("the engine does not honour slip")
+    if not _tells_forces(fixture):
+        return not_applicable(_UNTOLD)
     scene = replace(fixture.brief, effects=DECLARED["slip"])
     force = fixture.trajectory(fixture.case(scene)).contact_force
     bears = force[:, 2] > 0.0
@@ -142,15 +151,37 @@ def friction(fixture: Fixture) -> ClauseResult:
 @clause("Each effect that is honoured follows its law in the compiled world.")
 def laws_of_effects(fixture: Fixture) -> ClauseResult:
     """Probe each effect that the engine says it honours in the compiled world."""
-    chosen, opens = fixture.engine, features_of(fixture.engine).open
+    chosen, features = fixture.engine, features_of(fixture.engine)
+    opens, said = features.open, features.description
     if opens is None:
         return not_applicable("the engine compiles no world that could be probed")
     honoured = _honoured(fixture)
-    wrong = []
-    for effect, scene in honoured:
+
+    def differing(scene: Scene) -> set[tuple[str, float]]:
+        """Return what differs in a scene, each with what the scene declares."""
         case = fixture.case(scene, FINE)
-        rows = parity(opens(case), scene, chosen.timestep(case) or 0.0, frozenset())
-        wrong += [f"{effect}: {row.quantity}" for row in rows if row.verdict != "equal"]
+        world = opens(case)
+        timestep = chosen.timestep(case) or world.timestep
+        rows = parity(
+            world,
+            scene,
+            timestep,
+            {},
+            fixture.precision(case),
+            method=said.method,
+            tells_forces=said.tells_forces,
+        )
+        return {(row.quantity, row.declared) for row in rows if row.verdict == "mismatch"}
+
+    # what is known to differ, and does without an effect as well, is no law of it
+    chosen_rows = features.imposed_in
+    known = {} if chosen_rows is None else chosen_rows(fixture.case(fixture.brief, FINE))
+    ideal = {(row, declared) for row, declared in differing(fixture.brief) if row in known}
+    wrong = [
+        f"{effect}: {quantity}"
+        for effect, scene in honoured
+        for quantity, _ in sorted(differing(scene) - ideal)
+    ]
     detail = ", ".join(effect for effect, _ in honoured) or "none is honoured"
     return within(float(len(wrong)), 0.0, "quantities", "; ".join(wrong) or detail)
 
@@ -235,10 +266,10 @@ def _exploded(simulation: Simulation) -> bool:
     return path is not None and Watch(simulation.case.scene).over(path) is Outcome.DIVERGED
 
 
-@clause("Where nothing touches there is no contact point and no force.")
+@clause("Where nothing touches there is no contact point and no force.", contact=True)
 def flight(fixture: Fixture) -> ClauseResult:
     """Throw the can up: where nothing touches there is no contact point, and no force."""
-    if not fixture.steps:
+    if not fixture.steps and features_of(fixture.engine).open is None:
         return not_applicable("a can that rolls by its equations does not leave the plane")
     path = fixture.trajectory(fixture.case(fixture.thrown, FINE))
     pointed = np.isfinite(path.contact_point).all(axis=1)
@@ -267,6 +298,8 @@ sample to sample: 1 is the next instant. A tenth is left to engines that round t
 @clause("The contact force is the one that changed the velocity.")
 def newton(fixture: Fixture) -> ClauseResult:
     """Compare the force of each sample with the change of the velocity up to the next."""
+    if not _tells_forces(fixture):
+        return not_applicable(_UNTOLD)
     path = fixture.trajectory()
     can, gravity = fixture.brief.can, fixture.brief.gravity
     if len(path) < 3:  # noqa: PLR2004 - two changes of the velocity to compare one change of force

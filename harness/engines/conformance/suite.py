@@ -10,12 +10,17 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import Enum
+from functools import cache
 
 from harness.core.case import Case, Value
 from harness.core.simulation import Simulation
 from harness.core.trajectory import Trajectory
-from harness.engines.base import Engine
+from harness.engines import registry
+from harness.engines.base import Engine, features_of
 from harness.engines.contract import contract_violation
+from harness.engines.description import Precision
+from harness.engines.remote import RemoteEngine, call_at_engine
+from harness.execution.worker import LostTaskError
 from models import Horizon, Scene, load
 
 COARSE = 1e-3
@@ -64,6 +69,12 @@ class Fixture:
             timestep=timestep if self.steps else None,
             options=tuple(options.items()),
         )
+
+    def precision(self, case: Case) -> Precision:
+        """Return the precision in which the engine computes a case."""
+        features = features_of(self.engine)
+        chosen = features.precision
+        return features.description.precision if chosen is None else chosen(case)
 
     def run(self, case: Case) -> Simulation:
         """Return a run of a case, the same one whenever it is asked for."""
@@ -172,23 +183,27 @@ class Clause:
     """A promise of an adapter in a sentence, and the function that checks it.
 
     `needs_run` is false where there is something to look at though no run hands over a trajectory.
+    `contact` is true where the promise is one of contacts, which a constraint does not make.
     """
 
     sentence: str
     look: Look
     needs_run: bool
+    contact: bool
 
 
 CLAUSES: dict[str, Clause] = {}
 """Every clause by its name, in the order in which they are worth reading."""
 
 
-def clause(sentence: str, *, needs_run: bool = True) -> Callable[[Look], Look]:
+def clause(
+    sentence: str, *, needs_run: bool = True, contact: bool = False
+) -> Callable[[Look], Look]:
     """Return a decorator that registers a function as a clause of the function's name."""
 
     def registered(look: Look) -> Look:
         name = look.__name__.replace("_", " ")
-        CLAUSES[name] = Clause(sentence=sentence, look=look, needs_run=needs_run)
+        CLAUSES[name] = Clause(sentence=sentence, look=look, needs_run=needs_run, contact=contact)
         return look
 
     return registered
@@ -209,11 +224,15 @@ def conform(
     on_done : callable, optional
         Called with the name of each clause that was looked at.
     """
+    look = _look_there if isinstance(engine, RemoteEngine) else _look
     fixture, results = Fixture(engine), list[ClauseResult]()
+    refusal = features_of(engine).description.method.refusal
     runs = True
     for name, each in CLAUSES.items():
-        if runs or not each.needs_run:
-            result = _look(each.look, fixture)
+        if each.contact and refusal:
+            result = not_applicable(refusal)
+        elif runs or not each.needs_run:
+            result = look(name, fixture)
         else:
             result = not_applicable(f"needs a run that passes the check '{_RUNS}'")
         if name == _RUNS:
@@ -224,11 +243,31 @@ def conform(
     return tuple(results)
 
 
-def _look(look: Look, fixture: Fixture) -> ClauseResult:
+def _look(name: str, fixture: Fixture) -> ClauseResult:
     """Return the result of a clause; whatever the adapter raises is a failure of it."""
     try:
-        return look(fixture)
+        return CLAUSES[name].look(fixture)
     except BrokenContractError as error:
         return ClauseResult(result=ClauseStatus.FAILED, detail=str(error))
     except Exception as error:  # noqa: BLE001 - the suite reports on any adapter to its end
         return holds(f"raised {type(error).__name__}: {error}", "")
+
+
+def _look_there(name: str, fixture: Fixture) -> ClauseResult:
+    """Return the result of a clause, looked at where the engine lives."""
+    engine = fixture.engine.name
+    try:
+        return call_at_engine(engine, _look_here, name, engine)
+    except LostTaskError as error:
+        return ClauseResult(result=ClauseStatus.FAILED, detail=error.reason)
+
+
+def _look_here(name: str, engine: str) -> ClauseResult:
+    """Return the result of a clause for a registered engine; its runs serve the other clauses."""
+    return _look(name, _fixture_of(engine))
+
+
+@cache
+def _fixture_of(name: str) -> Fixture:
+    """Return the fixture of a registered engine."""
+    return Fixture(registry.engine(name))

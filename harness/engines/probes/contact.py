@@ -1,4 +1,4 @@
-"""Probes of a can under its weight: compliance, friction compliance, rim, contact points.
+"""Probes of a can under its weight: compliance, creep, rim, contact points, sliding.
 
 Compliance. The can is balanced on its rim, at rest with its centre above the contact point
 (eq:phistar), so that the load is its weight exactly; gravity is varied to vary the load. The depth
@@ -15,9 +15,13 @@ the ideal by m (sin phi + cos phi - 1). A margin outside adds itself at every ti
 
 and a fit over the tilts separates swell and fillet.
 
-Contact points. A rigid can touches in one point at every tilt above zero. A soft or rounded can
-that lies nearly flat touches along a piece of its rim, and an engine spreads the force over several
-points: then the bounce of a rocking can is not that of the single point that the mathematics has.
+Contact points. A rigid can touches in one point at every tilt above zero, and that point is on
+its rim. A soft or rounded can that lies nearly flat touches along a piece of its rim, and an engine
+spreads the force over several points: then the bounce of a rocking can is not that of the single
+point that the mathematics has. A collider that takes the can for flat has a point elsewhere.
+
+Sliding. Friction is mu times the load at once, whatever the load was a step before; and what slides
+on a plane is not lifted off it. Convex approximations of the contact give up one or the other.
 
 Friction compliance. The can is let go at rest, tilted less than it balances. Without precession or
 spin it stays in one plane and falls about the point of its rim that touches, which no-slip keeps
@@ -35,15 +39,28 @@ does not pass for creep.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
 from harness.core.case import Case
+from harness.core.errors import RefusedModelError
 from harness.core.trajectory import Floats
-from harness.engines.probes.survey import Opener, Reading, follow, leaning, probe, with_gravity
+from harness.engines.base import features_of
+from harness.engines.parity.contact import Stand
+from harness.engines.probes.survey import (
+    Opener,
+    Reading,
+    alternatives,
+    follow,
+    leaning,
+    probe,
+    with_gravity,
+)
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.settling import LIFT, hovering_distance
-from models import Can, angles, contact_offset
+from harness.engines.stepping.settling import LIFT, UP, X, hovering_distance, moving
+from models import Can, Effects, Slip, angles, contact_offset
+from models.kinematics import to_world
 
 LOADS = (0.25, 0.5, 1.0, 1.5)
 """Weights of the can."""
@@ -53,14 +70,14 @@ _HELD = 0.1
 deviation's growth, exp(0.1), so that it still stands where it was put."""
 
 
-@probe("compliance")
+@probe("compliance", contact=True)
 def compliance(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield static penetration, its slope over the load, and how it stays under a load held."""
     can, gravity = case.scene.can, case.scene.gravity
-    steps = max(2, round(_HELD * natural_time(case.scene) / engine.timestep(case)))
     depths, held, borne = [], [], []
     for load in LOADS:
         world, depth = leaning(engine, with_gravity(case, load * gravity), can.balancing_angle)
+        steps = max(2, round(_HELD * natural_time(case.scene) / world.timestep))
         contacts = [contact for _, _, contact in follow(world, steps)]
         depths.append(depth)
         held.append(contacts[-1].penetration)
@@ -112,17 +129,17 @@ def planar_fall(can: Can, gravity: float, start: float, phi: Floats) -> tuple[Fl
     return F, N
 
 
-@probe("friction compliance")
+@probe("friction compliance", contact=True)
 def creep(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the speed at which the rim creeps, over the force, and the error of the force."""
     case = with_gravity(case, case.scene.gravity)
     can, gravity, T = case.scene.can, case.scene.gravity, natural_time(case.scene)
-    start, dt = _TILT * can.balancing_angle, engine.timestep(case)
+    start = _TILT * can.balancing_angle
     world, _ = leaning(engine, case, start)
     _, transverse, axial = world.inertia.tolist()
     can = replace(can, mass=world.mass, transverse_inertia=transverse, axial_inertia=axial)
     slips, tilts, forces = [], [], []
-    for pose, _, contact in follow(world, max(8, round(_TO * T / dt))):
+    for pose, _, contact in follow(world, max(8, round(_TO * T / world.timestep))):
         phi, psi, _ = angles(pose.quaternion)
         offset = contact.point - pose.position
         if not np.isfinite(offset).all():  # nothing touches
@@ -186,14 +203,83 @@ POINTS_TILTS = np.logspace(-9.0, -1.0, 65)
 """rad; eight to a decade."""
 
 
-@probe("contact points")
+@probe("contact points", contact=True)
 def points(engine: Opener, case: Case) -> Iterator[Reading]:
-    """Yield the largest tilt at which several points bear the load in the first step."""
-    ideal, largest = with_gravity(case, case.scene.gravity), 0.0
+    """Yield the largest tilt at which several points bear the load, and where a single one is."""
+    ideal, largest, nearest, can = with_gravity(case, case.scene.gravity), 0.0, 1.0, case.scene.can
     for phi in POINTS_TILTS.tolist():
         world, _ = leaning(engine, ideal, phi)
+        pose = world.pose()
         world.step()
-        if world.contact().count > 1:
+        contact = world.contact()
+        if contact.count > 1:
             largest = phi
+        elif contact.count == 1:
+            middle = pose.position - can.half_height * to_world(pose.quaternion, UP)
+            reach = float(np.linalg.norm(contact.point - middle)) / can.radius
+            nearest = min(nearest, reach)
     how = "one step from rest at static penetration, at 65 tilts from 1e-9 to 0.1 rad"
     yield "tilt below which several points bear the load", "rad", largest, 0.0, how
+    yield "least distance of a single contact from the middle of the base", "R", nearest, 1.0, how
+
+
+_MU = 0.3
+"""Friction of a can that slides: steep enough to be seen, too little to hold the can."""
+
+_SLIDE = 1.0
+"""Speed of the slide, over sqrt(g R)."""
+
+_PRESSED = 1e-6
+"""Of the radius: a load that was not there in the step before."""
+
+_AWAIT = 40
+"""Steps in which a can that touches comes to be borne."""
+
+
+@probe("sliding")
+def sliding(engine: Opener, case: Case) -> Iterator[Reading]:
+    """Yield friction in the first step of a load, and how fast what slides is lifted.
+
+    Again with other settings, where they change it.
+    """
+    if "slip" not in engine.capabilities.honours:
+        return
+    case = with_gravity(case, case.scene.gravity)
+    case = replace(case, scene=replace(case.scene, effects=Effects(slip=Slip(mu=_MU))))
+    base = _slid(engine, case)
+    names = (
+        ("friction over the declared, in the first step of a load", 1.0),
+        ("rise of what slides, over mu times its speed", 0.0),
+    )
+    how = "slides along its lean at sqrt(g R), balanced on its rim, mu 0.3"
+    for (quantity, expected), value in zip(names, base, strict=True):
+        if value is not None:
+            yield quantity, "1", value, expected, how
+    for name, word in alternatives(engine.settings, case):
+        try:
+            other = _slid(engine, replace(case, options=(*case.options, (name, word))))
+        except RefusedModelError:  # the engine does not take this value with the others
+            continue
+        for (quantity, expected), own, usual in zip(names, other, base, strict=True):
+            if own is not None and usual is not None and abs(own - usual) > _CHANGED:
+                yield f"{quantity}, with {name}={word}", "1", own, expected, how
+
+
+_CHANGED = 0.01
+"""Change of a reading by another setting that is worth a row."""
+
+
+def _slid(engine: Opener, case: Case) -> tuple[float | None, float | None]:
+    """Return friction over the declared, and rise over mu times the speed; None where unborne."""
+    told = features_of(engine).description.tells_forces
+    world, can = engine.open(case), case.scene.can
+    stand = Stand(world, case.scene, world.timestep, tells_forces=told)
+    speed = _SLIDE * can.radius / natural_time(case.scene)
+    force = stand.press(_PRESSED * can.radius, moving(speed * X)).force
+    ratio = math.hypot(force[0], force[1]) / float(force[2]) / _MU if force[2] > 0.0 else None
+    for contact in islice(stand.pressed(0.0, moving(speed * X)), _AWAIT):
+        if contact.force[2] > 0.0:
+            after = world.twist()
+            rise = float((after.velocity + np.cross(after.angular_velocity, stand.offset))[2])
+            return ratio, rise / (_MU * speed)
+    return ratio, None

@@ -30,14 +30,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from harness.core.case import Case, Value
+from harness.core.case import Case
 from harness.core.errors import RefusedModelError
 from harness.core.trajectory import Floats
-from harness.engines.base import Setting, World
-from harness.engines.probes.survey import ALOFT, Opener, Reading, aloft, follow, probe
+from harness.engines.base import World
+from harness.engines.probes.survey import Opener, Reading, aloft, alternatives, follow, probe
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.settling import (
+    ALOFT,
     AT_REST,
+    LYING,
+    TURNED,
     UP,
     X,
     above_origin,
@@ -46,8 +49,8 @@ from harness.engines.stepping.settling import (
     stepped,
     touching_pose,
 )
-from models import Twist, to_body
-from models.kinematics import half_angles, to_world
+from models import InvalidValueError, Twist, to_body
+from models.kinematics import to_world
 
 RATES = (1.0, 3.0, 10.0, 30.0)
 """m/s and rad/s: below every clamp known."""
@@ -71,7 +74,8 @@ _KINDS = (("velocity", "m/s", "1/m"), ("spin", "rad/s", "1/rad"))
 @probe("damping")
 def damping(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the rates of linear and quadratic damping of velocity and of spin."""
-    world, dt = aloft(engine, case), engine.timestep(case)
+    world = aloft(engine, case)
+    dt = world.timestep
     for kind, unit, per in _KINDS:
         rates = [(given - _after(world, kind, given)) / (given * dt) for given in RATES]
         quadratic, linear = np.polyfit(RATES, rates, 1)
@@ -88,7 +92,7 @@ def clamp(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the greatest velocity and the greatest spin that a step leaves."""
     world = aloft(engine, case)
     for kind, unit, _ in _KINDS:
-        greatest = max(abs(_after(world, kind, given)) for given in LADDER)
+        greatest = float(np.nanmax([abs(_after(world, kind, given)) for given in LADDER]))
         how = f"one step of free flight at 30 to 10,000 {unit}"
         yield f"greatest {kind} left by a step", unit, greatest, FAST, how
 
@@ -96,14 +100,13 @@ def clamp(engine: Opener, case: Case) -> Iterator[Reading]:
 @probe("orientation update")
 def turn(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the turn of the can in one step at a large spin."""
-    world, dt = aloft(engine, case), engine.timestep(case)
+    world = aloft(engine, case)
+    dt = world.timestep
     asked, turned = [], []
     for angle in TURNS:
         asked.append(_after(world, "spin", angle / dt) * dt)
-        phi, sigma, _ = half_angles(world.pose().quaternion)
-        # both halves of the quaternion are in sigma while the can is upright
-        turned.append(float(sigma) % (2.0 * math.pi) if phi < 1.0 else math.nan)
-    largest = int(np.argmax(asked))
+        turned.append(math.nan if math.isnan(asked[-1]) else _turned(world.pose().quaternion))
+    largest = int(np.nanargmax(asked))
     exact = [a for a, t in zip(asked, turned, strict=True) if abs(t / a - 1.0) <= _EXACT]
     how = "one step of free flight at a spin that the engine lets pass"
     yield "turn of the orientation in a step", "rad", turned[largest], asked[largest], how
@@ -111,11 +114,34 @@ def turn(engine: Opener, case: Case) -> Iterator[Reading]:
     yield "largest turn in a step that is exact", "rad", greatest, asked[largest], how
 
 
+AXIS = to_world(LYING, UP)
+"""Of a can that lies, in the world: so that its frame is not taken for the world's."""
+
+
 def _after(world: World, kind: str, given: float) -> float:
-    """Return what one step of free flight leaves of a velocity (m/s) or of a spin (rad/s)."""
-    motion = moving(velocity=given * X) if kind == "velocity" else moving(spin=given * UP)
-    after = stepped(world, above_origin(ALOFT), motion).twist()
-    return float(after.velocity @ X if kind == "velocity" else after.angular_velocity @ UP)
+    """Return what one step of free flight leaves of a velocity (m/s) or of a spin (rad/s).
+
+    NaN where the step fails.
+    """
+    motion = moving(velocity=given * X) if kind == "velocity" else moving(spin=given * AXIS)
+    try:
+        after = stepped(world, above_origin(ALOFT, LYING), motion).twist()
+    except InvalidValueError:
+        return math.nan
+    return float(after.velocity @ X if kind == "velocity" else after.angular_velocity @ AXIS)
+
+
+def _turned(quaternion: Floats) -> float:
+    """Return by how much a can has turned about its axis since it was placed; NaN if it tilted."""
+    before, after = (Rotation.from_quat(each, scalar_first=True) for each in (LYING, quaternion))
+    *vector, scalar = (after * before.inv()).as_quat().tolist()
+    about = float(np.array(vector) @ AXIS)
+    tilted = math.hypot(about, scalar) < _UPRIGHT
+    return math.nan if tilted else 2.0 * math.atan2(about, scalar) % (2.0 * math.pi)
+
+
+_UPRIGHT = math.cos(0.5)
+"""Share of a turn that is about the axis while this has tilted by less than a radian."""
 
 
 SPIN = (0.3, 0.0, 2.0)
@@ -148,11 +174,10 @@ def flight(world: World, spin: Floats, duration: float) -> Floats:
         what it was, and the angle of the axis to the closed form (rad).
     """
     moments = np.asarray(world.inertia, dtype=np.float64)  # as compiled, right or wrong
-    world.place(above_origin(ALOFT), moving(spin=spin))
+    world.place(above_origin(ALOFT, TURNED), moving(spin=to_world(TURNED, spin)))
     steps = min(_MOST_STEPS, max(1, round(duration / world.timestep)))
     stride = max(1, steps // _SAMPLES)
-    # the body's frame is the world's at first
-    L_0, E_0 = moments * spin, 0.5 * float(moments @ spin**2)
+    L_0, E_0 = to_world(TURNED, moments * spin), 0.5 * float(moments @ spin**2)
     size = float(np.linalg.norm(L_0))
     precession = L_0 / size * (size / float((moments[0] + moments[1]) / 2.0))
     rows = []
@@ -160,7 +185,7 @@ def flight(world: World, spin: Floats, duration: float) -> Floats:
         pose, twist = world.pose(), world.twist()
         omega, time = to_body(pose.quaternion, twist.angular_velocity), step * world.timestep
         L, axis = (to_world(pose.quaternion, vector) for vector in (moments * omega, UP))
-        closed = Rotation.from_rotvec(precession * time).apply(UP)
+        closed = Rotation.from_rotvec(precession * time).apply(to_world(TURNED, UP))
         energy = 0.5 * float(moments @ omega**2) / E_0 - 1.0
         momentum = float(np.linalg.norm(L) / size) - 1.0
         rows.append((time, energy, momentum, _angle(L, L_0), _angle(axis, closed)))
@@ -204,18 +229,6 @@ def _beyond_damping(world: World, case: Case) -> Floats:
     return free
 
 
-def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[str, Value]]:
-    """Yield each word or truth value that a setting can take, unless the case sets it itself."""
-    for setting in settings:
-        if setting.name in dict(case.options):
-            continue
-        values: tuple[Value, ...] = setting.choices
-        if isinstance(setting.default, bool):
-            values = (False, True)
-        for value in values:
-            yield setting.name, value
-
-
 def _angle(one: Floats, other: Floats) -> float:
     """Return the angle between two vectors, rad, exact for small ones."""
     return math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
@@ -231,7 +244,7 @@ _WAIT = 0.5
 """Natural times: ten time constants of a contact of 3 ms, one and a half of one of 20 ms."""
 
 
-@probe("stabilisation")
+@probe("stabilisation", contact=True)
 def stabilisation(engine: Opener, case: Case) -> Iterator[Reading]:
     """Yield the speed and the energy that an overlap makes, and the rebound of an impact."""
     can, T = case.scene.can, natural_time(case.scene)
@@ -254,5 +267,5 @@ def _fastest_rise(engine: Opener, case: Case, overlap: float, twist: Twist) -> f
     world = aloft(engine, case)
     # from where this collider touches
     world.place(lowered(touching_pose(world, can, can.balancing_angle), overlap), twist)
-    steps = max(4, round(_WAIT * T / engine.timestep(case)))
+    steps = max(4, round(_WAIT * T / world.timestep))
     return max(0.0, *(float(motion.velocity[2]) for _, motion, _ in follow(world, steps)))

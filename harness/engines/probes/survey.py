@@ -4,19 +4,18 @@ A probe gets at a world, loads its can and follows it, with every reading of the
 yields readings; the survey of a case collects them over all probes.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeAlias
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Contact, Engine, World, features_of
+from harness.engines.base import Contact, Engine, Setting, World, features_of
 from harness.engines.registry import engine
+from harness.engines.remote import call_at_engine
 from harness.engines.stepping.settling import settle
 from models import IDEAL, Pose, Release, Twist, release_state
-
-ALOFT = 10.0
-"""m: height at which no engine finds a contact."""
 
 Reading: TypeAlias = tuple[str, str, float, float, str]
 """Quantity, unit, what was measured in the engine, what the ideal can has, and what was done."""
@@ -24,9 +23,6 @@ Reading: TypeAlias = tuple[str, str, float, float, str]
 
 class Opener(Engine, Protocol):
     """An engine that compiles a case into a world that can be placed, stepped and read."""
-
-    def timestep(self, case: Case) -> float:
-        """Return the timestep of a case, s."""
 
     def open(self, case: Case) -> World:
         """Compile the scene of a case."""
@@ -38,11 +34,17 @@ PROBES: dict[str, Probe] = {}
 """Every probe by the effect that it isolates, in the order of the report: as they are written."""
 
 
-def probe(effect: str) -> Callable[[Probe], Probe]:
-    """Return a decorator that makes a function the probe of an effect."""
+OF_CONTACT: set[str] = set()
+"""Effects of a contact, of which a constraint has none."""
+
+
+def probe(effect: str, *, contact: bool = False) -> Callable[[Probe], Probe]:
+    """Return a decorator that makes a function the probe of an effect, of a contact or not."""
 
     def registered(readings: Probe) -> Probe:
         PROBES[effect] = readings
+        if contact:
+            OF_CONTACT.add(effect)
         return readings
 
     return registered
@@ -82,6 +84,18 @@ def with_gravity(case: Case, gravity: float) -> Case:
     return replace(case, scene=replace(case.scene, gravity=gravity, effects=IDEAL))
 
 
+def alternatives(settings: tuple[Setting, ...], case: Case) -> Iterator[tuple[str, Value]]:
+    """Yield each word or truth value that a setting can take, unless the case sets it itself."""
+    for setting in settings:
+        if setting.name in dict(case.options):
+            continue
+        values: tuple[Value, ...] = setting.choices
+        if isinstance(setting.default, bool):
+            values = (False, True)
+        for value in values:
+            yield setting.name, value
+
+
 @dataclass(frozen=True, slots=True)
 class ProbeFinding:
     """One imposed effect in one number.
@@ -116,19 +130,19 @@ class Measurement:
     case : Case
         Its can, gravity, profile, timestep and options were probed; its release was not.
     engine_version : str
-    timestep : float
-        s.
+    timestep : float or None
+        s; None of an engine that chooses its own steps.
     findings : tuple of ProbeFinding
     """
 
     case: Case
     engine_version: str
-    timestep: float
+    timestep: float | None
     findings: tuple[ProbeFinding, ...]
 
 
 def measure(case: Case) -> Measurement:
-    """Return the readings of all probes in the engine of a case with its settings.
+    """Return the readings of all probes in the engine of a case with its settings, where it lives.
 
     Parameters
     ----------
@@ -142,6 +156,11 @@ def measure(case: Case) -> Measurement:
     HarnessError
         If the engine, a setting or a value does not exist.
     """
+    return call_at_engine(case.engine, _measured, case)
+
+
+def _measured(case: Case) -> Measurement:
+    """Return the readings of all probes, here."""
     chosen = engine(case.engine)
     if features_of(chosen).open is None:
         allowed = "an engine that steps a world; the reference solves equations and imposes nothing"
@@ -151,6 +170,8 @@ def measure(case: Case) -> Measurement:
     opener: Opener = chosen  # type: ignore[assignment] # it opens worlds
     # stated in the case, since a timestep that depends on gravity would change with the load
     stated = replace(case, timestep=opener.timestep(case))
+    refusal = features_of(chosen).description.method.refusal
+    refused: Reading = ("what a contact does", "1", math.nan, math.nan, refusal)
     return Measurement(
         case=case,
         engine_version=opener.version,
@@ -158,6 +179,8 @@ def measure(case: Case) -> Measurement:
         findings=tuple(
             ProbeFinding(effect, *reading)
             for effect, readings in PROBES.items()
-            for reading in readings(opener, stated)
+            for reading in (
+                (refused,) if refusal and effect in OF_CONTACT else readings(opener, stated)
+            )
         ),
     )

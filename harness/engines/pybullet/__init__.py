@@ -1,5 +1,22 @@
 """PyBullet, adapted: the one place that imports `pybullet`."""
 
-from harness.engines.pybullet.engine import PybulletEngine
+from typing import TYPE_CHECKING
 
-__all__ = ["PybulletEngine"]
+from harness.core.public_paths import lazy_exports
+from harness.engines.description import Description
+
+if TYPE_CHECKING:
+    from harness.engines.pybullet.engine import PybulletEngine
+
+__all__ = ["DESCRIPTION", "PybulletEngine"]
+
+DESCRIPTION = Description(
+    label="PyBullet",
+    light="#d2560a",
+    dark="#ff9d5c",
+    step_s=1.2e-5,
+    overhead=1.15,
+    adaptive_gain=10.0,
+)
+
+__getattr__, __dir__ = lazy_exports(__name__, {"PybulletEngine": "harness.engines.pybullet.engine"})

@@ -29,6 +29,7 @@ from harness.engines import (
     take_stage,
     trajectory_of,
 )
+from harness.engines.pybullet import DESCRIPTION
 from harness.engines.pybullet import settings as declared
 from harness.engines.pybullet.suppress_output import pybullet
 from harness.engines.pybullet.world import ContactPoint, Numbers, PybulletWorld, State, resultant
@@ -127,6 +128,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     """PyBullet: sequential impulses on contacts that are kept from step to step."""
 
     name = "pybullet"
+    description = DESCRIPTION
     settings = declared.SETTINGS
     default_timestep = declared.DEFAULT_TIMESTEP
     matched_timestep = declared.MATCHED_TIMESTEP
@@ -157,7 +159,6 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
             "cached contacts": "old points of the rim stay in the solver until they drift away",
         },
     )
-    imposed_by_default = declared.IMPOSED_BY_DEFAULT
 
     @property
     def version(self) -> str:
@@ -168,6 +169,10 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         """Return the settings that the effects of a scene decide."""
         del timestep
         return declared.for_effects(case.scene)
+
+    def imposed_in(self, case: Case) -> dict[str, float]:
+        """Return the rows of parity in which PyBullet goes its own way in a case."""
+        return declared.imposed_in(case, self.resolve(case))
 
     def open(self, case: Case) -> PybulletWorld:
         """Open a world with the scene of a case."""

@@ -8,7 +8,7 @@ top, in every profile.
 
 The flags of `loadURDF` appear under the names of its constants; what belongs to
 `setPhysicsEngineParameter` or to `changeDynamics` under the names of their arguments. A setting of
-None is not handed to PyBullet at all.
+None is not handed to PyBullet at all; what it then does is from its sources.
 
 The variants are settings worth a price, each one change to `matched`. A margin makes another rim
 than the scene's, which only profile `default` lets pass: so that variant is the engine as shipped
@@ -24,15 +24,20 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from harness.core.case import Value
 from harness.engines import (
     COMMON,
     ETA_SETTING,
+    FRICTIONS,
     TIMESTEP,
+    TWO_DIRECTIONS,
+    Case,
     ModelDifference,
     Setting,
     SolverEffort,
+    Value,
     Variant,
+    bounded_separately,
+    rim_within,
 )
 from models.scene import Scene
 
@@ -42,7 +47,7 @@ MATCHED_TIMESTEP = 1e-4
 OUT_OF_REACH = 1e6
 """rad/s and m/s: a velocity clamp that no scene meets."""
 
-SEQUENTIAL_IMPULSE = "CONSTRAINT_SOLVER_LCP_SI"
+SEQUENTIAL_IMPULSE, DANTZIG = "CONSTRAINT_SOLVER_LCP_SI", "CONSTRAINT_SOLVER_LCP_DANTZIG"
 
 URDF_FLAGS = (
     Setting(
@@ -79,7 +84,7 @@ SOLVER = (
         "constraintSolverType",
         SEQUENTIAL_IMPULSE,
         "Algorithm that finds the contact impulses.",
-        choices=(SEQUENTIAL_IMPULSE, "CONSTRAINT_SOLVER_LCP_PGS", "CONSTRAINT_SOLVER_LCP_DANTZIG"),
+        choices=(SEQUENTIAL_IMPULSE, "CONSTRAINT_SOLVER_LCP_PGS", DANTZIG),
     ),
     Setting.as_shipped(
         "useSplitImpulse",
@@ -90,6 +95,7 @@ SOLVER = (
         "splitImpulsePenetrationThreshold",
         None,
         "Distance below which an impulse is split, m, negative.",
+        unset="-0.04 m",
     ),
     Setting.as_shipped(
         "numSolverIterations", 50, "Most sweeps of the sequential impulse solver in a step."
@@ -100,45 +106,72 @@ SOLVER = (
         1e-14,
         "Squared velocity residual at which the sweeps stop.",
     ),
-    Setting("contactERP", None, 0.8, "Share of the penetration taken away in a step."),
-    Setting.as_shipped(
-        "frictionERP", None, "Share of the slip taken back in a step, with friction anchors."
+    Setting(
+        "contactERP",
+        None,
+        0.8,
+        "Share of the penetration taken away in a step.",
+        unset="0.08 (erp2)",
     ),
-    Setting.as_shipped("globalCFM", None, "Softness mixed into every constraint."),
-    Setting("contactSlop", None, 0.0, "Penetration that is left alone, m."),
+    Setting.as_shipped(
+        "frictionERP",
+        None,
+        "Share of the slip taken back in a step, with friction anchors.",
+        unset="0.2",
+    ),
+    Setting.as_shipped("globalCFM", None, "Softness mixed into every constraint.", unset="0"),
+    Setting("contactSlop", None, 0.0, "Penetration that is left alone, m.", unset="1e-5 m"),
     Setting.as_shipped(
         "contactBreakingThreshold",
         None,
         "Distance beyond which a cached contact is dropped, relative to the can's size.",
+        unset="0.02",
     ),
     Setting.as_shipped(
-        "warmStartingFactor", None, "Share of the last step's impulses that the solver starts from."
+        "warmStartingFactor",
+        None,
+        "Share of the last step's impulses that the solver starts from.",
+        unset="0.1",
     ),
     Setting(
         "enableConeFriction",
         None,
         1,
         "Circular friction cone (1) or two independent directions (0).",
+        unset="1",
     ),
     Setting.as_shipped(
-        "restitutionVelocityThreshold", None, "Speed below which an impact gives nothing back, m/s."
+        "restitutionVelocityThreshold",
+        None,
+        "Speed below which an impact gives nothing back, m/s.",
+        unset="0.2",
     ),
 )
 
 DYNAMICS = (
-    Setting("collisionMargin", None, 0.0, "Radius of the fillet that rounds the rim, m."),
+    Setting(
+        "collisionMargin",
+        None,
+        0.0,
+        "Radius of the fillet that rounds the rim, m.",
+        unset="0.001 m",
+    ),
     Setting(
         "linearDamping",
         None,
         0.0,
         "Rate at which velocity is lost, 1/s, and again with its square.",
+        unset="0.04",
     ),
-    Setting("angularDamping", None, 0.0, "Rate at which angular velocity is lost, 1/s."),
+    Setting(
+        "angularDamping", None, 0.0, "Rate at which angular velocity is lost, 1/s.", unset="0.04"
+    ),
     Setting(
         "maxJointVelocity",
         None,
         OUT_OF_REACH,
         "Clamp on each component of velocity and angular velocity.",
+        unset="100",
     ),
 )
 
@@ -187,29 +220,74 @@ def urdf_flags(chosen: Mapping[str, Value]) -> list[str]:
     return [s.name for s in URDF_FLAGS if s.name.startswith("URDF_") and chosen[s.name]]
 
 
-IMPOSED_BY_DEFAULT = frozenset(
-    {
-        "transverse inertia A",
-        "axial inertia C",
-        "linear damping",
-        "angular damping",
-        "speed kept",
-        "spin kept",
-        "radius R",
-        "half height H",
-        "rim deviation",
-        # the moments, whatever the point mass
-        *(f"inertia {axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz")),
-        # damping, over a period of the shaking
-        "horizontal shaking",
-        "vertical shaking",
-        "misfit of the shaking",
-        # a prism turns about its corner
-        "arm of drilling",
-        "arm of rolling resistance",
-    }
+_MARGIN = 0.001
+"""m: collisionMargin where PyBullet is not handed one."""
+
+_CORNER = 1.0 - math.cos(math.pi / 32.0)
+"""Of the radius: what a polygon of 32 sides lacks in the middle of a side."""
+
+_DAMPING = 0.04
+"""1/s: linearDamping and angularDamping where PyBullet is not handed one."""
+
+_MOMENTS = (
+    "transverse inertia A",
+    "axial inertia C",
+    *(f"inertia {axes}" for axes in ("xx", "yy", "zz", "xy", "xz", "yz")),
 )
-"""Quantities of the parity table in which PyBullet as it ships is not the scene's can."""
+_BETWEEN = FRICTIONS[1]
+_ARMS = ("arm of drilling", "arm of rolling resistance")
+
+
+def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
+    """Return the rows of parity in which PyBullet goes its own way, each with its share.
+
+    With friction of two directions in every profile; else as it ships.
+    """
+    scene, rows = case.scene, dict[str, float]()
+    solver = chosen["constraintSolverType"]
+    if solver != SEQUENTIAL_IMPULSE or chosen["enableConeFriction"] == 0:
+        coupled = bounded_separately(scene)[_BETWEEN]
+        rows[_BETWEEN] = coupled if solver == DANTZIG else TWO_DIRECTIONS
+    if case.profile != "default":
+        return rows
+    if not chosen["URDF_USE_INERTIA_FROM_FILE"]:  # they are of the shape, whatever is declared
+        rows |= dict.fromkeys(_MOMENTS, math.inf)
+    corner = 0.0
+    if not chosen["URDF_USE_IMPLICIT_CYLINDER"]:
+        # a prism turns about its corner, at an arm of any size beside a declared one
+        rows |= dict.fromkeys(_ARMS, math.inf)
+        corner = _CORNER * scene.can.radius
+    rows |= rim_within(scene.can, _or(chosen["collisionMargin"], _MARGIN) + corner)
+    return rows if chosen["useMaximalCoordinates"] else rows | _damped(scene, chosen)
+
+
+def _damped(scene: Scene, chosen: Mapping[str, Value]) -> dict[str, float]:
+    """Return the rows that a multibody's damping, d (1 + |v|) v, and its clamp change."""
+    linear, angular = (_or(chosen[f"{n}Damping"], _DAMPING) for n in ("linear", "angular"))
+    rows = {
+        # at 1 m/s and 1 rad/s twice as much as at rest, and the second order of the step
+        "linear damping": 2.02 * linear,
+        "angular damping": 2.02 * angular,
+        # at 1e4 it turns round what the clamp leaves; a gyroscopic term is clamped likewise
+        "speed kept": math.inf,
+        "spin kept": math.inf,
+        "misfit of the gyroscopic acceleration": math.inf,
+    }
+    if (shake := scene.effects.shake) is not None:
+        rate, period = 2.0 * math.pi * shake.frequency, 1.0 / shake.frequency
+        speed = scene.gravity * period + rate * max(shake.horizontal, shake.vertical)
+        lost = linear * (1.0 + speed) * speed * period  # over a period of the fall
+        rows["misfit of the shaking"] = lost
+        for way in ("horizontal", "vertical"):
+            size = getattr(shake, way) or scene.can.bounding_radius
+            rows[f"{way} shaking"] = lost / rate / size
+    return rows
+
+
+def _or(chosen: Value, shipped: float) -> float:
+    """Return a setting, or what PyBullet has where it is not handed one."""
+    return shipped if chosen is None else float(chosen)  # type: ignore[arg-type] # a number
+
 
 _ALL_BUT_THE_MARGIN = tuple(
     (setting.name, setting.matched)

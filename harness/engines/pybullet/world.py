@@ -33,7 +33,8 @@ from harness.engines.pybullet.settings import (
     given,
     urdf_flags,
 )
-from harness.engines.pybullet.suppress_output import pybullet, silence
+from harness.engines.pybullet.suppress_output import pybullet
+from harness.engines.suppress_output import silence
 from models import Pose, Twist, ground_urdf, to_body, urdf
 from models.gravity import gravity_vector, shaking
 

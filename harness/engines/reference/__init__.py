@@ -5,10 +5,12 @@ engine does, so it can be run, timed and compared like one; and as the truth it 
 state at any instant, so that an engine is compared on its own time grid.
 """
 
+from harness.engines.description import Description, Method
 from harness.engines.reference.engine import ReferenceEngine
 from reference import ENDING, PARTED, RENAMED_METHODS, Agreement, Finding, Kind, renamed_method
 
 __all__ = [
+    "DESCRIPTION",
     "ENDING",
     "PARTED",
     "RENAMED_METHODS",
@@ -18,3 +20,5 @@ __all__ = [
     "ReferenceEngine",
     "renamed_method",
 ]
+
+DESCRIPTION = Description(label="exact motion", method=Method.ERROR_CONTROL)

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.base import World
+from harness.engines.base import Contact, World
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from models.errors import InvalidValueError
@@ -47,7 +47,7 @@ def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterat
             yield chunk
 
 
-def walk(world: World, schedule: Schedule, size: int) -> Iterator[Chunk]:
+def walk(world: World, schedule: Schedule, size: int, *, sparsely: bool = False) -> Iterator[Chunk]:
     """Step a world by a schedule from where it is, yielding after `size` steps or more.
 
     Parameters
@@ -55,53 +55,104 @@ def walk(world: World, schedule: Schedule, size: int) -> Iterator[Chunk]:
     world : World
     schedule : Schedule
     size : int
+    sparsely : bool
+        Whether to leave out the readings that the recorder does not need; else each step is read.
     """
-    return step_by_stages(_WorldReader(world), schedule, size)
+    return step_by_stages(
+        _WorldReader(world, schedule.sampling if sparsely else None), schedule, size
+    )
+
+
+def contact_of(points: Floats, forces: Floats, penetration: float) -> Contact:
+    """Return the contact of several points, of which those count that the plane pushes.
+
+    Parameters
+    ----------
+    points, forces : ndarray, shape (n, 3)
+        m and N on the can.
+    penetration : float
+        Greatest depth, m; NaN where nothing touches.
+    """
+    bearing = forces[:, 2] > 0.0
+    if not bearing.any():
+        nowhere = np.full(3, np.nan)
+        return Contact(point=nowhere, force=np.zeros(3), penetration=penetration, count=0)
+    points, forces = points[bearing], forces[bearing]
+    return Contact(
+        point=forces[:, 2] @ points / forces[:, 2].sum(),
+        force=forces.sum(axis=0),
+        penetration=penetration,
+        count=int(bearing.sum()),
+    )
+
+
+_NOWHERE = (math.nan,) * 4, (math.nan,) * 3
+"""State of a world that holds no numbers."""
 
 
 class _WorldReader:
-    """Reads every step of a world through the role `World`."""
+    """Reads a world through the role `World`, up to the first state that holds no numbers."""
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(self, world: World, sampling: SamplingInterval | None) -> None:
+        self._world, self._sampling = world, sampling
         self._times: list[float] = []
+        self._spans: list[int] = []
         self._rows: list[Floats] = []
+        self._sound = True
 
     def state(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return the state of the world; NaN if it holds no numbers, as the next step finds."""
         try:
             pose, twist = self._world.pose(), self._world.twist()
         except InvalidValueError:
-            return (math.nan,) * 4, (math.nan,) * 3
+            return _NOWHERE
         return pose.quaternion.tolist(), twist.angular_velocity.tolist()
 
     def take(self, stage: Stage) -> bool:
         """Keep the state before each step and the contact that it solved, while it is a state."""
+        self._world.set_timestep(stage.timestep)
+        places, spans = take_stage(stage, self._sampling, self._read_and_step, self._skip)
+        self._times += stage.times[places].tolist()
+        self._spans += spans
+        return self._sound
+
+    def _read_and_step(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Keep the state, step, keep the contact; return quaternion (scalar last) and spin."""
         world = self._world
-        world.set_timestep(stage.timestep)
-        for time in stage.times.tolist():
-            self._times.append(time)
-            try:
-                pose, twist = world.pose(), world.twist()
-            except InvalidValueError:
-                return False
-            with np.errstate(over="ignore", invalid="ignore"):  # numbers that break are an outcome
-                world.step()
-            contact = world.contact()
-            self._rows.append(
-                np.concatenate(
-                    (
-                        *(pose.position, pose.quaternion, twist.velocity, twist.angular_velocity),
-                        *(contact.point, contact.force, (contact.penetration, contact.count)),
-                    )
+        try:
+            pose, twist = world.pose(), world.twist()
+        except InvalidValueError:
+            self._sound = False
+        if not self._sound:
+            return _NOWHERE
+        self._skip(1)
+        contact = world.contact()
+        self._rows.append(
+            np.concatenate(
+                (
+                    *(pose.position, pose.quaternion, twist.velocity, twist.angular_velocity),
+                    *(contact.point, contact.force, (contact.penetration, contact.count)),
                 )
             )
-        return True
+        )
+        w, x, y, z = pose.quaternion.tolist()
+        return (x, y, z, w), twist.angular_velocity.tolist()
 
-    def chunk(self) -> Chunk:
-        """Return the time of each step, and the readings of those whose numbers are finite."""
-        times, rows = np.array(self._times), np.array(self._rows).reshape(-1, _WIDTH)
-        self._times, self._rows = [], []
+    def _skip(self, steps: int) -> None:
+        """Take steps that nobody looks at; numbers that break are an outcome."""
+        if self._sound:
+            with np.errstate(over="ignore", invalid="ignore"):
+                for _ in range(steps):
+                    self._world.step()
+
+    def chunk(self) -> Chunk | None:
+        """Return the time of each reading, and those whose numbers are finite; None without any."""
+        if not self._times:
+            return None
+        rows = np.array(self._rows).reshape(-1, _WIDTH)
+        # of what came after the first state without numbers only that one is told
+        times, spans = (np.array(each[: len(rows) + 1]) for each in (self._times, self._spans))
+        self._times, self._spans, self._rows = [], [], []
 
         def read(keep: Integers) -> Trajectory:
             sampled = rows[keep]
@@ -116,6 +167,7 @@ class _WorldReader:
             constraint_rows=worked,
             sound=len(rows) == len(times),
             read=read,
+            spans=spans,
         )
 
 

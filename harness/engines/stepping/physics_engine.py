@@ -10,15 +10,19 @@ before it, and a run ends soon after a can has risen, or at a time that is given
 and nothing else.
 """
 
+import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
+from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.core.trajectory import Trajectory
 from harness.engines.base import (
@@ -28,7 +32,9 @@ from harness.engines.base import (
     SolverEffort,
     World,
     resolve,
+    signed_distance,
 )
+from harness.engines.description import Description, Precision
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.horizon import countable, longest_time, natural_time
 from harness.engines.stepping.recording import SAMPLES_IN_TIME, Chunk, SamplingInterval, record
@@ -40,7 +46,8 @@ from harness.engines.stepping.schedule import (
     Schedule,
     power_of_two,
 )
-from harness.engines.stepping.settling import settle
+from harness.engines.stepping.settling import ALOFT, AT_REST, above_origin, settle, stepped
+from harness.execution.worker_main import compiling
 from models import InvalidValueError, Scene
 from models.kinematics import half_angles
 from models.rim import released
@@ -109,15 +116,26 @@ _ADAPTIVE_LOOK = 1024
 """Steps in a chunk whose stages may be short: a look costs as much as thirty steps."""
 
 
-class PhysicsEngine(ABC, Generic[W]):
-    """An engine that advances a world by timesteps."""
+_INTERVAL = 1e-3
+"""Natural times that a world of an engine with error control is advanced by in the probes: a
+thousandth of a fall, which is some of its steps."""
+
+_OWN_LOOK = 256
+"""Steps of an engine with error control in a chunk."""
+
+_COMPILED: set[object] = set()
+"""What decides the program of an engine, of each that this process has compiled."""
+
+
+class WorldEngine(ABC, Generic[W]):
+    """An engine that advances a world, by timesteps or by steps of its own choice."""
 
     name: str
     settings: tuple[Setting, ...]
     capabilities: Capabilities
-    default_timestep: float
-    matched_timestep: float
-    imposed_by_default: frozenset[str]
+    description = Description()
+    imposed: Mapping[str, Mapping[str, float] | frozenset[str]] = MappingProxyType({})
+    """By profile, the rows of parity in which the engine goes its own way; see `imposed_in`."""
     model_differences: tuple[ModelDifference, ...] = ()
     solver_efforts: tuple[SolverEffort, ...] = ()
 
@@ -134,25 +152,24 @@ class PhysicsEngine(ABC, Generic[W]):
     def chunks(self, world: W, schedule: Schedule, size: int) -> Iterator[Chunk]:
         """Step by a schedule from where the world is, yielding after `size` steps or more."""
 
-    def timestep(self, case: Case) -> float:
-        """Return the timestep of a case, s; the largest of an adaptive one.
+    @abstractmethod
+    def timestep(self, case: Case) -> float | None:
+        """Return the timestep of a case, s; None for an engine that chooses its own steps."""
 
-        Raises
-        ------
-        InvalidSettingError
-            If it is so short that the steps cannot be counted in a double.
+    @abstractmethod
+    def interval(self, case: Case) -> float:
+        """Return how far `World.step` advances in the probes of a case, s."""
+
+    @abstractmethod
+    def schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
+        """Return the schedule of a case, and how many steps to take between two looks.
+
+        Of what was prepared the case, the timestep and the settings count.
         """
-        if case.timestep is not None:
-            countable(case.timestep, case.scene)
-        if case.profile == "adaptive":
-            return power_of_two(case.timestep or LARGEST_SHARE * natural_time(case.scene))
-        if case.timestep is not None:
-            return case.timestep
-        return self.default_timestep if case.profile == "default" else self.matched_timestep
 
     def resolve(self, case: Case) -> dict[str, Value]:
         """Return every setting in force for a case: an option, else what an effect asks for."""
-        timestep = self.timestep(case)
+        timestep = self.timestep(case) or 0.0
         return resolve(case, self.settings, timestep, self.for_effects(case, timestep))
 
     def for_effects(self, case: Case, timestep: float) -> dict[str, Value]:
@@ -162,8 +179,42 @@ class PhysicsEngine(ABC, Generic[W]):
 
     def parity(self, case: Case) -> tuple[ParityRow, ...]:
         """Return the compiled model of a case against its scene."""
-        imposed = self.imposed_by_default if case.profile == "default" else frozenset[str]()
-        return parity(self.open(case), case.scene, self.timestep(case), imposed)
+        said = self.description
+        return parity(
+            self.open(case),
+            case.scene,
+            self.interval(case),
+            self.imposed_in(case),
+            self.precision(case),
+            method=said.method,
+            tells_forces=said.tells_forces,
+        )
+
+    def precision(self, case: Case) -> Precision:
+        """Return the precision of the engine's numbers in a case; some let a setting choose it."""
+        del case
+        return self.description.precision
+
+    def imposed_in(self, case: Case) -> Mapping[str, float]:
+        """Return the rows of parity in which the engine goes its own way in a case.
+
+        Each with how far it does: the largest share of the declared, or of the can's mass, size or
+        moment where that is zero, or of one unit. A set of rows excuses any deviation.
+        """
+        rows = self.imposed_rows().get(case.profile, {})
+        return rows if isinstance(rows, Mapping) else dict.fromkeys(rows, math.inf)
+
+    def imposed_rows(self) -> Mapping[str, Mapping[str, float] | frozenset[str]]:
+        """Return `imposed`, or what an adapter of the previous release calls by its old name."""
+        old: frozenset[str] | None = getattr(self, "imposed_by_default", None)
+        if old is None:
+            return self.imposed
+        new = 'imposed = {"default": ...}'
+        warn_renamed(
+            f"`imposed_by_default` of {self.name} is now `{new}`; the old name goes with "
+            "the next release"
+        )
+        return {"default": old}
 
     def simulate(self, case: Case) -> Simulation:
         """Run a case to its horizon; numerical failure is its outcome.
@@ -173,6 +224,7 @@ class PhysicsEngine(ABC, Generic[W]):
         UnknownSettingError, InvalidSettingError
             If the case asks for what the engine does not have.
         """
+        compiled = self.compile_s(case)
         started = time.perf_counter()
         prepared = Simulation(
             case=case,
@@ -182,6 +234,7 @@ class PhysicsEngine(ABC, Generic[W]):
             model=self.name,
             timestep=self.timestep(case),
             settings=self.resolve(case),
+            compile_s=compiled,
         )
         pose, twist = released(case.scene)
         depth = 0.0
@@ -200,6 +253,22 @@ class PhysicsEngine(ABC, Generic[W]):
         world.place(pose, twist)
         return self._run(world, replace(prepared, setup_s=setup, static_penetration=depth))
 
+    def compile_s(self, case: Case) -> float:
+        """Let an engine that compiles itself do so; return how long it took by the clock, s.
+
+        One step aloft, of which contact and distance are read, takes every function once.
+        """
+        program = self.name, case.profile, case.options, case.scene.effects.declared()
+        if not self.description.compiles or program in _COMPILED:
+            return 0.0
+        _COMPILED.add(program)
+        started = time.perf_counter()
+        with compiling(self.name):
+            world = stepped(self.open(case), above_origin(ALOFT), AT_REST)
+            world.contact()
+            signed_distance(world)
+        return time.perf_counter() - started
+
     def simulate_many(self, cases: Sequence[Case]) -> list[Simulation]:
         """Run cases, with the same results as one by one; an engine may know a faster way."""
         return [self.simulate(case) for case in cases]
@@ -211,7 +280,7 @@ class PhysicsEngine(ABC, Generic[W]):
 
     def _run(self, world: W, prepared: Simulation) -> Simulation:
         """Step until the watch or the horizon ends it; return what was prepared, completed."""
-        schedule, size = schedule_of(prepared)
+        schedule, size = self.schedule(prepared)
         prediction = HorizonPrediction(prepared.case.scene)
 
         def seen(samples: Trajectory) -> None:
@@ -223,6 +292,68 @@ class PhysicsEngine(ABC, Generic[W]):
         done = record(prepared, self.chunks(world, schedule, size), seen)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         return replace(done, wall_s=wall, cpu_s=cpu)
+
+
+class PhysicsEngine(WorldEngine[W]):
+    """An engine that advances a world by timesteps."""
+
+    default_timestep: float
+    matched_timestep: float
+
+    def timestep(self, case: Case) -> float:
+        """Return the timestep of a case, s; the largest of an adaptive one.
+
+        Raises
+        ------
+        InvalidSettingError
+            If it is so short that the steps cannot be counted in a double.
+        """
+        if case.timestep is not None:
+            countable(case.timestep, case.scene)
+        if case.profile == "adaptive":
+            return power_of_two(case.timestep or LARGEST_SHARE * natural_time(case.scene))
+        if case.timestep is not None:
+            return case.timestep
+        return self.default_timestep if case.profile == "default" else self.matched_timestep
+
+    def interval(self, case: Case) -> float:
+        """Return the timestep of a case, s."""
+        return self.timestep(case)
+
+    def schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
+        """Return the schedule of a case that steps, and the steps between two looks."""
+        return schedule_of(prepared)
+
+
+class ErrorControlledEngine(WorldEngine[W]):
+    """An engine that chooses its steps by their error, which one of its settings bounds.
+
+    The setting is the `accuracy_setting` of its description. Its `chunks` takes the state after
+    each of its own steps, up to `Schedule.largest`. Steps follow the motion in every profile, and
+    there is none called `adaptive`.
+    """
+
+    def timestep(self, case: Case) -> None:
+        """Return None: the engine chooses its own steps.
+
+        Raises
+        ------
+        InvalidSettingError
+            If the case asks for one.
+        """
+        if case.timestep is not None:
+            setting = self.description.accuracy_setting
+            allowed = f"none at all: {self.name} chooses its own steps, by its setting '{setting}'"
+            raise InvalidSettingError("timestep", case.timestep, allowed)
+
+    def interval(self, case: Case) -> float:
+        """Return a thousandth of the natural time of the scene, s."""
+        return _INTERVAL * natural_time(case.scene)
+
+    def schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
+        """Return a schedule that is one step, as long as the run, and the steps in a chunk."""
+        limit = longest_time(prepared.case.scene)
+        return Fixed(limit, limit, 1), _OWN_LOOK
 
 
 def schedule_of(prepared: Simulation) -> tuple[Schedule, int]:

@@ -169,7 +169,7 @@ def _over(part: Floats, total: Floats) -> Floats:
 
 
 _MOST_STEPS = 100_000_000
-"""Steps, some minutes of MuJoCo, from which a run counts as one that does not end."""
+"""Steps, minutes of the fastest engine, from which a run counts as one that does not end."""
 
 
 def record(

@@ -19,7 +19,7 @@ powers of two, so that times are exact sums and a soft contact sees few changes 
 and since |w| can halve at most in the time |w|/(2 |w'|), that long the step may be kept without
 looking again.
 
-Drake's convex error-controlled integrator (Kurtz and Castro, "CENIC") estimates the error of a step
+A convex integrator with error control (Kurtz and Castro, "CENIC") estimates the error of a step
 by step doubling and rejects what exceeds a tolerance. That serves any scene at three solves a step;
 the rule here knows this one, costs no solve, and would not see an error that is not geometric.
 """

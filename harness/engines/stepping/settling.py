@@ -11,6 +11,9 @@ sought is the one at which the touching point of the rim has no vertical velocit
 the contact then bears just the load that rolling puts on it.
 """
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 import scipy
 
@@ -21,6 +24,14 @@ from models.rim import arc_of
 ZERO = np.zeros(3)
 X, Y, UP = np.eye(3)
 UPRIGHT = np.array((1.0, 0.0, 0.0, 0.0))
+TURNED = quaternion(0.7, 0.4, -1.1)
+"""An orientation in which no axis of the can is one of the world, and no two frames are alike."""
+
+LYING = quaternion(math.pi / 2.0, 0.0, -1.1)
+"""The can's axis along one of the world, where a clamp of each component is told, and turned."""
+
+ALOFT = 10.0
+"""m: height at which no engine finds a contact."""
 
 LIFT = 1e-3
 """Share of the radius at which a can hovers: measured by every engine, and a contact in none."""
@@ -62,6 +73,30 @@ def hovering_distance(world: World, can: Can, phi: float, theta: float) -> float
     height = low_point(can, phi) + LIFT * can.radius
     world.place(above_origin(height, quaternion(phi, 0.0, theta)), AT_REST)
     return signed_distance(world)
+
+
+_PRESSED = 2e-3
+"""Of the radius: how much deeper a can is pressed until a collider sees it; more than `LIFT`, so
+that once is enough there."""
+
+
+def pressed_distance(depth: Callable[[float], float | None], can: Can) -> float:
+    """Return the signed distance of a collider that tells how deep it overlaps, and no more, m.
+
+    Such a can is pressed down until it overlaps; none within its radius is infinitely far.
+
+    Parameters
+    ----------
+    depth : callable
+        Returns the depth of the overlap of the can lowered by so much, m; None without any.
+    can : Can
+    """
+    pressed, radius = 0.0, can.radius
+    while (found := depth(pressed)) is None:
+        if pressed >= radius:
+            return math.inf
+        pressed += _PRESSED * radius
+    return pressed - found
 
 
 def touching_pose(world: World, can: Can, phi: float, arc: float = 0.0) -> Pose:

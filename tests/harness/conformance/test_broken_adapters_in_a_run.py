@@ -142,7 +142,7 @@ FAULTS: dict[str, tuple[Spoil, str]] = {
     "parity table": (with_field("parity", [ROW]), "`parity` is list, not a tuple"),
     "row": (
         with_field("parity", (replace(ROW, verdict=NO_WORD),)),
-        "`verdict` of a row of `parity` is ndarray, not equal, imposed or mismatch",
+        "`verdict` of a row of `parity` is ndarray, not equal, imposed, mismatch or does not apply",
     ),
     "contact nowhere": (untouched, "`contact_point` is no number at sample 0, where there is a"),
     "negative count": (uncounted, r"`contact_count` is -1 at sample 0 of \d+"),

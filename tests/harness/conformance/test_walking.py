@@ -10,11 +10,11 @@ from harness.core.trajectory import Trajectory, join
 from harness.engines.base import Contact
 from harness.engines.registry import engine
 from harness.engines.stepping.generic_stepping import walk
-from harness.engines.stepping.recording import Chunk
+from harness.engines.stepping.recording import Chunk, SamplingInterval
 from harness.engines.stepping.schedule import Adaptive, Fixed
 from harness.engines.stepping.settling import settle
 from models import Horizon, Pose, Scene, Twist, release_state
-from tests.support.engines import stepping_engine
+from tests.support.engines import STEPPING, stepping_engine
 
 
 def whole(chunks: list[Chunk]) -> Trajectory:
@@ -22,7 +22,7 @@ def whole(chunks: list[Chunk]) -> Trajectory:
     return join([chunk.read(np.arange(len(chunk.quaternions))) for chunk in chunks])
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("name", STEPPING)
 @pytest.mark.parametrize("size", [4, 100])
 def test_walking_is_stepping(brief: Scene, name: str, size: int) -> None:
     case = Case(scene=brief, engine=name, timestep=1e-3)
@@ -97,3 +97,38 @@ def test_walking_stops_where_numbers_break(after: int) -> None:
     assert sum(len(chunk.quaternions) for chunk in chunks) == after
     for chunk in chunks:
         assert len(chunk.constraint_rows) == len(chunk.times) >= len(chunk.quaternions)
+
+
+def test_walking_sparsely_takes_the_same_steps_and_reads_what_the_recorder_needs(
+    brief: Scene,
+) -> None:
+    case = Case(scene=brief, engine="mujoco", timestep=1e-5)
+    sampling_interval, found = 3e-4, {}
+    for sparsely in (False, True):
+        world = stepping_engine("mujoco").open(case)
+        world.place(*release_state(brief.can, brief.release))
+        schedule = Fixed(1e-5, 0.02, 500)
+        schedule.sampling = SamplingInterval(sampling_interval)
+        chunks = list(walk(world, schedule, 500, sparsely=sparsely))
+        assert all(chunk.sound for chunk in chunks)
+        spans = [np.ones(len(c.times), np.int64) if c.spans is None else c.spans for c in chunks]
+        assert sum(int(each.sum()) for each in spans) == 2001
+        found[sparsely] = whole(chunks)
+    every, few = found[False], found[True]
+    assert len(every) == 2001
+    assert len(few) < len(every) / 5
+    at = np.searchsorted(every.time, few.time)
+    for field in fields(Trajectory):
+        np.testing.assert_array_equal(
+            getattr(few, field.name), getattr(every, field.name)[at], err_msg=field.name
+        )
+
+
+@pytest.mark.parametrize("after", [0, 1, 5, 13])
+def test_walking_sparsely_stops_where_numbers_break(after: int) -> None:
+    schedule = Fixed(1.0, 100.0, 4)
+    schedule.sampling = SamplingInterval(16.0)
+    *sound, last = walk(Breaking(after), schedule, 8, sparsely=True)
+    assert all(chunk.sound for chunk in sound)
+    assert not last.sound
+    assert len(last.times) == len(last.constraint_rows) == len(last.quaternions) + 1

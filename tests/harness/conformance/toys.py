@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,10 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities, Setting
+from harness.engines.description import Description
 from harness.engines.registry import engine
+from models import Pose, Twist, to_body
+from models.kinematics import to_world
 from tests.support.engines import stepping_engine
 from tests.support.trajectories import changed, path_of
 
@@ -19,6 +23,7 @@ class Toy:
 
     name = "toy"
     version = "1"
+    description = Description()
     settings = engine("mujoco").settings
     capabilities = engine("mujoco").capabilities
 
@@ -119,6 +124,53 @@ class Heavy(Toy):
     def open(self, case: Case) -> Any:  # noqa: D102
         can = replace(case.scene.can, transverse_inertia=1.3 * case.scene.can.transverse_inertia)
         return stepping_engine("mujoco").open(replace(case, scene=replace(case.scene, can=can)))
+
+
+class Transposed(Toy):
+    """Compiles a can, and hands spins to and fro in its frame, where they ought to be the world's.
+
+    So does an adapter of an engine whose free joint has its spin in the body, if it misses that.
+    """
+
+    def open(self, case: Case) -> Any:  # noqa: D102
+        return _TransposedWorld(stepping_engine("mujoco").open(case))
+
+
+class _TransposedWorld:
+    """A world whose spins in and out have the numbers that they have in the body."""
+
+    def __init__(self, world: Any) -> None:
+        self._world = world
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._world, name)
+
+    def place(self, pose: Pose, twist: Twist) -> None:
+        spin = to_world(pose.quaternion, twist.angular_velocity)
+        self._world.place(pose, Twist(velocity=twist.velocity, angular_velocity=spin))
+
+    def twist(self) -> Twist:
+        twist, orientation = self._world.twist(), self._world.pose().quaternion
+        spin = to_body(orientation, twist.angular_velocity)
+        return Twist(velocity=twist.velocity, angular_velocity=spin)
+
+
+class Single(Toy):
+    """Keeps its state and its moments in single precision."""
+
+    def spoil(self, whole: Simulation) -> Any:  # noqa: D102
+        names = ("position", "quaternion", "velocity", "angular_velocity")
+        rounded = {name: in_single(getattr(path_of(whole), name)) for name in names}
+        return changed(whole, **rounded)
+
+    def open(self, case: Case) -> Any:  # noqa: D102
+        world = stepping_engine("mujoco").open(case)
+        return SimpleNamespace(mass=world.mass, inertia=in_single(world.inertia))
+
+
+def in_single(numbers: np.ndarray) -> np.ndarray:
+    """Return numbers rounded to single precision, as doubles."""
+    return numbers.astype(np.float32).astype(np.float64)
 
 
 class Sparse(Toy):

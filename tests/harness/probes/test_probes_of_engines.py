@@ -233,8 +233,11 @@ def test_every_effect_has_a_finding(scene: Scene) -> None:
 def test_adaptive_is_probed_at_its_largest_timestep(scene: Scene) -> None:
     adaptive = measure(Case(scene=scene, engine="mujoco", profile="adaptive"))
     matched = measure(Case(scene=scene, engine="mujoco", timestep=adaptive.timestep))
-    # the settings of both profiles are the same ones, and so is every number
-    assert adaptive.findings == matched.findings
+    # the settings of both profiles are the same ones, and so is every number but that of a run
+    one, other = (
+        [f for f in each.findings if f.effect != "heading"] for each in (adaptive, matched)
+    )
+    assert one == other
 
 
 def test_without_gravity_there_is_no_load(scene: Scene) -> None:
