@@ -1,0 +1,252 @@
+"""Drake's settings that matter to a rolling can, what it ships with, and what `matched` takes.
+
+As shipped the contact is a spring of 5e5 N/m with the friction of the last step's normal force, and
+the ground of a model file is a half-space. `matched` takes the convex problem SAP with a contact as
+stiff as it lets it be: near rigid, it yields in a timestep, and dissipates in as long. A relaxation
+time of zero, or a lower `sap_near_rigid_threshold`, makes contacts chatter. The ground is a box,
+for on a half-space the contact of a can that is nearly flat jumps to the middle of its base.
+
+SAP trades the complementarity of a contact for convexity: what slides is lifted until it slides
+mu (dt + relaxation time) times its speed above the ground. Where a scene declares slip the can
+slides, and `matched` takes `similar`, which does not lift, and a stiffness at which the can sinks
+by a ten thousandth of its radius. What is springy takes SAP, whose spring and damper are linear.
+
+A setting has the name of the field of `MultibodyPlantConfig`, or of the property in the group
+`material` of a geometry, of which the can and the ground have the same. `ground` is the shape.
+
+The differences between Drake as shipped and matched are in the order in which they are removed: the
+geometry of the contact, its law, the timestep last.
+"""
+
+from collections.abc import Mapping
+
+from harness.engines import (
+    COMMON,
+    ETA_SETTING,
+    TIMESTEP,
+    Case,
+    ModelDifference,
+    Setting,
+    Value,
+    Variant,
+    declared_friction,
+)
+from models import Can, Scene
+
+DEFAULT_TIMESTEP = 1e-3
+MATCHED_TIMESTEP = 1e-4
+
+_SIDE = 1000.0
+"""Side of the box over the size of the can: what a can reaches, in seconds of rolling."""
+
+
+def side_of(can: Can) -> float:
+    """Return the side of the box that is the ground of a can, m."""
+    return _SIDE * can.bounding_radius
+
+
+RIGID = 1e15
+"""N/m: beyond what SAP lets through for any can of up to some tons."""
+
+OF_THE_PLANT = (
+    "discrete_contact_approximation",
+    "sap_near_rigid_threshold",
+    "stiction_tolerance",
+)
+OF_A_GEOMETRY = ("point_stiffness", "hunt_crossley_dissipation", "relaxation_time")
+
+GROUND = Setting(
+    "ground",
+    "HalfSpace",
+    "Box",
+    "Shape of the ground; on a half-space a can that is nearly flat touches in its middle.",
+    choices=("HalfSpace", "Box"),
+)
+STICTION = Setting.as_shipped(
+    "stiction_tolerance",
+    1e-4,
+    "Slip speed from which friction is nearly all there is, m/s; SAP has a law of its own.",
+    positive=True,
+)
+
+SETTINGS = (
+    Setting(
+        "discrete_contact_approximation",
+        "lagged",
+        "sap",
+        "Problem that is solved in a step; `lagged` takes friction from the load of the last one.",
+        choices=("sap", "similar", "lagged"),
+    ),
+    Setting.as_shipped(
+        "sap_near_rigid_threshold",
+        1.0,
+        "Shortest time in which a contact of SAP yields, over the timestep and 2 pi.",
+    ),
+    STICTION,
+    Setting(
+        "point_stiffness",
+        1e6,
+        RIGID,
+        "Stiffness of each geometry, N/m; that of the contact is half of it.",
+        positive=True,
+    ),
+    Setting(
+        "hunt_crossley_dissipation",
+        50.0,
+        0.0,
+        "Damping over the spring's force, s/m; SAP has its relaxation time instead.",
+    ),
+    Setting(
+        "relaxation_time",
+        0.1,
+        lambda timestep: timestep,
+        "Damping over stiffness of each geometry under SAP, s; that of the contact is twice it.",
+    ),
+    GROUND,
+    ETA_SETTING,
+)
+
+_SUNK = 1e-4
+"""Of the radius: how deep a can at rest sinks where it is to slide."""
+
+
+def sliding_stiffness(scene: Scene) -> float:
+    """Return the stiffness of a geometry at which a can sinks by a ten thousandth of its radius."""
+    weight = scene.can.mass * max(scene.gravity, 1.0)
+    return 2.0 * weight / (_SUNK * scene.can.radius)
+
+
+def for_effects(case: Case) -> Mapping[str, Value]:
+    """Return the settings that the effects of a scene decide."""
+    spring, scene = case.scene.effects.compliance, case.scene
+    if spring is not None:
+        return {
+            "discrete_contact_approximation": "sap",
+            "point_stiffness": 2.0 * spring.stiffness,
+            "relaxation_time": 0.5 * spring.damping / spring.stiffness,
+        }
+    if scene.effects.slip is not None and case.profile != "default":
+        return {
+            "discrete_contact_approximation": "similar",
+            "point_stiffness": sliding_stiffness(scene),
+            "hunt_crossley_dissipation": 50.0,
+        }
+    return {}
+
+
+_PASTE = """\
+from pydrake.geometry import AddContactMaterial, Box, Cylinder, HalfSpace, ProximityProperties
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
+from pydrake.systems.framework import DiagramBuilder
+
+builder = DiagramBuilder()
+config = MultibodyPlantConfig(contact_model="point", {config})
+plant, scene_graph = AddMultibodyPlant(config, builder)
+
+def material():
+    \"\"\"Return the contact properties of the can, and those of the ground.\"\"\"
+    properties = ProximityProperties()
+    AddContactMaterial(
+        dissipation={dissipation!r},
+        point_stiffness={stiffness!r},
+        friction=CoulombFriction({mu!r}, {mu!r}),
+        properties=properties,
+    )
+{relaxation}    return properties
+
+{ground}
+plant.RegisterCollisionGeometry(plant.world_body(), place, ground, "ground", material())
+# of a body `can` whose frame is at its centre, the third axis along the can's:
+# shape = Cylinder({radius!r}, {height!r})
+# plant.RegisterCollisionGeometry(can, RigidTransform(), shape, "can", material())
+"""
+
+_GROUNDS = {
+    "HalfSpace": "ground, place = HalfSpace(), RigidTransform()",
+    "Box": "side = {side!r}\n"
+    "ground, place = Box(side, side, side), RigidTransform([0.0, 0.0, -side / 2.0])",
+}
+
+
+def as_python(case: Case, chosen: Mapping[str, Value], config: Mapping[str, Value]) -> str:
+    """Return settings as a program that builds a plant with the ground.
+
+    Parameters
+    ----------
+    case : Case
+    chosen : mapping of str to Value
+        Every setting in force.
+    config : mapping of str to Value
+        Fields of `MultibodyPlantConfig`.
+    """
+    can = case.scene.can
+    relaxation = ""
+    if "relaxation_time" in chosen:
+        time = chosen["relaxation_time"]
+        relaxation = f'    properties.AddProperty("material", "relaxation_time", {time!r})\n'
+    return _PASTE.format(
+        config=", ".join(f"{name}={value!r}" for name, value in config.items()),
+        dissipation=chosen["hunt_crossley_dissipation"],
+        stiffness=chosen["point_stiffness"],
+        mu=declared_friction(case.scene),
+        relaxation=relaxation,
+        ground=_GROUNDS[str(chosen["ground"])].format(side=side_of(can)),
+        radius=can.radius,
+        height=2.0 * can.half_height,
+    )
+
+
+SHIPPED_LAW = (
+    ("point_stiffness", 1e6),
+    ("hunt_crossley_dissipation", 50.0),
+)
+
+VARIANTS = (
+    *COMMON,
+    Variant(
+        name="similar",
+        settings=(("discrete_contact_approximation", "similar"), *SHIPPED_LAW),
+        imposes="a spring of 5e5 N/m",
+    ),
+    Variant(
+        name="lagged",
+        profile="default",  # which lets friction of another load pass
+        settings=(("ground", "Box"),),
+        imposes="a spring of 5e5 N/m, friction of the last step's load",
+    ),
+    Variant(
+        name="half-space",
+        settings=(("ground", "HalfSpace"),),
+        imposes="a contact at the middle of the base below 4.5e-4 rad",
+    ),
+    Variant(
+        name="spring as shipped",
+        settings=(("point_stiffness", 1e6), ("relaxation_time", 0.1)),
+        imposes="a spring of 5e5 N/m that relaxes in 0.2 s",
+        thorough=True,
+    ),
+)
+
+MODEL_DIFFERENCES = (
+    ModelDifference(
+        name="ground",
+        settings=("ground",),
+        sentence="On a half-space the contact of a nearly flat can is the middle of its base.",
+    ),
+    ModelDifference(
+        name="contact law",
+        settings=(
+            "discrete_contact_approximation",
+            "point_stiffness",
+            "hunt_crossley_dissipation",
+            "relaxation_time",
+        ),
+        sentence="The contact is a spring, and friction is bounded by the load of the last step.",
+    ),
+    ModelDifference(
+        name="timestep",
+        settings=(TIMESTEP,),
+        sentence="Steps of 1 ms are long beside the bounce.",
+    ),
+)
