@@ -1,5 +1,22 @@
 """MuJoCo, adapted: the one place that imports `mujoco`."""
 
-from harness.engines.mujoco.engine import MujocoEngine
+from typing import TYPE_CHECKING
 
-__all__ = ["MujocoEngine"]
+from harness.core.public_paths import lazy_exports
+from harness.engines.description import Description
+
+if TYPE_CHECKING:
+    from harness.engines.mujoco.engine import MujocoEngine
+
+__all__ = ["DESCRIPTION", "MujocoEngine"]
+
+DESCRIPTION = Description(
+    label="MuJoCo",
+    light="#0a6fb0",
+    dark="#5cb8f0",
+    step_s=6e-6,
+    overhead=1.10,
+    adaptive_gain=100.0,
+)
+
+__getattr__, __dir__ = lazy_exports(__name__, {"MujocoEngine": "harness.engines.mujoco.engine"})

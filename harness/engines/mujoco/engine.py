@@ -37,17 +37,16 @@ from harness.engines import (
     Schedule,
     Simulation,
     Stage,
-    Trajectory,
     Value,
     record,
     settle,
     step_by_stages,
     take_stage,
-    trajectory_of,
 )
+from harness.engines.mujoco import DESCRIPTION
 from harness.engines.mujoco import settings as declared
-from harness.engines.mujoco.world import MujocoWorld, alike
-from models.kinematics import to_world
+from harness.engines.mujoco.compiled_scene import alike, chunk_of
+from harness.engines.mujoco.world import MujocoWorld
 from models.rim import released
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -62,7 +61,7 @@ def control(world: MujocoWorld, times: Floats) -> dict[str, Any]:
     return {"control": forces[None], "control_spec": mujoco.mjtState.mjSTATE_XFRC_APPLIED}
 
 
-def chunk_of(
+def chunk_of_states(
     world: MujocoWorld,
     times: Floats,
     states: Floats,
@@ -73,23 +72,8 @@ def chunk_of(
 
     Where not every step was read, `spans` says for how many each stands.
     """
-    count = _sound(states)
-    contacts = sensors[:, 0].copy()
-    contacts[count:] = 0.0
-
-    def read(keep: Integers) -> Trajectory:
-        motion = states[keep, 1:]
-        motion[:, 10:] = to_world(motion[:, 3:7], motion[:, 10:])
-        return trajectory_of(times[keep], motion, world.read_contact(sensors[keep]))
-
-    return Chunk(
-        times=times,
-        quaternions=states[:count, 4:8],
-        constraint_rows=contacts.astype(np.int64) * world.rows_per_contact,
-        sound=count == len(states) and not _unstable(world.data),
-        read=read,
-        spans=spans,
-    )
+    count, sound = _sound(states), not _unstable(world.data)
+    return chunk_of(world, times, states[:, 1:], sensors, count=count, sound=sound, spans=spans)
 
 
 _BROKEN = (
@@ -225,7 +209,7 @@ class MujocoSteps:
         times, states, sensors = self._parts[0]
         spans = None if self._sampling is None else np.array(self._spans)
         self._parts, self._spans = [], []
-        return chunk_of(self._world, times, states, sensors, spans)
+        return chunk_of_states(self._world, times, states, sensors, spans)
 
 
 MOST_STEPS = 4096
@@ -268,7 +252,7 @@ def run_batch(
     for row, case in enumerate(cases):
         before = np.vstack((states[row], after[row, :-1]))
         prepared = replace(first, case=case, static_penetration=depths[row])
-        runs.append(record(prepared, [chunk_of(world, times, before, sensors[row])]))
+        runs.append(record(prepared, [chunk_of_states(world, times, before, sensors[row])]))
     wall = (time.perf_counter() - wall) / len(cases)
     cpu = (time.process_time() - cpu) / len(cases)
     return [
@@ -283,6 +267,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     """MuJoCo: soft contact by convex optimisation, generalised coordinates."""
 
     name = "mujoco"
+    description = DESCRIPTION
     settings = declared.SETTINGS
     default_timestep = declared.DEFAULT_TIMESTEP
     matched_timestep = declared.MATCHED_TIMESTEP
@@ -314,13 +299,15 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             ("slip.mu", "drilling.length", "rolling_resistance.length"), declared.FAINTEST
         ),
     )
-    # as shipped the cone is a pyramid, in which sliding and turning share even more
-    imposed_by_default = frozenset({"arm of drilling", "arm of rolling resistance"})
 
     @property
     def version(self) -> str:
         """The version of MuJoCo."""
         return str(mujoco.mj_versionString())
+
+    def imposed_in(self, case: Case) -> dict[str, float]:
+        """Return the rows of parity in which MuJoCo goes its own way in a case."""
+        return declared.imposed_in(case, self.resolve(case))
 
     def for_effects(self, case: Case, timestep: float) -> dict[str, Value]:
         """Return the settings that the effects of a scene decide."""

@@ -18,18 +18,20 @@ the contact first, since friction and solver act through it, the timestep last, 
 contact is tied to it.
 """
 
+import math
 from collections.abc import Mapping
 
 import mujoco
 
-from harness.core.case import Case, Value
 from harness.engines import (
     COMMON,
     ETA_SETTING,
     TIMESTEP,
+    Case,
     ModelDifference,
     Setting,
     SolverEffort,
+    Value,
     Variant,
 )
 from models.effects import Effects
@@ -47,12 +49,19 @@ def matched_solref(timestep: float) -> tuple[float, ...]:
     return (2.0 * timestep, 1.0)
 
 
+INTEGRATORS = tuple(
+    word
+    for word in ("Euler", "RK4", "implicit", "implicitfast", "discrete")
+    if hasattr(mujoco.mjtIntegrator, f"mjINT_{word.upper()}")
+)
+"""Those of the version that is installed: `discrete` came with 3.13."""
+
 OPTIONS = (
     Setting.as_shipped(
         "integrator",
         "Euler",
         "Time stepping; Euler and RK4 treat the gyroscopic term explicitly.",
-        choices=("Euler", "RK4", "implicit", "implicitfast", "discrete"),
+        choices=INTEGRATORS,
     ),
     Setting(
         "cone",
@@ -130,6 +139,21 @@ BUILD = Setting(
 )
 """The harness's own word, in no file of MuJoCo: which stages of a step are compiled in."""
 
+_PYRAMID = 1.0 - 1.0 / math.sqrt(2.0) + 0.005
+"""Share of the declared friction that a pyramid lacks between its edges, and what solvers miss."""
+
+_ARMS = ("arm of drilling", "arm of rolling resistance")
+
+
+def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
+    """Return the rows of parity in which MuJoCo goes its own way, each with its share.
+
+    As shipped sliding and turning share so much that a moment is nearly none.
+    """
+    rows = {"friction between the axes": _PYRAMID} if chosen["cone"] == "pyramidal" else {}
+    return rows | (dict.fromkeys(_ARMS, 1.0) if case.profile == "default" else {})
+
+
 SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, ETA_SETTING)
 
 _IDLE = (
@@ -176,42 +200,60 @@ def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:
 
 def stages(chosen: Mapping[str, Value], effects: Effects) -> dict[str, str]:
     """Return the flags of the stages that are left out, or, with everything, of those put in."""
-    if chosen["build"] == "lean":
+    build = chosen.get("build")
+    if build == "lean":
         idle = _IDLE if effects.damping is not None else (*_IDLE, "damper")
         return dict.fromkeys(idle, "disable")
-    return {"energy": "enable"} if chosen["build"] == "everything" else {}
+    return {"energy": "enable"} if build == "everything" else {}
 
 
 def attributes(case: Case, chosen: Mapping[str, Value]) -> tuple[dict[str, str], ...]:
     """Return the MJCF attributes of `option`, of the geoms and of `option/flag` for a case.
 
-    Profile `default` writes only what the case sets itself, so that the engine stays as it ships.
+    Profile `default` writes only what the case sets itself, so that the engine stays as it ships;
+    so does an engine that has not all of MuJoCo's settings.
     """
     explicit = {name for name, _ in case.options}
     return tuple(
         {
             setting.name: _text(chosen[setting.name])
             for setting in group
-            if case.profile != "default" or setting.name in explicit
+            if setting.name in chosen and (case.profile != "default" or setting.name in explicit)
         }
         for group in (OPTIONS, GEOM, FLAGS)
     )
 
 
 _ADAPTIVE = """\
-<!-- The timestep follows the motion. Before each mj_step of a can with these measures:
-from harness.engines import Adaptive           # schedule = Adaptive(can, largest={largest!r}, ...)
-model.opt.timestep = step                      # of schedule.next(quaternion, angular velocity)
-model.geom_solref[:] = (2 * step, 1)           # the contact is tied to it
+<!-- The timestep follows the motion. Before each step of a can with these measures:
+from harness.engines import Adaptive  # schedule = Adaptive(can, largest={largest!r}, ...)
+step = ...  # of schedule.next(quaternion, angular velocity)
+{set_step}
 -->
 """
 
+_SET_STEP = """\
+model.opt.timestep = step
+model.geom_solref[:] = (2 * step, 1)  # the contact is tied to it"""
 
-def as_mjcf(case: Case, chosen: Mapping[str, Value], timestep: float) -> str:
+
+def as_mjcf(
+    case: Case, chosen: Mapping[str, Value], timestep: float, set_step: str = _SET_STEP
+) -> str:
     """Return the settings of a case as MJCF: `option`, and `default` for the geoms of the contact.
 
     Both belong right under `mujoco`, and so does the `contact` of a scene whose contact is a
     spring, for geoms named as in the model files.
+
+    Parameters
+    ----------
+    case : Case
+    chosen : mapping of str to Value
+        Every setting in force.
+    timestep : float
+        s.
+    set_step : str
+        How a program sets a `step` of profile `adaptive` in the engine.
     """
     # without the disabled stages: another model may need them, and they change no number
     option, geom, flag = attributes(case, chosen)
@@ -224,7 +266,9 @@ def as_mjcf(case: Case, chosen: Mapping[str, Value], timestep: float) -> str:
     if soft_solref(case, timestep) is not None:
         springy = pair(surface(case.scene) | geom, timestep)
         lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
-    head = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
+    head = ""
+    if case.profile == "adaptive":
+        head = _ADAPTIVE.format(largest=timestep, set_step=set_step)
     return head + "\n".join(lines) + "\n"
 
 
@@ -247,7 +291,7 @@ VARIANTS = (
     Variant(name="adaptive RK4", profile="adaptive", settings=(("integrator", "RK4"),)),
     *(
         Variant.of("integrator", word, thorough=word in {"implicit", "discrete"})
-        for word in ("RK4", "implicit", "implicitfast", "discrete")
+        for word in INTEGRATORS[1:]
     ),
     Variant.of("cone", "pyramidal", imposes="a friction cone that is a pyramid"),
     *(

@@ -1,0 +1,240 @@
+"""A scene compiled by MuJoCo from MJCF, and what of it follows the timestep.
+
+It is what MuJoCo and the engines that take their model from MuJoCo have in common: the text of the
+model, the attributes that are tied to a timestep, mass and moments as they are compiled, the forces
+of a shaken plane, and the contact as MuJoCo's own sensors tell it.
+
+A shaken plane is a force on the centre of mass, `xfrc_applied`: gravity is the same all over the
+can, and unlike `opt.gravity` a force may change from step to step within one call of an engine.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from harness.engines import (
+    Case,
+    Chunk,
+    Floats,
+    Integers,
+    RefusedModelError,
+    Trajectory,
+    Value,
+    trajectory_of,
+)
+from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
+from models.gravity import shaking
+from models.kinematics import to_world
+from models.mjcf_contact import friction_solref
+from models.release import Release
+from models.to_mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
+
+_RELEASE = Release(phi=1.0)
+"""Release in the model file; every run places the can anew."""
+
+_NEXT_TO_NOTHING = 1e-30
+"""Damping too small to change a number, with which MuJoCo computes damping all the same."""
+
+
+class CompiledScene:
+    """One can on one plane as MuJoCo compiles it.
+
+    Parameters
+    ----------
+    case : Case
+    chosen : mapping of str to Value
+        Every setting in force.
+    timestep : float
+        s.
+    flag : mapping of str to str
+        Attributes of `option/flag` that the engine needs beside those of the settings.
+    contact_sensors : bool
+        Whether the engine has MuJoCo's sensors of the contact.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        chosen: Mapping[str, Value],
+        timestep: float,
+        flag: Mapping[str, str],
+        *,
+        contact_sensors: bool = True,
+    ) -> None:
+        option, geom, own_flag = attributes(case, chosen)
+        soft = soft_solref(case, timestep)
+        everything = chosen.get("build") == "everything"
+        text = mjcf(
+            alike(case).scene,
+            option={"timestep": repr(timestep)} | option,
+            flag=dict(flag) | stages(chosen, case.scene.effects) | own_flag,
+            geom=geom,
+            contact_sensors=contact_sensors,
+            every_sensor=everything,
+            spring_timestep=None if soft is None else timestep,
+        )
+        # a warning is an outcome, which `MjData.warning` counts, not a line of a log file in the
+        # working folder
+        mujoco.set_mju_user_warning(lambda _: None)
+        try:
+            self.model = mujoco.MjModel.from_xml_string(text)
+        except ValueError as error:
+            raise RefusedModelError(case.engine, case.label(), str(error)) from error
+        self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
+        self._case, self._soft = case, soft is not None
+        stiffest = case.profile != "default" and "solref" not in dict(case.options)
+        self._tied = stiffest and not self._soft
+        damping = dof_damping(case.scene)
+        if damping is not None and case.scene.effects.point_mass is not None:
+            reason = (
+                "MuJoCo damps the velocity of the can's centre, which is not that of the centre of "
+                "mass beside a point mass; the reference carries both"
+            )
+            raise RefusedModelError(case.engine, case.label(), reason)
+        if damping is not None:
+            self.model.dof_damping[:] = damping
+        elif everything:
+            self.model.dof_damping[:] = _NEXT_TO_NOTHING
+        self._body = self.model.body("can").id
+        self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)
+        # without MuJoCo's sensors an adapter makes the same numbers itself
+        self.found, self._depth = 0, 7
+        if contact_sensors:
+            self.found = int(self.model.sensor(NET_SENSOR).adr[0])
+            self._depth = int(self.model.sensor(DEPTH_SENSOR).adr[0])
+
+    def of_can(self, field: str) -> Floats:
+        """Return what the engine has compiled of the can, by the name of the model's array."""
+        value: Floats = getattr(self.model, field)[self._body]
+        return value
+
+    @property
+    def mass(self) -> float:
+        """Mass of the can with all that is fixed to it, kg."""
+        return float(self.of_can("body_mass"))
+
+    @property
+    def inertia(self) -> Floats:
+        """Moments about the body's axes through the centre of mass, shape (3,), kg m^2."""
+        moments: Floats = np.diagonal(self.inertia_tensor).copy()
+        return moments
+
+    @property
+    def inertia_tensor(self) -> Floats:
+        """About the centre of mass in the body's axes, shape (3, 3), kg m^2."""
+        R_BP = np.empty(9)
+        mujoco.mju_quat2Mat(R_BP, self.of_can("body_iquat"))
+        R = R_BP.reshape(3, 3)
+        tensor: Floats = R @ np.diag(self.of_can("body_inertia")) @ R.T
+        return tensor
+
+    @property
+    def centre_of_mass(self) -> Floats:
+        """From the centre of the can in the body's axes, shape (3,), m."""
+        return self.of_can("body_ipos").copy()
+
+    @property
+    def timestep(self) -> float:
+        """The timestep of the compiled model, s."""
+        return float(self.model.opt.timestep)
+
+    def set_timestep(self, timestep: float) -> None:
+        """Step by another length from now on; a contact tied to the timestep goes with it."""
+        if timestep != self.model.opt.timestep:
+            self.model.opt.timestep = timestep
+            if self._tied:
+                self.model.geom_solref[:, :] = matched_solref(timestep)
+            if self._soft:
+                self.model.pair_solref[0] = soft_solref(self._case, timestep)
+                self.model.pair_solreffriction[0] = friction_solref(timestep)
+
+    @property
+    def rows_per_contact(self) -> int:
+        """Constraint rows of one contact, which depend on its dimension and the cone."""
+        condim = int(self.model.geom_condim[self._geoms[0]])
+        pyramidal = self.model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+        return 2 * (condim - 1) if pyramidal and condim > 1 else condim
+
+    def forces(self, times: Floats) -> Floats | None:
+        """Return `xfrc_applied` of the steps from these times (n,) on, shape (n, 6 bodies).
+
+        None where the plane is at rest and nothing is applied.
+        """
+        if not self._shaken:
+            return None
+        applied = np.zeros((len(times), self.model.nbody, 6))
+        applied[:, self._body, :3] = self.mass * shaking(self._scene, times, self.timestep)
+        return applied.reshape(len(times), -1)
+
+    def read_contact(self, sensors: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return point (n, 3), force (n, 3), depth (n,) and count (n,) of sensor rows (n, 8).
+
+        MuJoCo's own resultant: the sum of all contact forces at their force-weighted centre. The
+        contact frame of a resultant is the world's with the axes in order, so that its force needs
+        no turning.
+        """
+        net = sensors[:, self.found : self.found + 7]
+        count, force, point = net[:, 0], net[:, 1:4], net[:, 4:7]
+        bears = (count > 0) & (force[:, 2] > 0.0)
+        return (
+            np.where(bears[:, None], point, np.nan),
+            force,
+            np.where(count > 0, -sensors[:, self._depth], np.nan),
+            np.where(bears, count, 0.0),
+        )
+
+
+def chunk_of(
+    scene: CompiledScene,
+    times: Floats,
+    states: Floats,
+    sensors: Floats,
+    *,
+    count: int,
+    sound: bool,
+    spans: Integers | None = None,
+) -> Chunk:
+    """Return steps with the sensors of the instants before them.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    times : ndarray, shape (n,)
+        s.
+    states : ndarray, shape (n, 13)
+        qpos and qvel, the angular velocity in the body's frame.
+    sensors : ndarray, shape (n, 8)
+    count : int
+        How many of the states from the first on are valid.
+    sound : bool
+        Whether the numbers have not broken, within these steps or right after them.
+    spans : ndarray of int, shape (n,), optional
+        Where not every step was read: for how many each stands.
+    """
+    contacts = sensors[:, scene.found].copy()
+    contacts[count:] = 0.0
+
+    def read(keep: Integers) -> Trajectory:
+        motion = states[keep]
+        motion[:, 10:] = to_world(motion[:, 3:7], motion[:, 10:])
+        return trajectory_of(times[keep], motion, scene.read_contact(sensors[keep]))
+
+    return Chunk(
+        times=times,
+        quaternions=states[:count, 3:7],
+        constraint_rows=contacts.astype(np.int64) * scene.rows_per_contact,
+        sound=sound and count == len(states),
+        read=read,
+        spans=spans,
+    )
+
+
+def alike(case: Case) -> Case:
+    """Return a case with the release of the model file, equal for all cases of one model.
+
+    MuJoCo weighs a constraint by an inverse inertia that it takes, with round-off, in the pose of
+    the model file. Compiled from this, every release has one and the same model, to the bit.
+    """
+    return replace(case, scene=replace(case.scene, name="can", cite="", release=_RELEASE))

@@ -1,0 +1,53 @@
+"""MuJoCo Warp's settings that matter to a rolling can, as it ships and as `matched` takes them.
+
+They are those of MuJoCo that MuJoCo Warp takes, with the same values. It raises a tolerance below
+1e-6 to 1e-6, since it computes in single precision.
+"""
+
+from dataclasses import replace
+
+from harness.engines import COMMON, ETA_SETTING, SolverEffort, Variant
+from harness.engines.mujoco import settings as of_mujoco
+
+_CHOICES = {"solver": ("CG", "Newton")}
+"""Where MuJoCo Warp has fewer words than MuJoCo."""
+
+_LEFT_OUT = {"build"}
+"""A word of the adapter of MuJoCo alone."""
+
+SETTINGS = (
+    *(
+        replace(setting, choices=_CHOICES.get(setting.name, setting.choices))
+        for setting in of_mujoco.SETTINGS
+        if setting.name not in _LEFT_OUT and setting is not ETA_SETTING
+    ),
+    ETA_SETTING,
+)
+
+VARIANTS = (
+    *COMMON,
+    Variant.of("integrator", "RK4"),
+    Variant.of("cone", "pyramidal", imposes="a friction cone that is a pyramid"),
+    Variant(name="1 solver iteration", settings=(("iterations", 1),)),
+)
+
+MODEL_DIFFERENCES = tuple(
+    replace(
+        difference, settings=tuple(name for name in difference.settings if name not in _LEFT_OUT)
+    )
+    for difference in of_mujoco.MODEL_DIFFERENCES
+)
+
+LEAST_TOLERANCE = 1e-6
+"""What MuJoCo Warp makes of a tolerance that is smaller."""
+
+SOLVER_EFFORTS = (
+    *(
+        SolverEffort(
+            name=f"{count} iteration{'s' if count > 1 else ''}", settings=(("iterations", count),)
+        )
+        for count in (1, 2, 3)
+    ),
+    SolverEffort(name="tolerance 1e-4", settings=(("tolerance", 1e-4),)),
+    SolverEffort(name="converged", settings=(("tolerance", LEAST_TOLERANCE), ("iterations", 200))),
+)

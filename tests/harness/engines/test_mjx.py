@@ -1,0 +1,187 @@
+"""MJX: what it ships with, its precisions beside each other, and settings to paste."""
+
+import re
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.core.case import Case, Value
+from harness.core.errors import HarnessError
+from harness.engines.description import Precision
+from harness.engines.registry import engine, export_settings, not_installed, variants
+from harness.engines.stepping.settling import UP, lowered, moving
+from harness.evaluation.evaluate import evaluate
+from models import Horizon, Scene, load
+from models.rim import released
+from tests.support.engines import stepping_engine
+from tests.support.evaluations import turn_error
+
+pytestmark = pytest.mark.engine("mjx")
+
+SINGLE = {"jax_enable_x64": False}
+
+
+def case_of(scene: Scene, timestep: float | None = None, **options: Value) -> Case:
+    """Return a matched case of MJX."""
+    return Case(scene=scene, engine="mjx", timestep=timestep, options=tuple(options.items()))
+
+
+@pytest.mark.parametrize(
+    ("timestep", "error"),
+    [(1e-3, 0.2065), (1e-4, -0.0072), pytest.param(1e-5, -0.0012, marks=pytest.mark.slow)],
+)
+def test_the_gentle_release_turns_as_in_mujoco(
+    gentle: Scene, timestep: float, error: float
+) -> None:
+    own = case_of(gentle, timestep)
+    assert turn_error(own) == pytest.approx(error, abs=1e-4)
+    # another order of the same sums: round-off that the bounce has not amplified
+    assert turn_error(own) == pytest.approx(turn_error(replace(own, engine="mujoco")), abs=1e-6)
+
+
+def test_the_paper_release_turns_with_adaptive_steps_in_double_precision_alone() -> None:
+    case = replace(case_of(load("paper-release")), profile="adaptive")
+    assert abs(turn_error(case)) < 1e-3
+    assert abs(turn_error(replace(case, options=tuple(SINGLE.items())))) > 10.0
+
+
+def test_a_setting_of_jax_decides_the_precision_of_a_case_and_of_nothing_else(
+    gentle: Scene,
+) -> None:
+    import jax  # noqa: PLC0415 - may not be installed
+
+    chosen: Any = stepping_engine("mjx")
+    for options, precision in (({}, Precision.DOUBLE), (SINGLE, Precision.SINGLE)):
+        case = case_of(gentle, 1e-4, **options)
+        assert chosen.precision(case) is precision
+        world = chosen.open(case)
+        digits = abs(world.mass / gentle.can.mass - 1.0)
+        assert (digits == 0.0) is (precision is Precision.DOUBLE)
+        assert digits < precision.epsilon
+        assert jax.numpy.zeros(1).dtype == np.float32  # as the user of JAX has it
+    shipped = Case(scene=gentle, engine="mjx", profile="default")
+    assert chosen.precision(shipped) is Precision.SINGLE
+
+
+@pytest.mark.parametrize("options", [{}, SINGLE], ids=["double", "single"])
+def test_parity_tells_the_rim_in_single_precision(gentle: Scene, options: dict[str, Value]) -> None:
+    rows = {row.quantity: row for row in engine("mjx").parity(case_of(gentle, 1e-4, **options))}  # type: ignore[attr-defined]
+    verdicts = {row.verdict for row in rows.values()}
+    assert verdicts == ({"equal", "imposed"} if options else {"equal"})
+    if options:
+        rim = rows["rim deviation"]
+        assert rim.verdict == "imposed"
+        # R eps/phi at the smallest tilt that is probed, 0.02 rad
+        assert 0.1 < rim.found / (gentle.can.radius * Precision.SINGLE.epsilon / 0.02) < 10.0
+
+
+def test_another_timestep_compiles_nothing_and_means_the_same(gentle: Scene) -> None:
+    chosen: Any = stepping_engine("mjx")
+    worlds = [chosen.open(case_of(gentle, timestep)) for timestep in (1e-4, 2e-4)]
+    pose, twist = released(gentle)
+    assert worlds[0].loop is worlds[1].loop
+    compiled = None
+    states = []
+    for world in worlds:
+        world.set_timestep(1.5e-4)
+        world.place(lowered(pose, 1e-8), twist)
+        for _ in range(3):
+            world.step()
+        compiled = compiled or world.loop._cache_size()  # noqa: SLF001 - JAX tells it so alone
+        states.append(np.concatenate((world.pose().position, world.twist().velocity)))
+    assert worlds[1].loop._cache_size() == compiled  # noqa: SLF001 - likewise
+    assert states[0].tobytes() == states[1].tobytes()
+
+
+def test_a_stage_gives_the_bits_of_its_steps(gentle: Scene) -> None:
+    chosen: Any = stepping_engine("mjx")
+    pose, twist = released(gentle)
+    one, many = (chosen.open(case_of(gentle, 1e-4)) for _ in range(2))
+    for world in (one, many):
+        world.place(lowered(pose, 1e-8), twist)
+    count = 300  # more than fit into one call
+    rows, _ = many.roll(np.arange(count) * 1e-4)
+    for number in range(count):
+        assert one.pose().position.tobytes() == rows[number, :3].tobytes()
+        one.step()
+    assert one.contact().force.tobytes() == many.contact().force.tobytes()
+
+
+@pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
+def test_the_resultant_is_that_of_the_sensors_of_mujoco(gentle: Scene, cone: str) -> None:
+    pose, _ = released(gentle)
+    found = []
+    for name in ("mjx", "mujoco"):
+        case = replace(case_of(gentle, 1e-4, cone=cone), engine=name)
+        world = stepping_engine(name).open(case)
+        world.place(lowered(pose, 1e-5), moving(velocity=np.array((0.1, -0.2, 0.0)) - 0.01 * UP))
+        world.step()
+        contact = world.contact()
+        found.append(np.concatenate((contact.point, contact.force, [contact.penetration])))
+        assert contact.count == 1
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
+def test_what_it_ships_with_is_what_is_stated(gentle: Scene) -> None:
+    import jax  # noqa: PLC0415 - may not be installed
+    import mujoco  # noqa: PLC0415
+
+    stated = {setting.name: setting.default for setting in engine("mjx").settings}
+    assert jax.config.jax_enable_x64 is stated.pop("jax_enable_x64")
+    option = mujoco.MjModel.from_xml_string("<mujoco/>").opt
+    for name in ("impratio", "iterations", "ls_iterations", "ls_tolerance", "tolerance"):
+        assert getattr(option, name) == stated[name]
+    assert stepping_engine("mjx").timestep(
+        Case(scene=gentle, engine="mjx", profile="default")
+    ) == pytest.approx(option.timestep, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    "variant",
+    () if "mjx" in not_installed() else variants("mjx"),
+    ids=lambda variant: getattr(variant, "name", variant),
+)
+def test_what_is_pasted_runs_and_means_the_case(gentle: Scene, variant: Any) -> None:
+    import jax  # noqa: PLC0415 - may not be installed
+    import jax.numpy as jnp  # noqa: PLC0415
+    import mujoco  # noqa: PLC0415
+    from mujoco import mjx  # noqa: PLC0415
+
+    case = replace(case_of(gentle, 2.0**-12), profile=variant.profile, options=variant.settings)
+    text, chosen = export_settings(case), stepping_engine("mjx").resolve(case)
+    (before,) = re.findall(r"put_model\(model\)`:\n(.*)\n-->", text)
+    own: dict[str, Any] = {"jax": jax, "jnp": jnp}
+    try:
+        exec(before, own)  # noqa: S102 - a user would
+        assert jax.config.jax_enable_x64 is chosen["jax_enable_x64"]
+        scene = f'<mujoco>{text}<worldbody><geom type="plane" size="1 1 1"/></worldbody></mujoco>'
+        model = mjx.put_model(mujoco.MjModel.from_xml_string(scene))
+        assert int(model.opt.cone) == ["pyramidal", "elliptic"].index(str(chosen["cone"]))
+        assert float(model.opt.timestep) == 2.0**-12
+        assert float(model.geom_solref[0, 0]) == pytest.approx(chosen["solref"][0], rel=1e-7)  # type: ignore[index]
+        if variant.profile == "adaptive":
+            (lines,) = re.findall(r"angular velocity\)\n(.*?)\n-->", text, flags=re.DOTALL)
+            own |= {"model": model, "step": 2.0**-13}
+            exec(lines, own)  # noqa: S102 - likewise
+            assert float(own["model"].opt.timestep) == 2.0**-13
+            assert own["model"].geom_solref.tolist() == [[2.0**-12, 1.0]]
+    finally:
+        jax.config.update("jax_enable_x64", False)  # noqa: FBT003 - as the rest has it
+
+
+def test_what_mjx_does_not_have_is_refused_with_the_reason(gentle: Scene) -> None:
+    for options in ({"solver": "PGS"}, {"noslip_iterations": 3}):
+        with pytest.raises(HarnessError, match=next(iter(options))):
+            evaluate(case_of(gentle, 1e-3, **options))
+
+
+def test_compiling_is_told_apart_and_once(gentle: Scene) -> None:
+    brief = replace(gentle, horizon=Horizon(seconds=0.005))
+    case = case_of(brief, 1e-3, ls_tolerance=0.0125)  # which nothing else here compiles
+    first, again = (engine("mjx").simulate(case) for _ in range(2))
+    assert first.compile_s > 0.0
+    assert again.compile_s == 0.0
+    # neither holds what compiles, beside which five steps are over in no time
+    assert max(first.wall_s, again.wall_s) < 0.5 * first.compile_s
