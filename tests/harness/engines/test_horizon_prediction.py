@@ -12,6 +12,7 @@ from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.physics_engine import SHORTEST, HorizonPrediction
 from harness.engines.stepping.recording import Chunk
 from models import Horizon, load, quaternion
+from tests.support.engines import DOUBLE
 from tests.support.trajectories import make_trajectory
 
 GENTLE = load("gentle-rock")
@@ -66,7 +67,7 @@ def test_an_end_in_time_needs_no_foresight() -> None:
     assert HorizonPrediction(replace(GENTLE, horizon=Horizon(seconds=1.0))).ahead() == np.inf
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("name", DOUBLE)
 @pytest.mark.parametrize("scene", ["gentle-rock", "paper-release", "wobble"])
 def test_few_chunks_and_few_steps_in_vain(
     name: str, scene: str, monkeypatch: pytest.MonkeyPatch

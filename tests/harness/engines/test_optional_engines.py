@@ -11,11 +11,20 @@ import pytest
 
 from harness import api
 from harness.cli.main import code_of
+from harness.cli.study_command import not_installed
 from harness.core import engine_packages
 from harness.core.engine_packages import ENGINE_ENTRY_POINTS, install_command, packages_of
-from harness.core.errors import MissingPackageError
+from harness.core.errors import (
+    BrokenPackageError,
+    EngineCrashError,
+    MissingPackageError,
+    UnknownEngineError,
+)
 from harness.core.verdict import Status
-from harness.engines import registry
+from harness.engines import plugin_probe, registry
+from harness.engines.description import Description
+from harness.execution.isolated_pool import IsolatedProcessPool
+from harness.execution.limits import Limits
 from harness.gate.baseline import cases_of_absent, read_scores, write_baseline
 from harness.gate.comparison import differences
 from harness.gate.report import GATE, regressions, sentences
@@ -62,6 +71,13 @@ def packages() -> engine_packages.EnginePackages:
     """Return what is declared of the glider."""
     (entry,) = (e for e in entry_points(group=ENGINE_ENTRY_POINTS) if e.name == "glider")
     return packages_of(entry)
+
+
+def test_the_package_that_has_the_version_of_an_engine_comes_first(register: Register) -> None:
+    register("another; extra == 'glider'", "hang_glider>=2; extra == 'glider'", "numpy>=2")
+    (entry,) = (e for e in entry_points(group=ENGINE_ENTRY_POINTS) if e.name == "glider")
+    needed = [f"{one.name} {one.specifier}" for one in engine_packages.requirements_of(entry)]
+    assert needed == ["hang_glider >=2", "another ", "glider-kit ==1.0"]
 
 
 def test_an_extra_of_its_name_says_what_an_engine_needs(register: Register) -> None:
@@ -160,6 +176,84 @@ def test_engines_says_how_to_add_it(
     told = {each["name"]: each for each in json.loads(capsys.readouterr().out)["engines"]}
     assert told["glider"]["installed"] is False
     assert told["glider"]["message"].endswith(ADD)
+
+
+BROKEN = "raise ImportError('undefined symbol: glide_fast')\n"
+"""What a wheel that was built for another library does when it is imported."""
+
+
+def build(tmp_path: Path, module: str, source: str) -> None:
+    """Install a build of the package behind an engine."""
+    site = tmp_path / "site"
+    metadata = site / f"{module.replace('_', '-')}-2.0.dist-info"
+    metadata.mkdir(parents=True, exist_ok=True)
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.4\nName: {module}\nVersion: 2.0\n")
+    (metadata / "RECORD").write_text(f"{module}.py,{len(source)},\n")
+    (site / f"{module}.py").write_text(source, encoding="utf-8")
+
+
+@pytest.mark.parametrize("by_default", [True, False])
+def test_one_that_is_installed_and_broken_is_listed_with_the_reason(
+    by_default: bool,  # noqa: FBT001 - a parameter
+    register: Register,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    register("glide; extra == 'glider'")
+    build(tmp_path, "glide", BROKEN)
+    described = Description(by_default=by_default)
+    monkeypatch.setattr(
+        api, "description_of", lambda n: described if n == "glider" else Description()
+    )
+    with pytest.raises(BrokenPackageError, match="undefined symbol: glide_fast"):
+        registry.engine("glider")
+    assert code_of(["engines", "--json"]) == 0
+    told = {each["name"]: each for each in json.loads(capsys.readouterr().out)["engines"]}
+    assert (told["glider"]["installed"], told["glider"]["broken"]) == (False, True)
+    assert "undefined symbol: glide_fast" in told["glider"]["message"]
+    # what takes part by default is not passed over
+    assert ("glider" in api.stepping_engines(["all"])) is by_default
+    assert ("glider" in api.absent_engines(["all"])) is not by_default
+    said = [each.text for each in not_installed(api.absent_engines(["all"]))]
+    assert any("undefined symbol: glide_fast" in text for text in said) is not by_default
+
+
+def test_beside_all_a_name_is_of_an_engine(register: Register) -> None:
+    register(OPTIONAL)
+    with pytest.raises(UnknownEngineError):
+        api.stepping_engines(["all", "nope"])
+    with pytest.raises(MissingPackageError):
+        api.stepping_engines(["glider", "all"])
+    assert api.stepping_engines(["all", "reference"])[-1] == "reference"
+
+
+def test_a_build_for_another_processor_is_tried_elsewhere_and_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    registry.engine.cache_clear()
+    for known in [name for name in sys.modules if name.startswith("harness.engines.dart")]:
+        monkeypatch.delitem(sys.modules, known)
+    monkeypatch.delitem(sys.modules, "dartpy", raising=False)
+    build(tmp_path, "dartpy", "import os, signal\n\nos.kill(os.getpid(), signal.SIGILL)\n")
+    with pytest.raises(EngineCrashError, match="SIGILL, illegal instruction"):
+        registry.engine("dart")
+    build(tmp_path, "dartpy", BROKEN)  # it does no harm: this process may import it
+    tried: list[int] = []
+
+    class Counted(IsolatedProcessPool):
+        def __init__(self, workers: int, limits: Limits) -> None:
+            tried.append(workers)
+            super().__init__(workers, limits)
+
+    monkeypatch.setattr(plugin_probe, "IsolatedProcessPool", Counted)
+    for _ in range(2):
+        with pytest.raises(BrokenPackageError, match="undefined symbol"):
+            registry.engine("dart")
+    assert len(tried) == 1
+    registry.engine.cache_clear()
 
 
 @pytest.mark.parametrize("named", ["pip", "python", "elsewhere"])

@@ -3,16 +3,22 @@
 # ruff: noqa: D102 - the methods of a toy are described where its role is
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pytest
 
 from harness.engines.base import Contact
+from harness.engines.description import Precision
 from harness.engines.parity.checks import parity
-from models import NO_SLIP_FRICTION, Pose, Scene, Twist, angles
+from harness.engines.stepping.settling import AT_REST, above_origin
+from models import NO_SLIP_FRICTION, Pose, Scene, Twist, angles, to_body
+from models.kinematics import to_world
 
 DT = 1e-3
+SPIN = {"misfit of the gyroscopic acceleration"}
+FRICTION = {"friction of the pair", "friction between the axes"}
 
 
 class Toy:
@@ -60,6 +66,7 @@ class Toy:
             self._force = normal * np.array((0.0, -mu, 1.0))
         velocity[2] -= self.fault("gravity", self.scene.gravity) * DT
         velocity *= math.exp(-self.fault("linear", 0.0) * DT)
+        spin += self.timestep * self.fault("gyroscopic", 1.0) * self._acceleration(spin)
         spin *= math.exp(-self.fault("angular", 0.0) * DT)
         clamp = self.fault("clamp", math.inf)
         self._twist = Twist(
@@ -68,6 +75,13 @@ class Toy:
         position = self._pose.position + dt * self._twist.velocity
         self._pose = Pose(position=position, quaternion=self._pose.quaternion)
 
+    def _acceleration(self, spin: np.ndarray) -> np.ndarray:
+        """Return what the can's spin gains without a torque, rad/s^2, in world coordinates."""
+        inertia, orientation = np.diag(self.inertia), self._pose.quaternion
+        own = spin if "body" in self.faults else to_body(orientation, spin)
+        gained = -np.linalg.solve(inertia, np.cross(own, inertia @ own))
+        return gained if "body" in self.faults else to_world(orientation, gained)
+
     def pose(self) -> Pose:
         return self._pose
 
@@ -75,15 +89,17 @@ class Toy:
         return self._twist
 
     def set_timestep(self, timestep: float) -> None:
-        raise AssertionError(timestep)
+        self.timestep = timestep
 
     def contact(self) -> Contact:
         return Contact(point=np.zeros(3), force=self._force, penetration=0.0, count=1)
 
 
-def faulty(scene: Scene, imposed: frozenset[str] = frozenset(), **faults: float) -> dict[str, Any]:
+def faulty(
+    scene: Scene, imposed: Mapping[str, float] | None = None, **faults: float
+) -> dict[str, Any]:
     """Return the verdict of each quantity that is not equal."""
-    rows = parity(Toy(scene, **faults), scene, DT, imposed)
+    rows = parity(Toy(scene, **faults), scene, DT, imposed or {})
     return {row.quantity: row.verdict for row in rows if row.verdict != "equal"}
 
 
@@ -93,6 +109,9 @@ def test_a_faultless_world_is_equal_in_everything(gentle: Scene) -> None:
 
 FAULTS: list[tuple[dict[str, Any], set[str]]] = [
     ({"mass": 0.043 * (1 + 1e-9)}, {"mass"}),
+    ({"gyroscopic": 0.0}, SPIN),
+    ({"gyroscopic": 0.99}, SPIN),
+    ({"body": 1.0}, SPIN),
     ({"timestep": DT * (1 + 1e-6)}, {"timestep"}),
     ({"gravity": 9.81 * (1 + 1e-6)}, {"gravity"}),
     ({"gravity": -9.81}, {"gravity"}),
@@ -103,8 +122,8 @@ FAULTS: list[tuple[dict[str, Any], set[str]]] = [
     ({"half_height": 0.055}, {"half height H", "rim deviation"}),
     ({"margin": 1e-6}, {"radius R", "half height H", "rim deviation"}),
     ({"sides": 32.0}, {"radius R", "rim deviation"}),
-    ({"mu": NO_SLIP_FRICTION * (1 + 1e-5)}, {"friction of the pair"}),
-    ({"mu": 0.0}, {"friction of the pair"}),
+    ({"mu": NO_SLIP_FRICTION * (1 + 1e-5)}, FRICTION),
+    ({"mu": 0.0}, FRICTION),
 ]
 
 
@@ -126,8 +145,33 @@ def test_moments_are_told_apart(gentle: Scene) -> None:
 
 
 def test_what_is_known_to_differ_is_imposed_and_nothing_else(gentle: Scene) -> None:
-    found = faulty(gentle, frozenset({"mass"}), mass=1.0, gravity=9.0)
+    found = faulty(gentle, {"mass": math.inf}, mass=1.0, gravity=9.0)
     assert found == {"mass": "imposed", "gravity": "mismatch"}
+
+
+@pytest.mark.parametrize(
+    ("faults", "quantity", "share"),
+    [
+        ({"mass": 0.043 * 1.01}, "mass", 0.01),
+        ({"mu": 1.4 * NO_SLIP_FRICTION}, "friction of the pair", 0.4),
+        # what is declared as zero: over the size of the can, its moment, or one unit
+        ({"margin": 1e-4}, "rim deviation", 1e-4 * (math.sin(0.9) + math.cos(0.9) - 1.0) / 0.06587),
+        ({"A": 1e-5, "A2": 2e-5}, "inertia asymmetry", 1e-5 / 4.2796e-5),
+        ({"angular": 0.04}, "angular damping", 0.04),
+    ],
+)
+def test_a_deviation_is_imposed_up_to_the_share_that_is_declared(
+    gentle: Scene, faults: dict[str, float], quantity: str, share: float
+) -> None:
+    for allowed, verdict in ((1.02 * share, "imposed"), (0.98 * share, "mismatch")):
+        assert faulty(gentle, {quantity: allowed}, **faults)[quantity] == verdict
+
+
+def test_no_number_is_imposed_where_any_size_is(gentle: Scene) -> None:
+    rows = dict.fromkeys(FRICTION, 1e9)
+    assert faulty(gentle, rows, slop=1.0) == dict.fromkeys(FRICTION, "mismatch")
+    rows = dict.fromkeys(FRICTION, math.inf)
+    assert faulty(gentle, rows, slop=1.0) == dict.fromkeys(FRICTION, "imposed")
 
 
 def test_a_slop_that_leaves_shallow_contact_alone_is_no_mismatch(gentle: Scene) -> None:
@@ -135,4 +179,81 @@ def test_a_slop_that_leaves_shallow_contact_alone_is_no_mismatch(gentle: Scene) 
 
 
 def test_a_contact_that_never_pushes_is_a_mismatch(gentle: Scene) -> None:
-    assert faulty(gentle, slop=1.0) == {"friction of the pair": "mismatch"}
+    assert faulty(gentle, slop=1.0) == dict.fromkeys(FRICTION, "mismatch")
+
+
+def in_single(numbers: np.ndarray) -> np.ndarray:
+    """Return numbers rounded to single precision, as doubles."""
+    return numbers.astype(np.float32).astype(np.float64)
+
+
+class SingleToy(Toy):
+    """The same, with a state, a mass and moments that are rounded to single precision."""
+
+    def __init__(self, scene: Scene, **faults: float) -> None:
+        super().__init__(scene, **faults)
+        self.place(above_origin(1.0), AT_REST)
+
+    @property
+    def mass(self) -> float:
+        return float(np.float32(super().mass))
+
+    @property
+    def inertia(self) -> np.ndarray:
+        return in_single(super().inertia)
+
+    def place(self, pose: Pose, twist: Twist) -> None:
+        super().place(rounded_pose(pose), rounded_twist(twist))
+
+    def step(self) -> None:
+        super().step()
+        super().place(rounded_pose(self._pose), rounded_twist(self._twist))
+        self._force = in_single(self._force)
+
+
+def rounded_pose(pose: Pose) -> Pose:
+    """Return a pose whose position has single precision."""
+    position = in_single(pose.position)
+    return Pose(position=position, quaternion=pose.quaternion)
+
+
+def rounded_twist(twist: Twist) -> Twist:
+    """Return a twist in single precision."""
+    return Twist(
+        velocity=in_single(twist.velocity),
+        angular_velocity=in_single(twist.angular_velocity),
+    )
+
+
+def found_in_single(scene: Scene, precision: Precision, **faults: float) -> set[str]:
+    """Return the quantities that are not equal."""
+    rows = parity(SingleToy(scene, **faults), scene, DT, {}, precision)
+    return {row.quantity for row in rows if row.verdict != "equal"}
+
+
+def test_single_precision_is_no_mismatch_where_it_is_declared(gentle: Scene) -> None:
+    assert found_in_single(gentle, Precision.SINGLE) == set()
+    assert {"mass", "transverse inertia A"} <= found_in_single(gentle, Precision.DOUBLE)
+
+
+@pytest.mark.parametrize(
+    ("faults", "quantities"),
+    [
+        ({"mass": 0.043 * (1 + 1e-5)}, {"mass"}),
+        ({"gyroscopic": 0.9}, SPIN),
+        ({"body": 1.0}, SPIN),
+        ({"timestep": DT * (1 + 1e-4)}, {"timestep"}),
+        ({"gravity": 9.81 * (1 + 1e-3)}, {"gravity"}),
+        ({"linear": 0.04}, {"linear damping", "speed kept", "gravity"}),
+        ({"clamp": 100.0}, {"speed kept", "spin kept"}),
+        ({"radius": 0.037 * (1 + 1e-4)}, {"radius R", "rim deviation"}),
+        ({"sides": 32.0}, {"radius R", "rim deviation"}),
+        ({"mu": NO_SLIP_FRICTION * (1 + 1e-4)}, FRICTION),
+    ],
+    ids=lambda value: " ".join(sorted(value))[:40],
+)
+def test_a_fault_shows_in_single_precision_too(
+    gentle: Scene, faults: dict[str, Any], quantities: set[str]
+) -> None:
+    found = found_in_single(gentle, Precision.SINGLE, **faults)
+    assert quantities - {"gravity"} <= found <= quantities

@@ -14,7 +14,7 @@ from harness.core.errors import (
     EngineCrashError,
     HarnessError,
 )
-from harness.engines import registry
+from harness.engines import plugin_probe, registry
 from harness.evaluation.evaluate import check_case
 from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.execution.limits import Limits
@@ -92,7 +92,7 @@ def test_an_engine_that_kills_the_process_is_named(planted: EntryPoint, reason: 
 def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
     planted: EntryPoint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(registry, "_PATIENCE", Limits(seconds=2.0))
+    monkeypatch.setattr(plugin_probe, "_PATIENCE", Limits(seconds=2.0))
     with pytest.raises(EngineCrashError) as caught:
         registry.engine(planted.name)
     assert "longer than the 2 s allowed" in caught.value.reason
@@ -100,7 +100,7 @@ def test_an_engine_that_never_ends_its_import_or_its_answer_is_named(
 
 @pytest.mark.parametrize("planted", [SOUND], indirect=True)
 def test_a_sound_engine_is_made_as_before(planted: EntryPoint) -> None:
-    assert registry.crash_reason(planted) == ""
+    assert plugin_probe.crash_reason(planted) == ""
     assert registry.engine(planted.name).version == "1"
 
 
@@ -126,7 +126,7 @@ def test_an_error_in_python_is_told_as_itself(planted: EntryPoint) -> None:
 def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
     unheard = EntryPoint(name="x", value="no_such_module:Engine", group=ENGINE_ENTRY_POINTS)
     with IsolatedProcessPool(1) as alone:
-        assert alone.submit(registry.crash_reason, unheard).result() == ""
+        assert alone.submit(plugin_probe.crash_reason, unheard).result() == ""
         assert alone.submit(is_worker).result()
     assert not is_worker()
 
@@ -149,7 +149,7 @@ def test_in_a_worker_nothing_is_tried_in_a_process_of_its_own() -> None:
 def test_an_engine_that_falls_over_one_case_is_named_with_it(
     planted: EntryPoint, brief: Scene, timestep: float, error: type[HarnessError], reason: str
 ) -> None:
-    assert registry.crash_reason(planted) == ""
+    assert plugin_probe.crash_reason(planted) == ""
     case = Case(scene=brief, engine=planted.name, timestep=timestep)
     with pytest.raises(error, match=reason) as caught:
         check_case(case)
@@ -161,14 +161,14 @@ def test_one_process_is_asked_for_all_cases_and_once_for_each(
     planted: EntryPoint, brief: Scene
 ) -> None:
     cases = [Case(scene=brief, engine=planted.name, timestep=n * 1e-2) for n in (1, 2, 3)]
-    asked = registry.timestep_from_worker.cache_info()
+    asked = plugin_probe.timestep_from_worker.cache_info()
     told = {registry.timestep_of(case) for case in cases for _ in range(4)}
     assert len(told) == 1
     assert told != {float(os.getpid())}
-    assert registry.timestep_from_worker.cache_info().misses - asked.misses == len(cases)
+    assert plugin_probe.timestep_from_worker.cache_info().misses - asked.misses == len(cases)
 
 
 def test_engines_of_ours_are_asked_here(brief: Scene) -> None:
-    asked = registry.timestep_from_worker.cache_info()
+    asked = plugin_probe.timestep_from_worker.cache_info()
     assert registry.timestep_of(Case(scene=brief, engine="mujoco", timestep=1e-3)) == 1e-3
-    assert registry.timestep_from_worker.cache_info() == asked
+    assert plugin_probe.timestep_from_worker.cache_info() == asked

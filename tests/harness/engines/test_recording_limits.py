@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
@@ -163,9 +164,10 @@ class Turning(Aloft):
         self.over = over
 
     def step(self) -> None:
-        angle = float(self._twist.angular_velocity[2]) * self.timestep * (1.0 + self.over)
-        half = np.array((math.cos(angle / 2.0), 0.0, 0.0, math.sin(angle / 2.0)))
-        self._pose = Pose(position=self._pose.position, quaternion=half)
+        turn = self._twist.angular_velocity * (self.timestep * (1.0 + self.over))
+        before = Rotation.from_quat(self._pose.quaternion, scalar_first=True)
+        after = (Rotation.from_rotvec(turn) * before).as_quat(scalar_first=True)
+        self._pose = Pose(position=self._pose.position, quaternion=after)
 
 
 @pytest.mark.parametrize(("over", "greatest"), [(0.99e-9, 3.0), (1.01e-9, 0.0)])

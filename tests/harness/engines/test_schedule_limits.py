@@ -27,7 +27,7 @@ from harness.engines.stepping.schedule import (
 )
 from harness.engines.stepping.settling import settle
 from models import Pose, Scene, Twist, contact_point, load, release_state
-from tests.support.engines import stepping_engine
+from tests.support.engines import STEPPING, stepping_engine
 
 CAN = load("paper-release").can
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -172,7 +172,7 @@ class SeenError(Exception):
     """Ends a run that has shown its schedule."""
 
 
-@pytest.mark.parametrize("name", ["mujoco", "pybullet"])
+@pytest.mark.parametrize("name", STEPPING)
 def test_adaptive_steps_go_from_30_microseconds_down_to_nanoseconds(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
