@@ -11,8 +11,10 @@ from typing import Any, ClassVar
 import pandas as pd
 
 from harness.core.case import Case, Value
+from harness.core.environments import EVERY_ENGINE
+from harness.core.errors import MissingPackageError
 from harness.core.report_model import Artefact
-from harness.engines.registry import left_out, names
+from harness.engines.registry import description_of, engine, installed, left_out
 from harness.evaluation.evaluate import evaluate
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
@@ -109,7 +111,7 @@ def compare(
     ----------
     scene : Scene or str
     engines : sequence of str, optional
-        All that are installed but the reference if left out.
+        Those that take part by default if left out; "all" for every one that is installed.
     profiles : sequence of str
     timesteps : sequence of float or None
         s; None is the profile's own. Profile "default" runs at its own timestep only.
@@ -207,7 +209,7 @@ def suite(
     name : str
         "quick" or "full".
     engines : sequence of str, optional
-        All that are installed but the reference if left out.
+        Those that take part by default if left out; "all" for every one that is installed.
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
     """
@@ -231,7 +233,7 @@ def validate(
     name : str
         "quick" or "full".
     engines : sequence of str, optional
-        All that are installed but the reference if left out.
+        Those that take part by default if left out; "all" for every one that is installed.
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
     jobs : int
@@ -254,10 +256,48 @@ def validate(
 
 
 def stepping_engines(engines: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the engines to compare: those named, or all that are installed but the reference."""
+    """Return the engines to compare: those named, or those that take part by default.
+
+    `EVERY_ENGINE` among the names stands for all that are installed but the reference, without
+    those of `unusable_engines`.
+
+    Raises
+    ------
+    MissingPackageError
+        If an engine that is named beside it cannot be made.
+    """
+    if EVERY_ENGINE in (engines or ()):
+        named = [name for name in engines or () if name != EVERY_ENGINE]
+        for name in named:
+            engine(name)
+        broken = unusable_engines()
+        return tuple(dict.fromkeys((*(n for n in installed() if n not in broken), *named)))
     if engines:
         return tuple(dict.fromkeys(engines))
-    return tuple(name for name in names() if name not in {"reference", *left_out()})
+    return tuple(name for name in installed() if description_of(name).by_default)
+
+
+def unusable_engines() -> Mapping[str, str]:
+    """Return the engines that are installed and cannot be made, each with the sentence why.
+
+    One that takes part by default is not among them: something is wrong with it, and it is not
+    passed over.
+    """
+    found = {}
+    for name in installed():
+        try:
+            engine(name)
+        except MissingPackageError as error:
+            if not description_of(name).by_default:
+                found[name] = str(error)
+    return found
+
+
+def absent_engines(engines: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the engines that `stepping_engines` passes over: not installed, or not usable."""
+    if EVERY_ENGINE in (engines or ()):
+        return (*left_out(every=True), *unusable_engines())
+    return () if engines else left_out()
 
 
 def _scene(scene: Scene | str) -> Scene:

@@ -160,6 +160,10 @@ class ProgressBar:
 
             self._output = display(self._bar, display_id=True)  # type: ignore[no-untyped-call]
 
+    def compiling(self, engine: str) -> None:
+        """Say that an engine compiles itself, until something is done."""
+        self._bar.update(self._task, description=f"compiling {engine}, minutes on first use")
+
     def show(self, progress: "StudyProgress") -> None:
         """Show how far a study is; the `on_progress` of `run_study`."""
         label = f"{progress.work}: {progress.label[:_LABEL]}"

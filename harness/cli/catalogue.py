@@ -16,13 +16,20 @@ from harness.cli import terminal
 from harness.cli.options import STORE, Json
 from harness.cli.run_options import store_folder
 from harness.core.case import Case
-from harness.core.errors import CacheWarning, MissingPackageError
+from harness.core.errors import (
+    BrokenEngineError,
+    CacheWarning,
+    InvalidSettingError,
+    MissingPackageError,
+)
 from harness.core.report_model import Column, rows_of, table_of
 from harness.engines.base import Setting
 from harness.engines.conformance import CLAUSES, ClauseStatus, conform
 from harness.engines.probes import measure
-from harness.engines.registry import engine, names
+from harness.engines.registry import description_of, engine, names, outside_range
+from harness.engines.remote import RemoteEngine
 from harness.evaluation.case_cache import is_current
+from harness.evaluation.evaluate import check_case
 from harness.execution.cache import (
     CacheFolder,
     EntryState,
@@ -72,6 +79,9 @@ def check(
     if capabilities:
         _measure(name, profile, timestep, json=json)
         return
+    if profile != "matched" or timestep is not None:
+        allowed = "given with --capabilities alone: the contract is checked in every profile"
+        raise InvalidSettingError("--profile or --timestep", timestep or profile, allowed)
     chosen = engine(name)
     with ItemBar(dict.fromkeys(CLAUSES, _CLAUSE), "clause") as bar:
         bar.label("the contract")
@@ -106,7 +116,9 @@ def _measure(name: str, profile: str, timestep: float | None, *, json: bool) -> 
     """Print the effects that an engine adds of its own accord."""
     # the can and the gravity of this scene are probed; the release is each probe's own
     scene = load("gentle-rock")
-    measured = measure(Case(scene=scene, engine=name, profile=profile, timestep=timestep))
+    case = Case(scene=scene, engine=name, profile=profile, timestep=timestep)
+    check_case(case)
+    measured = measure(case)
     findings = [asdict(finding) for finding in measured.findings]
     if json:
         answer = {
@@ -118,7 +130,8 @@ def _measure(name: str, profile: str, timestep: float | None, *, json: bool) -> 
         }
         typer.echo(terminal.to_json(answer))
     else:
-        title = f"What '{name}' adds, profile {profile}, {measured.timestep:g} s"
+        step = "its own steps" if measured.timestep is None else f"{measured.timestep:g} s"
+        title = f"What '{name}' adds, profile {profile}, {step}"
         rows = [[finding[column] for column in _EFFECTS] for finding in findings]
         terminal.stdout_console().print(terminal.table(title, _EFFECTS, rows))
 
@@ -132,13 +145,16 @@ def engines(
     """The engines, or the settings of one in each profile.
 
     What an engine ships with, and what `matched` takes.
+
+    An engine can have an interpreter of its own, for another version of it or of Python:
+    rockingcan engines add, rockingcan engines list, rockingcan engines remove; each has its --help.
     """
     if json:
         typer.echo(terminal.to_json(engines_answer(name)))
         return
     if name is None:
         title = "Engines"
-        columns = ["engine", "version", "honours", "imposes on every scene"]
+        columns = ["engine", "version", "method", "honours", "imposes on every scene"]
         rows = [_row(each) for each in engines_answer(None)["engines"]]
     else:
         title = f"Settings of {name}, for --set"
@@ -157,14 +173,28 @@ def engines_answer(name: str | None) -> dict[str, Any]:
 
 def _engine_answer(name: str) -> dict[str, Any]:
     """Return version, capabilities and settings of an engine; if missing, how to install it."""
+    said = description_of(name)
+    description = {
+        "label": said.label or name,
+        "method": said.method.value,
+        "precision": said.precision.value,
+        "tells_forces": said.tells_forces,
+        "by_default": said.by_default,
+    }
     try:
         adapter = engine(name)
     except MissingPackageError as error:
-        return {"name": name, "installed": False, "message": str(error)}
+        state = {"broken": isinstance(error, BrokenEngineError)}
+        return {"name": name, "installed": False, **state, **description, "message": str(error)}
     return {
         "name": name,
         "installed": True,
         "version": adapter.version,
+        "unsupported": outside_range(name),
+        "environment": dict(adapter.environment.versions())
+        if isinstance(adapter, RemoteEngine)
+        else None,
+        **description,
         "honours": sorted(adapter.capabilities.honours),
         "imposes": dict(adapter.capabilities.imposes),
         "settings": [
@@ -183,10 +213,20 @@ def _engine_answer(name: str) -> dict[str, Any]:
 def _row(answer: dict[str, Any]) -> tuple[str, ...]:
     """Return the row of an engine."""
     if not answer["installed"]:
-        return answer["name"], "not installed", escape(answer["message"]), ""
+        state = "broken" if answer["broken"] else "not installed"
+        return answer["name"], state, "", escape(answer["message"]), ""
     imposes = "; ".join(f"{effect}: {what}" for effect, what in answer["imposes"].items())
     honours = ", ".join(answer["honours"])
-    return answer["name"], answer["version"], honours or "the ideal can only", imposes or "nothing"
+    method = f"{answer['method']}, {answer['precision']}"
+    version = answer["version"]
+    if answer["environment"]:
+        version += f", in Python {answer['environment']['python']}"
+    if answer["unsupported"]:
+        version += f"; not supported: {answer['unsupported']}"
+    return (
+        *(answer["name"], version, method),
+        *(honours or "the ideal can only", imposes or "nothing"),
+    )
 
 
 def _matched(setting: Setting) -> object:

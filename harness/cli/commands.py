@@ -13,6 +13,8 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command_from_info, get_group
 from typer.models import CommandInfo
 
+from harness.core.environments import SUBCOMMANDS
+
 _PASSED_ON = {"ignore_unknown_options": True, "allow_extra_args": True, "help_option_names": []}
 """Settings of a command whose options, --help too, are those of the program that it starts."""
 
@@ -53,6 +55,9 @@ class DeferredCommand(TyperCommand):
             from models.catalogue import load  # noqa: PLC0415 - help does without pydantic
 
             load(args[0])  # a wrong scene is refused before engines are imported
+        if self.name == "engines" and args and args[0] in SUBCOMMANDS:
+            tree = get_group(import_module("harness.cli.environments").environments)
+            return tree.make_context(info_name, args, parent, **extra)
         return self.imported().make_context(info_name, args, parent, **extra)
 
     def imported(self) -> Any:  # noqa: ANN401 - a command or group of that library

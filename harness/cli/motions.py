@@ -155,6 +155,8 @@ def run_json(e: Evaluation) -> Answer:
         ((), ()) if e.errors is None else (e.errors.angle_of_turn, e.errors.peak_friction_ratio)
     )
     return reference_json(e, e.bounces) | {
+        "compile_s": e.simulation.compile_s,
+        "setup_s": e.simulation.setup_s,
         "errors": {
             "phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
             "angle_of_turn_deg": [math.degrees(turn) for turn in turns],

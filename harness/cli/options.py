@@ -29,7 +29,11 @@ Settings = Annotated[
     ),
 ]
 EngineNames = Annotated[
-    list[str] | None, typer.Option("--engine", help="An engine to run; repeat it. All if left out.")
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        help="An engine to run, or 'all' that are installed; repeat it. The usual if left out.",
+    ),
 ]
 ReplacedFolder = Annotated[Path, typer.Option(help="Folder of the report; replaced as a whole.")]
 ReportFolder = Annotated[Path | None, typer.Option(help="Write a report into this folder.")]

@@ -20,7 +20,8 @@ from harness.cli.terminal import write_text
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, MissingPackageError
 from harness.core.report_model import Artefact, Table
-from harness.engines.registry import export_settings, left_out, timestep_of
+from harness.engines.ladder import takes_timestep
+from harness.engines.registry import export_settings, timestep_of
 from harness.report.atomic_folder import check_writable
 from harness.studies.attribution.study import AttributionStudy
 from harness.studies.cost.design import plan_cost
@@ -149,7 +150,7 @@ def effects(  # noqa: PLR0917 - a parameter an option
     words = tuple(_assumption(word) for word in assume or ())
     plan = plan_effects(load(scene), engines, timestep=timestep, words=words, tolerance=tolerance)
     study = EffectsStudy(plan=plan)
-    absent = () if engine else left_out()
+    absent = api.absent_engines(engine)
     run_command(
         study,
         running,
@@ -201,14 +202,14 @@ def stability(
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
     engines = api.stepping_engines(engine)
     for name in engines:
-        if not _takes_timesteps(name):
-            able = ", ".join(each for each in api.stepping_engines(None) if _takes_timesteps(each))
-            allowed = f"{able}: stability judges engines that take timesteps"
+        if not _takes_steps(name):
+            able = ", ".join(each for each in api.stepping_engines(None) if _takes_steps(each))
+            allowed = f"{able}: stability judges engines that move a can by steps"
             raise InvalidSettingError("--engine", name, allowed)
     study = StabilityStudy(suite=SUITES[suite], engines=engines)
     names = {"largest-timesteps": (), "random-scenes": (), "summary": ()}
     show = shown(names | {f"verdict-{name}": () for name in engines})
-    absent = () if engine else left_out()
+    absent = api.absent_engines(engine)
     done = run_command(
         study, running, out=out, json=json, figures=figures, absent=absent, show=show
     )
@@ -216,8 +217,10 @@ def stability(
         raise typer.Exit(1)
 
 
-def _takes_timesteps(name: str) -> bool:
-    """Whether an engine takes timesteps; one whose package is missing may."""
+def _takes_steps(name: str) -> bool:
+    """Whether an engine takes timesteps or an accuracy; one whose package is missing may."""
+    if not takes_timestep(name):
+        return True
     try:
         return timestep_of(Case(scene=load("gentle-rock"), engine=name)) is not None
     except MissingPackageError:
@@ -289,7 +292,7 @@ def cost(  # noqa: PLR0917 - a parameter an option
         else:
             _print_settings(costs, target)
 
-    folder, absent = out / chosen.name, () if engine else left_out()
+    folder, absent = out / chosen.name, api.absent_engines(engine)
     run_command(
         study,
         running,

@@ -8,6 +8,7 @@ from typing import Any
 import typer
 from rich.markup import escape
 
+from harness.api import unusable_engines
 from harness.cli import terminal
 from harness.cli.run_options import RunOptions
 from harness.cli.terminal import to_json
@@ -16,6 +17,7 @@ from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table
 from harness.engines.registry import how_to_add
 from harness.evaluation.timing import single_thread_executor
+from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.progress import ProgressBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import records
@@ -43,6 +45,8 @@ def run_with_progress(study: Study, running: RunOptions) -> Results:
             running.kept(progress.kept, progress.total)
 
     with ProgressBar() as bar, running.executor() as executor:
+        if isinstance(executor, IsolatedProcessPool):
+            executor.on_compiling = bar.compiling
         return run_study(
             study,
             executor=executor,
@@ -113,9 +117,13 @@ def run_command(
 
 def not_installed(engines: Sequence[str]) -> tuple[Prose, ...]:
     """Return what a report and the terminal say of engines that are absent; nothing without any."""
-    sentence = how_to_add(engines)
-    text = f"{sentence[:1].upper()}{sentence[1:]}."
-    return (Prose(name="summary", title="Engines", text=text),) if engines else ()
+    unusable = {name: why for name, why in unusable_engines().items() if name in engines}
+    added = how_to_add([name for name in engines if name not in unusable])
+    said = ([added] if added else []) + [f"left out: {why}" for why in unusable.values()]
+    return tuple(
+        Prose(name="summary", title="Engines", text=f"{sentence[:1].upper()}{sentence[1:]}.")
+        for sentence in said
+    )
 
 
 def _with_summary(artefacts: Sequence[Artefact]) -> list[Artefact]:

@@ -20,7 +20,12 @@ if TYPE_CHECKING:
     from harness.core.report_model import Table as Data
     from harness.core.simulation import ParityRow
 
-_VERDICT_STYLES = {"equal": "green", "imposed": "yellow", "mismatch": "bold red"}
+_VERDICT_STYLES = {
+    "equal": "green",
+    "imposed": "yellow",
+    "mismatch": "bold red",
+    "does not apply": "dim",
+}
 
 
 def to_json(answer: Mapping[str, Any]) -> str:
@@ -47,25 +52,43 @@ def stdout_console() -> Console:
     return console if console.is_terminal else Console(highlight=False, width=200)
 
 
-def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Table:
-    """Return a table for the terminal; numbers are set flush right."""
-    lines = [list(row) for row in rows]
+def table(
+    title: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[object]],
+    apart: Iterable[Sequence[object]] = (),
+) -> Table:
+    """Return a table for the terminal; numbers are set flush right.
+
+    Rows of engines that impose rolling stand apart, below the others, and the caption says why.
+    """
+    lines, constraints = [list(row) for row in rows], [list(row) for row in apart]
     shown_table = Table(title=title, title_justify="left", title_style="bold")
     for index, column in enumerate(columns):
-        numeric = all(isinstance(line[index], int | float | None) for line in lines)
+        numeric = all(isinstance(line[index], int | float | None) for line in lines + constraints)
         shown_table.add_column(column, justify="right" if numeric else "left", overflow="fold")
     for line in lines:
         shown_table.add_row(*(_cell(value) for value in line))
+    if constraints:
+        from harness.engines.description import APART  # noqa: PLC0415 - a list needs no engine
+
+        shown_table.caption, shown_table.caption_justify = f"Last rows: {APART}", "left"
+        shown_table.add_section()
+        for line in constraints:
+            shown_table.add_row(*(_cell(value) for value in line))
     return shown_table
 
 
 def table_artefact(artefact: "Data", left_out: Collection[str] = ()) -> Table:
     """Return for the terminal the columns of a table that the page shows, but those left out."""
-    from harness.report.tables import records, shown  # noqa: PLC0415 - imports pandas and pyarrow
+    # imports pandas and pyarrow
+    from harness.report.tables import ranked, records, shown  # noqa: PLC0415
 
     columns = [name for name in shown(artefact) if name not in left_out]
-    rows = [[row[name] for name in columns] for row in records(artefact)]
-    return table(artefact.title, columns, rows)
+    groups = [
+        [[row[name] for name in columns] for row in rows] for rows in ranked(records(artefact))
+    ]
+    return table(artefact.title, columns, *groups)
 
 
 def parity(rows: "Sequence[ParityRow]") -> Table:

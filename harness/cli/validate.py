@@ -16,11 +16,11 @@ from harness.cli import options, run_options, terminal
 from harness.cli.reports import joined_sections, show_changes
 from harness.cli.settings import engine_settings, settings_to_dict
 from harness.cli.study_command import not_installed, run_with_progress, shown
+from harness.core.environments import EVERY_ENGINE
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
-from harness.engines.registry import left_out
 from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import (
@@ -41,11 +41,12 @@ from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
 from harness.studies.attribution.study import AttributionStudy
+from harness.studies.comparison.headings import HeadingStudy
 from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 from harness.studies.errors.plan import plan_errors
 from harness.studies.errors.study import ErrorsStudy
 from harness.studies.shared.ablation import ablation_path
-from harness.studies.study import Results, StudyGroup
+from harness.studies.study import Results, Study, StudyGroup
 from models.catalogue import load
 
 _BASELINE = Path("reports/baseline")
@@ -106,7 +107,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
     Every scene of the suite is run in every engine, and held against the exact motion.
     """
     engines = api.stepping_engines(engine)
-    absent = () if engine else left_out()
+    absent = api.absent_engines(engine)
     chosen = engine_settings(set_ or [], engines)
     study = plan_comparison(suite, engines, chosen)
     check_writable(out)
@@ -116,14 +117,17 @@ def validate(  # noqa: PLR0917 - a parameter an option
         allowed = "nothing beside --set: accepted results are an engine's own"
         raise InvalidSettingError("--accept", accept, allowed)
     place = (baseline or _BASELINE) if accept else None
-    gate = _open_gate(study, place or baseline, absent, accept=accept, every_engine=not engine)
+    all_engines = not engine or EVERY_ENGINE in engine
+    gate = _open_gate(study, place or baseline, absent, accept=accept, every_engine=all_engines)
     if running.store is not None and (gate is not None or accept):
         # an engine that was built anew often has the version of its last release, and so its
         # results the key of those that are kept: a gate looks into no store
         running = replace(running, store=replace(running.store, fresh=True))
     causes = _causes(engines) if suite == _WHOLE else ()
     # in one run, so that what two of them ask is done once and the estimate is of all
-    every = run_with_progress(StudyGroup(name=study.name, studies=(study, *causes)), running)
+    turned = HeadingStudy(engines=engines, settings=chosen)
+    further: tuple[Study, ...] = (turned, *causes)
+    every = run_with_progress(StudyGroup(name=study.name, studies=(study, *further)), running)
     done = every.only(study.next_jobs(every))
     evaluations, artefacts = study.evaluations(done), (*study.report(done), *not_installed(absent))
     scores = _scores(study, evaluations, settings)
@@ -138,7 +142,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         ),
         provenance=provenance(),
     )
-    others = [_section(group, every) for group in causes] + others
+    others = [_section(each, every) for each in further] + others
     with report_progress() as progress:
         page = write_chapters(
             [comparison, *others],
@@ -270,12 +274,12 @@ def _causes(names: Sequence[str]) -> tuple[StudyGroup, ...]:
     )
 
 
-def _section(group: StudyGroup, done: Results) -> Section:
-    """Return a group of studies as a chapter of a report."""
+def _section(study: Study, done: Results) -> Section:
+    """Return a study as a chapter of a report."""
     return Section(
-        title=group.name,
+        title=study.name,
         # the words of all parts first
-        artefacts=tuple(sorted(group.report(done), key=lambda a: not isinstance(a, Prose))),
-        cases=tuple(done.only(group.next_jobs(done)).manifest()),
+        artefacts=tuple(sorted(study.report(done), key=lambda a: not isinstance(a, Prose))),
+        cases=tuple(done.only(study.next_jobs(done)).manifest()),
         provenance=provenance(),
     )

@@ -1,11 +1,22 @@
 """The cache of results of cases: its keys, and whether an entry is still current.
 
-The key of a result is a digest of scene, engine and its version, settings, and the sources of the
-program: all on which the result depends.
+The key of a result is a digest of scene, engine and its version, settings, the sources of the
+program, and the versions of all that the engine computes with: all on which the result depends.
 """
 
+from collections.abc import Sequence
+
 from harness.core.case import Case
-from harness.engines.registry import engine, engine_version, names
+from harness.core.engine_packages import versions_behind
+from harness.core.environments import environment
+from harness.engines.registry import (
+    adapter_names,
+    engine,
+    engine_version,
+    entry_of,
+    module_of,
+    names,
+)
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata, checksum
@@ -34,7 +45,7 @@ def case_metadata(case: Case, *modules: str) -> Metadata:
         engine=case.engine,
         engine_version=engine_version(case.engine),
         code=code_fingerprint(case.engine, *modules),
-        modules=(_module_of(case.engine), *modules),
+        modules=(module_of(engine(case.engine)), *modules),
     )
 
 
@@ -43,17 +54,26 @@ def is_current(metadata: Metadata) -> bool:
     if metadata.engine and metadata.engine not in names():
         return False
     same = not metadata.engine or engine_version(metadata.engine) == metadata.engine_version
-    return same and fingerprint(*metadata.modules) == metadata.code
+    return same and _fingerprint(metadata.engine, metadata.modules) == metadata.code
 
 
 def code_fingerprint(name: str, *modules: str) -> str:
-    """Return the fingerprint of the program behind results of an engine."""
-    return fingerprint(_module_of(name), *modules)
+    """Return the fingerprint of the program behind results of an engine, and of what it runs in."""
+    return _fingerprint(name, (module_of(engine(name)), *modules))
 
 
-def _module_of(name: str) -> str:
-    """Return the module that an engine comes from."""
-    return type(engine(name)).__module__
+def _fingerprint(name: str, modules: Sequence[str]) -> str:
+    """Return the fingerprint of modules, and of the packages that an engine computes with.
+
+    They are those of this interpreter, or of the environment of an engine that has one.
+    """
+    place = environment(name)
+    program = fingerprint(*modules)
+    if place is not None:
+        behind = place.fingerprint()
+    else:
+        behind = versions_behind(entry_of(name)) if name in adapter_names() else ""
+    return checksum(f"{program} {behind}".encode())[: len(program)] if behind else program
 
 
 def evaluation_cache(store: CacheFolder) -> ResultCache[Case, Evaluation]:

@@ -19,6 +19,7 @@ from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import features_of
 from harness.engines.reference.truth import Truth, solve_case, truth
 from harness.engines.registry import engine
+from harness.engines.remote import call_at_engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.physics_engine import schedule_of
 from harness.evaluation.evaluate import evaluate_case
@@ -50,6 +51,11 @@ _STEPS = 3
 
 def iterations(simulation: Simulation) -> float | None:
     """Return the mean iterations of the solver in a step; None if the engine counts none."""
+    return call_at_engine(simulation.case.engine, _iterations, simulation)
+
+
+def _iterations(simulation: Simulation) -> float | None:
+    """Return the mean iterations of the solver in a step, where the engine is."""
     case, trajectory = simulation.case, simulation.trajectory
     features = features_of(engine(case.engine))
     count, opens = features.counted_step, features.open
@@ -84,8 +90,8 @@ def measured(case: Case) -> Record:
     -------
     dict
         `outcome`, `note`, `version`, `model`, `timestep_s`, `steps`, `constraint_rows`,
-        `solver_iterations`, `simulated_s`, `cpu_s` and `setup_s` of this one run, `errors` by name,
-        `command`. None stands for an unknown number.
+        `solver_iterations`, `simulated_s`, `cpu_s`, `compile_s` and `setup_s` of this one run,
+        `errors` by name, `command`. None stands for an unknown number.
 
     Raises
     ------
@@ -122,6 +128,7 @@ def _record(
         "solver_iterations": None if each is None else each * simulation.steps,
         "simulated_s": simulated,
         "cpu_s": simulation.cpu_s,
+        "compile_s": simulation.compile_s,
         "setup_s": simulation.setup_s,
         "errors": {name: finite(value) for name, value in own_errors.items()},
         "command": _command(simulation),

@@ -1,24 +1,19 @@
 """What a case is expected to cost: its steps, and what a step costs in its engine.
 
-Measured on a usual machine, with the suites; an engine of which nothing is known is taken for the
-average of those that are. The estimate of a run corrects all of it by what the run finds.
+Measured on a usual machine, with the suites; the cost of a step is declared by the engine. The
+estimate of a run corrects all of it by what the run finds.
 """
 
 from harness.core.case import Case
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import truth
-from harness.engines.registry import timestep_of
+from harness.engines.registry import description_of, timestep_of
 from harness.engines.stepping.horizon import longest_time, natural_time
 from harness.evaluation.timing import FEWEST, PATIENCE
 from models.scene import Scene
 
 _SET_UP = 0.13
 """s: compiling, parity, settling, the exact motion at the samples, measuring."""
-
-_STEP = {"mujoco": 6e-6, "pybullet": 1.2e-5}
-"""s of a step of a fixed timestep."""
-
-_USUAL_STEP = 1e-5
 
 _ADAPTIVE = 3.0
 """Over a step of a fixed timestep: each is recorded, and there are more where much happens."""
@@ -47,7 +42,7 @@ def expected_seconds(case: Case) -> float:
     """Return the processor time of a run and its measurement, s."""
     if timestep_of(case) is None:
         return _OWN_STEPS
-    step = _STEP.get(case.engine, _USUAL_STEP)
+    step = description_of(case.engine).step_s
     return _SET_UP + expected_steps(case) * step * (
         _ADAPTIVE if case.profile == "adaptive" else 1.0
     )

@@ -11,18 +11,34 @@ from dataclasses import replace
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.errors import BrokenEngineError, HarnessError, TrajectoryError
+from harness.core.errors import (
+    BrokenEngineError,
+    HarnessError,
+    InvalidSettingError,
+    TrajectoryError,
+    UnknownSettingError,
+)
 from harness.core.scene_limits import check_scene_limits
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import take
 from harness.engines.base import resolve
 from harness.engines.contract import contract_violation, describe_exception
+from harness.engines.ladder import chooses_steps
 from harness.engines.reference import PARTED
 from harness.engines.reference.assumption_checks import divergence_of, findings
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, sample_truth, truth
-from harness.engines.registry import check_effects, engine, engine_version, is_ours, timestep_of
+from harness.engines.registry import (
+    check_effects,
+    engine,
+    engine_version,
+    installed,
+    is_constraint,
+    is_ours,
+    timestep_of,
+)
 from harness.evaluation.evaluation import Evaluation
+from harness.execution.worker import LostTaskError
 from harness.metrics.bounces import bounces
 from harness.metrics.energy import energy_drift
 from harness.metrics.error import errors, rotation_between
@@ -40,13 +56,34 @@ def check_case(case: Case) -> None:
     ------
     HarnessError
         A scene beyond the limits, an unknown engine, a missing package, an effect that the engine
-        cannot represent, a timestep that it does not take, a setting that it does not have or a
-        value of another kind.
+        cannot represent, a timestep or a profile that it does not take, a setting that it does not
+        have or a value of another kind.
     """
     check_scene_limits(case.scene)
     check_effects(case.engine, case.scene)
     chosen = engine(case.engine)
-    resolve(case, chosen.settings, timestep_of(case, chosen) or 0.0)
+    if case.profile == "adaptive" and chooses_steps(case.engine):
+        others = ", ".join(name for name in installed() if not chooses_steps(name))
+        raise InvalidSettingError(
+            "profile",
+            case.profile,
+            f"default or matched; engine '{case.engine}' chooses its own steps in both, and the "
+            f"steps of {others} can be made to follow the motion",
+        )
+    try:
+        resolve(case, chosen.settings, timestep_of(case, chosen) or 0.0)
+    except UnknownSettingError as error:
+        owners = _with_setting(error.name)
+        raise UnknownSettingError(error.engine, error.name, error.available, owners) from None
+
+
+def _with_setting(setting: str) -> tuple[str, ...]:
+    """Return the engines, of those that can be made here, which have a setting of a name."""
+    found = []
+    for name in installed():
+        with suppress(HarnessError):
+            found += [name for one in engine(name).settings if one.name == setting]
+    return tuple(found)
 
 
 def evaluate(case: Case) -> Evaluation:
@@ -59,7 +96,15 @@ def evaluate(case: Case) -> Evaluation:
         raises anything else or returns what is no simulation.
     """
     check_case(case)
-    return measure_simulation(simulate_case(case))
+    return measure_simulation(_simulated(case))
+
+
+def _simulated(case: Case) -> Simulation:
+    """Return the simulation of a case that is run alone; the loss of its process is its outcome."""
+    try:
+        return simulate_case(case)
+    except LostTaskError as error:
+        return failed_simulation(case, error.reason, Outcome[error.loss.name])
 
 
 def evaluate_case(case: Case) -> Evaluation:
@@ -70,6 +115,8 @@ def evaluate_case(case: Case) -> Evaluation:
     HarnessError
         For wrong use that `check_case` finds, or that only an engine of this project finds when it
         compiles the case; it says of which case.
+    LostTaskError
+        If the process dies in which the engine lives.
     """
     try:
         check_case(case)
@@ -89,6 +136,8 @@ def evaluate_case(case: Case) -> Evaluation:
         simulation = pickle.loads(pickle.dumps(simulation))  # noqa: S301 - just made
         verb = "measure"
         return measure_simulation(simulation)
+    except LostTaskError:
+        raise
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
         return Evaluation(simulation=failed_simulation(case, describe_exception(error, verb)))
 
@@ -102,7 +151,7 @@ def evaluate_without_truth(case: Case) -> Evaluation:
         As `evaluate` does.
     """
     check_case(case)
-    simulation = simulate_case(case)
+    simulation = _simulated(case)
     scene, trajectory = case.scene, simulation.trajectory
     return Evaluation(
         simulation=simulation,
@@ -119,6 +168,8 @@ def simulate_case(case: Case) -> Simulation:
     ------
     HarnessError
         For wrong use that only the engine finds when it compiles the case.
+    LostTaskError
+        If the process dies in which the engine lives.
     """
     chosen = engine(case.engine)
     try:
@@ -126,7 +177,7 @@ def simulate_case(case: Case) -> Simulation:
         reason = contract_violation(answer, case)
     except TrajectoryError as error:
         reason = str(error)
-    except HarnessError:
+    except (HarnessError, LostTaskError):
         raise
     except Exception as error:  # noqa: BLE001 - whatever it is, the other cases go on
         reason = describe_exception(error)
@@ -184,7 +235,7 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
         truth=true,
         true_bounces=own.bounces,
         errors=own_errors,
-        truth_pulls=bool(pull.any()),
+        truth_pulls=bool(pull.any()) and not is_constraint(simulation.case.engine),
         divergence=chaos,
         parts_at=float(compared.time[parted][0]) if parted.any() else None,
     )

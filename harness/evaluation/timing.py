@@ -27,8 +27,10 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.errors import BrokenEngineError
 from harness.engines.base import World, features_of
+from harness.engines.ladder import takes_timestep
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine, is_ours
+from harness.engines.remote import call_at_engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import Fixed
 from harness.engines.stepping.settling import above_origin, moving
@@ -76,8 +78,8 @@ def time_alone(case: Case) -> Record:
 def _unless_it_raises(measure: Callable[[Case], Record], case: Case, nothing: Record) -> Record:
     """Return a measurement of a case, or `nothing` where another project's engine raises."""
     try:
-        return measure(case)
-    except BrokenEngineError:  # it cannot even be made here
+        return call_at_engine(case.engine, measure, case)
+    except (BrokenEngineError, LostTaskError):  # it cannot even be made here, or ends its process
         return nothing
     except Exception:
         if is_ours(engine(case.engine)):
@@ -217,7 +219,9 @@ _REPEATS = 3 * FEWEST
 
 def aloft(scene: Scene, name: str) -> Case:
     """Return the case whose world is stepped aloft."""
-    return Case(scene=scene, engine=name, timestep=_ALOFT_TIMESTEP)
+    return Case(
+        scene=scene, engine=name, timestep=_ALOFT_TIMESTEP if takes_timestep(name) else None
+    )
 
 
 def overhead(chosen: Case) -> Record:
@@ -242,7 +246,7 @@ def _overheads(chosen: Case) -> Record:
     chosen_engine = engine(chosen.engine)
     features = features_of(chosen_engine)
     opens, chunks, bare_loop = features.open, features.chunks, features.bare_loop
-    if opens is None:
+    if opens is None or not takes_timestep(chosen.engine):  # own steps aloft are of any length
         return {"ways": {}}
     world = opens(chosen)
 

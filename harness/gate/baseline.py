@@ -20,6 +20,7 @@ from pydantic import TypeAdapter
 from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.core.writing import WriteError, writing
+from harness.engines.registry import description_of
 from harness.execution.atomic_write import write_atomically
 from harness.gate.errors import (
     FILE,
@@ -272,7 +273,7 @@ def required_cases(
     designed : sequence of Case
         Its cases.
     every_engine : bool
-        False if only some engines were chosen.
+        False if only some engines were chosen; True for those that take part by default, too.
 
     Raises
     ------
@@ -305,4 +306,8 @@ def required_cases(
         raise ChangedScenesError(place=accepted.place, scenes=tuple(changed))
     if accepted.suite != suite:
         return tuple(common)
-    return tuple(n for n in accepted.scores if every_engine or n.engine in engines)
+    return tuple(
+        name
+        for name in accepted.scores
+        if name.engine in engines or (every_engine and description_of(name.engine).by_default)
+    )

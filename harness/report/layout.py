@@ -52,6 +52,9 @@ def ordered(chapters: Sequence[Section]) -> tuple[Section, ...]:
 
 
 SUMMARY = "summary"
+MATRICES = ("best", "shipped")
+"""Tables of engines by scenes, which open the comparison."""
+
 SCORECARD = "scorecard"
 _OWN_NAME = "rockingcan, "  # what the titles of reports begin with, and sections need not
 
@@ -67,7 +70,7 @@ class ReportPart:
     ----------
     title : str
     leading : mapping of str to Prose or Table
-        What comes before the figures: texts, then tables.
+        What comes before the figures: texts and tables.
     rest : mapping of str to Artefact
         Replays, figures, tables, texts, in this order.
     """
@@ -164,17 +167,19 @@ def _with_scene(artefacts: Named) -> Named:
 
 
 def _opening(derived: Named, first: Named) -> ReportPart:
-    """Return the summary and the scorecards, or, where there are none, the first table.
+    """Return the matrices, the summary and the scorecards, or, without any, the first table.
 
     Words that were derived from the tables follow them.
     """
     own = _of(derived, "")
-    tables = {**_sorted(own, (Table,)), **_named(first, Table, SCORECARD)}
+    matrices = {n: a for name in MATRICES for n, a in _named(first, Table, name).items()}
+    tables = {**matrices, **_sorted(own, (Table,))} or _named(first, Table, SCORECARD)
     if not tables:
         every = _sorted(first, (Table,))
         chosen = list(_of(every, ""))[:1] or list(every)[:1]
         tables = {name: every[name] for name in chosen}
-    leading = {**_named(first, Prose, SUMMARY), **tables, **_sorted(own, (Prose,))}
+    words = _named(first, Prose, SUMMARY)
+    leading = {**matrices, **words, **tables, **_sorted(own, (Prose,))}
     return ReportPart(title="Summary", leading=leading, rest={})
 
 

@@ -19,13 +19,16 @@ _TABLE = """\
 <thead><tr>{% for head in table.heads %}
 <th style="text-align: {{ "right" if head.numeric else "left" }}" title="{{ head.meaning }}">
 {{- head.words }}{% if head.unit %} [{{ head.unit }}]{% endif %}</th>{% endfor %}</tr></thead>
-<tbody>{% for row in table.rows %}
+{% for group in (table.rows, table.apart) if group %}<tbody>
+{%- if not loop.first %}
+<tr><th colspan="{{ table.heads|length }}" style="text-align: left">{{ table.why_apart }}</th></tr>
+{%- endif %}{% for row in group %}
 <tr>{% for cell in row %}
 <td style="text-align: {{ "right; white-space: nowrap" if cell.numeric else "left" }}
 {%- if cell.long %}; min-width: 16em{% endif %}"
 {%- if cell.exact %} title="{{ cell.exact }}"{% endif %}>{{ cell.text }}</td>{% endfor %}</tr>
 {%- endfor %}
-</tbody>
+</tbody>{% endfor %}
 </table>
 </div>
 """

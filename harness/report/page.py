@@ -154,6 +154,7 @@ def _terms(provenance: Provenance) -> Terms:
         ("commit", digest),
         ("python", provenance.python),
         *provenance.packages.items(),
+        *((f"engine {name}", words) for name, words in provenance.environments.items()),
         ("platform", provenance.platform),
         ("processor", f"{provenance.processor}, {provenance.cores} cores"),
     ]

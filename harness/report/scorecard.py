@@ -10,7 +10,9 @@ Each cause is a gap of the engine's defaults. The experiment that confirms it is
 the gap is closed; its command stands in the row.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby
 from typing import Any
 
 from harness.core.report_model import Column, Prose, Table, table_of
@@ -18,6 +20,7 @@ from harness.core.verdict import Status, Verdict
 from harness.report.layout import FIDELITY, Section
 from harness.report.number_format import readable
 from harness.report.tables import Row, records
+from harness.studies.comparison.selection import MANY
 from harness.studies.shared import run_columns
 from harness.studies.stability.failure_criteria import SOUND
 
@@ -184,6 +187,8 @@ def derived(chapters: Sequence[Section]) -> tuple[Table | Prose, ...]:
     headline = _HEADLINE if _HEADLINE in scenes else scenes[0]
     hard, prices = rows_of("verdicts"), rows_of(f"{headline}-prices")
     columns, rows, missing = _OF_SCENE, _rows(headline, verdicts), []
+    if len({row["engine"] for row in rows}) > MANY:
+        rows = [_best(list(own)) for _, own in groupby(rows, key=lambda row: row["engine"])]
     if hard:
         columns += _STABILITY
         rows = [{**row, **_stability(row, hard)} for row in rows]
@@ -249,6 +254,17 @@ def _rows(scene: str, verdicts: Sequence[Row]) -> list[dict[str, Any]]:
     )
 
 
+def _best(profiles: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the row of the profile in which an engine deviates in the fewest quantities."""
+
+    def rank(row: Row) -> tuple[int, float]:
+        agreed = [status_of(row.get(f"{name}_verdict")) for name, *_ in _QUANTITIES.values()]
+        turn = row.get("turn_error_deg")
+        return -agreed.count(Status.AGREES), math.inf if turn is None else abs(turn)
+
+    return min(profiles, key=rank)
+
+
 def _settings(profile: str, timestep: object) -> str:
     """Return a profile in words, with its timestep."""
     words, _ = _PROFILES.get(profile, (profile, ""))
@@ -258,6 +274,12 @@ def _settings(profile: str, timestep: object) -> str:
     return f"{words}, {most}{readable(timestep)} s"
 
 
+def _coarseness(run: Row) -> float:
+    """Return the timestep of a run, s; where an engine chose its steps, one over their number."""
+    step = run["timestep_s"]
+    return float(step) if step is not None else 1.0 / max(run["steps"], 1)
+
+
 def _stability(row: Row, hard: Sequence[Row]) -> Row:
     """Return how an engine's profile fares on the hard cases, at the smallest timestep tried."""
     own: dict[str, Row] = {}
@@ -265,7 +287,7 @@ def _stability(row: Row, hard: Sequence[Row]) -> Row:
         same = (run["engine"], run["profile"]) == (row["engine"], row["profile"])
         if same and "." not in run["scene"]:  # a dot: a release perturbed from a hard case
             finest = own.setdefault(run["scene"], run)
-            own[run["scene"]] = min(finest, run, key=lambda row: row["timestep_s"])
+            own[run["scene"]] = min(finest, run, key=_coarseness)
     if not own:
         text = "not measured: no hard case was run with these settings"
         return {"stability_percent_verdict": Verdict(Status.NOT_MEASURED, text)}

@@ -1,5 +1,8 @@
 """Which colour and mark a curve has: by whose curve it is, the same in every figure of a report.
 
+The exact motion has a colour of its own, an engine the one that it declares; others take those of
+engines that are not there, in order.
+
 Each kind has two colours of one hue, one for a light and one for a dark page. Each stands out from
 its page by at least 3:1 (WCAG 2.2, 1.4.11), and any two inks stay apart for the three
 kinds of colour blindness; both are tested. Line, dash and mark repeat what the colour says.
@@ -11,12 +14,14 @@ Colours of quantities over a plane: the same on paper and on the screen.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import cycle
 from types import MappingProxyType
 
 import numpy as np
 
 from harness.core.report_model import Figure, Heatmap
 from harness.core.trajectory import Floats
+from harness.engines.registry import description_of, our_names
 
 PAPER_LIGHT = "#fcfbf8"
 PAPER_DARK = "#14171c"
@@ -41,40 +46,30 @@ class LineStyle:
 
 REFERENCE = LineStyle(light="#16181d", dark="#f3f0e9", width=3.4)
 
-_KNOWN: Mapping[str, LineStyle] = MappingProxyType(
-    {
-        "reference": REFERENCE,
-        "mujoco": LineStyle(light="#0a6fb0", dark="#5cb8f0"),
-        "pybullet": LineStyle(light="#d2560a", dark="#ff9d5c"),
-    }
-)
-_FURTHER = (
-    LineStyle(light="#1e2791", dark="#7f7cf0"),
-    LineStyle(light="#3c561c", dark="#aff3a0"),
-    LineStyle(light="#b8727d", dark="#d9525a"),
-    LineStyle(light="#829151", dark="#e5cc1c"),
-    LineStyle(light="#683964", dark="#ab7097"),
-    LineStyle(light="#956391", dark="#e19dbc"),
-)
-
 
 def palette(kinds: Iterable[str]) -> Mapping[str, LineStyle]:
-    """Return the line style of each kind; others take the further ones in order.
+    """Return the line style of each kind; what declares none takes one that is free, in order.
 
     Parameters
     ----------
     kinds : iterable of str
         Every kind in the report, in any order: the result does not depend on it.
     """
-    chosen: dict[str, LineStyle] = {}
-    further = 0
-    for kind in sorted(set(kinds)):
-        if kind in _KNOWN:
-            chosen[kind] = _KNOWN[kind]
-        else:
-            chosen[kind] = _FURTHER[further % len(_FURTHER)]
-            further += 1
-    return MappingProxyType(chosen)
+    chosen = {kind: _declared(kind) for kind in sorted(set(kinds))}
+    ours = {name: _declared(name) for name in our_names() if name != "reference"}
+    free = [style for name, style in ours.items() if style and name not in chosen]
+    further = cycle(free or filter(None, ours.values()))
+    return MappingProxyType({kind: chosen[kind] or next(further) for kind in chosen})
+
+
+def _declared(kind: str) -> LineStyle | None:
+    """Return the line style of the exact motion, or the one that an engine declares, if it does."""
+    if kind == "reference":
+        return REFERENCE
+    said = description_of(kind)
+    if not (said.light and said.dark):
+        return None
+    return LineStyle(light=said.light, dark=said.dark)
 
 
 FADED = 0.8  # opacity of the second and later labels of a kind
@@ -125,7 +120,8 @@ def entries(figure: Figure) -> tuple[Entry, ...]:
         if series.label in legend:
             continue
         kin = [entry for entry in legend.values() if entry.kind == series.kind]
-        styles = _DASHED if series.dashed else _SOLID
+        unbroken = (description_of(series.kind).dashes, *_SOLID[1:])
+        styles = _DASHED if series.dashed else unbroken
         alike = sum(entry.dashed == series.dashed for entry in kin)
         legend[series.label] = Entry(
             label=series.label,

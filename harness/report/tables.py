@@ -12,7 +12,7 @@ import csv
 import io
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -21,6 +21,8 @@ import pyarrow.parquet as pq
 from harness.core.plain_json import is_missing
 from harness.core.report_model import Table
 from harness.core.verdict import Verdict
+from harness.engines.description import APART
+from harness.engines.registry import is_constraint
 from harness.report.number_format import heading, is_number, readable, slug
 
 if TYPE_CHECKING:
@@ -62,10 +64,13 @@ def markdown(table: Table) -> str:
         _line(plain_text(title) for title in titles),
         _line("---:" if right else "---" for right in numeric),
     ]
-    lines += [
-        _line(plain_text(_judged(row, name, table)) for name in columns) for row in records(table)
-    ]
-    return "\n".join(lines) + "\n"
+    contacts, apart = (
+        [_line(plain_text(_judged(row, name, table)) for name in columns) for row in rows]
+        for rows in ranked(records(table))
+    )
+    if apart:
+        contacts += ["", plain_text(APART), "", *lines, *apart]
+    return "\n".join([*lines, *contacts]) + "\n"
 
 
 def _judged(row: Mapping[str, object], name: str, table: Table) -> str:
@@ -187,17 +192,21 @@ def grid(name: str, table: Table, digests: Collection[str]) -> dict[str, Any]:
     dict
         `heads` with words, unit and meaning; `rows` of cells: what is read, what it sorts by, all
         its digits, where it leads, how it is judged, and the verdict that stands beside a number;
-        `meanings` of all columns; `count` of the rows that the files have.
+        `meanings` of all columns; `count` of the rows that the files have; `apart`, the rows of
+        engines that impose rolling, and why they are.
     """
     heads = [_head(table, column) for column in _on_page(table)]
+    contacts, constraints = (
+        [[_cell(head, row, table, digests) for head in heads] for row in rows[:_MOST]]
+        for rows in ranked(table.frame.to_dict("records"))
+    )
     return {
         "name": name,
         "title": table.title,
         "heads": heads,
-        "rows": [
-            [_cell(head, row, table, digests) for head in heads]
-            for row in table.frame.head(_MOST).to_dict("records")
-        ],
+        "rows": contacts,
+        "apart": constraints,
+        "why_apart": APART,
         "count": len(table.frame),
         "judged": bool(table.verdicts),
         "meanings": [(str(c), table.columns.get(str(c), "")) for c in table.frame.columns],
@@ -252,3 +261,17 @@ def tone(judged: object) -> Tone:
     text = judged.status.value if isinstance(judged, Verdict) else str(judged).lower()
     word, *_ = text.split() or [""]
     return next((t for t, words in _TONES.items() if word.strip(":,.;") in words.split()), "")
+
+
+R = TypeVar("R", bound=Mapping[Any, Any])
+
+
+def ranked(rows: Sequence[R]) -> tuple[list[R], list[R]]:
+    """Return the rows of a table that are compared with each other, and those that stand apart.
+
+    Apart are the rows of engines that impose rolling, in a table with other rows: `APART` says why.
+    """
+    constraints = [row for row in rows if is_constraint(str(row.get("engine", "")))]
+    if len(constraints) in {0, len(rows)}:
+        return list(rows), []
+    return [row for row in rows if not is_constraint(str(row.get("engine", "")))], constraints

@@ -58,7 +58,8 @@ def _made_by(report: Report) -> str:
     """Return versions, commit, processor and date in a line."""
     own, commit = report.provenance, report.provenance.commit
     engines = (f"{n} {own.packages[n]}" for n in engine_packages() if n in own.packages)
-    words = [f"rockingcan {own.rockingcan}", *engines, f"python {own.python}"]
+    places = (f"{name} ({versions})" for name, versions in own.environments.items())
+    words = [f"rockingcan {own.rockingcan}", *engines, f"python {own.python}", *places]
     if commit is not None:
         words.append(f"commit {commit.digest[:12]}{' + changes' if commit.changed else ''}")
     return plain_text(", ".join([*words, own.processor, own.written]))
@@ -165,8 +166,8 @@ def write_report(
     Parameters
     ----------
     artefacts : iterable of Artefact
-        In the order in which they are to be read. A text named "summary" and a table named
-        "scorecard" open the page.
+        In the order in which they are to be read. The tables "best" and "shipped" open the page,
+        then a text named "summary"; without them the text, and the table "scorecard".
     out : Path
         The folder; an earlier report there is replaced as a whole.
     title : str

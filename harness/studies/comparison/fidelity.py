@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
+from harness.engines.description import Method
+from harness.engines.registry import is_constraint
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.energy import energy
 from harness.metrics.motion import Motion
@@ -28,14 +30,14 @@ AGREES_PHI = 0.01
 
 def scorecard_verdict(e: Evaluation) -> Verdict:
     """Return how faithful a run was, with the number behind it."""
-    return undecided(e) or _weighed(excess(e))
+    return undecided(e) or size_verdict(excess(e))
 
 
 _WHOLE = 10.0
 """Factors from here on are written without decimals."""
 
 
-def _weighed(factor: float) -> Verdict:
+def size_verdict(factor: float) -> Verdict:
     """Return the verdict on a size, given as a factor over the allowed one."""
     if factor <= 1.0:
         return Verdict(Status.AGREES, "agrees")
@@ -114,6 +116,8 @@ class FidelityQuantity:
         asks the plane to pull.
     bounces : bool
         Whether it is a property of bounces.
+    contact : bool
+        Whether it is how far a contact is from the ideal one, which a constraint is.
     """
 
     key: str
@@ -121,10 +125,11 @@ class FidelityQuantity:
     allowed: Callable[[Evaluation, Motion], float]
     rolls: bool = True
     bounces: bool = False
+    contact: bool = False
 
 
 def fidelity(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
-    """Return the verdicts on each profile of each engine, at its smallest timestep."""
+    """Return the verdicts on each profile of each engine, where it was finest."""
     rows = [
         {
             "simulation": e.simulation,
@@ -154,7 +159,8 @@ def verdict(quantity: FidelityQuantity, e: Evaluation) -> Verdict:
     """Return how an engine fares in a quantity."""
     if (end := ended(e)) is not None:
         return end
-    doubt = _undecidable(quantity, e)
+    imposed = quantity.contact and is_constraint(e.simulation.case.engine)
+    doubt = Method.CONSTRAINT.refusal if imposed else _undecidable(quantity, e)
     if doubt:
         return _not_decidable(doubt)
     if quantity.bounces and not e.bounces:
@@ -164,7 +170,7 @@ def verdict(quantity: FidelityQuantity, e: Evaluation) -> Verdict:
     value, allowed = quantity.value(e), _allowed(quantity, e)
     if value is None or allowed is None:
         return _not_decidable("the run has no such number")
-    return _weighed(abs(value) / allowed)
+    return size_verdict(abs(value) / allowed)
 
 
 def _undecidable(quantity: FidelityQuantity, e: Evaluation) -> str:
@@ -250,17 +256,20 @@ JUDGED = (
         key=_SLIP,
         value=QUANTITIES["max_slip_m_s"].of_run,
         allowed=lambda _, truth: _SEEN * _speed(truth),
+        contact=True,
     ),
     # deeper, and the far rim touches the plane where the exact can clears it: another motion
     FidelityQuantity(
         key="penetration_m",
         value=QUANTITIES["max_penetration_m"].of_run,
         allowed=_clearance,
+        contact=True,
     ),
     FidelityQuantity(
         key="lift_off_fraction",
         value=QUANTITIES["lift_off_fraction"].of_run,
         allowed=lambda *_: _SEEN,
+        contact=True,
     ),
     # of what the can has to spend: phi follows it in proportion
     FidelityQuantity(

@@ -1,11 +1,12 @@
 """The comparison in figures: bounce, angles, locus, friction and errors of a scene.
 
 The first bounce is what the project is about: its angles, and the friction in it. The figure of
-convergence draws errors against the timestep.
+convergence draws errors against the timestep or the accuracy.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,19 +14,19 @@ from harness.core.bounce import Bounce
 from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.convergence import observed_order
 from harness.metrics.motion import Motion
-from harness.metrics.quantities import QUANTITIES
+from harness.studies.comparison.convergence import convergence
 from harness.studies.comparison.selection import (
     MM,
     MS,
-    by_case,
+    contacts,
     curve,
     digests,
     drawn_runs,
     exact_curve,
     followed_best,
     label,
+    left_undrawn,
     longest,
 )
 
@@ -60,15 +61,17 @@ def scene_figures(
     # an exact can that falls in a plane does not turn, and has no inner region to look into
     true = next((e.true_bounces[0] for e in drawn if e.true_bounces), None)
     true = None if true is None or true.peak_psi_dot == 0.0 else true
-    figures = (
-        None if true is None else _bounce(scene, drawn, true),
+    of_drawn = (
+        *(() if true is None else (_bounce(scene, drawn, true),)),
         _angles(scene, drawn),
         _locus(scene, drawn),
         _friction(scene, drawn, true),
         _residuals(scene, drawn),
-        _convergence(scene, evaluations),
     )
-    return tuple(figure for figure in figures if figure is not None)
+    if left := left_undrawn(evaluations, drawn):
+        of_drawn = tuple(replace(figure, seen=f"{figure.seen} {left}") for figure in of_drawn)
+    errors = convergence(scene, evaluations)
+    return of_drawn if errors is None else (*of_drawn, errors)
 
 
 def _figure(
@@ -114,7 +117,7 @@ def _bounce(scene: str, drawn: Sequence[Evaluation], true: Bounce) -> Figure:
     seen = (
         f"In {_duration(width)} about the bounce the can turns by {_within(drawn, true):.0f} "
         f"of its {turn:.2f} degrees, while phi turns back at {true.phi_min:.2g} rad. "
-        f"{_turns(drawn, turn)}"
+        f"{_turns(contacts(drawn), turn)}"
     )
     return _figure(scene, "bounce", "The first bounce", drawn, panels, seen=seen, columns=3)
 
@@ -215,7 +218,7 @@ def _angles(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         for name, title in _ANGLES.items()
     ]
     title = "The angles over the whole run"
-    seen = followed_best(drawn) or _closest(drawn)
+    seen = followed_best(drawn) or _closest(contacts(drawn))
     return _figure(scene, "angles", title, drawn, panels, seen=seen, columns=3)
 
 
@@ -246,7 +249,7 @@ def _locus(scene: str, drawn: Sequence[Evaluation]) -> Figure:
     )
     seen = (
         "Each engine's locus is the centre of its contact points, weighted with their forces. "
-        f"{_apart(drawn)}"
+        f"{_apart(contacts(drawn))}"
     )
     title = "The contact locus from above"
     return _figure(scene, "locus", title, drawn, [panel], seen=seen, columns=1)
@@ -271,7 +274,7 @@ def _friction(scene: str, drawn: Sequence[Evaluation], true: Bounce | None) -> F
     exact = longest(drawn).truth
     peak = np.nanmax(exact.friction_ratio) if exact is not None else math.nan
     slip = drawn[0].simulation.case.scene.effects.slip
-    if drawn[0].truth_pulls:
+    if any(e.truth_pulls for e in drawn):
         second = "In places the exact motion asks the plane to pull; a can only pushed lifts off."
     elif slip is not None:
         second = (
@@ -320,7 +323,7 @@ def _residuals(scene: str, drawn: Sequence[Evaluation]) -> Figure:
         )
     ]
     return _figure(
-        scene, "residuals", "Errors over time", drawn, panels, seen=_residual_sizes(drawn)
+        scene, "residuals", "Errors over time", drawn, panels, seen=_residual_sizes(contacts(drawn))
     )
 
 
@@ -341,59 +344,3 @@ def _residual_sizes(drawn: Sequence[Evaluation]) -> str:
         f"{first} Of the latter, {before:.2g} rad rms are made before the first bounce, "
         f"{after:.2g} rad after it."
     )
-
-
-_CONVERGING = (
-    ("Nutation", "phi, rms [rad]", "phi_rms_rad"),
-    ("Angle of turn", "error of the turn [deg]", "angle_of_turn_error_deg"),
-)
-
-
-def _convergence(scene: str, evaluations: Sequence[Evaluation]) -> Figure | None:
-    """Return errors against the timestep, with every run as a point."""
-    known = [e for e in evaluations if e.errors and e.simulation.timestep is not None]
-    ladders = {", ".join(own): runs for own, runs in by_case(known, "engine", "profile").items()}
-    if all(len({e.simulation.timestep for e in ladder}) == 1 for ladder in ladders.values()):
-        return None
-    panels = []
-    for title, y_label, key in _CONVERGING:
-        series = []
-        for name, ladder in ladders.items():
-            points = sorted((e.simulation.timestep, abs(_error(e, key))) for e in ladder)
-            x, y = np.array(points).T
-            series.append(curve(ladder[0], x, np.where(y > 0.0, y, np.nan), "both", name))
-        if any(np.isfinite(s.y).any() for s in series):
-            panels.append(
-                Panel(
-                    title=title,
-                    x_label="timestep [s]",
-                    y_label=y_label,
-                    series=tuple(series),
-                    log_x=True,
-                    log_y=True,
-                )
-            )
-    title = "Errors against the timestep"
-    return _figure(scene, "convergence", title, evaluations, panels, seen=_falls(ladders))
-
-
-def _falls(ladders: Mapping[str, Sequence[Evaluation]]) -> str:
-    """Return two sentences: whose error is smallest and largest, and how errors fall."""
-    every = [(_error(e), name) for name, ladder in ladders.items() for e in ladder]
-    (least, best), (most, worst) = min(every), max(every)
-    orders = []
-    for name, ladder in ladders.items():
-        steps = [e.simulation.timestep or math.nan for e in ladder]
-        if len(set(steps)) > 1:
-            order = observed_order(steps, [_error(e) for e in ladder]).order
-            orders.append(f"{order:.2g} in {name}")
-    return (
-        f"The error of phi is smallest in {best}, {least:.2g} rad, and largest in {worst}, "
-        f"{most:.2g} rad. It goes with the timestep to the power of {' and '.join(orders)}."
-    )
-
-
-def _error(e: Evaluation, key: str = "phi_rms_rad") -> float:
-    """Return an error of a run; NaN where it has none."""
-    error = QUANTITIES[key].of_run(e)
-    return math.nan if error is None else error

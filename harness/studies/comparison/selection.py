@@ -13,6 +13,8 @@ from harness.core.report_model import Series
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Floats
 from harness.core.verdict import Status, Verdict
+from harness.engines.ladder import fineness, finer_by, rung_words
+from harness.engines.registry import is_constraint
 from harness.evaluation.evaluation import Evaluation
 
 MS = 1e3
@@ -39,33 +41,63 @@ def by_case(
 
 
 def finest(evaluations: Sequence[Evaluation]) -> tuple[Evaluation, ...]:
-    """Return of each scene and engine the run of each profile with the smallest timestep."""
+    """Return of each scene and engine the finest run of each profile."""
     return tuple(
-        min(own, key=lambda e: e.simulation.timestep or math.inf)
+        min(own, key=lambda e: fineness(e.simulation) or math.inf)
         for own in by_case(evaluations, "scene", "engine", "profile").values()
     )
 
 
+def contacts(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+    """Return the runs that are ranked: of engines with contacts, or of constraints alone."""
+    found = [e for e in evaluations if not is_constraint(e.simulation.case.engine)]
+    return found or list(evaluations)
+
+
+MANY = 3
+"""Engines beyond which a figure has no room for the runs of all profiles of all."""
+
+_NEAREST, _FARTHEST = 4, 2
+"""Of many engines, those that are drawn."""
+
+
 def drawn_runs(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return of each engine the run of each profile with the smallest timestep, as shipped last."""
-    known = [
-        e
-        for e in evaluations
-        if e.motion is not None and e.truth is not None and e.simulation.timestep is not None
-    ]
-    return sorted(finest(known), key=lambda e: e.simulation.case.profile == "default")
+    """Return of each engine the finest run of each profile, as shipped last.
+
+    Of many engines the best run of each, and of these the nearest and the farthest.
+    """
+    known = finest([e for e in evaluations if e.motion and e.truth and label(e) != EXACT])
+    if len(by_case(known, "engine")) <= MANY:
+        return sorted(known, key=lambda e: e.simulation.case.profile == "default")
+    best = [min(own, key=_distance) for own in by_case(contacts(known), "engine").values()]
+    best.sort(key=_distance)
+    return best if len(best) <= _NEAREST + _FARTHEST else best[:_NEAREST] + best[-_FARTHEST:]
+
+
+def left_undrawn(evaluations: Sequence[Evaluation], drawn: Sequence[Evaluation]) -> str:
+    """Return a sentence on the engines of which a figure has no curve; nothing where it has all."""
+    engines = set(by_case(evaluations, "engine")) - set(by_case(drawn, "engine"))
+    if not engines:
+        return ""
+    names = ", ".join(sorted(name for (name,) in engines))
+    return f"Drawn are the contacts nearest to the exact motion and farthest from it, not {names}."
+
+
+def _distance(e: Evaluation) -> float:
+    """Return how far a run is from the exact motion: rad rms of phi."""
+    return e.errors.phi_rms if e.errors is not None else math.inf
 
 
 def label(e: Evaluation) -> str:
     """Return the legend entry of a run."""
-    case, timestep = e.simulation.case, e.simulation.timestep
+    case, setting = e.simulation.case, finer_by(e.simulation.case.engine)
     if case.engine == "reference":
         return EXACT
-    settings = "".join(f", {name}={value}" for name, value in case.options)
+    settings = "".join(f", {name}={v}" for name, v in case.options if name != setting)
     if case.profile == "adaptive":
         return f"{case.engine}, adaptive{settings}"
-    step = "" if timestep is None else f", {timestep:.2g} s"
-    return f"{case.engine}, {case.profile}{step}{settings}"
+    step = rung_words(e.simulation)
+    return f"{case.engine}, {case.profile}{', ' if step else ''}{step}{settings}"
 
 
 def digests(drawn: Sequence[Evaluation]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ replay. Every can is shown by its own clock, which strikes zero at its own first
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from operator import itemgetter
 
 import numpy as np
 
@@ -18,12 +18,16 @@ from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Artefact, Body, Prose, Replay
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Floats
+from harness.engines.ladder import rung_words, takes_timestep
+from harness.engines.registry import is_constraint
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.motion import Motion
 from harness.metrics.quantities import turn_error
+from harness.studies.comparison.convergence import orders
 from harness.studies.comparison.fidelity import fidelity
 from harness.studies.comparison.figures import scene_figures
 from harness.studies.comparison.selection import (
+    MANY,
     by_case,
     drawn_runs,
     followed_best,
@@ -36,7 +40,7 @@ from harness.studies.comparison.suite import (
     split_unsupported,
     suite_cases,
 )
-from harness.studies.comparison.tables import bounces, orders, parity, results, scorecard
+from harness.studies.comparison.tables import bounces, parity, results, scorecards
 from harness.studies.study import EVALUATION, Job, Results, evaluation_jobs
 from models.catalogue import load
 from models.effects import modelling_choices
@@ -103,7 +107,7 @@ def plan_comparison(
     suite : str
         A key of `SUITES`.
     engines : sequence of str
-        Names of engines that take a timestep.
+        Names of engines that move a can by steps.
     settings : mapping, optional
         By engine, settings to put on top of every case of it.
 
@@ -126,7 +130,7 @@ def comparison_report(
     evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()
 ) -> tuple[Artefact, ...]:
     """Return the artefacts of the comparison; unsupported scenes are rows of its tables."""
-    artefacts: list[Artefact] = [_summary(evaluations), scorecard(evaluations, unsupported)]
+    artefacts: list[Artefact] = [_summary(evaluations), *scorecards(evaluations, unsupported)]
     for (scene,), own in by_case(evaluations, "scene").items():
         cite, supposed = own[0].simulation.case.scene.cite, _supposed(own)
         title = "What the exact motion supposes"
@@ -166,24 +170,44 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
     runs = by_case(evaluations, "engine", "profile")
     engines = "1 engine" if len(by_engine) == 1 else f"{len(by_engine)} engines"
     sentences = [f"{len(evaluations)} runs of {engines} were held against the exact motion."]
-    for (engine,), (profile, words) in product(by_engine, _PROFILES.items()):
-        turned = [
-            (abs(error), e)
-            for e in runs.get((engine, profile), ())
-            if (error := turn_error(e)) is not None
-            and e.simulation.outcome is Outcome.FINISHED
-            and not e.truth_pulls
+    for profile, words in _PROFILES.items():
+        known = {engine: _turned(runs.get((engine, profile), ())) for (engine,) in by_engine}
+        extreme = "worst" if profile == "default" else "best"
+        chosen = [
+            (engine, *(max if profile == "default" else min)(turned, key=itemgetter(0)))
+            for engine, turned in known.items()
+            if turned
         ]
-        if turned:
-            choose, extreme = (max, "worst") if profile == "default" else (min, "best")
-            error, e = choose(turned, key=lambda pair: pair[0])
-            sentences.append(
-                f"{engine} {words} misses the angle of turn by at {extreme} {error:.2g} degrees "
-                f"({e.simulation.case.scene.name}, timestep "
-                f"{'up to ' if profile == 'adaptive' else ''}{e.simulation.timestep:.2g} s)."
-            )
+        chosen.sort(key=itemgetter(1))
+        ranked = [one for one in chosen if not is_constraint(one[0])]
+        if len(ranked) > MANY:  # the nearest and the farthest; the tables have all
+            chosen = [ranked[0], ranked[-1], *(one for one in chosen if one not in ranked)]
+        sentences += [
+            f"{engine} {words} misses the angle of turn by at {extreme} {error:.2g} degrees "
+            f"({e.simulation.case.scene.name}, {_step(e)})."
+            for engine, error, e in chosen
+        ]
     paragraphs = (" ".join(sentences), f"{_uncounted(evaluations)} {_endings(evaluations)}")
     return Prose(name="summary", title="Summary", text="\n\n".join(paragraphs))
+
+
+def _step(e: Evaluation) -> str:
+    """Return the timestep or the accuracy of a run in words."""
+    case, words = e.simulation.case, rung_words(e.simulation)
+    if not takes_timestep(case.engine):
+        return words
+    return f"timestep {'up to ' if case.profile == 'adaptive' else ''}{words}"
+
+
+def _turned(runs: Sequence[Evaluation]) -> list[tuple[float, Evaluation]]:
+    """Return the errors of the turn of the runs that can be held to it, with the runs."""
+    return [
+        (abs(error), e)
+        for e in runs
+        if (error := turn_error(e)) is not None
+        and e.simulation.outcome is Outcome.FINISHED
+        and not e.truth_pulls
+    ]
 
 
 _PROFILES = {
@@ -267,7 +291,7 @@ def replay(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Replay, ...]:
 
 
 def _two_each(drawn: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return of each engine the run as shipped and the best other run."""
+    """Return of each engine the run as shipped and the best other run; of many, those nearest."""
     chosen: list[Evaluation | None] = []
     for runs in by_case(drawn, "engine").values():
         own = {e.simulation.case.profile: e for e in runs}

@@ -1,8 +1,9 @@
 """The cases of the comparison.
 
 Each engine runs each scene as it ships, at its own timestep; matched, on a ladder of timesteps;
-and adaptive. The first says what a user gets, the second how fast the engine gets nearer, the third
-what it can do.
+and adaptive. An engine that chooses its own steps has a ladder of accuracies in the place of
+timesteps, and no profile `adaptive` of its own. The first says what a user gets, the second how
+fast the engine gets nearer, the third what it can do.
 
 What an engine is not asked: scenes with effects that it neither honours nor imposes.
 """
@@ -14,6 +15,7 @@ from types import MappingProxyType
 
 from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
+from harness.engines.ladder import at_rung, rungs, takes_timestep
 from harness.engines.registry import missing_effects
 from models.scene import Scene
 
@@ -62,15 +64,17 @@ def suite_cases(
     suite : str
         A key of `SUITES`.
     engines : sequence of str
-        Names of engines that take a timestep.
+        Names of engines that move a can by steps.
     scenes : mapping of str to Scene
         At least the scenes of the suite, by name.
     """
     cases = []
     for (name, ladder), engine in product(SUITES[suite].items(), engines):
         case = Case(scene=scenes[name], engine=engine)
-        cases += [replace(case, profile="default"), replace(case, profile="adaptive")]
-        cases += [replace(case, timestep=timestep) for timestep in ladder]
+        cases.append(replace(case, profile="default"))
+        if takes_timestep(engine):
+            cases.append(replace(case, profile="adaptive"))
+        cases += [at_rung(case, value) for value in rungs(engine, ladder)]
     return tuple(cases)
 
 

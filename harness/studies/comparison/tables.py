@@ -1,12 +1,14 @@
 """The tables of the comparison: scorecard, all cases, bounces, model parity, observed orders."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from typing import Any
 
 from harness.core.report_model import Column, Table, table_of
+from harness.core.verdict import Status, Verdict
+from harness.engines.ladder import rung_words
 from harness.evaluation.evaluation import Evaluation
-from harness.metrics.convergence import observed_order
 from harness.metrics.quantities import QUANTITIES, turn_error
 from harness.studies.comparison.fidelity import excess, scorecard_verdict, undecided
 from harness.studies.comparison.selection import by_case
@@ -25,29 +27,47 @@ _SCORECARD = (
     Column("best_verdict", "The same at the best that was run."),
     Column("best_turn_error_deg", "First angle of turn, engine minus truth, of the best run."),
     Column("best_phi_rms_rad", "Root mean square error of phi of the best run."),
-    Column("best_run", "Profile and timestep of the best run."),
+    Column("best_run", "Profile of the best run, and its timestep or accuracy."),
     Column("case", "Digest of the best run; its command is in the list of cases.", "best.digest"),
 )
 
 
-def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()) -> Table:
-    """Return the scorecard of the comparison: a row a scene and engine, as it ships and at best."""
+def scorecards(
+    evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported] = ()
+) -> tuple[Table, ...]:
+    """Return the verdicts on engines, as they ship and at their best.
+
+    Two matrices of engines by scenes, and a table with a row for each scene and engine.
+    """
+    rows = _verdicts(evaluations, unsupported)
+    return (
+        _matrix("best", "Engines at their best, by scene", rows),
+        _matrix("shipped", "Engines as they ship, by scene", rows),
+        table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows),
+    )
+
+
+def _verdicts(
+    evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupported]
+) -> list[dict[str, Any]]:
+    """Return the rows of the scorecard: one for each scene and engine."""
     rows = []
     for (scene, engine), own in by_case(evaluations, "scene", "engine").items():
         shipped = next((e for e in own if e.simulation.case.profile == "default"), None)
         tuned = [e for e in own if e.simulation.case.profile != "default"]
         best = min(tuned, key=_badness, default=None)
-        row: dict[str, object] = {"scene": scene, "engine": engine}
+        row: dict[str, Any] = {"scene": scene, "engine": engine}
         for prefix, e in (("shipped", shipped), ("best", best)):
             if e is not None:
                 row |= {
                     f"{prefix}_verdict": scorecard_verdict(e),
                     f"{prefix}_phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
                     f"{prefix}_turn_error_deg": turn_error(e),
+                    prefix: e.simulation,
                 }
         if best is not None:
             run = best.simulation
-            row |= {"best": run, "best_run": f"{run.case.profile}, {run.timestep:.2g} s"}
+            row |= {"best_run": f"{run.case.profile}, {rung_words(run)}"}
         rows.append(row)
     rows += [
         {
@@ -58,7 +78,56 @@ def scorecard(evaluations: Sequence[Evaluation], unsupported: Sequence[Unsupport
         }
         for case in unsupported
     ]
-    return table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows)
+    return rows
+
+
+def _matrix(side: str, title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the errors of engines by scenes: of the turn, or of phi where nothing turns.
+
+    Parameters
+    ----------
+    side : str
+        "best" or "shipped", and the name of the table.
+    title : str
+    rows : sequence of mapping
+        Of the scorecard.
+    """
+    cells: dict[str, dict[str, object]] = {row["engine"]: {"engine": row["engine"]} for row in rows}
+    columns = [run_columns.ENGINE.of("engine")]
+    for scene in dict.fromkeys(row["scene"] for row in rows):
+        own = [row for row in rows if row["scene"] == scene]
+        turns = any(row.get(f"{s}_turn_error_deg") is not None for s in _SIDES for row in own)
+        key, unit = ("turn_error_deg", "deg") if turns else ("phi_rms_rad", "rad")
+        name, meant = f"{scene}_{unit}", "First angle of turn, engine minus truth"
+        verdict, case = f"{name}_verdict", f"{name}_case"
+        columns += [
+            Column(
+                name,
+                f"{meant if turns else 'Root mean square error of phi'}, on {scene}.",
+                verdict=verdict,
+                case=case,
+            ),
+            Column(verdict, f"Verdict in words on all of {scene}.", shown=False),
+            Column(case, f"Digest of the run of {scene}.", shown=False),
+        ]
+        for row in own:
+            run = row.get(side)
+            cells[row["engine"]] |= {
+                name: row.get(f"{side}_{key}"),
+                verdict: _short(row.get(f"{side}_verdict")),
+                case: None if run is None else run.digest,
+            }
+    return table_of(side, title, columns, cells.values())
+
+
+_SIDES = ("best", "shipped")
+
+
+def _short(verdict: Verdict | None) -> Verdict | None:
+    """Return a verdict without the reason where nothing can be decided: the scorecard has it."""
+    if verdict is None or verdict.status is not Status.UNDECIDABLE:
+        return verdict
+    return Verdict(verdict.status, verdict.text.partition(":")[0])
 
 
 def _badness(e: Evaluation) -> tuple[bool, float, float]:
@@ -107,11 +176,12 @@ _RESULTS = (
     Column("simulated_s", "Length of the run.", lambda e: e.motion and float(e.motion.time[-1])),
     run_columns.quantity_column("steps"),
     run_columns.quantity_column("constraint_rows", shown=False),
+    run_columns.quantity_column("compile_s", shown=False),
     run_columns.quantity_column("setup_s", shown=False),
     run_columns.quantity_column("wall_s"),
     run_columns.quantity_column("cpu_s", shown=False),
     Column(
-        "truth_pulls", "Whether the exact motion asks the plane to pull, which no engine's can."
+        "truth_pulls", "Whether the exact motion asks the plane to pull, which a contact's cannot."
     ),
     Column("digest", "Names the case in this version of its engine.", "simulation.digest"),
     run_columns.COMMAND,
@@ -219,54 +289,3 @@ def parity(evaluations: Sequence[Evaluation]) -> Table:
             rows += [{"simulation": e.simulation, **asdict(row)} for row in e.simulation.parity]
         seen.add(model)
     return table_of("parity", "Model parity: the can that each engine compiled", _PARITY, rows)
-
-
-_ORDERS = (
-    run_columns.SCENE,
-    run_columns.ENGINE,
-    Column("quantity", "Which error."),
-    Column(
-        "observed_order", "Slope of log error against log timestep, profile matched.", "order.order"
-    ),
-    Column(
-        "spread", "Half the range of the slopes between neighbouring timesteps.", "order.spread"
-    ),
-    Column("timesteps", "How many timesteps it rests on.", "order.points"),
-    Column("smallest_error", "Error at the smallest timestep, in the quantity's unit."),
-    run_columns.LINK,
-)
-
-_ROUND_OFF = 1e-12
-"""rad or deg: below it an error is the sum of roundings, which has no order."""
-
-
-def orders(evaluations: Sequence[Evaluation]) -> Table:
-    """Return the observed orders of all ladders; the case is the run at the smallest timestep."""
-    reads: Mapping[str, Callable[[Evaluation], float | None]] = {
-        "phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run,
-        "angle_of_turn_deg": turn_error,
-    }
-    known = [e for e in evaluations if e.errors is not None and e.simulation.timestep]
-    rows: list[dict[str, object]] = []
-    for (_, _, profile), ladder in by_case(known, "scene", "engine", "profile").items():
-        for quantity, read in reads.items() if profile == "matched" else ():
-            steps = [e.simulation.timestep or math.nan for e in ladder]
-            errors = [math.nan if error is None else error for error in map(read, ladder)]
-            order = observed_order(steps, [_weighty(errors, error) for error in errors])
-            finest = steps.index(min(steps))
-            if order.points > 1:
-                rows.append(
-                    {
-                        "simulation": ladder[finest].simulation,
-                        "quantity": quantity,
-                        "order": order,
-                        "smallest_error": errors[finest],
-                    }
-                )
-    return table_of("orders", "Observed order", _ORDERS, rows)
-
-
-def _weighty(errors: Sequence[float], error: float) -> float:
-    """Return an error that an order can rest on; NaN for round-off and where the sign changes."""
-    signs = {math.copysign(1.0, other) for other in errors if math.isfinite(other)}
-    return error if len(signs) == 1 and abs(error) > _ROUND_OFF else math.nan

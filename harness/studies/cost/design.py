@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.base import COMMON, TIMESTEP, Variant, features_of
+from harness.engines.ladder import at_rung, finer_by, rungs, takes_timestep
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.to_reference_problem import carried
 from harness.engines.reference.truth import truth
@@ -151,7 +152,7 @@ def plan_cost(
     if tuning_scene.release == scene.release and tuning_scene.can == scene.can:
         raise InvalidSettingError("--tune", tuning_scene.name, "another scene than the one scored")
     priced_variants = {name: priced(name, suite) for name in engines}
-    stepping = [n for n in engines if any(v.along == "timestep" for v in variants(n))]
+    stepping = [n for n in engines if any(v.along == finer_by(n) for v in variants(n))]
     finest = timesteps(scene, suite)[-1]
     return CostPlan(
         scene=scene,
@@ -169,7 +170,7 @@ def plan_cost(
             for variant in priced_variants[name]
         ),
         paths=tuple(
-            ablation_path(scene, name, finest)
+            ablation_path(scene, name, finest if takes_timestep(name) else None)
             for name in stepping
             if features_of(engine(name)).model_differences
         ),
@@ -196,16 +197,17 @@ def _hardness(scene: Scene, engines: Sequence[str], suite: str) -> Iterator[Hard
         if harder is None or size is None:
             continue
         rate = abs(truth(harder).bounces[0].peak_psi_dot)
-        steps = dict.fromkeys(min(LONGEST, turn / rate) for turn in _HARD_STEPS[suite])
+        steps = tuple(dict.fromkeys(min(LONGEST, turn / rate) for turn in _HARD_STEPS[suite]))
         families = []
         for name in engines:
-            fixed = tuple(
-                Case(scene=harder, engine=name, timestep=float(f"{step:.2g}")) for step in steps
-            )
-            families += [
-                Family(variant=Variant(name="fixed step"), cases=fixed),
-                adaptive_family(harder, name, COMMON[2], _HARD_SHARES[suite]),
-            ]
+            ladder = rungs(name, [float(f"{step:.2g}") for step in steps])
+            plain = Case(scene=harder, engine=name)
+            cases = tuple(at_rung(plain, value) for value in ladder)
+            kind = "fixed step" if takes_timestep(name) else "own steps"
+            variant = Variant(name=kind, along=finer_by(name))
+            families.append(Family(variant=variant, cases=cases))
+            if takes_timestep(name):
+                families.append(adaptive_family(harder, name, COMMON[2], _HARD_SHARES[suite]))
         yield Hardness(scene=harder, epsilon=size, families=tuple(families))
 
 

@@ -11,14 +11,16 @@ from dataclasses import dataclass, field, replace
 from harness.core.case import Case, Value
 from harness.core.simulation import Outcome
 from harness.engines.base import Variant
+from harness.engines.ladder import finer_by, rung_of, takes_timestep
 from harness.engines.reference.truth import truth
-from harness.engines.registry import timestep_of
+from harness.engines.registry import is_constraint, timestep_of
 from harness.engines.stepping.schedule import ETA
 from harness.evaluation.case_record import lost_errors, measured
 from harness.evaluation.effort import engine_group, expected_seconds
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Record
 from harness.evaluation.timing import overhead
+from harness.metrics.convergence import pareto_front
 from harness.studies.study import Work, record_cache
 from models.scene import Scene
 
@@ -69,8 +71,8 @@ class Family:
 
     @property
     def steps(self) -> bool:
-        """Whether the ladder is one of timesteps."""
-        return self.variant.along == "timestep"
+        """Whether the ladder is one of timesteps, or of accuracies of an engine's own steps."""
+        return self.variant.along == finer_by(self.engine)
 
 
 def timesteps(scene: Scene, suite: str) -> tuple[float, ...]:
@@ -219,6 +221,11 @@ class Point:
         return step
 
     @property
+    def rung(self) -> float | None:
+        """The timestep, s, or the accuracy of own steps; None of a solver without either."""
+        return self.timestep if takes_timestep(self.case.engine) else rung_of(self.case)
+
+    @property
     def digest(self) -> str:
         """What names the case."""
         return self.case.digest(self.run["version"])
@@ -263,3 +270,17 @@ class Point:
         """Return an error, engine minus truth; None where the run failed or it is not known."""
         value: float | None = self.run["errors"].get(name)
         return value if self.outcome is Outcome.FINISHED else None
+
+
+def fronts(points: Sequence[Point], target: str) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
+    """Return the points that no other beats in cost and error: of contacts, and of constraints.
+
+    An engine that imposes rolling solves another problem, and beats none that has contacts.
+    """
+    ranked: list[tuple[Point, ...]] = []
+    for apart in (False, True):
+        own = [p for p in points if is_constraint(p.case.engine) is apart]
+        places = pareto_front([p.cost for p in own], [p.error(target) for p in own])
+        ranked.append(tuple(own[place] for place in places))
+    contacts, constraints = ranked
+    return contacts, constraints

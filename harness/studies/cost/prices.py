@@ -19,6 +19,7 @@ from scipy.stats import t as student
 
 from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series, Table
+from harness.engines.ladder import takes_timestep
 from harness.engines.registry import export_settings
 from harness.evaluation.evaluation import Record
 from harness.studies.cost.design import CostPlan, Hardness, target_of
@@ -76,11 +77,11 @@ def offers(ladder: Sequence[Point], target: str, *, steps: bool) -> tuple[Offer,
     target : str
         Name of the error.
     steps : bool
-        Whether it is a ladder of timesteps, in which finer rungs vouch for coarser ones.
+        Whether it is a ladder of timesteps or accuracies, in which finer rungs vouch for coarser.
     """
     sizes = [point.error(target) for point in ladder]
     if steps and len(ladder) > 1:
-        coarse, fine = ladder[-2].timestep, ladder[-1].timestep
+        coarse, fine = ladder[-2].rung, ladder[-1].rung
         ratio = coarse / fine if coarse and fine else 1.0
         sizes[-1] = max(sizes[-1], sizes[-2] / ratio**_HIGHEST_ORDER)
         if math.isinf(sizes[-2]):
@@ -200,8 +201,14 @@ CHOICES = (SHIPPED, FIXED, FOLLOWING, HERE)
 """Where settings come from: the engine as it ships at any timestep; chosen on another scene, with
 the harness's rule for the timestep or without; chosen on this very scene, which flatters."""
 
-_KINDS = {FIXED: ("default", "matched"), FOLLOWING: ("adaptive",)}
-"""Profiles among whose settings a choice is tuned."""
+_KINDS = (FIXED, FOLLOWING)
+"""Choices whose settings are tuned elsewhere."""
+
+
+def _follows(family: Family) -> bool:
+    """Whether the steps of a family follow the motion: by the harness's rule, or the engine's."""
+    return family.variant.profile == "adaptive" or not takes_timestep(family.engine)
+
 
 _TIE = 1.25
 """Ratio of the costs of single runs up to which they are equal: the first declared is taken."""
@@ -233,8 +240,9 @@ def cost(
 
     tuned = {}
     for name in plan.engines:
-        for choice, profiles in _KINDS.items():
-            tried = [f for f in plan.tuning if f.engine == name and f.variant.profile in profiles]
+        for choice in _KINDS:
+            follows = choice == FOLLOWING
+            tried = [f for f in plan.tuning if f.engine == name and _follows(f) == follows]
             chosen = _tuned(ladders(tried), target_of(plan.tuning_scene))
             if chosen:
                 tuned[name, choice] = chosen
@@ -276,13 +284,15 @@ def _first(ranked: list[tuple[float, str]]) -> str:
 def all_pasted(cost: Cost) -> str:
     """Return the cheapest settings at a fixed step of every engine and target, as paragraphs.
 
-    A model file has one timestep; what follows the motion needs a program, and has a command.
+    A model file has one timestep; what follows the motion needs a program, and has a command. Of an
+    engine that chooses its own steps they are those of its own steps.
     """
     blocks = []
     for target in TARGETS:
         for engine in cost.plan.engines:
-            price = cost.price(engine, FIXED, target)
-            if price.winners and price.winners[0].point.timestep is not None:
+            choice = FIXED if takes_timestep(engine) else FOLLOWING
+            price = cost.price(engine, choice, target)
+            if price.winners and price.winners[0].point.rung is not None:
                 text = " ".join(export_settings(price.winners[0].point.case).split())
                 blocks.append(f"{engine}, {target:g} degrees: {text}")
     return "\n\n".join(blocks)

@@ -4,7 +4,7 @@ The fairness contract is the rules that every price was measured under, publishe
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median_high
 from typing import Any
@@ -19,13 +19,13 @@ from harness.engines.registry import engine, export_settings
 from harness.evaluation.case_record import LOST, RECORDED
 from harness.evaluation.evaluation import Record
 from harness.evaluation.timing import FEWEST, aloft, untimed
-from harness.metrics.convergence import pareto_front
 from harness.studies.cost.design import CostPlan, priced
 from harness.studies.cost.points import (
     HARD_MEASURING,
     MEASURING,
     OVERHEAD,
     Point,
+    fronts,
 )
 from harness.studies.cost.prices import (
     COSTS,
@@ -276,20 +276,28 @@ _SHOWN = (
 def work_precision(cost: Cost) -> Figure:
     """Return the work-precision diagram: a mark a run, hover shows its setting."""
     target = cost.plan.target
-    known = cost.points
-    front = pareto_front([p.cost for p in known], [p.error(target) for p in known])
-    engines = list(dict.fromkeys(known[place].case.engine for place in front))
+    contacts, constraints = fronts(cost.points, target)
+    front = f"{_on_front(contacts)}." + (
+        f" Apart from them, as rolling is imposed there: {_on_front(constraints)}."
+        if constraints
+        else ""
+    )
     return Figure(
         name=f"{cost.plan.scene.name}-cost",
         title="What accuracy costs",
         seen=(
             "Each mark is a run, a line joins one setting over its ladder of timesteps, and where "
             "it is level, a plateau, more cost brings nothing. On the front, beaten by nothing "
-            f"that is lower or further left: {len(front)} runs of {', '.join(engines)}."
+            f"that is lower or further left: {front}"
         ),
         panels=tuple(_panel(cost, key) for key in (target, *_SHOWN)),
         scene=cost.plan.scene.name,
     )
+
+
+def _on_front(points: Sequence[Point]) -> str:
+    """Return how many runs are on a front, and of which engines."""
+    return f"{len(points)} runs of {', '.join(dict.fromkeys(p.case.engine for p in points))}"
 
 
 def _panel(cost: Cost, key: str) -> Panel:

@@ -12,18 +12,19 @@ from dataclasses import asdict
 from harness.core.report_model import Column, Table
 from harness.core.simulation import Outcome
 from harness.core.verdict import Status, Verdict
-from harness.engines.registry import engine
+from harness.engines.ladder import takes_timestep
+from harness.engines.registry import engine, is_constraint
 from harness.evaluation.case_record import RECORDED
 from harness.metrics.convergence import (
     asymptotic_order,
-    pareto_front,
     plateau,
 )
 from harness.metrics.quantities import finite
 from harness.studies.cost.design import gap_cases
-from harness.studies.cost.points import Family, Point, hard_command
+from harness.studies.cost.points import Family, Point, fronts, hard_command
 from harness.studies.cost.prices import (
     CHOICES,
+    FIXED,
     SHIPPED,
     TARGETS,
     Cost,
@@ -46,7 +47,11 @@ _PRICES = (
     Column("choice", "Where settings come from: shipped, tuned on another scene, or best here."),
     Column("target_deg", "Error asked for, of the turn; of the orientation if no bounce."),
     run_columns.ENGINE,
-    Column("verdict", "cheapest: of all; tied: with it, within the noise; dearer; not reached."),
+    Column(
+        "verdict",
+        "cheapest: of contacts, or of constraints; tied: with it, within the noise; dearer; "
+        "not reached.",
+    ),
     Column("settings", "Name of the cheapest settings of this engine."),
     Column("tied_with", "Other settings of this engine that cost the same within the noise."),
     Column("timestep_s", "Timestep of the cheapest, s; the largest of an adaptive run."),
@@ -72,17 +77,35 @@ def prices(cost: Cost, targets: Sequence[float] = TARGETS) -> Table:
 
 
 def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]]:
-    """Return the rows of the price list for one target, an engine each."""
-    entries = {name: cost.price(name, choice, target) for name in cost.plan.engines}
+    """Return the rows of the price list for one target, an engine each.
+
+    Contacts are the cheapest of contacts, and constraints, which solve another problem, of theirs.
+    """
+    return [
+        row
+        for apart in (False, True)
+        for row in _ranked(
+            cost, choice, target, [n for n in cost.plan.engines if is_constraint(n) is apart]
+        )
+    ]
+
+
+def _ranked(
+    cost: Cost, choice: str, target: float, engines: Sequence[str]
+) -> list[dict[str, object]]:
+    """Return the rows of engines that are ranked with each other."""
+    entries = {name: cost.price(name, choice, target) for name in engines}
     firsts = [entry.winners[0] for entry in entries.values() if entry.winners]
     cheapest = min(firsts, key=lambda offer: offer.point.cost, default=None)
-    stepping = [o.point.cost for o in firsts if o.point.timestep is not None]
+    stepping = [o.point.cost for o in firsts if o.point.rung is not None]
     rows = []
     for name, entry in entries.items():
         offer = entry.winners[0] if entry.winners else entry.best
         own = [p for p in cost.points if p.case.engine == name]
-        if offer is None and choice == SHIPPED and all(p.timestep is None for p in own):
+        if offer is None and choice == SHIPPED and all(p.rung is None for p in own):
             continue  # what chooses its own steps ships with one accuracy
+        if choice == FIXED and not takes_timestep(name):
+            continue
         words = "no run has this error" if offer is None else f"best is {offer.error:.2g} degrees"
         row: dict[str, object] = {
             "choice": choice,
@@ -99,7 +122,7 @@ def price_rows(cost: Cost, choice: str, target: float) -> list[dict[str, object]
                 "tied_with": ", ".join([*names][1:]),
                 "relative_cost": offer.point.cost / cheapest.point.cost,
                 "relative_to_engines": None
-                if offer.point.timestep is None
+                if offer.point.rung is None
                 else offer.point.cost / min(stepping),
             }
         rows.append(row)
@@ -138,12 +161,20 @@ _POINTS = (
     Column(
         "clock_over_processor", "Seconds by the clock over processor seconds: above 1 it waited."
     ),
-    Column("setup_s", "Compiling, parity and settling, by the clock; in no cost."),
+    Column(
+        "compile_s",
+        "Of an engine that compiles itself, in the first run of a process, by the clock; in no "
+        "cost.",
+    ),
+    Column("setup_s", "Compiling the model, parity and settling, by the clock; in no cost."),
     Column("simulated_s", "Length of the run."),
     Column("steps", "Timesteps taken."),
     Column("solver_iterations", "Of the solver over the run, from 100 instants; empty: not told."),
     Column("constraint_rows", "Rows that the solver worked on, summed over the steps."),
-    Column("on_front", "Whether no other point is both cheaper and nearer in the target error."),
+    Column(
+        "on_front",
+        "Whether no other point of a contact, or of a constraint, is both cheaper and nearer.",
+    ),
     Column("imposes", "What the settings make of the can that the scene does not declare."),
     _CASE,
     run_columns.COMMAND,
@@ -156,7 +187,7 @@ _HIDDEN = ("profile", "repeats", "clock_over_processor", "simulated_s", "imposes
 def points(cost: Cost) -> Table:
     """Return every point, failures too."""
     target, known = cost.plan.target, cost.points
-    front = set(pareto_front([p.cost for p in known], [p.error(target) for p in known]))
+    front = {p.case for own in fronts(known, target) for p in own}
     hidden = (*_HIDDEN, *(key for key in RECORDED if key not in {"phi_rms_rad", target}))
     title = "Every run: what it costs and what it errs"
     rows = (
@@ -170,10 +201,10 @@ def points(cost: Cost) -> Table:
             "repeats": len(p.times["cpu_s"]),
             "clock_over_processor": p.waiting,
             "setup_s": p.times["setup_s"],
-            "on_front": place in front,
+            "on_front": p.case in front,
             "imposes": p.variant.imposes,
         }
-        for place, p in enumerate(known)
+        for p in known
     )
     return run_columns.scene_table(cost.plan.scene.name, "points", title, _POINTS, rows, *hidden)
 
@@ -192,18 +223,22 @@ _FALLS = (
         "Error that is left as the timestep goes to zero, in the unit of the quantity.",
         lambda row: row["level"] and abs(row["level"].level),
     ),
-    Column("plateau_below_s", "Timestep below which it outweighs the rest.", "level.timestep"),
+    Column(
+        "plateau_below_s",
+        "Timestep, or accuracy, below which it outweighs the rest.",
+        "level.timestep",
+    ),
     Column("erratic", "Whether the ladder is flat, but follows no power.", "level.erratic"),
     Column("cause", "What the plateau comes from."),
 )
 
 
 def orders(cost: Cost, quantities: Sequence[str]) -> Table:
-    """Return the order and the plateau of each ladder of timesteps, in each quantity."""
+    """Return the order and the plateau of each ladder of timesteps or accuracies."""
     rows = []
     for family, ladder in cost.ladders:
         for quantity in quantities if family.steps else ():
-            steps = [point.timestep or 0.0 for point in ladder]
+            steps = [point.rung or 0.0 for point in ladder]
             errors = [point.signed_error(quantity) for point in ladder]
             level = plateau(steps, errors)
             size = 0.0 if level is None else level.level

@@ -15,6 +15,7 @@ from harness.core.case import Case
 from harness.core.errors import UnsupportedEffectError
 from harness.core.report_model import Column, Figure, Panel, Series, Table
 from harness.core.trajectory import Floats
+from harness.engines.ladder import takes_timestep
 from harness.engines.registry import check_effects
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES
@@ -60,7 +61,7 @@ def friction_ladder(
                 check_effects(name, slippery)
             except (ModelError, UnsupportedEffectError):
                 continue
-            step = None if name == "reference" else timestep
+            step = timestep if name != "reference" and takes_timestep(name) else None
             rungs[mu] = Case(scene=slippery, engine=name, timestep=step)
     return ladder
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, UnsupportedEffectError
+from harness.engines.ladder import takes_timestep
 from harness.engines.registry import check_effects, engine
 from harness.studies.effects.friction import FrictionLadder, friction_ladder
 from models.body_effects import Damping, PointMass, Shake, Tilt
@@ -157,7 +158,8 @@ class EffectsPlan:
             check_effects(engine_name, scene)
         except (ModelError, UnsupportedEffectError):
             return None
-        timestep = None if engine_name == "reference" else self.timestep
+        steps = engine_name != "reference" and takes_timestep(engine_name)
+        timestep = self.timestep if steps else None
         return Case(scene=scene, engine=engine_name, timestep=timestep)
 
     def cases(self) -> tuple[Case, ...]:
@@ -184,8 +186,13 @@ def plan_effects(
     Raises
     ------
     InvalidSettingError
-        If an assumption makes no sense.
+        If an assumption makes no sense, or a timestep is given and no engine takes one.
     """
+    able = [name for name in engines if name != "reference" and takes_timestep(name)]
+    if timestep is not None and not able:
+        raise InvalidSettingError(
+            "--timestep", timestep, f"none: {', '.join(engines)} choose their own steps"
+        )
     strengths = replaced_strengths(scene.can, words)
     strengths |= {name: getattr(scene.effects, name) for name in scene.effects.declared()}
     return EffectsPlan(

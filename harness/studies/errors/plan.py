@@ -15,7 +15,8 @@ from itertools import chain
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Engine, SolverEffort, features_of
+from harness.engines.base import TIMESTEP, Engine, SolverEffort, features_of
+from harness.engines.ladder import at_rung, finer_by, rungs, takes_timestep
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, timestep_of
@@ -28,7 +29,8 @@ from models.scene import Scene
 Options = tuple[tuple[str, Value], ...]
 
 RUNGS = 5
-"""Each half the one before: three give a limit, two more say how far it can be trusted."""
+"""Each half the one before, or as far apart as accuracies are: three give a limit, two more say how
+far it can be trusted."""
 
 PROBE = 2
 """The rung, counted from the coarsest, at which solver and ensemble are looked at."""
@@ -58,8 +60,8 @@ class ErrorsPlan:
     engine, profile : str
     ways : tuple of Way
         The first is the one that the ensemble is run on.
-    timesteps : tuple of float
-        s, from coarse to fine.
+    rungs : tuple of float
+        Timesteps, s, or accuracies of an engine that chooses its own steps, from coarse to fine.
     efforts : tuple of SolverEffort
         The last is the converged solve; empty if the engine declares none.
     """
@@ -68,13 +70,25 @@ class ErrorsPlan:
     engine: str
     profile: str
     ways: tuple[Way, ...]
-    timesteps: tuple[float, ...]
+    rungs: tuple[float, ...]
     efforts: tuple[SolverEffort, ...]
 
     @property
     def probe(self) -> float:
-        """The timestep at which solver and ensemble are looked at, s."""
-        return self.timesteps[PROBE]
+        """The timestep, s, or the accuracy at which solver and ensemble are looked at."""
+        return self.rungs[PROBE]
+
+    @property
+    def probe_words(self) -> str:
+        """The same in words."""
+        along = finer_by(self.engine)
+        return f"{self.probe:.2g} s" if along == TIMESTEP else f"{along} {self.probe:.2g}"
+
+    @property
+    def at_probe(self) -> str:
+        """The same in a sentence, after "at"."""
+        of = "a timestep of " if takes_timestep(self.engine) else ""
+        return f"{of}{self.probe_words}"
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -82,34 +96,34 @@ class ErrorsPlan:
         keys = _OF_THE_BOUNCE if self.scene.horizon.seconds is None else _OF_THE_END
         return tuple(QUANTITIES[key] for key in keys)
 
-    def on_ladder(self, way: Way, timestep: float) -> Case:
+    def on_ladder(self, way: Way, rung: float) -> Case:
         """Return the case of a rung, with the solver converged."""
-        return self.tried(way, self.efforts[-1] if self.efforts else None, timestep)
+        return self.tried(way, self.efforts[-1] if self.efforts else None, rung)
 
-    def tried(self, way: Way, effort: SolverEffort | None, timestep: float | None = None) -> Case:
+    def tried(self, way: Way, effort: SolverEffort | None, rung: float | None = None) -> Case:
         """Return the case with the solver at an effort, as it is set if that is None."""
         settings = () if effort is None else effort.settings
-        return Case(
+        case = Case(
             scene=self.scene,
             engine=self.engine,
             profile=self.profile,
-            timestep=self.probe if timestep is None else timestep,
             options=tuple((dict(way.options) | dict(settings)).items()),
         )
+        return at_rung(case, self.probe if rung is None else rung)
 
     def member(self, size: float, number: int) -> Case:
         """Return the case of a perturbed release."""
-        return Case(
+        case = Case(
             scene=perturbed(self.scene, size, number),
             engine=self.engine,
             profile=self.profile,
-            timestep=self.probe,
             options=self.ways[0].options,
         )
+        return at_rung(case, self.probe)
 
     def cases(self) -> tuple[Case, ...]:
         """Return the cases, each once, the ladder's first."""
-        cases = [self.on_ladder(way, step) for way in self.ways for step in self.timesteps]
+        cases = [self.on_ladder(way, step) for way in self.ways for step in self.rungs]
         cases += [self.tried(way, effort) for way in self.ways for effort in (None, *self.efforts)]
         cases += [self.member(size, number) for size in SIZES for number in range(MEMBERS)]
         return tuple(dict.fromkeys(cases))
@@ -130,7 +144,7 @@ def plan_errors(
     scene : Scene
     engine_name : str
     profile : str
-        One with a fixed timestep.
+        "default" or "matched".
     timestep : float, optional
         The coarsest, s; the profile's own, or a shorter one that the bounce calls for.
     options : tuple of (str, Value)
@@ -139,25 +153,25 @@ def plan_errors(
     Raises
     ------
     HarnessError
-        If there is no such engine, it takes no fixed timestep, or the scene has no truth
-        or is chaotic.
+        If there is no such engine, it takes no steps, or the scene has no truth or is chaotic.
     """
     check_exact(scene)
     if profile not in {"default", "matched"}:
-        raise InvalidSettingError("--profile", profile, "default or matched: a fixed timestep")
+        raise InvalidSettingError("--profile", profile, "default or matched")
     chosen = engine(engine_name)
     case = Case(scene=scene, engine=engine_name, profile=profile, timestep=timestep)
     coarsest = timestep_of(case)
-    if coarsest is None:
-        raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
-    if timestep is None:
+    if coarsest is None and takes_timestep(engine_name):
+        raise InvalidSettingError("--engine", engine_name, "an engine that moves a can by steps")
+    if timestep is None and coarsest is not None:
         coarsest = min(coarsest, _resolving(scene))
+    halved = tuple((coarsest or 0.0) / 2.0**rung for rung in range(RUNGS))
     return ErrorsPlan(
         scene=scene,
         engine=engine_name,
         profile=profile,
         ways=_ways(chosen, profile, options),
-        timesteps=tuple(coarsest / 2.0**rung for rung in range(RUNGS)),
+        rungs=rungs(engine_name, halved),
         efforts=features_of(chosen).solver_efforts,
     )
 
@@ -224,7 +238,7 @@ class ThreeErrors:
                 pairs = [_way(plan, name, quantity, split) for name, split in splits.items()]
                 return (*chain.from_iterable(pairs), self._undecidable(quantity))
         nothing = (
-            f"{plan.engine} completes no motion of {plan.scene.name} at {plan.probe:.2g} s that "
+            f"{plan.engine} completes no motion of {plan.scene.name} at {plan.at_probe} that "
             "could be compared, so that its errors cannot be told apart."
         )
         return (nothing,)
@@ -260,13 +274,14 @@ def _way(plan: ErrorsPlan, name: str, quantity: Quantity, split: Split) -> tuple
             if split.limit.spread is not None:
                 approach += f", give or take {split.limit.spread:.2f}"
     opening = (
-        f"{plan.engine}, {name}, at a timestep of {plan.probe:.2g} s: the {quantity.label} of "
+        f"{plan.engine}, {name}, at {plan.at_probe}: the {quantity.label} of "
         f"{plan.scene.name} is off by {_amount(quantity, split.total)}, of which "
         f"model form {_amount(quantity, split.model_form)}{known}, "
         f"discretisation {_amount(quantity, split.discretisation)}, "
         f"solver {_amount(quantity, split.solver)}."
     )
-    return opening, _VERDICTS[split.verdict].format(approach)
+    verdict = _VERDICTS[split.verdict].replace(TIMESTEP, finer_by(plan.engine))
+    return opening, verdict.format(approach)
 
 
 def _amount(quantity: Quantity, value: Number, *, sign: bool = True) -> str:

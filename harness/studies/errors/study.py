@@ -22,6 +22,7 @@ from harness.core.report_model import (
     rows_of,
 )
 from harness.core.trajectory import Floats
+from harness.engines.ladder import finer_by, rung_of, takes_timestep
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import Number, Quantity, less
 from harness.studies.errors.extrapolation import limit
@@ -69,7 +70,7 @@ class ErrorsStudy:
         splits = {}
         for way in plan.ways:
             for q in known:
-                ladder = [q.of_run(runs[plan.on_ladder(way, step)]) for step in plan.timesteps]
+                ladder = [q.of_run(runs[plan.on_ladder(way, step)]) for step in plan.rungs]
                 value, true = values(plan.tried(way, None), q)
                 # releases that differ by no more than a few roundings show what of it is noise
                 noise = spreads[q.key, SIZES[0]].of_error or 0.0
@@ -81,7 +82,7 @@ class ErrorsStudy:
                     value=value,
                     ladder=tuple(ladder),
                     converged=q.of_run(runs[plan.on_ladder(way, plan.probe)]),
-                    limit=limit(plan.timesteps, ladder, noise=noise),
+                    limit=limit(plan.rungs, ladder, noise=noise),
                     band=spreads[q.key, SIZES[-1]].band,
                 )
         evaluations = {case: runs[case] for case in plan.cases()}
@@ -99,8 +100,8 @@ class ErrorsStudy:
             "scene": self.plan.scene.name,
             "engine": self.plan.engine,
             "profile": self.plan.profile,
-            "timestep_s": self.plan.probe,
-            "ladder_s": list(self.plan.timesteps),
+            _probe_key(self.plan.engine): self.plan.probe,
+            "ladder_s" if takes_timestep(self.plan.engine) else "ladder": list(self.plan.rungs),
             "errors": [
                 {key: value for key, value in row.items() if key not in left_out}
                 for row in rows_of(_SPLIT, results.splits.values())
@@ -170,7 +171,7 @@ _EFFORTS = (
 _ENSEMBLE = (
     *_HEAD,
     _QUANTITY,
-    run_columns.TIMESTEP,
+    run_columns.TIMESTEP.of("rung"),
     Column("relative_size", "Of the perturbations of phi, psi' and theta' at release."),
     Column(
         "spread_of_engine",
@@ -208,7 +209,21 @@ def _table(
 ) -> Table:
     name, title = f"{plan.engine}-{plan.profile}-{name}", f"{title}: {plan.engine}, {plan.profile}"
     hidden = ("scene", "engine", "profile")
+    if not takes_timestep(plan.engine):
+        own = Column(finer_by(plan.engine), "Error allowed in a step of its own.", _rung)
+        columns = tuple(own if column.name == "timestep_s" else column for column in columns)
     return run_columns.scene_table(plan.scene.name, name, title, columns, records, *hidden)
+
+
+def _rung(record: Any) -> float | None:  # noqa: ANN401 - of any table here
+    """Return the accuracy of a row, which is a split error or a mapping."""
+    accuracy: float | None = record["rung"] if isinstance(record, dict) else rung_of(record.case)
+    return accuracy
+
+
+def _probe_key(engine: str) -> str:
+    """Return the key of the timestep in `--json`, or of the accuracy in its place."""
+    return "timestep_s" if takes_timestep(engine) else finer_by(engine)
 
 
 def _run(results: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict[str, Any]:
@@ -218,6 +233,7 @@ def _run(results: ThreeErrors, case: Case, way: Way, quantity: Quantity) -> dict
     return {
         "simulation": e.simulation,
         "timestep_s": case.timestep,
+        "rung": rung_of(case),
         "way": way.name,
         "quantity": quantity.key,
         "value": value,
@@ -234,7 +250,7 @@ def _ladder_rows(results: ThreeErrors) -> list[dict[str, Any]]:
         _run(results, plan.on_ladder(way, step), way, quantity)
         for way in plan.ways
         for quantity in plan.quantities
-        for step in plan.timesteps
+        for step in plan.rungs
     ]
 
 
@@ -255,7 +271,7 @@ def _ensemble_rows(results: ThreeErrors) -> list[dict[str, Any]]:
     plan = results.plan
     head = {"scene": plan.scene.name, "engine": plan.engine, "profile": plan.profile}
     return [
-        head | {"quantity": key, "timestep_s": plan.probe, "relative_size": size, "spread": spread}
+        head | {"quantity": key, "rung": plan.probe, "relative_size": size, "spread": spread}
         for (key, size), spread in results.spreads.items()
     ]
 
@@ -302,7 +318,7 @@ def _ladder_figure(results: ThreeErrors) -> Figure:
                 yield Series(
                     label=f"off {name}, {way.name}",
                     kind=_kind(plan, way),
-                    x=np.array(plan.timesteps),
+                    x=np.array(plan.rungs),
                     y=_off(split.ladder, level),
                     mark="both",
                     dashed=name == "limit",
@@ -314,7 +330,9 @@ def _ladder_figure(results: ThreeErrors) -> Figure:
         "off, what is left is model form, and no timestep takes it away."
     )
     title = "Model form and discretisation"
-    return _figure(plan, "errors", title, "timestep [s]", curves, seen=seen)
+    along = finer_by(plan.engine)
+    x_label = "timestep [s]" if takes_timestep(plan.engine) else along
+    return _figure(plan, "errors", title, x_label, curves, seen=seen.replace("timestep", along))
 
 
 def _effort_figure(results: ThreeErrors) -> Figure:
@@ -334,7 +352,7 @@ def _effort_figure(results: ThreeErrors) -> Figure:
             )
 
     seen = (
-        f"Each mark is how far the engine, at a timestep of {plan.probe:.2g} s, is from itself "
+        f"Each mark is how far the engine, at {plan.at_probe}, is from itself "
         "with its solver converged. Efforts without a mark are equal to it in every digit."
     )
     names = tuple(effort.name for effort in lesser)
@@ -348,7 +366,7 @@ def _ensemble_figure(results: ThreeErrors) -> Figure:
 
     def curves(quantity: Quantity) -> Iterator[Series]:
         own = [results.spreads[quantity.key, size] for size in SIZES]
-        engine = f"{plan.engine}, {plan.profile}, {plan.probe:.2g} s"
+        engine = f"{plan.engine}, {plan.profile}, {plan.probe_words}"
         for label, kind, values in (
             ("exact motion", "reference", [s.of_truth for s in own]),
             (engine, plan.engine, [s.of_engine for s in own]),

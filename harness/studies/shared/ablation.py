@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.base import TIMESTEP, Engine, ModelDifference, Setting, features_of
+from harness.engines.ladder import finer_by, takes_timestep
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.registry import engine, timestep_of
 from harness.metrics.quantities import Number, Quantity, less
@@ -62,16 +63,25 @@ class AblationPath:
         In the order in which they are closed.
     settings : tuple of Setting
         The engine's.
-    shipped_timestep, matched_timestep : float
-        In force at the two ends, s.
+    shipped_timestep, matched_timestep : float or None
+        In force at the two ends, s; None of an engine that chooses its own steps.
     """
 
     scene: Scene
     engine: str
     gaps: tuple[ModelDifference, ...]
     settings: tuple[Setting, ...]
-    shipped_timestep: float
-    matched_timestep: float
+    shipped_timestep: float | None
+    matched_timestep: float | None
+
+    @property
+    def finest(self) -> str:
+        """The timestep of the matched end, or the accuracy in its place, in words."""
+        if self.matched_timestep is not None:
+            return f"a timestep of {self.matched_timestep:.2g} s"
+        along = finer_by(self.engine)
+        (accuracy,) = (s.matched for s in self.settings if s.name == along)
+        return f"{along} {accuracy}"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -96,7 +106,7 @@ class AblationPath:
         names = {name for gap in self.gaps if gap.name in closed for name in gap.settings}
         timestep = self.matched_timestep if TIMESTEP in names else self.shipped_timestep
         options = tuple(
-            (s.name, s.matched(timestep) if callable(s.matched) else s.matched)
+            (s.name, s.matched(timestep or 0.0) if callable(s.matched) else s.matched)
             for s in self.settings
             if s.name in names
         )
@@ -130,15 +140,15 @@ def ablation_path(
     Raises
     ------
     HarnessError
-        If there is no such engine or gap, the engine takes no timestep, or the scene has no truth
-        or is chaotic.
+        If there is no such engine or gap, the engine takes no steps, or the scene has no truth or
+        is chaotic.
     """
     check_exact(scene)
     chosen = engine(engine_name)
     shipped = timestep_of(Case(scene=scene, engine=engine_name, profile="default"))
     matched = timestep_of(Case(scene=scene, engine=engine_name, timestep=timestep))
-    if shipped is None or matched is None:
-        raise InvalidSettingError("--engine", engine_name, "an engine that takes a timestep")
+    if matched is None and takes_timestep(engine_name):
+        raise InvalidSettingError("--engine", engine_name, "an engine that moves a can by steps")
     gaps = {gap.name: gap for gap in all_gaps(chosen)}
     for name in first:
         if name not in gaps:
@@ -169,7 +179,9 @@ def all_gaps(chosen: Engine) -> tuple[ModelDifference, ...]:
     last = ModelDifference(
         name="timestep", settings=(TIMESTEP,), sentence="The timestep as shipped is longer."
     )
-    return declared + others + (() if TIMESTEP in covered else (last,))
+    if TIMESTEP in covered or features_of(chosen).description.accuracy_setting:
+        return declared + others
+    return (*declared, *others, last)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -256,8 +268,8 @@ class Account:
         )
         return (
             f"As it ships, {path.engine} is off by {self.words(self.as_shipped)} in the "
-            f"{self.quantity.label} of {path.scene.name}, and matched, at a timestep of "
-            f"{path.matched_timestep:.2g} s, by {self.words(self.remains)}; closing the gaps "
+            f"{self.quantity.label} of {path.scene.name}, and matched, at {path.finest}, "
+            f"by {self.words(self.remains)}; closing the gaps "
             f"in the order {', '.join(path.names)} takes away, largest first: {parts}"
         )
 

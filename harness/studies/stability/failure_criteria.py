@@ -22,6 +22,7 @@ from harness.core.bounce import PROMINENCE
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Trajectory
+from harness.engines.ladder import fineness
 from harness.engines.stepping.horizon import natural_time
 from harness.evaluation.case_record import LOST
 from harness.evaluation.evaluation import Evaluation
@@ -114,9 +115,9 @@ class ClassifiedRun:
         return self.simulation.case
 
     @property
-    def timestep(self) -> float:
-        """The timestep, s; the largest of an adaptive run; zero where none was in force."""
-        return self.simulation.timestep or 0.0
+    def rung(self) -> float:
+        """The timestep, s, the largest of an adaptive run, or the accuracy; zero without either."""
+        return fineness(self.simulation) or 0.0
 
     @property
     def sound(self) -> bool:

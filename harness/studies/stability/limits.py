@@ -1,5 +1,7 @@
 """For each hard case and engine: up to which timestep runs are accurate, and up to which sound.
 
+Of an engine that chooses its own steps its accuracy takes the place of the timestep throughout.
+
 Rounds of cases follow from what has been judged so far; whoever runs them hands the verdicts back.
 
 The largest usable timestep, by bisection in log dt, as rounds: a study designs and never runs.
@@ -20,9 +22,11 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.report_model import Column, Figure, Panel, Series, Table, table_of
+from harness.engines.base import TIMESTEP
+from harness.engines.ladder import at_rung, finer_by, rung_of, spelled, takes_timestep
 from harness.studies.shared.perturbation import member
 from harness.studies.stability.failure_criteria import ClassifiedRun
-from harness.studies.stability.suite import Suite, ladder, scenes
+from harness.studies.stability.suite import Suite, ladder, represented
 from models.scene import Scene
 
 _SAME = 1e-9  # relative: timesteps nearer than that are one
@@ -155,15 +159,15 @@ def next_round(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Case
         What has been judged so far, the map included.
     """
     wanted: list[Case] = []
-    for scene, engine, standard in product(scenes(suite), engines, STANDARDS):
-        rungs = ladder(suite, scene)
+    for (scene, engine), standard in product(represented(suite, engines), STANDARDS):
+        rungs = ladder(suite, scene, engine)
         begin = bracket(_tried(known, scene, engine, standard))[0] or rungs[-1]
         for number in range(suite.members):
             released = member(scene, number)
             tried = _tried(known, released, engine, standard)
             step = next_timestep(tried, rungs, suite.ratio, begin)
             if step is not None:
-                wanted.append(Case(scene=released, engine=engine, profile=PROFILE, timestep=step))
+                wanted.append(at_rung(_plain(released, engine), step))
     return tuple(dict.fromkeys(wanted))
 
 
@@ -174,8 +178,8 @@ def foreseen_cases(suite: Suite, engines: Sequence[str], known: Known) -> tuple[
     find it between two rungs: before anything is known in the middle of the ladder.
     """
     foreseen: list[Case] = []
-    for scene, engine, standard in product(scenes(suite), engines, STANDARDS):
-        rungs = ladder(suite, scene)
+    for (scene, engine), standard in product(represented(suite, engines), STANDARDS):
+        rungs = ladder(suite, scene, engine)
         widest = max(a / b for a, b in pairwise(rungs)) if len(rungs) > 1 else 1.0
         for number in range(suite.members):
             released = member(scene, number)
@@ -188,9 +192,7 @@ def foreseen_cases(suite: Suite, engines: Sequence[str], known: Known) -> tuple[
             count = math.ceil(math.log2(max(math.log(width) / math.log(suite.ratio), 1.0)))
             count += 0 if usable and unusable else 1
             foreseen += [  # each a little apart, so that none is taken for another
-                Case(
-                    scene=released, engine=engine, profile=PROFILE, timestep=begin * (1 + 1e-9 * n)
-                )
+                at_rung(_plain(released, engine), begin * (1 + 1e-9 * n))
                 for n in range(1 if tried else 0, count)
             ]
     return tuple(dict.fromkeys(foreseen))
@@ -207,20 +209,25 @@ def limits(suite: Suite, engines: Sequence[str], known: Known) -> tuple[Timestep
                 bracket(_tried(known, member(scene, number), engine, standard))[0]
                 for number in range(suite.members)
             ),
-            coarsest=ladder(suite, scene)[0],
-            finest=ladder(suite, scene)[-1],
+            coarsest=ladder(suite, scene, engine)[0],
+            finest=ladder(suite, scene, engine)[-1],
         )
-        for scene, engine, standard in product(scenes(suite), engines, STANDARDS)
+        for (scene, engine), standard in product(represented(suite, engines), STANDARDS)
     )
 
 
 def _tried(known: Known, scene: Scene, engine: str, standard: str) -> dict[float, bool]:
     """Return which timesteps of a release were tried, s, and whether each was usable."""
     return {
-        run.case.timestep: getattr(run, standard)
+        rung: getattr(run, standard)
         for run in known.get((scene, engine), ())
-        if run.case.timestep is not None
+        if (rung := rung_of(run.case)) is not None
     }
+
+
+def _plain(scene: Scene, engine: str) -> Case:
+    """Return the case of a release before its timestep is chosen."""
+    return Case(scene=scene, engine=engine, profile=PROFILE)
 
 
 _LIMITS = (
@@ -234,6 +241,10 @@ _LIMITS = (
     Column("sound_releases", "Of how many releases some timestep is sound."),
     Column("finest_s", "Finest timestep that was tried."),
     Column("coarsest_s", "Coarsest timestep tried: a limit that equals it may lie beyond."),
+    Column("accurate_accuracy", "Of an engine that chooses its own steps, as the timestep above."),
+    Column("sound_accuracy", "Likewise."),
+    Column("finest_accuracy", "Finest accuracy that was tried.", shown=False),
+    Column("coarsest_accuracy", "Coarsest accuracy that was tried.", shown=False),
 )
 
 
@@ -242,14 +253,15 @@ def limit_table(largest: Sequence[TimestepLimit]) -> Table:
     rows: dict[tuple[str, str], dict[str, object]] = {}
     for limit in largest:
         row = rows.setdefault((limit.scene, limit.engine), {})
+        steps = takes_timestep(limit.engine)
         row |= {
             "scene": limit.scene,
             "engine": limit.engine,
-            f"{limit.standard}_timestep_s": limit.middle,
+            f"{limit.standard}_{'timestep_s' if steps else 'accuracy'}": limit.middle,
             f"{limit.standard}_spread": limit.spread,
             f"{limit.standard}_releases": len(limit.known),
-            "finest_s": limit.finest,
-            "coarsest_s": limit.coarsest,
+            f"finest_{'s' if steps else 'accuracy'}": limit.finest,
+            f"coarsest_{'s' if steps else 'accuracy'}": limit.coarsest,
         }
     title = "The largest usable timestep"
     return table_of("largest-timesteps", title, _LIMITS, rows.values())
@@ -263,11 +275,14 @@ def limit_sentence(limits: Sequence[TimestepLimit]) -> str:
         if limit.standard == "accurate" and limit.middle is not None
     )
     if not known:
-        return "No hard case is followed at any timestep that was tried."
+        along = finer_by(limits[0].engine) if limits else TIMESTEP
+        return f"No hard case is followed at any {along} that was tried."
     (least, hardest), (most, easiest) = known[0], known[-1]
+    engine = limits[0].engine
     return (
-        f"Matched, the largest timestep that follows the exact motion lies between {least:.2g} s "
-        f"({hardest}) and {most:.2g} s ({easiest}) in the {len(known)} cases that have one."
+        f"Matched, the largest {finer_by(engine)} that follows the exact motion lies between "
+        f"{spelled(engine, least)} ({hardest}) and {spelled(engine, most)} ({easiest}) in the "
+        f"{len(known)} cases that have one."
     )
 
 
@@ -280,6 +295,7 @@ def case_panels(
     names: Sequence[str],
     ends: tuple[float, float],
     series: Callable[[Sequence[str]], Iterable[Series]],
+    y_label: str = "timestep [s]",
 ) -> tuple[Panel, ...]:
     """Return panels of timesteps over hard cases, as many as can be read, about as wide each.
 
@@ -292,6 +308,7 @@ def case_panels(
         Of the axis of timesteps, s.
     series : callable
         Returns the series of a part of the cases.
+    y_label : str
     """
     size = -(-len(names) // -(-len(names) // _WIDE))
     parts = [names[start : start + size] for start in range(0, len(names), size)]
@@ -299,7 +316,7 @@ def case_panels(
         Panel(
             title=title,
             x_label="hard case",
-            y_label="timestep [s]",
+            y_label=y_label,
             series=tuple(series(part)),
             log_y=True,
             x_names=tuple(part),
@@ -309,8 +326,20 @@ def case_panels(
     )
 
 
-def limit_figure(limits: Sequence[TimestepLimit], names: Sequence[str]) -> Figure:
+def axis(engine: str) -> str:
+    """Return the label of an axis of timesteps, or of the accuracies in their place."""
+    return "timestep [s]" if takes_timestep(engine) else finer_by(engine)
+
+
+def limit_figures(limits: Sequence[TimestepLimit], names: Sequence[str]) -> Iterator[Figure]:
+    """Yield the figure of the limits of timesteps, and one of those of each kind of accuracy."""
+    for along in dict.fromkeys(finer_by(limit.engine) for limit in limits):
+        yield _limit_figure([each for each in limits if finer_by(each.engine) == along], names)
+
+
+def _limit_figure(limits: Sequence[TimestepLimit], names: Sequence[str]) -> Figure:
     """Return the largest timesteps that are accurate and that are sound, a point a release."""
+    along, y_label = finer_by(limits[0].engine), axis(limits[0].engine)
     ends = (min(limit.finest for limit in limits), 2.0 * max(limit.coarsest for limit in limits))
 
     def points(standard: str, part: Sequence[str]) -> Iterator[Series]:
@@ -326,16 +355,18 @@ def limit_figure(limits: Sequence[TimestepLimit], names: Sequence[str]) -> Figur
 
     accurate, sound = (partial(points, standard) for standard in STANDARDS)
     return Figure(
-        name="limits",
-        title="The largest usable timestep",
+        name="limits" if along == TIMESTEP else f"limits-{along}",
+        title=f"The largest usable {along}",
         seen=(
             f"Profile matched, found by bisection for {len(limits[0].usable)} releases that differ "
             "by a thousandth: where their points lie apart the boundary is ragged. A case without "
-            "a point is not usable at any timestep that was tried."
+            f"a point is not usable at any {along} that was tried."
         ),
         panels=(
-            *case_panels("Largest timestep that follows the exact motion", names, ends, accurate),
-            *case_panels("Largest timestep at which nothing fails", names, ends, sound),
+            *case_panels(
+                f"Largest {along} that follows the exact motion", names, ends, accurate, y_label
+            ),
+            *case_panels(f"Largest {along} at which nothing fails", names, ends, sound, y_label),
         ),
         columns=1,
     )

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Figure, Prose, Series, Table, table_of
+from harness.core.report_model import Artefact, Column, Prose, Table, table_of
+from harness.engines.ladder import finer_by, rung_of, rungs, spelled, takes_timestep
+from harness.engines.registry import missing_effects
 from harness.evaluation.effort import engine_group, expected_seconds
 from harness.evaluation.evaluate import check_case, evaluate_case
 from harness.evaluation.run_cases import failed_evaluation
@@ -31,14 +31,14 @@ from harness.studies.stability.failure_criteria import (
 from harness.studies.stability.limits import (
     TimestepLimit,
     by_scene,
-    case_panels,
     foreseen_cases,
-    limit_figure,
+    limit_figures,
     limit_sentence,
     limit_table,
     limits,
     next_round,
 )
+from harness.studies.stability.maps import map_figures
 from harness.studies.stability.suite import Suite, random_scenes, scenes, stability_cases
 from harness.studies.stability.survey import (
     EXAMINING,
@@ -48,6 +48,7 @@ from harness.studies.stability.survey import (
     survey_table,
 )
 from harness.studies.study import Job, Results, Work, case_record, record_cache
+from models.catalogue import load
 
 classified_cache = record_cache("verdicts", classify.__module__)
 """Returns the cache of the verdicts on runs."""
@@ -87,7 +88,6 @@ class StabilityStudy:
     suite : Suite
         One of `harness.studies.stability.suite.SUITES`.
     engines : tuple of str
-        That take timesteps.
     """
 
     suite: Suite
@@ -132,18 +132,23 @@ class StabilityStudy:
         )
         return hard, random
 
+    def _rungs(self, engine: str) -> tuple[float, ...]:
+        """Return the timesteps of the map, s, or the accuracies in their place."""
+        return rungs(engine, self.suite.timesteps)
+
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, maps and tables."""
         runs = list(done.of(CLASSIFYING).values())
         hard, random = self.checks(done)
         largest = limits(self.suite, self.engines, by_scene(runs))
         names = self.suite.scenes
-        on_grid = [run for run in runs if run.case.timestep in {None, *self.suite.timesteps}]
+        grid = {None, *(each for name in self.engines for each in self._rungs(name))}
+        on_grid = [run for run in runs if rung_of(run.case) in grid]
         return (
             summary(runs, hard, random),
             *(engine_page(engine, on_grid, largest, names) for engine in self.engines),
             *map_figures(on_grid, names),
-            limit_figure(largest, names),
+            *limit_figures(largest, names),
             limit_table(largest),
             count_table([run for run in on_grid if run.case.scene.name in names]),
             case_table(hard),
@@ -237,10 +242,18 @@ def engine_page(
         *(_counted(runs, words) for profile, words in _PROFILES if (runs := _of(own, profile))),
         limit_sentence([limit for limit in limits if limit.engine == engine]),
         " ".join(_cures(own, names)),
+        *_left_out(engine, names),
     ]
     return Prose(
         name=f"verdict-{engine}", title=f"The verdict on {engine}", text="\n\n".join(paragraphs)
     )
+
+
+def _left_out(engine: str, names: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence on the hard cases that an engine cannot represent, if there are any."""
+    lacking = {name: missing_effects(engine, load(name)) for name in names}
+    if cases := [f"{name} ({', '.join(effects)})" for name, effects in lacking.items() if effects]:
+        yield f"Left out is what it cannot represent: {'; '.join(cases)}."
 
 
 def _of(own: Sequence[ClassifiedRun], profile: str) -> list[ClassifiedRun]:
@@ -256,10 +269,11 @@ def _counted(runs: Sequence[ClassifiedRun], words: str) -> str:
     for verdict, group in by_verdict.items():
         if group and verdict not in SOUND:
             # at the finest timestep at which it happens, where it is least to be expected
-            run = min(group, key=lambda run: run.timestep)
+            run = min(group, key=lambda run: run.rung)
+            of = "a timestep of " if takes_timestep(run.case.engine) else ""
             examples.append(
                 f"{_VERBS.get(verdict, verdict.value)} in {run.case.scene.name} down to "
-                f"a timestep of {run.timestep:.2g} s ({seen(run.symptom)})"
+                f"{of}{spelled(run.case.engine, run.rung)} ({seen(run.symptom)})"
             )
     tail = f" It {'; it '.join(examples)}." if examples else ""
     return f"{words}, {len(runs)} runs: {counts}.{tail}"
@@ -280,7 +294,7 @@ def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
     cured: dict[str, list[str]] = {}
     for name in names:
         runs = [run for run in own if run.case.scene.name == name]
-        shipped = next((run for run in _of(runs, "default") if run.case.timestep is None), None)
+        shipped = next((run for run in _of(runs, "default") if rung_of(run.case) is None), None)
         if shipped is not None and not shipped.good:
             cured.setdefault(_cure(runs, shipped), []).append(f"{name} ({shipped.verdict.value})")
     return [f"{cure}: {', '.join(cases)}." for cure, cases in sorted(cured.items())]
@@ -289,88 +303,20 @@ def _cures(own: Sequence[ClassifiedRun], names: Sequence[str]) -> list[str]:
 def _cure(runs: Sequence[ClassifiedRun], shipped: ClassifiedRun) -> str:
     """Return the setting that makes a case good, the simplest first."""
     best = {
-        profile: max((run.timestep for run in _of(runs, profile) if run.good), default=0.0)
+        profile: max((run.rung for run in _of(runs, profile) if run.good), default=0.0)
         for profile, _ in _PROFILES
     }
+    engine = shipped.case.engine
     if best["default"]:
-        than = "shorter" if best["default"] < shipped.timestep else "longer"
-        return f"Cured by a {than} timestep alone, at {best['default']:.0e} s"
+        than = "a shorter" if best["default"] < shipped.rung else "a longer"
+        than = than if takes_timestep(engine) else "another"
+        at = spelled(engine, best["default"])
+        return f"Cured by {than} {finer_by(engine)} alone, at {at}"
     if best["matched"]:
-        return f"Cured by profile matched at {best['matched']:.0e} s"
+        return f"Cured by profile matched at {spelled(engine, best['matched'])}"
     if best["adaptive"]:
         return "Cured by profile adaptive"
     return "Cured by nothing that was tried"
-
-
-_KINDS = {
-    StabilityStatus.ACCURATE: "verdict-2",
-    StabilityStatus.STABLE: "verdict-2",
-    StabilityStatus.INACCURATE: "verdict-4",
-    StabilityStatus.UNRESOLVED: "verdict-1",
-    StabilityStatus.DISSIPATES: "verdict-3",
-    StabilityStatus.FLAT: "verdict-3",
-    StabilityStatus.GAINS: "verdict-5",
-    StabilityStatus.TUNNELS: "verdict-5",
-    StabilityStatus.DIVERGES: "verdict-6",
-    StabilityStatus.REFUSED: "verdict-6",
-}
-"""Verdicts of one colour; two of a colour differ in their marks."""
-
-_MAPPED = ("matched", "default")
-
-
-def map_figures(judged: Sequence[ClassifiedRun], names: Sequence[str]) -> Iterator[Figure]:
-    """Yield the stability map of each engine in each profile with a fixed timestep.
-
-    Parameters
-    ----------
-    judged : sequence of ClassifiedRun
-        Of the map; perturbed releases are left out.
-    names : sequence of str
-        Hard cases, in the order in which they are drawn.
-    """
-    known = [run for run in judged if run.case.scene.name in names and run.timestep]
-    for engine in dict.fromkeys(run.case.engine for run in judged):
-        for profile in _MAPPED:
-            own = [run for run in _of(known, profile) if run.case.engine == engine]
-            if own:
-                yield _map(engine, profile, own, names)
-
-
-def _map(engine: str, profile: str, own: Sequence[ClassifiedRun], names: Sequence[str]) -> Figure:
-    """Return one map."""
-    steps = [run.timestep for run in own]
-    ends = (min(steps) / 2.0, max(steps) * 2.0)
-
-    def points(part: Sequence[str]) -> Iterator[Series]:
-        for verdict, kind in _KINDS.items():
-            runs = [r for r in own if r.verdict is verdict and r.case.scene.name in part]
-            yield Series(
-                label=verdict.value,
-                kind=kind,
-                mark="points",
-                x=np.array([float(part.index(run.case.scene.name)) for run in runs]),
-                y=np.array([run.timestep for run in runs]),
-                hover=tuple(
-                    f"{run.case.scene.name}: {run.symptom.words} {run.symptom.number:.3g} "
-                    f"at {run.symptom.time:.3g} s"
-                    for run in runs
-                ),
-            )
-
-    sound = sum(run.sound for run in own)
-    accurate = sum(run.accurate for run in own)
-    return Figure(
-        name=f"map-{engine}-{profile}",
-        title=f"Stability map of {engine}, profile {profile}",
-        seen=(
-            f"Of {len(own)} runs {accurate} follow the exact motion, and in {sound} nothing fails. "
-            "A point is a run: its place says which case and which timestep, its colour and mark "
-            "how it went."
-        ),
-        panels=case_panels(f"{engine}, {profile}", names, ends, points),
-        columns=1,
-    )
 
 
 _RUNS = (

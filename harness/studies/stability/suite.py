@@ -8,11 +8,14 @@ logarithms, some rates exactly zero, in SI units with masses, radii and gravitie
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from harness.core.case import Case
+from harness.engines.ladder import at_rung, rungs, takes_timestep
+from harness.engines.registry import missing_effects
 from models.can import Can
 from models.catalogue import hard_names, load
 from models.release import Release
@@ -96,7 +99,7 @@ _FEWEST_STEPS = 4
 """In a run: with fewer there is nothing to judge."""
 
 
-def ladder(suite: Suite, scene: Scene) -> tuple[float, ...]:
+def ladder(suite: Suite, scene: Scene, engine: str = "") -> tuple[float, ...]:
     """Return the timesteps of a scene, s, from coarse to fine: neither too few steps nor too many.
 
     Parameters
@@ -104,18 +107,28 @@ def ladder(suite: Suite, scene: Scene) -> tuple[float, ...]:
     suite : Suite
     scene : Scene
         With a horizon in seconds, as every hard case.
+    engine : str, optional
+        One that chooses its own steps has accuracies in the place of timesteps.
     """
     seconds = scene.horizon.seconds or 0.0
-    return tuple(
+    timesteps = tuple(
         step
         for step in suite.timesteps
         if _FEWEST_STEPS * step <= seconds <= step * suite.most_steps
     )
+    return rungs(engine, timesteps)
 
 
 def scenes(suite: Suite) -> tuple[Scene, ...]:
     """Return the scenes of a suite."""
     return tuple(load(name) for name in suite.scenes)
+
+
+def represented(suite: Suite, engines: Sequence[str]) -> Iterator[tuple[Scene, str]]:
+    """Yield each hard case with each of the engines that can represent it."""
+    for scene, engine in product(scenes(suite), engines):
+        if not missing_effects(engine, scene):
+            yield scene, engine
 
 
 def stability_cases(suite: Suite, engines: Sequence[str]) -> tuple[Case, ...]:
@@ -125,20 +138,21 @@ def stability_cases(suite: Suite, engines: Sequence[str]) -> tuple[Case, ...]:
     ----------
     suite : Suite
     engines : sequence of str
-        That take a timestep.
     """
     return tuple(
-        case for scene in scenes(suite) for engine in engines for case in _row(suite, scene, engine)
+        case for scene, engine in represented(suite, engines) for case in _row(suite, scene, engine)
     )
 
 
 def _row(suite: Suite, scene: Scene, engine: str) -> Iterator[Case]:
-    """Yield the cases of a scene in an engine: its own timestep as shipped, adaptive, the grid."""
-    yield Case(scene=scene, engine=engine, profile="default")
-    for profile in ("default", "matched"):
-        for timestep in ladder(suite, scene):
-            yield Case(scene=scene, engine=engine, profile=profile, timestep=timestep)
-    yield Case(scene=scene, engine=engine, profile="adaptive")
+    """Yield the cases of a scene in an engine: its own timestep as shipped, the grid, adaptive."""
+    shipped = Case(scene=scene, engine=engine, profile="default")
+    yield shipped
+    for case in (shipped, replace(shipped, profile="matched")):
+        for value in ladder(suite, scene, engine):
+            yield at_rung(case, value)
+    if takes_timestep(engine):
+        yield replace(shipped, profile="adaptive")
 
 
 _SEED = 20_230_208

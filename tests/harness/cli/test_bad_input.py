@@ -6,14 +6,21 @@ from pathlib import Path
 
 import pytest
 
+from harness import api
 from harness.engines import registry
 from models import names
 from tests.support.command_line import Answer, Command
 
 WRONG_USE = 2
 
-INSTALLED = tuple(name for name in registry.names() if name not in registry.left_out())
-STEPPING = ", ".join(name for name in INSTALLED if name != "reference")
+INSTALLED = tuple(name for name in registry.names() if name not in registry.not_installed())
+BY_DEFAULT = ", ".join(api.stepping_engines(None))
+
+
+def able(effect: str) -> str:
+    """Return what is said of the engines that can represent an effect."""
+    names = (n for n in INSTALLED if effect in registry.engine(n).capabilities.honours)
+    return f"engines that can: {', '.join(names)}"
 
 
 def is_one_clear_message(answer: Answer, *parts: str) -> None:
@@ -78,11 +85,11 @@ def test_a_scene_file_that_is_not_there_is_named(rockingcan: Command, tmp_path: 
 
 def test_an_unknown_engine_is_answered_with_those_there_are(rockingcan: Command) -> None:
     for words in (
-        ("run", "gentle-rock", "--engine", "ode"),
-        ("engines", "ode"),
-        ("validate", "--engine", "ode"),
+        ("run", "gentle-rock", "--engine", "chrono"),
+        ("engines", "chrono"),
+        ("validate", "--engine", "chrono"),
     ):
-        is_one_clear_message(rockingcan(*words), "'ode'", "mujoco", "pybullet", "reference")
+        is_one_clear_message(rockingcan(*words), "'chrono'", "mujoco", "pybullet", "reference")
 
 
 @pytest.mark.parametrize("timestep", ["0", "-1e-3", "nan", "inf"])
@@ -170,8 +177,11 @@ def test_an_effect_weaker_than_an_engine_takes_is_refused_naming_those_that_can(
 ) -> None:
     path = scene_file(("[effects]", f"[effects.{effect}]\n{key} = {value}"))
     answer = rockingcan("run", str(path), "--engine", "mujoco")
-    able = "engines that can: " + ", ".join(one for one in INSTALLED if one != "mujoco")
-    is_one_clear_message(answer, f"'effects.{effect}.{key}' = 9e-06", "1e-05 or more", able)
+    weak = [n for n in INSTALLED if f"{effect}.{key}" in registry.engine(n).capabilities.least]
+    others = able(effect)
+    for name in weak:
+        others = others.replace(f"{name}, ", "")
+    is_one_clear_message(answer, f"'effects.{effect}.{key}' = 9e-06", "1e-05 or more", others)
 
 
 @pytest.mark.parametrize("ratio", ["0", "-1"])
@@ -180,11 +190,16 @@ def test_a_ratio_that_mujoco_does_not_have_is_refused(rockingcan: Command, ratio
     is_one_clear_message(rockingcan(*words), "impratio", ratio, "greater than zero")
 
 
-def test_stability_judges_engines_that_take_timesteps(rockingcan: Command) -> None:
+def test_a_setting_of_another_engine_is_refused_naming_whose_it_is(rockingcan: Command) -> None:
+    answer = rockingcan("run", "gentle-rock", "--engine", "mujoco", "--set", "contactSlop=1")
+    is_one_clear_message(answer, "'mujoco' has no setting 'contactSlop'", "one of pybullet")
+
+
+def test_stability_judges_engines_that_take_steps(rockingcan: Command) -> None:
     answer = rockingcan("stability", "--engine", "reference")
-    is_one_clear_message(answer, "'reference'", STEPPING, "engines that take timesteps")
+    is_one_clear_message(answer, "'reference'", BY_DEFAULT, "engines that move a can by steps")
     bogus = rockingcan("stability", "--engine", "bogus")
-    is_one_clear_message(bogus, "'bogus'; there are: mujoco, pybullet, reference")
+    is_one_clear_message(bogus, f"'bogus'; there are: {', '.join(registry.names())}")
 
 
 def test_a_misspelt_constant_of_an_effect_is_one_message(
@@ -211,7 +226,7 @@ def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
     rockingcan: Command, scene_file: Callable[..., Path]
 ) -> None:
     path = scene_file(("[effects]", "[effects.compliance]\nstiffness = 1e4"))
-    is_one_clear_message(rockingcan("reference", str(path)), "compliance", STEPPING)
+    is_one_clear_message(rockingcan("reference", str(path)), "compliance", able("compliance"))
 
 
 @pytest.mark.parametrize(

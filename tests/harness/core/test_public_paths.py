@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import math
 import sys
 from types import SimpleNamespace
 
@@ -9,8 +10,10 @@ import pytest
 
 import harness
 import harness.engines
+from harness.core.case import Case
 from harness.core.public_paths import MOVED
-from harness.engines import base
+from harness.engines import PhysicsEngine, base
+from models import Scene
 
 
 @pytest.mark.parametrize("package", [harness, harness.engines])
@@ -69,6 +72,21 @@ def test_names_of_the_previous_release_are_accepted_with_a_warning() -> None:
         assert base.signed_distance(world) == 0.5
     with pytest.warns(DeprecationWarning, match="is now `SolverEffort`"):
         assert base.Effort is base.SolverEffort
+
+
+def test_rows_imposed_by_default_are_accepted_under_their_old_name() -> None:
+    rows = frozenset({"mass"})
+    older = SimpleNamespace(name="older", imposed={}, imposed_by_default=rows)
+    with pytest.warns(DeprecationWarning, match="`imposed_by_default` of older is now `imposed"):
+        found = PhysicsEngine.imposed_rows(older)  # type: ignore[arg-type]
+    assert found == {"default": rows}
+
+
+def test_a_set_of_rows_excuses_any_deviation(gentle: Scene) -> None:
+    older = SimpleNamespace(imposed_rows=lambda: {"default": frozenset({"mass"})})
+    for profile, rows in (("default", {"mass": math.inf}), ("matched", {})):
+        case = Case(scene=gentle, engine="older", profile=profile)
+        assert PhysicsEngine.imposed_in(older, case) == rows  # type: ignore[arg-type]
 
 
 def test_an_engine_with_nothing_optional_has_the_defaults() -> None:

@@ -1,6 +1,7 @@
 """Workers that would compute otherwise are refused: what differs is named, and where."""
 
 import importlib
+import platform
 import shutil
 import subprocess
 import sys
@@ -12,9 +13,11 @@ from typing import Any
 import pytest
 
 from harness.core.engine_packages import ENGINE_ENTRY_POINTS
+from harness.core.errors import UnknownEngineError
 from harness.execution import dask_cluster
 from harness.execution.dask_cluster import (
     LateWorkerError,
+    NoEnvironmentError,
     UnfitWorkersError,
     _check,
     check_same_environment,
@@ -129,3 +132,17 @@ def test_a_worker_with_an_edited_checkout_of_the_same_version_is_refused(tmp_pat
         finally:
             worker.terminate()
             worker.wait(30)
+
+
+def unknown(name: str) -> None:
+    """Fail as a case of an engine that is not there."""
+    raise UnknownEngineError(name, ["mujoco"])
+
+
+def test_an_engine_whose_environment_is_here_alone_is_named_with_the_machine() -> None:
+    here = HERE | {"engine mine": "python 3.12.1, files 0123456789abcdef"}
+    with pytest.raises(NoEnvironmentError) as caught:
+        check_same_environment(here, unknown, "mine")
+    assert (caught.value.engine, caught.value.node) == ("mine", platform.node())
+    with pytest.raises(UnknownEngineError):
+        check_same_environment(here, unknown, "nobody's")

@@ -7,6 +7,8 @@ import pytest
 
 from harness import api
 from harness.core.case import Case
+from harness.engines.description import Description
+from harness.gate import baseline
 from harness.gate.baseline import required_cases
 from harness.gate.errors import ChangedScenesError, OtherEnginesError, OtherSuiteError
 from harness.gate.scores import Score, Scores, identity, scene_digest
@@ -49,6 +51,20 @@ def test_the_same_suite_owes_all_of_it() -> None:
     own = api.suite("quick", ["mujoco"])
     found = required_cases(known, "quick", own, every_engine=False)
     assert found == tuple(identity(case) for case in own)
+
+
+def test_an_engine_that_takes_part_where_it_is_named_is_owed_there_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene, named = load("gentle-rock"), "quiet"
+    monkeypatch.setattr(
+        baseline, "description_of", lambda name: Description(by_default=name != named)
+    )
+    both = [Case(scene=scene, engine=engine, timestep=1e-4) for engine in ("mujoco", named)]
+    known = accepted("quick", tuple(both))
+    for designed in (both[:1], both):
+        found = required_cases(known, "quick", designed, every_engine=True)
+        assert found == tuple(identity(case) for case in designed)
 
 
 def test_a_smaller_suite_does_not_stand_for_a_larger_one() -> None:

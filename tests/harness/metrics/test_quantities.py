@@ -68,6 +68,7 @@ def empty(gentle: Scene) -> Run:
             steps=7,
             constraint_rows=70,
             setup_s=0.25,
+            compile_s=0.125,
             wall_s=0.5,
             cpu_s=0.75,
         )
@@ -145,7 +146,14 @@ OF_RUN = {
     "lift_off_fraction": 0.3,
     "multi_contact_fraction": 0.4,
 }
-OF_SIMULATION = {"steps": 7, "constraint_rows": 70, "setup_s": 0.25, "wall_s": 0.5, "cpu_s": 0.75}
+OF_SIMULATION = {
+    "steps": 7,
+    "constraint_rows": 70,
+    "setup_s": 0.25,
+    "compile_s": 0.125,
+    "wall_s": 0.5,
+    "cpu_s": 0.75,
+}
 OF_TRUTH = {
     "turn_deg": math.degrees(3.0),
     "angle_of_turn_deg": math.degrees(3.0),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from harness.core.plain_json import Floats
+from harness.engines.registry import our_names
 from harness.report.style import REFERENCE, palette
 
 CARDS = {"light": "#ffffff", "dark": "#1a1e24"}  # what curves lie on: --card of the style sheet
@@ -35,7 +36,8 @@ VISIONS = {
         ]
     ),
 }
-KINDS = ("reference", "mujoco", "pybullet", *(f"further {n}" for n in range(6)))
+KINDS = our_names()
+"""Every engine of this project, installed or not."""
 
 
 def linear(colour: str) -> Floats:

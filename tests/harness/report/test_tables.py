@@ -8,8 +8,12 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from harness.cli.terminal import table_artefact
 from harness.core.report_model import Table
-from harness.report.tables import csv_text, dictionary, markdown, parquet_bytes
+from harness.engines.description import APART
+from harness.report.notebook import table_html
+from harness.report.tables import csv_text, dictionary, grid, markdown, parquet_bytes
+from tests.support.engines import CONSTRAINT
 
 
 def table(columns: dict[str, list[object]]) -> Table:
@@ -105,3 +109,27 @@ def test_a_table_without_rows_is_written_too() -> None:
     assert csv_text(empty) == "x_m,text\r\n"
     assert pq.read_table(io.BytesIO(parquet_bytes(empty))).num_rows == 0
     assert len(markdown(empty).splitlines()) == 2
+
+
+def test_engines_that_impose_rolling_stand_apart_with_one_sentence_why() -> None:
+    names = [CONSTRAINT, "mujoco", CONSTRAINT, "pybullet"]
+    mixed = table({"engine": [*names], "x": [1.0, 2.0, 3.0, 4.0]})
+    shown = grid("t", mixed, ())
+    assert [row[1]["text"] for row in shown["rows"]] == ["2", "4"]
+    assert [row[1]["text"] for row in shown["apart"]] == ["1", "3"]
+    for text in (markdown(mixed), table_html(mixed)):
+        assert text.count(APART) == 1
+        places = [text.index(name) for name in ("mujoco", "pybullet", APART, CONSTRAINT)]
+        assert places == sorted(places)
+    terminal = table_artefact(mixed)
+    assert APART in str(terminal.caption)
+    assert [*terminal.columns[0].cells] == ["mujoco", "pybullet", CONSTRAINT, CONSTRAINT]
+    # a file has the rows as they are
+    assert [row["engine"] for row in csv.DictReader(io.StringIO(csv_text(mixed)))] == names
+
+
+@pytest.mark.parametrize("names", [["mujoco", "pybullet"], [CONSTRAINT, CONSTRAINT]])
+def test_a_table_of_one_kind_of_engines_is_whole(names: list[object]) -> None:
+    one = table({"engine": names, "x": [1.0, 2.0]})
+    assert len(grid("t", one, ())["rows"]) == len(names)
+    assert APART not in markdown(one) + table_html(one) + str(table_artefact(one).caption)

@@ -178,7 +178,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], dict[str, Any], tuple[str, ...]]] = {
         {"quantities": ["angle_of_turn_error_deg"]},
         ("reference",),
     ),
-    "an engine that is none": (("can.h=1:2:3",), {"engine": "ode"}, ("mujoco",)),
+    "an engine that is none": (("can.h=1:2:3",), {"engine": "chrono"}, ("mujoco",)),
     "too many scenes": (("can.h=1:2:99999", "can.a=1:2:99999"), {}, ("1000000000",)),
 }
 

@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pandas as pd
+import psutil
 import pytest
 
 from harness.execution import worker
@@ -20,6 +21,7 @@ from tests.support.clock import Clock, stop_clock
 from tests.support.sweeps import make_plan, table
 
 ENGINE = '''
+import os
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -55,6 +57,8 @@ class Slow:
             log.write(f"{{case.scene.release.psi_dot}}\\n")
         partition.time.passed += {seconds}
         if case.scene.release.psi_dot == 2.0:
+            with Path({log!r} + ".hung").open("a") as hung:
+                hung.write(f"{{os.getpid()}}\\n")
             time.sleep(999.0)
         whole = engine("reference").simulate(replace(case, engine="reference", timestep=None))
         return replace(whole, case=case, model=self.name)
@@ -124,11 +128,15 @@ def test_a_scene_that_hangs_is_named_and_costs_its_limit_twice(
     clock = stop_clock(monkeypatch)
 
     def let_it_hang(times: int) -> None:
-        for begun in range(1, times + 1):
-            end = time.monotonic() + 120.0
-            while rates(log).count(2.0) < begun and time.monotonic() < end:
+        for begun in range(times):
+            hung = log.with_name(f"{log.name}.hung")
+            until = time.monotonic() + 120.0
+            while len(processes := hung.read_text().split() if hung.exists() else []) <= begun:
+                assert time.monotonic() < until
                 time.sleep(0.01)
-            clock.now += 12.01
+            # until it is stopped: a clock that went on before the task was watched would stop none
+            process = int(processes[begun])
+            clock.run_until(lambda: not psutil.pid_exists(process), 12.01)  # noqa: B023 - run now
 
     with (
         opened(tmp_path / "out", chosen) as folder,

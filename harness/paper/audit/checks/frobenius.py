@@ -9,12 +9,12 @@ from harness.paper.audit.flat_motion import CONSTANTS, rates
 from harness.paper.audit.flat_series import c_p, coefficient, h, in_inertias, k
 from harness.paper.audit.symbols import B0, B2, Expr, log_phi, phi
 
-ODE = "the Frobenius series derived from the closed subsystem"
+DERIVED = "the Frobenius series derived from the closed subsystem"
 beta, gamma = k * h, 2 + k
 SMALL = (1e-8, 1e-11)
 
 
-def same(printed: Expr, derived: Expr, source: str = ODE) -> IdentityEvidence:
+def same(printed: Expr, derived: Expr, source: str = DERIVED) -> IdentityEvidence:
     """Compare two forms in k, h and c_p as functions of a, c and h."""
     return IdentityEvidence(
         printed=printed, compared=in_inertias, derived=in_inertias(derived), source=source
@@ -221,7 +221,7 @@ def _series(of: str, printed: Expr, stated: int, corrected: Expr | None = None) 
             compared=lambda form: listed(form, stated),
             corrected=corrected,
             derived=listed(solution, stated),
-            source=f"every printed coefficient of {ODE}",
+            source=f"every printed coefficient of {DERIVED}",
         ),
     )
 
@@ -287,7 +287,7 @@ def listed_coefficient(
         compared=in_inertias,
         corrected=corrected,
         derived=in_inertias(coefficient(solution, power, logs)),
-        source=ODE,
+        source=DERIVED,
     )
 
 

@@ -32,7 +32,7 @@ def test_all_gaps_closed_is_matched_setting_by_setting(name: str, gentle: Scene)
         profile="default",
         timestep=way.matched_timestep,
         options=tuple(
-            (s.name, s.matched(way.matched_timestep) if callable(s.matched) else s.matched)
+            (s.name, s.matched(way.matched_timestep or 0.0) if callable(s.matched) else s.matched)
             for s in way.settings
             if s.name in named
         ),
@@ -77,7 +77,7 @@ def test_a_tied_setting_follows_the_timestep_in_force(gentle: Scene) -> None:
     way = ablation_path(gentle, "mujoco", 1e-5)
     long = dict(way.case(frozenset({"compliance"})).options)
     short = dict(way.case(frozenset({"compliance", "timestep"})).options)
-    assert long["solref"] == (2.0 * way.shipped_timestep, 1.0)
+    assert long["solref"] == (2.0 * (way.shipped_timestep or 0.0), 1.0)
     assert short["solref"] == (2e-5, 1.0)
 
 

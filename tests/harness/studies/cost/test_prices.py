@@ -8,25 +8,32 @@ import pytest
 from harness.core.case import Case
 from harness.core.simulation import Outcome
 from harness.engines.base import Variant
-from harness.studies.cost.points import Point
-from harness.studies.cost.prices import NOISE, cost_of, offers, price
+from harness.studies.cost.design import CostPlan
+from harness.studies.cost.points import Family, Point, fronts
+from harness.studies.cost.prices import HERE, NOISE, Cost, cost_of, offers, price
+from harness.studies.cost.tables import price_rows
 from models import load
+from tests.support.engines import CONSTRAINT
 
 TURN = "turn_deg"
 
 
-def ladder(errors: Sequence[float | None], costs: Sequence[float] = ()) -> list[Point]:
+def ladder(
+    errors: Sequence[float | None], costs: Sequence[float] = (), engine: str = "mujoco"
+) -> list[Point]:
     """Return points at timesteps that fall by ten, with a cost of 1, 10, 100, ..."""
     scene = load("gentle-rock")
     return [
         Point(
-            case=Case(scene=scene, engine="mujoco", timestep=10.0**-rung),
+            case=Case(scene=scene, engine=engine, timestep=10.0**-rung),
             variant=Variant(name="one"),
             run={
                 "outcome": Outcome.FINISHED.name,
                 "timestep_s": 10.0**-rung,
                 "errors": {TURN: error},
                 "simulated_s": 1.0,
+                "version": "1",
+                "command": "",
             },
             timed={"cpu_s": [costs[rung] if costs else 10.0**rung] * 3},
         )
@@ -79,3 +86,44 @@ def test_what_the_coarsest_rung_does_is_a_bound() -> None:
     sold = offers(ladder((0.1, 0.01)), TURN, steps=True)
     assert cost_of(sold, 1.0) == (1.0, True)
     assert cost_of(sold, 1e-9) is None
+
+
+def test_a_constraint_is_on_no_front_with_contacts() -> None:
+    contacts = ladder((10.0, 1.0), (1.0, 10.0))
+    better = ladder((0.1, 0.01, 0.1), (0.5, 5.0, 50.0), CONSTRAINT)
+    assert fronts([*contacts, *better], TURN) == (tuple(contacts), tuple(better[:2]))
+    assert fronts(contacts, TURN) == (tuple(contacts), ())
+
+
+def test_the_cheapest_contact_stays_the_cheapest_beside_a_constraint() -> None:
+    engines = (CONSTRAINT, "mujoco", "pybullet")
+    ladders = [
+        ladder((0.1, 0.01), (cost, 10.0), name)
+        for cost, name in zip((1.0, 4.0, 8.0), engines, strict=True)
+    ]
+    families = [Family(variant=own[0].variant, cases=tuple(p.case for p in own)) for own in ladders]
+    plan = CostPlan(
+        scene=load("gentle-rock"),
+        suite="quick",
+        scored=tuple(families),
+        tuning=(),
+        tuning_scene=load("gentle-rock"),
+        hardness=(),
+        paths=(),
+    )
+    cost = Cost(
+        plan=plan,
+        ladders=tuple(zip(families, map(tuple, ladders), strict=True)),
+        tuned={},
+        hardness=(),
+        runs={},
+        overheads={},
+    )
+    rows = {row["engine"]: row for row in price_rows(cost, HERE, 0.5)}
+    assert {name: str(row["verdict"]) for name, row in rows.items()} == {
+        "mujoco": "cheapest",
+        "pybullet": "dearer",
+        CONSTRAINT: "cheapest",
+    }
+    assert [*rows][-1] == CONSTRAINT  # after all that it is not ranked with
+    assert [rows[name]["relative_cost"] for name in engines] == [1.0, 1.0, 2.0]

@@ -63,8 +63,8 @@ def test_of_four_values_two_neighbouring_triples_have_an_order() -> None:
 
 def test_solver_and_ensemble_are_looked_at_on_the_middle_of_five_rungs(gentle: Scene) -> None:
     plan = plan_errors(gentle, "mujoco")
-    assert len(plan.timesteps) == 5
-    assert plan.probe == plan.timesteps[0] / 4.0 == plan.timesteps[2]
+    assert len(plan.rungs) == 5
+    assert plan.probe == plan.rungs[0] / 4.0 == plan.rungs[2]
 
 
 def test_the_ensemble_has_six_releases_of_each_size_from_1e_9_to_1e_6(gentle: Scene) -> None:

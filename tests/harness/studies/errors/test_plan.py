@@ -20,19 +20,19 @@ def test_a_setting_tied_to_the_timestep_makes_two_ways(gentle: Scene) -> None:
 
 
 def test_the_ladder_halves_and_resolves_the_bounce(gentle: Scene) -> None:
-    steps = plan_errors(gentle, "mujoco").timesteps
+    steps = plan_errors(gentle, "mujoco").rungs
     assert [coarse / fine for coarse, fine in pairwise(steps)] == [2.0] * 4
     assert steps[0] == 1e-4
-    assert plan_errors(load("paper-release"), "mujoco").timesteps[0] == pytest.approx(
+    assert plan_errors(load("paper-release"), "mujoco").rungs[0] == pytest.approx(
         1.7e-6, rel=1e-9, abs=0
     )
-    assert plan_errors(gentle, "mujoco", timestep=4e-4).timesteps[0] == 4e-4
+    assert plan_errors(gentle, "mujoco", timestep=4e-4).rungs[0] == 4e-4
 
 
 def test_ladders_are_run_with_the_solver_converged(gentle: Scene) -> None:
     chosen = plan_errors(gentle, "pybullet", options=(("contactERP", 0.2),))
     way = chosen.ways[0]
-    options = dict(chosen.on_ladder(way, chosen.timesteps[0]).options)
+    options = dict(chosen.on_ladder(way, chosen.rungs[0]).options)
     assert options == {"contactERP": 0.2} | dict(chosen.efforts[-1].settings)
     assert dict(chosen.tried(way, None).options) == {"contactERP": 0.2}
     assert chosen.tried(way, chosen.efforts[-1]) == chosen.on_ladder(way, chosen.probe)

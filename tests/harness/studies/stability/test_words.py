@@ -69,9 +69,9 @@ def test_what_cures_a_case_is_told_with_its_largest_timestep() -> None:
     ]
     text = engine_page("mujoco", runs, (), names).text
     flat = f"({StabilityStatus.FLAT.value})"
-    assert f"Cured by a shorter timestep alone, at 1e-03 s: fast-spin {flat}." in text
-    assert f"Cured by a shorter timestep alone, at 2e-04 s: planar-fall {flat}." in text
-    assert f"Cured by a longer timestep alone, at 5e-03 s: tall-can {flat}." in text
+    assert f"Cured by a shorter timestep alone, at 0.001 s: fast-spin {flat}." in text
+    assert f"Cured by a shorter timestep alone, at 0.0002 s: planar-fall {flat}." in text
+    assert f"Cured by a longer timestep alone, at 0.005 s: tall-can {flat}." in text
     assert f"Cured by profile matched at 2e-05 s: tiny-can {flat}." in text
     assert f"Cured by nothing that was tried: hundred-g {flat}." in text
     assert "(largest phi since 0.001 rad, at 0.12 s)" in text
