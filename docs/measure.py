@@ -1,5 +1,7 @@
 """Run again what the numbers in the texts come from: ``make measure``, ``make measure ONLY=cost``.
 
+What needs every engine is measured by ``.venv-engines/bin/python -m docs.measure engines``.
+
 `docs/measured.toml` says which commands these are and which of their files are kept, in the folder
 `reports/baseline/NAME`. Beside them, `made.json` says by which command, when and where.
 """
@@ -37,6 +39,9 @@ class Measured(BaseModel):
         In that folder.
     exit_codes : tuple of int
         With which the command may end: a claim that does not hold is a result, too.
+    all_engines : bool
+        Whether every engine is to be there: measured if it is named, in the environment of
+        `make engines`.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -44,6 +49,7 @@ class Measured(BaseModel):
     command: str
     files: tuple[str, ...]
     exit_codes: tuple[int, ...] = (0,)
+    all_engines: bool = False
 
 
 def measured() -> dict[str, Measured]:
@@ -81,11 +87,11 @@ def measure(name: str, what: Measured) -> None:
 
 
 def main(names: Annotated[list[str] | None, typer.Argument()] = None) -> None:
-    """Run the commands of the measurements named, or of all."""
+    """Run the commands of the measurements named, or of all that need no further engines."""
     every = measured()
     if unknown := sorted(set(names or ()) - set(every)):
         sys.exit(f"no measurement {', '.join(unknown)}; docs/measured.toml has {', '.join(every)}")
-    for name in names or every:
+    for name in names or [name for name, what in every.items() if not what.all_engines]:
         typer.echo(f"{name}: {every[name].command}", err=True)
         measure(name, every[name])
 

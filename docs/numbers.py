@@ -5,6 +5,7 @@ so does a table. Its source is a file that a command has written: see `docs/meas
 """
 
 import json
+import math
 import re
 import sys
 import tomllib
@@ -17,6 +18,7 @@ from typing import Any
 import pandas as pd
 
 from harness.core.errors import HarnessError
+from harness.engines.registry import description_of, is_constraint, our_names
 from harness.execution.atomic_write import write_atomically
 from harness.gate.comparison import FACTOR, SPREADS
 from harness.gate.spread import FEWEST, MOST, SIZES
@@ -69,39 +71,59 @@ def exact() -> dict[str, str]:
 
 
 def quick() -> dict[str, str]:
-    """Return the errors of each engine in the quick suite, as it ships and at its best."""
-    card, results = csv("quick/scorecard.csv"), csv("quick/results.csv")
-    rows = []
-    for scene, own in card.groupby("scene", sort=False):
-        by_engine = own.set_index("engine").to_dict("index")
-        unit = "degrees" if own["best_turn_error_deg"].notna().any() else "rad of phi"
-        line = [f"{scene}, {unit}"]
-        for engine in ENGINES:
-            line += [_error(by_engine[engine], side, unit) for side in ("shipped", "best")]
-        rows.append(line)
-    head = [
-        "scene",
-        *(f"{e}, {side}" for e in ENGINES.values() for side in ("as it ships", "best")),
-    ]
+    """Return the steps that the paper's release takes in the quick suite."""
+    results = csv("quick/results.csv")
     steps = results[results["scene"] == "paper-release"].groupby("profile")["steps"]
     return {
-        "table": markdown(head, rows),
         "adaptive_steps": f"{steps.max()['adaptive']:,.0f}",
         "matched_steps": f"{steps.max()['matched']:,.0f}",
     }
 
 
-def _error(row: Row, side: str, unit: str) -> str:
+def engines() -> dict[str, str]:
+    """Return the errors of every engine by scene: as it ships on the first, at its best on all."""
+    best, shipped = (csv(f"engines/{side}.csv").set_index("engine") for side in ("best", "shipped"))
+    scenes = [c for c in best.columns if f"{c}_verdict" in best.columns][:_SHOWN]
+    names = [scene.rpartition("_")[0] for scene in scenes]
+    order = best[f"{HEADLINE}_deg"].abs().sort_values(kind="stable").index
+    rows = [
+        [description_of(_adapter(name)).label or name, _error(shipped.loc[name], scenes[0])]
+        + [_error(best.loc[name], scene) for scene in scenes]
+        for name in sorted(order, key=lambda name: is_constraint(_adapter(name)))
+    ]
+    units = {"deg": "degrees", "rad": "rad of phi"}
+    heads = [
+        f"{name}, {units[c.rpartition('_')[2]]}" for name, c in zip(names, scenes, strict=True)
+    ]
+    return {
+        "table": markdown(("engine", f"{names[0]}, as it ships", *heads), rows),
+        "count": str(len(best)),
+    }
+
+
+def _adapter(name: str) -> str:
+    """Return the adapter of an engine: one in an environment of its own has a version behind it."""
+    return max((own for own in our_names() if f"{name}-".startswith(f"{own}-")), key=len)
+
+
+HEADLINE = "paper-release"
+"""Scene by whose error the engines are sorted."""
+
+_SHOWN = 6
+"""Scenes in the table of README: those in which engines are not asked to pull."""
+
+
+def _error(row: Row, column: str) -> str:
     """Return the error of a run, or in words why it has none."""
-    verdict, turn = str(row[f"{side}_verdict"]), row[f"{side}_turn_error_deg"]
-    kind, _, why = verdict.partition(": ")
+    kind, _, why = str(row[f"{column}_verdict"]).partition(": ")
+    error = float(row[column])
     if kind == "not decidable":
         return kind
-    if kind == "failed" or (unit == "degrees" and pd.isna(turn)):
+    if kind in {"failed", "unsupported"} or math.isnan(error):
         return {"flat": "falls flat", "overturned": "overturns", "diverged": "diverges"}.get(
-            why, why.removesuffix(" the turns")
+            why, why.removesuffix(" the turns") or kind
         )
-    return digits(float(turn if unit == "degrees" else row[f"{side}_phi_rms_rad"]))
+    return digits(error)
 
 
 def attribution() -> dict[str, str]:
@@ -282,6 +304,7 @@ SOURCES: Mapping[str, Source] = {
     for source in (
         exact,
         quick,
+        engines,
         attribution,
         effects,
         cost,

@@ -3,15 +3,40 @@
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from functools import cache
+from importlib.metadata import entry_points
 from typing import NoReturn
 
 import pytest
 
-from harness.core.errors import MissingPackageError
-from harness.engines.registry import left_out
+from harness.core.engine_packages import ENGINE_ENTRY_POINTS, packages_of
+from harness.core.errors import MissingLibraryError, MissingPackageError
+from harness.engines.registry import engine, not_installed
 
-absent_engines = cache(left_out)
-"""The engines that this environment does without, whatever a test registers."""
+
+@cache
+def absent_engines() -> tuple[str, ...]:
+    """Return the engines that this environment does without, whatever a test registers.
+
+    They are not installed, or need a library of the operating system that is not there.
+    """
+    return (*not_installed(), *filter(_without_library, optional_engines() - {*not_installed()}))
+
+
+def _without_library(name: str) -> bool:
+    try:
+        engine(name)
+    except MissingLibraryError:
+        return True
+    except MissingPackageError:  # which is no reason to skip its tests
+        return False
+    return False
+
+
+@cache
+def optional_engines() -> frozenset[str]:
+    """Return the engines whose packages an installation has only if they were asked for."""
+    entries = entry_points(group=ENGINE_ENTRY_POINTS)
+    return frozenset(entry.name for entry in entries if packages_of(entry).optional)
 
 
 def engines_of(item: pytest.Item) -> set[str]:

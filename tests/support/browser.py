@@ -26,6 +26,10 @@ def running_chromium(program: str) -> Iterator[Any]:
         browser.close()
 
 
+_PATIENCE_MS = 120_000.0
+"""For what a machine that is busy does in a second."""
+
+
 @contextmanager
 def watched_pages(chromium: Any) -> Iterator[Open]:
     """Give a function that opens a report; at the end nothing may have been complained of."""
@@ -39,6 +43,7 @@ def watched_pages(chromium: Any) -> Iterator[Open]:
             )
             stack.callback(context.close)
             page = context.new_page()
+            page.set_default_timeout(_PATIENCE_MS)
             page.on("console", lambda message: said.append(message.text))
             page.on("pageerror", lambda error: said.append(str(error)))
             page.on("dialog", lambda dialog: said.append(f"dialog {dialog.message}"))

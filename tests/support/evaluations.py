@@ -1,5 +1,6 @@
 """Runs of engines that several tests look at."""
 
+import math
 from functools import cache
 
 import numpy as np
@@ -33,6 +34,13 @@ def evaluated(
 
 
 _evaluate_once = cache(evaluate)
+
+
+def turn_error(case: Case) -> float:
+    """Return the error of the first angle of turn of a case, deg."""
+    found = evaluate(case).errors
+    assert found is not None
+    return math.degrees(found.angle_of_turn[0])
 
 
 def stepped(case: Case, steps: int) -> Trajectory:
