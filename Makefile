@@ -6,20 +6,33 @@ PYTHON ?= $(or $(firstword $(foreach name,python3.11 python3.12 python3.13 pytho
 VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= quick
+ENGINES_VENV ?= .venv-engines
+ENGINES ?= $(shell $(PYTHON) -c 'import tomllib; of = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	print(*sorted({*of["optional-dependencies"]} & {*of["entry-points"]["rockingcan.engines"]}))')
 
-.PHONY: validate test test-all explore mutants numbers measure lint types contracts models clean
+.PHONY: validate engines test test-all test-engines explore mutants numbers measure lint types contracts models clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
 
+# every engine that this machine can have, in an environment beside the other: the extras that pip can
+# install together, others in interpreters of their own; ENGINES names those that are wanted
+engines: $(ENGINES_VENV)/ready
+	$(ENGINES_VENV)/bin/rockingcan validate --suite full --engine all --out reports/engines
+
 # tests run in as many processes as there are cores, a file in one of them
-PYTEST = $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
+TESTS = bin/python -m pytest -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
+PYTEST = $(VENV)/$(TESTS)
 
 test: $(VENV)/ready-to-test
 	$(PYTEST) --quick
 
 test-all: $(VENV)/ready-to-test
 	$(PYTEST)
+
+# what concerns an optional engine, for those that are installed by the target above
+test-engines: $(ENGINES_VENV)/ready
+	$(ENGINES_VENV)/$(TESTS) --optional-engines --quick
 
 # property tests with fresh seeds; tests/conftest.py says what becomes of what they find
 explore: $(VENV)/ready-to-test
@@ -53,7 +66,7 @@ models: $(VENV)/ready
 	$(BIN)/python -m models.export
 
 clean:
-	rm -rf $(VENV) build dist
+	rm -rf $(VENV) $(ENGINES_VENV) build dist
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -73,4 +86,15 @@ $(VENV)/ready-to-mutate: $(VENV)/ready-to-test
 
 $(VENV)/ready-to-develop: $(VENV)/ready-to-test
 	$(BIN)/python -m pip install --quiet --group dev -c constraints.txt
+	touch $@
+
+$(ENGINES_VENV)/ready: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(ENGINES_VENV)
+	$(ENGINES_VENV)/bin/python -m pip install --quiet "pip>=25.1" -c constraints.txt
+	$(ENGINES_VENV)/bin/python -m pip install --quiet --editable . --group test -c constraints.txt
+	for engine in $(ENGINES); do \
+		$(ENGINES_VENV)/bin/python -m pip install --quiet --editable ".[$$engine]" -c constraints.txt \
+			|| $(ENGINES_VENV)/bin/rockingcan engines add $$engine \
+			|| echo "without $$engine, for the reason above" >&2; \
+	done
 	touch $@

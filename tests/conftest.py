@@ -72,11 +72,16 @@ settings.load_profile("fixed")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the option of `make test`."""
+    """Add the options of `make test` and `make test-engines`."""
     parser.addoption(
         "--quick",
         action="store_true",
         help="No slow tests, a sample of the parameters of a test, a tenth of the examples.",
+    )
+    parser.addoption(
+        "--optional-engines",
+        action="store_true",
+        help="Only the tests of an optional engine, of those that are installed.",
     )
 
 
@@ -116,14 +121,24 @@ def pytest_report_header(config: pytest.Config) -> list[str]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is not quick; put the files with slow tests first, so that none comes last."""
-    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    """Leave out what is not quick; put the files with slow tests first, so that none comes last.
+
+    One that says its minutes comes before the others: `pytest.mark.slow(minutes=5)`.
+    """
+    slow = dict[Path, float]()
+    for item in items:
+        if mark := item.get_closest_marker("slow"):
+            slow[item.path] = max(slow.get(item.path, 0.0), mark.kwargs.get("minutes", 0.0))
     left_out = _left_out()
     chosen = [
         item
-        for item in sorted(items, key=lambda item: item.path not in slow)
+        for item in sorted(items, key=lambda item: -slow.get(item.path, -1))
         if left_out.keys().isdisjoint(getattr(item, "fixturenames", ()))
     ]
+    if config.option.optional_engines:
+        from tests.support.absent_engines import engines_of, optional_engines
+
+        chosen = [item for item in chosen if engines_of(item) & optional_engines()]
     if config.option.quick:
         chosen = sampled([item for item in chosen if not item.get_closest_marker("slow")])
     if others := set(items).difference(chosen):
@@ -178,13 +193,14 @@ def _of_its_own(shared_folder: Path) -> Iterator[None]:
     """Keep what tests run in a store of their own, and wait for no other program that times.
 
     The lock of timing is in the folder for temporary files; its path is short, as are those of
-    sockets.
+    sockets. Engines that the user has in environments are not known here.
     """
     with (
         pytest.MonkeyPatch.context() as patch,
         tempfile.TemporaryDirectory(prefix="can-", ignore_cleanup_errors=True) as folder,
     ):
         patch.setenv("ROCKINGCAN_STORE", str(shared_folder / "store"))
+        patch.setenv("ROCKINGCAN_ENGINES", str(shared_folder / "engines"))
         patch.setenv("TMPDIR", folder)
         patch.setattr(tempfile, "tempdir", folder)
         yield

@@ -49,8 +49,10 @@ from harness.sweep.folder import (
     UnreadablePartitionError,
     UnreadablePlanError,
 )
+from tests.support.engine_wordings import OF_ENGINES
 
 MADE: list[tuple[Exception, str]] = [
+    *OF_ENGINES,
     (
         errors.UnknownEngineError("ode", ["pybullet", "mujoco"]),
         "unknown engine 'ode'; there are: mujoco, pybullet",
@@ -79,17 +81,14 @@ MADE: list[tuple[Exception, str]] = [
         ),
     ),
     (
+        errors.BrokenPackageError("e", "m:C", "no symbol"),
+        "engine 'e' is installed, and cannot be imported (no symbol): another build of it may do",
+    ),
+    (
         errors.EngineCrashError("e", "m:C", "SIGSEGV"),
         (
             "engine 'e' falls while it is made from its entry point 'm:C' (SIGSEGV); leave it out "
             "with --engine, or uninstall its package"
-        ),
-    ),
-    (
-        errors.EngineContractError("e", "one case", "it returned str"),
-        (
-            "engine 'e' falls when it is asked for the timestep of the case 'one case' (it "
-            "returned str); leave it out with --engine, or mend its adapter"
         ),
     ),
     (

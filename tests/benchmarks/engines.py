@@ -19,13 +19,11 @@ from models.state import Pose
 from tests.benchmarks.clock import Ratio, in_turns, seconds
 from tests.benchmarks.recording_loops import recording_loop
 
-OVERHEAD = {"mujoco": 1.10, "pybullet": 1.15}
-"""Largest ratio of an adapter's loop to its engine's own loop, in C where the engine has one and
-else in Python: that which steps and keeps nothing, and so also that which keeps each state and
-contact. Where a run is long: a sample costs what it costs, however many steps pass between two."""
-
 FINE = 1e-6
-"""s; at ten times this a tenth of the steps carry the same samples, which stand out then."""
+"""s; at ten times this a tenth of the steps carry the same samples, which stand out then. What an
+engine declares of the ratio of its adapter's loop to its own is of this timestep, where a run is
+long: a sample costs what it costs, however many steps pass between two. Its own loop steps and
+keeps nothing, in C where the engine has one; to keep each state and contact costs more."""
 
 _TIMESTEPS = (FINE, 1e-5, 1e-4)
 
@@ -35,9 +33,6 @@ _RELEASES = 100
 
 _KEPT = 40_000
 """Steps kept whole, some kilobytes each in Python; what more would take is reckoned from these."""
-
-GAIN = {"mujoco": 100.0, "pybullet": 10.0}
-"""Least ratio of a fixed timestep's cost to that of adaptive steps, at the same error."""
 
 _BRIEF = 25
 """Runs of tens of milliseconds, of which the shortest counts: together as long as a fixed one."""
@@ -76,7 +71,7 @@ def _overhead(chosen: PhysicsEngine, timestep: float) -> Iterator[Ratio]:  # typ
         (chosen.simulate(case).cpu_s, bare(chosen.bare_loop), bare(recording_loop, _KEPT))
         for _ in range(_ROUNDS)
     ]
-    bound = OVERHEAD.get(chosen.name, math.inf) if timestep <= FINE else math.inf
+    bound = chosen.description.overhead if timestep <= FINE else math.inf
     # whatever else the machine does makes a run longer, never shorter
     adapted, *loops = (min(taken) for taken in zip(*rounds, strict=True))
     whats = ("stepping alone", "a loop that keeps each state and contact")
@@ -130,7 +125,7 @@ def _adaptive(chosen: PhysicsEngine) -> Ratio:  # type: ignore[type-arg]
             break
     quick = min(chosen.simulate(adaptive).cpu_s for _ in range(_BRIEF))
     slow = chosen.simulate(fixed).cpu_s if fixed is not None else math.inf
-    bound = GAIN.get(chosen.name, 1.0)
+    bound = chosen.description.adaptive_gain
     return Ratio(
         what=f"{chosen.name}: cheapest fixed timestep with the same error against adaptive",
         ratio=slow / quick,

@@ -12,7 +12,7 @@ from harness.engines.reference.to_reference_problem import problem
 from harness.engines.registry import engine
 from models import Horizon, Scene, load
 from reference import solve
-from tests.benchmarks.lean import GAIN, PIECE, TOLERANCE, between, in_mujoco, in_reference
+from tests.benchmarks.lean import ENGINE_GAIN, PIECE, TOLERANCE, between, in_engine, in_reference
 
 
 @pytest.fixture
@@ -30,11 +30,11 @@ def _path(scene: Scene, build: str, timestep: float = 1e-3) -> Trajectory:
 
 
 def test_a_lean_can_of_mujoco_moves_as_one_with_everything(gentle: Scene) -> None:
-    found = in_mujoco(gentle, pairs=1)
+    found = in_engine("mujoco", gentle, pairs=1)
     assert (found.scene, found.who, found.model) == ("gentle-rock", "mujoco", "condim 3")
     # how much faster is not for tests to say, but that it was measured is
     assert found.ratio == found.everything_s / found.lean_s > 0.0
-    assert found.holds == (found.ratio >= GAIN["mujoco"])
+    assert found.holds == (found.ratio >= ENGINE_GAIN)
     assert found.difference <= found.tolerance == TOLERANCE
 
 

@@ -22,12 +22,13 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.api import stepping_engines
 from harness.core.case import Case
 from harness.core.engine_packages import ENGINE_ENTRY_POINTS
 from harness.core.errors import HarnessError
 from harness.core.simulation import Simulation
 from harness.engines.base import Capabilities, Setting
-from harness.engines.registry import engine, left_out
+from harness.engines.registry import engine
 from harness.evaluation.run_cases import run_cases
 from harness.execution.cache import CacheFolder
 from harness.execution.isolated_pool import local_executor
@@ -35,7 +36,7 @@ from harness.execution.limits import Limits
 from harness.execution.signals import Interrupted, handle_signals
 from models.catalogue import load
 
-ENGINES = tuple(name for name in ("mujoco", "pybullet") if name not in left_out())
+ENGINES = stepping_engines(None)
 """Engines that do what they should."""
 
 _BLOCK = 2**24

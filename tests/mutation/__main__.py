@@ -11,7 +11,7 @@ import sys
 from math import ceil
 from pathlib import Path
 
-from harness.engines.registry import left_out
+from harness.engines.registry import not_installed, our_names
 from tests.mutation.mutants import Mutant, mutant, sources
 from tests.mutation.plan import Target, targets
 from tests.mutation.report import Tally, page, reasons
@@ -19,7 +19,7 @@ from tests.mutation.trial import Trial, Verdict, tried, warm
 
 IMPORTED = ("harness", "harness.gate", "harness.api", "harness.studies", "hypothesis", "pyarrow")
 IMPORTED_ENGINES = (
-    *(f"harness.engines.{name}" for name in ("mujoco", "pybullet") if name not in left_out()),
+    *(f"harness.engines.{name}.engine" for name in our_names() if name not in not_installed()),
     "scipy.integrate",
 )
 
