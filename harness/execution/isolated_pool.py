@@ -21,7 +21,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 from harness.core.environments import Environment
 from harness.execution.limits import NO_LIMITS, Limits, default_limits
-from harness.execution.signals import SIGNALS
+from harness.execution.signals import SIGNALS, delay_signals
 from harness.execution.worker import Loss, LostTaskError, Worker, run_stopped
 
 P = ParamSpec("P")
@@ -78,7 +78,8 @@ class IsolatedProcessPool(Executor):
         """
         future: Future[T] = Future()
         payload = pickle.dumps((fn, args, kwargs), pickle.HIGHEST_PROTOCOL)
-        with self._lock:
+        # a signal that came while a thread starts would leave one that `shutdown` does not know
+        with delay_signals(), self._lock:
             if self._closed:
                 raise RuntimeError("the executor was shut down: it takes no more tasks")
             if len(self._threads) < self.workers:

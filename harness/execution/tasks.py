@@ -93,6 +93,10 @@ def timed(work: Callable[[T], R], task: T) -> tuple[R, Taken]:
     return result, Taken(processor_time() - cpu, time.perf_counter() - wall)
 
 
+_TICK = 0.1
+"""s between looks at whether a signal came."""
+
+
 def run_queue(
     queue: deque[T],
     submit: Callable[[T], Future[R]],
@@ -129,8 +133,10 @@ def run_queue(
             busy = meanwhile()
             if not (queue or pending or busy):
                 return
+            # an interrupt while `wait` takes the locks of the futures would leave them taken;
             # while there is something else to do, do not wait
-            done, _ = wait(pending, 0.0 if busy else None, FIRST_COMPLETED)
+            with delay_signals():
+                done, _ = wait(pending, 0.0 if busy else _TICK, FIRST_COMPLETED)
             for future in done:
                 take(pending.pop(future), future)
     except BaseException:

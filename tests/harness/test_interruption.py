@@ -4,19 +4,25 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 import tomllib
+from collections import deque
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, wait
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from harness.execution import tasks
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
-from harness.execution.isolated_pool import SerialExecutor
+from harness.execution.isolated_pool import IsolatedProcessPool, SerialExecutor
 from harness.execution.signals import SIGNALS, Interrupted, delay_signals, handle_signals
-from harness.execution.tasks import ResultCache, run_tasks
+from harness.execution.tasks import ResultCache, run_queue, run_tasks
 from harness.execution.worker import LostTaskError
+from tests.support.clock import wait_for
 
 ROOT = Path(__file__).parents[2]
 
@@ -187,3 +193,40 @@ def test_what_is_being_kept_when_a_signal_comes_counts(tmp_path: Path) -> None:
     handle_signals()
     # the third is done while the first is read; the signal comes with the second, read as well
     assert account("abc", tmp_path) == [f"3 of 3 are done and kept in '{tmp_path}'."]
+
+
+def test_a_signal_while_a_thread_starts_leaves_none_to_wait_for_in_vain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start, begun = threading.Thread.start, tmp_path / "begun"
+
+    def interrupted(thread: threading.Thread) -> None:
+        start(thread)
+        time.sleep(0.1)  # it waits for a task by now
+        signal.raise_signal(signal.SIGINT)
+
+    def submit_two() -> None:
+        with IsolatedProcessPool(2) as pool:
+            pool.submit(os.system, f"touch '{begun}' && sleep 1000")
+            wait_for(begun)
+            monkeypatch.setattr(threading.Thread, "start", interrupted)
+            pool.submit(time.sleep, 1e4)
+
+    with pytest.raises(Interrupted):  # and does not hang
+        submit_two()
+
+
+def test_a_signal_while_futures_are_waited_for_leaves_none_of_them_locked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    waited: list[float | None] = []
+
+    def interrupted(futures: dict[Future[str], str], seconds: float, until: str) -> object:
+        os.kill(os.getpid(), signal.SIGTERM)  # `wait` has their locks here and there
+        waited.append(seconds)
+        return wait(futures, seconds, until)
+
+    monkeypatch.setattr(tasks, "wait", interrupted)
+    with pytest.raises(Interrupted):
+        run_queue(deque("ab"), lambda _: Future(), lambda *_: None, 2)
+    assert len(waited) == 1
