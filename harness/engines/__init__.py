@@ -13,14 +13,12 @@ from harness.engines.base import (
     COMMON,
     TIMESTEP,
     Capabilities,
-    Contact,
     Engine,
     EngineFeatures,
     ModelDifference,
     Setting,
     SolverEffort,
     Variant,
-    World,
     resolve,
 )
 from harness.engines.description import Description, Method, Precision
@@ -42,6 +40,7 @@ from harness.engines.stepping.physics_engine import ErrorControlledEngine, Physi
 from harness.engines.stepping.recording import Chunk, SamplingInterval, record, trajectory_of
 from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
 from harness.engines.stepping.settling import AT_REST, above_origin, pressed_distance, settle
+from harness.engines.world import Collision, Contact, World
 
 __all__ = [
     "AT_REST",
@@ -56,6 +55,7 @@ __all__ = [
     "Capabilities",
     "Case",
     "Chunk",
+    "Collision",
     "Contact",
     "Description",
     "Engine",

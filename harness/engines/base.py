@@ -1,8 +1,7 @@
 """Engines as the harness sees them: capabilities, settings, and the method `simulate`.
 
-`Engine` is the role that everything that moves a can plays. `World` is the smaller role of a
-compiled engine model that can be placed, stepped and read; the probes of parity and the search for
-the static penetration are written once, against it.
+`Engine` is the role that everything that moves a can plays; the smaller role of a compiled engine
+model is `harness.engines.world`.
 """
 
 import math
@@ -10,20 +9,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError, UnknownSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Simulation
 from harness.engines.description import Description, Precision
-from models.state import Pose, Twist
+from harness.engines.world import World, renamed_words
 
 if TYPE_CHECKING:
     from harness.engines.stepping.recording import Chunk
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,67 +133,6 @@ class Engine(Protocol):
 
     def simulate(self, case: Case) -> Simulation:
         """Run a case to its horizon; numerical failure is its outcome."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Contact:
-    """The contact at one instant: weighted point (3,), force (3,) on the can, depth, count."""
-
-    point: Floats
-    force: Floats
-    penetration: float
-    count: int
-
-
-class World(Protocol):
-    """A compiled engine model: one can, one plane, and a timestep that can change between steps."""
-
-    @property
-    def mass(self) -> float:
-        """Mass of the can, kg."""
-
-    @property
-    def inertia(self) -> Floats:
-        """Principal moments in the order of the body's axes, shape (3,), kg m^2."""
-
-    @property
-    def timestep(self) -> float:
-        """The timestep that was asked for, s."""
-
-    def set_timestep(self, timestep: float) -> None:
-        """Step by another length from now on, s."""
-
-    def place(self, pose: Pose, twist: Twist) -> None:
-        """Put the can somewhere, moving; forget what was before."""
-
-    def step(self) -> None:
-        """Advance by one timestep."""
-
-    def pose(self) -> Pose:
-        """Return where the can is."""
-
-    def twist(self) -> Twist:
-        """Return how the can moves."""
-
-    def contact(self) -> Contact:
-        """Return the contact that the last step solved: that of the state before it."""
-
-    def signed_distance(self) -> float:
-        """Return the signed distance from the collider of the can to the plane, m."""
-
-
-def signed_distance(world: World) -> float:
-    """Return the signed distance of a world, m; one of the previous release calls it `gap`."""
-    distance: Callable[[], float] | None = getattr(world, "signed_distance", None)
-    if distance is None:
-        warn_renamed(_renamed(type(world).__name__, "gap", "signed_distance"))
-        distance = world.gap  # type: ignore[attr-defined]
-    return distance()
-
-
-def _renamed(owner: str, old: str, new: str) -> str:
-    """Return what is said of an attribute under its name of the previous release."""
-    return f"`{old}` of {owner} is now `{new}`; the old name goes with the next release"
 
 
 def resolve(
@@ -338,6 +271,8 @@ class EngineFeatures:
         In the order in which to remove them.
     solver_efforts : tuple of SolverEffort
         The last is the converged solve.
+    colliders : tuple of Variant
+        Settings that decide how contact points are found, for the probe of the rim.
     variants : tuple of Variant, or None
         Settings worth a price; None takes the profiles and each word that a setting allows.
     export_settings : callable or None
@@ -359,6 +294,7 @@ class EngineFeatures:
     precision: Callable[[Case], Precision] | None = None
     model_differences: tuple[ModelDifference, ...] = ()
     solver_efforts: tuple[SolverEffort, ...] = ()
+    colliders: tuple[Variant, ...] = (Variant(name="matched"),)
     variants: tuple[Variant, ...] | None = None
     export_settings: Callable[[Case], str] | None = None
     counted_step: Callable[[World], int] | None = None
@@ -384,7 +320,7 @@ def features_of(engine: Engine) -> EngineFeatures:
         old = _RENAMED.get(name, name)
         # a subclass with the old name inherits the default of the new name: the old name wins
         if old != name and hasattr(engine, old):
-            warn_renamed(_renamed(engine.name, old, name))
+            warn_renamed(renamed_words(engine.name, old, name))
             offered[name] = getattr(engine, old)
         elif hasattr(engine, name):
             offered[name] = getattr(engine, name)
@@ -396,5 +332,5 @@ def __getattr__(name: str) -> object:
     renamed = {"Gap": ModelDifference, "Effort": SolverEffort}
     if name not in renamed:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    warn_renamed(_renamed(f"'{__name__}'", name, renamed[name].__name__))
+    warn_renamed(renamed_words(f"'{__name__}'", name, renamed[name].__name__))
     return renamed[name]

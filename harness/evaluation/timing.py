@@ -26,7 +26,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.errors import BrokenEngineError
-from harness.engines.base import World, features_of
+from harness.engines.base import features_of
 from harness.engines.ladder import takes_timestep
 from harness.engines.reference.truth import solve_case
 from harness.engines.registry import engine, is_ours
@@ -34,6 +34,7 @@ from harness.engines.remote import call_at_engine
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import Fixed
 from harness.engines.stepping.settling import above_origin, moving
+from harness.engines.world import World
 from harness.evaluation.evaluation import Record
 from harness.execution.isolated_pool import local_executor
 from harness.execution.limits import Limits, default_limits

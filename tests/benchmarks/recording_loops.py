@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from mujoco import rollout
 
-from harness.engines.base import World
 from harness.engines.mujoco.engine import control, state_of
+from harness.engines.world import World
 
 _PIECE = 16384
 """Steps in a call of MuJoCo, as in a run: few enough to be held, 180 bytes each."""

@@ -35,7 +35,6 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.simulation import ParityRow
-from harness.engines.base import Floats, World
 from harness.engines.description import Method, Precision
 from harness.engines.parity.contact import (
     FRICTIONS,
@@ -63,6 +62,7 @@ from harness.engines.stepping.settling import (
     moving,
     stepped,
 )
+from harness.engines.world import Floats, World
 from models import Can, InvalidValueError, Pose, Scene, Twist, to_body
 from models.gravity import gravity_vector, plane_velocity, shaking
 from models.kinematics import to_world

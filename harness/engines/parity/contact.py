@@ -17,7 +17,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.engines.base import Contact, Floats, World
 from harness.engines.description import Precision
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.settling import (
@@ -30,6 +29,7 @@ from harness.engines.stepping.settling import (
     moving,
     touching_pose,
 )
+from harness.engines.world import Contact, Floats, World
 from models import NO_SLIP_FRICTION, Pose, Scene, Twist, contact_offset, to_body
 from models.gravity import gravity_vector, shaking
 from models.kinematics import to_world

@@ -33,7 +33,6 @@ from scipy.spatial.transform import Rotation
 from harness.core.case import Case
 from harness.core.errors import RefusedModelError
 from harness.core.trajectory import Floats
-from harness.engines.base import World
 from harness.engines.probes.survey import Opener, Reading, aloft, alternatives, follow, probe
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.settling import (
@@ -49,6 +48,7 @@ from harness.engines.stepping.settling import (
     stepped,
     touching_pose,
 )
+from harness.engines.world import World
 from models import InvalidValueError, Twist, to_body
 from models.kinematics import to_world
 

@@ -11,10 +11,11 @@ from typing import Protocol, TypeAlias
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.engines.base import Contact, Engine, Setting, World, features_of
+from harness.engines.base import Engine, Setting, features_of
 from harness.engines.registry import engine
 from harness.engines.remote import call_at_engine
 from harness.engines.stepping.settling import settle
+from harness.engines.world import Contact, World
 from models import IDEAL, Pose, Release, Twist, release_state
 
 Reading: TypeAlias = tuple[str, str, float, float, str]

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.core.simulation import Outcome
-from harness.engines.base import Floats
 from harness.engines.stepping.horizon import natural_time
+from harness.engines.world import Floats
 from models.scene import Scene
 from reference import Effects, Gravity, Mass, Parameters, Problem, carries, exact_bounces
 from reference import Outcome as Ending

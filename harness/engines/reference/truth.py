@@ -17,9 +17,10 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.public_paths import RenamedValueWarning, warn_renamed
 from harness.core.trajectory import Trajectory
-from harness.engines.base import Floats, Setting, Variant, resolve
+from harness.engines.base import Setting, Variant, resolve
 from harness.engines.reference.to_reference_problem import problem
 from harness.engines.stepping.horizon import natural_time
+from harness.engines.world import Floats
 from models import Scene, angular_velocity, quaternion
 from models.rim import arc_of, contact_offset
 from reference import (

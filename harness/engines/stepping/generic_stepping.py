@@ -12,9 +12,9 @@ from typing import Protocol
 import numpy as np
 
 from harness.core.trajectory import Floats, Integers, Trajectory
-from harness.engines.base import Contact, World
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
+from harness.engines.world import Contact, World
 from models.errors import InvalidValueError
 
 _WIDTH = 21  # pose 7, twist 6, contact 8

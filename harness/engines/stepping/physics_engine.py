@@ -25,15 +25,7 @@ from harness.core.errors import InvalidSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.core.trajectory import Trajectory
-from harness.engines.base import (
-    Capabilities,
-    ModelDifference,
-    Setting,
-    SolverEffort,
-    World,
-    resolve,
-    signed_distance,
-)
+from harness.engines.base import Capabilities, ModelDifference, Setting, SolverEffort, resolve
 from harness.engines.description import Description, Precision
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.horizon import countable, longest_time, natural_time
@@ -47,6 +39,7 @@ from harness.engines.stepping.schedule import (
     power_of_two,
 )
 from harness.engines.stepping.settling import ALOFT, AT_REST, above_origin, settle, stepped
+from harness.engines.world import World, signed_distance
 from harness.execution.worker_main import compiling
 from models import InvalidValueError, Scene
 from models.kinematics import half_angles

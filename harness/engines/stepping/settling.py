@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from harness.engines.base import Floats, World, signed_distance
+from harness.engines.world import Floats, World, signed_distance
 from models import Can, Pose, Scene, Twist, angles, contact_offset, quaternion
 from models.rim import arc_of
 

@@ -7,12 +7,12 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.trajectory import Trajectory, join
-from harness.engines.base import Contact
 from harness.engines.registry import engine
 from harness.engines.stepping.generic_stepping import walk
 from harness.engines.stepping.recording import Chunk, SamplingInterval
 from harness.engines.stepping.schedule import Adaptive, Fixed
 from harness.engines.stepping.settling import settle
+from harness.engines.world import Contact
 from models import Horizon, Pose, Scene, Twist, release_state
 from tests.support.engines import STEPPING, stepping_engine
 

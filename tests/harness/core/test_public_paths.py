@@ -13,6 +13,7 @@ import harness.engines
 from harness.core.case import Case
 from harness.core.public_paths import MOVED
 from harness.engines import PhysicsEngine, base
+from harness.engines.world import signed_distance
 from models import Scene
 
 
@@ -69,7 +70,7 @@ def test_names_of_the_previous_release_are_accepted_with_a_warning() -> None:
     assert len(warned) == 3
     world = SimpleNamespace(gap=lambda: 0.5)
     with pytest.warns(DeprecationWarning, match="`gap` of SimpleNamespace is now"):
-        assert base.signed_distance(world) == 0.5
+        assert signed_distance(world) == 0.5
     with pytest.warns(DeprecationWarning, match="is now `SolverEffort`"):
         assert base.Effort is base.SolverEffort
 

@@ -12,10 +12,10 @@ from harness.core.case import Case, Value
 from harness.core.errors import UnsupportedEffectError
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Trajectory
-from harness.engines.base import World
 from harness.engines.conformance.scene_effects import DECLARED
 from harness.engines.reference.truth import truth
 from harness.engines.registry import check_effects, engine
+from harness.engines.world import World
 from harness.metrics.energy import energy_drift
 from models import (
     Compliance,

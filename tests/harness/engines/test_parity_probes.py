@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.engines.base import Contact
 from harness.engines.description import Precision
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.settling import AT_REST, above_origin
+from harness.engines.world import Contact
 from models import NO_SLIP_FRICTION, Pose, Scene, Twist, angles, to_body
 from models.kinematics import to_world
 

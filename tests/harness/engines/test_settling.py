@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.engines.base import Contact
 from harness.engines.stepping.settling import settle
+from harness.engines.world import Contact
 from models import Pose, Scene, Twist, contact_point, release_state
 
 
