@@ -49,6 +49,7 @@ class DartEngine(PhysicsEngine[DartWorld]):
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
+    colliders = declared.COLLIDERS
     capabilities = Capabilities(
         honours=frozenset({"slip", "restitution", "damping", "tilt", "shake", "point_mass"}),
         imposes={

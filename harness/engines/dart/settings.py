@@ -123,6 +123,8 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
     return rows | (rim_within(can, _MARGIN * min(can.radius, can.half_height)) if bullet else {})
 
 
+COLLIDERS = tuple(Variant(name=word, settings=(("collisionDetector", word),)) for word in DETECTORS)
+
 VARIANTS = (
     *COMMON,
     *(

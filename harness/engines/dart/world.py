@@ -15,6 +15,7 @@ import numpy as np
 
 from harness.engines import (
     Case,
+    Collision,
     Contact,
     Floats,
     Value,
@@ -176,6 +177,18 @@ class DartWorld:
             np.array(points).reshape(-1, 3),
             np.array(forces).reshape(-1, 3),
             max((each.penetrationDepth for each in contacts), default=math.nan),
+        )
+
+    def collision(self) -> Collision:
+        """Return the contact points where the can is, without a step."""
+        group, found = self._constraints.getCollisionGroup(), dartpy.collision.CollisionResult()
+        group.collide(self._constraints.getCollisionOption(), found)
+        contacts = found.getContacts()
+        normals = np.array([each.normal for each in contacts]).reshape(-1, 3)
+        return Collision(
+            points=np.array([each.point for each in contacts]).reshape(-1, 3),
+            normals=normals * np.copysign(1.0, normals[:, 2:]),
+            depths=np.array([each.penetrationDepth for each in contacts]),
         )
 
     def signed_distance(self) -> float:

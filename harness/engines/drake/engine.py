@@ -40,6 +40,7 @@ class DrakeEngine(PhysicsEngine[DrakeWorld]):
     matched_timestep = declared.MATCHED_TIMESTEP
     model_differences = declared.MODEL_DIFFERENCES
     variants = declared.VARIANTS
+    colliders = declared.COLLIDERS
     capabilities = Capabilities(
         honours=frozenset({"slip", "compliance", "damping", "tilt", "shake", "point_mass"}),
         imposes={

@@ -24,7 +24,7 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
-from harness.engines import Contact, Floats, Value, declared_friction
+from harness.engines import Collision, Contact, Floats, Value, declared_friction
 from harness.engines.drake.settings import side_of
 from models import Pose, Scene, Twist
 from models.gravity import gravity_vector
@@ -159,6 +159,17 @@ class CanPlant:
             count=bearing,
         )
 
+    def collision(self) -> Collision:
+        """Return the overlapping points, from the middle between the two surfaces."""
+        pairs = self._penetration()
+        normals = np.array([pair.nhat_BA_W for pair in pairs]).reshape(-1, 3)
+        middles = [(pair.p_WCa + pair.p_WCb) / 2.0 for pair in pairs]
+        return Collision(
+            points=np.array(middles).reshape(-1, 3),
+            normals=normals * np.copysign(1.0, normals[:, 2:]),
+            depths=np.array([pair.depth for pair in pairs]),
+        )
+
     def lowest(self) -> tuple[float, Floats]:
         """Return the signed distance of the can to the ground, m, and where it is nearest, (3,).
 
@@ -223,6 +234,10 @@ class PlantWorld:
         """Return how the can moves."""
         state = self.of.state()
         return Twist(velocity=state[10:], angular_velocity=state[7:10])
+
+    def collision(self) -> Collision:
+        """Return the contact points where the can is, without a step."""
+        return self.of.collision()
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the ground, m."""

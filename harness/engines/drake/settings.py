@@ -202,6 +202,11 @@ SHIPPED_LAW = (
     ("hunt_crossley_dissipation", 50.0),
 )
 
+COLLIDERS = (
+    Variant(name="box of 60 m"),
+    Variant(name="half-space", settings=(("ground", "HalfSpace"),)),
+)
+
 VARIANTS = (
     *COMMON,
     Variant(

@@ -15,6 +15,7 @@ from harness.engines import (
     SMALLEST_TILT,
     Case,
     Chunk,
+    Collision,
     Contact,
     Floats,
     PhysicsEngine,
@@ -73,8 +74,12 @@ class ArrayWorld(CompiledScene):
         """
 
     @abstractmethod
+    def collision(self) -> Collision:
+        """Return the points where the can touches, and those above the plane, without a step."""
+
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
+        return -float(self.collision().depths.max())
 
     def place(self, pose: Pose, twist: Twist) -> None:
         """Put the can somewhere, moving; forget what was before."""

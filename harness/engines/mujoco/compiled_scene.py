@@ -24,7 +24,15 @@ from harness.engines import (
     Value,
     trajectory_of,
 )
-from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
+from harness.engines.mujoco.settings import (
+    CYLINDER_ON_PLANE,
+    SHAPES,
+    SIDES,
+    attributes,
+    matched_solref,
+    soft_solref,
+    stages,
+)
 from models.gravity import shaking
 from models.kinematics import to_world
 from models.mjcf_contact import friction_solref
@@ -79,7 +87,7 @@ class CompiledScene:
         # working folder
         mujoco.set_mju_user_warning(lambda _: None)
         try:
-            self.model = mujoco.MjModel.from_xml_string(text)
+            self.model = _compiled(text, str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE)), case)
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
@@ -184,6 +192,36 @@ class CompiledScene:
             np.where(count > 0, -sensors[:, self._depth], np.nan),
             np.where(bears, count, 0.0),
         )
+
+
+_FLOOR = (2000.0, 2000.0, 1.0)
+"""m: half the size of the box that is a ground."""
+
+
+def _compiled(text: str, shapes: str, case: Case) -> mujoco.MjModel:
+    """Return the model of an MJCF text in which the named shapes collide."""
+    if shapes == CYLINDER_ON_PLANE:
+        return mujoco.MjModel.from_xml_string(text)
+    spec, can = mujoco.MjSpec.from_string(text), case.scene.can
+    if shapes.startswith("mesh"):
+        azimuths = 2.0 * np.pi * np.arange(SIDES) / SIDES
+        ring = can.radius * np.array((np.cos(azimuths), np.sin(azimuths))).T
+        ends = [
+            np.insert(ring, 2, height, axis=1) for height in (-can.half_height, can.half_height)
+        ]
+        spec.add_mesh(name="can", uservert=np.concatenate(ends).ravel())
+        spec.geom("can").type, spec.geom("can").meshname = mujoco.mjtGeom.mjGEOM_MESH, "can"
+    if "box" in shapes:
+        ground = spec.geom("ground")
+        ground.type, ground.size, ground.pos = (
+            mujoco.mjtGeom.mjGEOM_BOX,
+            _FLOOR,
+            (0.0, 0.0, -_FLOOR[2]),
+        )
+    native = int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)  # a lean build leaves it out
+    spec.option.disableflags &= ~native
+    spec.option.disableflags |= native if shapes.endswith("libccd") else 0
+    return spec.compile()
 
 
 def chunk_of(

@@ -274,6 +274,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
+    colliders = declared.COLLIDERS
     capabilities = Capabilities(
         honours=frozenset(
             {

@@ -33,6 +33,7 @@ from harness.engines import (
     SolverEffort,
     Value,
     Variant,
+    rim_within,
 )
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, pair, spring, surface
@@ -139,6 +140,26 @@ BUILD = Setting(
 )
 """The harness's own word, in no file of MuJoCo: which stages of a step are compiled in."""
 
+CYLINDER_ON_PLANE = "cylinder-plane"
+SHAPES = Setting.as_shipped(
+    "shapes",
+    CYLINDER_ON_PLANE,
+    "Which shapes collide; on a box MuJoCo's own algorithm or libccd finds the contacts.",
+    choices=(
+        CYLINDER_ON_PLANE,
+        "mesh-plane",
+        "cylinder-box",
+        "mesh-box",
+        "cylinder-box-libccd",
+        "mesh-box-libccd",
+    ),
+)
+"""The harness's own word too: the can as a cylinder or a prism of `SIDES`, the ground as a plane or
+a box."""
+
+SIDES = 32
+"""Of the mesh."""
+
 _PYRAMID = 1.0 - 1.0 / math.sqrt(2.0) + 0.005
 """Share of the declared friction that a pyramid lacks between its edges, and what solvers miss."""
 
@@ -151,10 +172,13 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
     As shipped sliding and turning share so much that a moment is nearly none.
     """
     rows = {"friction between the axes": _PYRAMID} if chosen["cone"] == "pyramidal" else {}
+    if str(chosen.get("shapes", "")).startswith("mesh"):
+        corner = 1.0 - math.cos(math.pi / SIDES)
+        rows |= rim_within(case.scene.can, corner * case.scene.can.radius)
     return rows | (dict.fromkeys(_ARMS, 1.0) if case.profile == "default" else {})
 
 
-SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, ETA_SETTING)
+SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, SHAPES, ETA_SETTING)
 
 _IDLE = (
     "equality",
@@ -316,6 +340,11 @@ VARIANTS = (
     Variant.of("solver", "CG", thorough=True),
     Variant.of("solver", "PGS", thorough=True),
     Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
+)
+
+COLLIDERS = tuple(
+    Variant(name=word, settings=() if word == CYLINDER_ON_PLANE else ((SHAPES.name, word),))
+    for word in SHAPES.choices
 )
 
 MODEL_DIFFERENCES = (

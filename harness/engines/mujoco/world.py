@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from harness.engines import Case, Contact, Value
+from harness.engines import Case, Collision, Contact, Value
 from harness.engines.mujoco.compiled_scene import CompiledScene
 from models.kinematics import to_body, to_world
 from models.state import Pose, Twist
@@ -71,6 +71,18 @@ class MujocoWorld(CompiledScene):
             force=force[0].copy(),  # MuJoCo writes over it in the next step
             penetration=float(penetration[0]),
             count=int(count[0]),
+        )
+
+    def collision(self) -> Collision:
+        """Return the contact points where the can is, without a step."""
+        mujoco.mj_fwdPosition(self.model, self.data)
+        contact = self.data.contact
+        # the first axis of a contact's frame points from the first geom to the second, the can
+        towards = np.where(contact.geom[:, 1] == self._geoms[0], 1.0, -1.0)
+        return Collision(
+            points=contact.pos.copy(),
+            normals=contact.frame[:, :3] * towards[:, None],
+            depths=-contact.dist,
         )
 
     def signed_distance(self) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import warp
 
-from harness.engines import Case, Contact, Floats, Value, declared_friction
+from harness.engines import Case, Collision, Contact, Floats, Value, declared_friction
 from harness.engines.newton.settings import STEEL
 from harness.engines.suppress_output import silence
 from models import Pose, Twist, to_body
@@ -199,6 +199,14 @@ class NewtonWorld:
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
+        depths = self.collision().depths
+        return -float(depths.max()) if len(depths) else math.inf
+
+    def collision(self) -> Collision:
+        """Return the points where the can touches, and those above the plane, without a step.
+
+        Normals are not told.
+        """
         near = self._model.shape_gap
         if self._far is None:
             wide = warp.full_like(near, _FAR)
@@ -207,8 +215,8 @@ class NewtonWorld:
         self._model.shape_gap, pipeline, contacts = self._far
         pipeline.collide(self._now, contacts)
         self._model.shape_gap = near
-        _, depths, _ = self._touching(contacts, self._now.body_q)
-        return -float(depths.max()) if len(depths) else math.inf
+        points, depths, _ = self._touching(contacts, self._now.body_q)
+        return Collision(points=points, normals=np.full_like(points, math.nan), depths=depths)
 
 
 def _frame(values: Any) -> tuple[Floats, Floats]:  # noqa: ANN401 - of Warp

@@ -51,6 +51,7 @@ class OdeEngine(PhysicsEngine[OdeWorld]):
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
+    colliders = declared.COLLIDERS
     capabilities = Capabilities(
         honours=frozenset({"compliance", "restitution", "damping", "tilt", "shake", "point_mass"}),
         imposes={

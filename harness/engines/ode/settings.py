@@ -104,6 +104,11 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
 _RIM = ("contacts", RIM)
 _QUICK = ("step", QUICK_STEP)
 
+COLLIDERS = (
+    Variant(name="cylinder"),
+    Variant(name="rim point given", settings=(_RIM,)),
+)
+
 VARIANTS = (
     *COMMON,
     Variant(

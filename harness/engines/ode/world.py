@@ -17,6 +17,7 @@ import numpy as np
 
 from harness.engines import (
     Case,
+    Collision,
     Contact,
     Floats,
     Value,
@@ -259,6 +260,16 @@ class OdeWorld:
         points = np.array([self._contacts[place].geom.pos[:3] for place in touched]).reshape(-1, 3)
         depths = [self._contacts[place].geom.depth for place in touched]
         return contact_of(points, forces, max(depths, default=math.nan))
+
+    def collision(self) -> Collision:
+        """Return the contact points where the can is, without a step."""
+        count = self._touch() if self._rim else self._collide()
+        geoms = [self._contacts[place].geom for place in range(count)]
+        return Collision(
+            points=np.array([geom.pos[:3] for geom in geoms]).reshape(-1, 3),
+            normals=np.array([geom.normal[:3] for geom in geoms]).reshape(-1, 3),
+            depths=np.array([geom.depth for geom in geoms]),
+        )
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""

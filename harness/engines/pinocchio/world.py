@@ -18,6 +18,7 @@ import pinocchio as pin
 from harness.engines import (
     AT_REST,
     Case,
+    Collision,
     Contact,
     Floats,
     Value,
@@ -133,6 +134,22 @@ class PinocchioWorld:
         """Return the contact that the last step solved: that of the state before it."""
         return self._contact
 
+    def collision(self) -> Collision:
+        """Return the contact points where the can is, without a step."""
+        contacts = self._touching()
+        return Collision(
+            points=np.array([each.pos for each in contacts]).reshape(-1, 3),
+            normals=np.array([each.normal for each in contacts]).reshape(-1, 3),
+            depths=-np.array([each.penetration_depth for each in contacts]),
+        )
+
+    def _touching(self) -> list[Any]:
+        """Return the contacts of coal, whose normals point from the plane to the can."""
+        found = coal.CollisionResult()
+        shapes = (self._plane, self._ground, self._cylinder, self._placed())
+        coal.collide(*shapes, self._request, found)
+        return list(found.getContacts())
+
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
         request, result = coal.DistanceRequest(), coal.DistanceResult()
@@ -148,10 +165,7 @@ class PinocchioWorld:
             self.model.gravity.linear = gravity_vector(self._scene) + sway
             self._time += dt
         free = self.v + dt * pin.aba(self.model, self.data, self.q, self.v, self._drag())
-        found = coal.CollisionResult()
-        shapes = (self._plane, self._ground, self._cylinder, self._placed())
-        coal.collide(*shapes, self._request, found)
-        contacts = list(found.getContacts())
+        contacts = self._touching()
         points = np.array([each.pos for each in contacts]).reshape(-1, 3)
         gaps = np.array([each.penetration_depth for each in contacts])  # negative inside
         frame = pin.XYZQUATToSE3(self.q)

@@ -135,6 +135,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
+    colliders = declared.COLLIDERS
     capabilities = Capabilities(
         honours=frozenset(
             {

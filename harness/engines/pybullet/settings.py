@@ -298,6 +298,16 @@ _ALL_BUT_THE_MARGIN = tuple(
 SHIPPED_ERP = 0.08
 """What contactERP is where PyBullet is not handed one."""
 
+_PRISM = ("URDF_USE_IMPLICIT_CYLINDER", False)
+_MILLIMETRE = ("collisionMargin", _MARGIN)
+
+COLLIDERS = (
+    Variant(name="implicit cylinder"),
+    Variant(name="implicit cylinder, margin 1 mm", settings=(_MILLIMETRE,)),
+    Variant(name="convex hull of 32 sides", settings=(_PRISM,)),
+    Variant(name="convex hull of 32 sides, margin 1 mm", settings=(_PRISM, _MILLIMETRE)),
+)
+
 VARIANTS = (
     *COMMON,
     *(

@@ -24,7 +24,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from harness.engines import Case, Contact, Floats, RefusedModelError, Value
+from harness.engines import Case, Collision, Contact, Floats, RefusedModelError, Value
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -309,6 +309,16 @@ class PybulletWorld:
             force=np.array((fx, fy, fz)) * self.parts,
             penetration=depth,
             count=int(count),
+        )
+
+    def collision(self) -> Collision:
+        """Return the contact points where the can is, without a step."""
+        pybullet.performCollisionDetection(self.client)
+        points = pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
+        return Collision(
+            points=np.array([point[5] for point in points]).reshape(-1, 3),
+            normals=np.array([point[7] for point in points]).reshape(-1, 3),
+            depths=-np.array([point[8] for point in points]),
         )
 
     def signed_distance(self) -> float:

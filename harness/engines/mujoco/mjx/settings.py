@@ -18,7 +18,7 @@ _CHOICES = {
 }
 """Where MJX has fewer words than MuJoCo."""
 
-_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build"}
+_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "shapes"}
 """What MJX has no word for."""
 
 SETTINGS = (
@@ -37,6 +37,11 @@ SETTINGS = (
 )
 
 SINGLE = ((X64, False),)
+
+COLLIDERS = (
+    Variant(name="double precision"),
+    Variant(name="single precision", settings=SINGLE),
+)
 
 VARIANTS = (
     *COMMON,

@@ -20,7 +20,7 @@ import mujoco
 import numpy as np
 from mujoco import mjx
 
-from harness.engines import Case, Floats, RefusedModelError, Value
+from harness.engines import Case, Collision, Floats, RefusedModelError, Value
 from harness.engines.mujoco.array_stepping import ArrayWorld
 from harness.engines.mujoco.mjx.settings import X64
 
@@ -116,25 +116,26 @@ def _steps(  # noqa: PLR0917 - the first two are bound
     return done
 
 
-def _distance(
+def _near(
     structure: jax.tree_util.PyTreeDef, arrays: list[jax.Array], qpos: jax.Array
-) -> jax.Array:
-    """Return the distance of the lowest of the points that MJX finds, m."""
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Return the points that MJX finds, their frames, and their distances, m."""
     model = jax.tree.unflatten(structure, arrays)
     placed = mjx.kinematics(model, mjx.make_data(model).replace(qpos=qpos))
-    return _solved(mjx.collision(model, placed)).contact.dist.min()
+    contact = _solved(mjx.collision(model, placed)).contact
+    return contact.pos, contact.frame, contact.dist
 
 
 @lru_cache(maxsize=32)
 def _compiled(
     structure: jax.tree_util.PyTreeDef, body: int
 ) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return the loop and the distance for models of a structure, compiled when first called."""
+    """Return the loop and the contacts for models of a structure, compiled when first called."""
     # one thread: a step has nothing to share out
     options = {"xla_cpu_multi_thread_eigen": False}
     return (
         jax.jit(partial(_steps, structure, body), compiler_options=options),
-        jax.jit(partial(_distance, structure), compiler_options=options),
+        jax.jit(partial(_near, structure), compiler_options=options),
     )
 
 
@@ -168,7 +169,7 @@ class MjxWorld(ArrayWorld):
         self._mjx = mjx.put_model(self.model, device=_processor())
         mjx.make_data(self._mjx)  # refuses what a step cannot do
         self._arrays, structure = jax.tree.flatten(self._mjx)
-        self.loop, self._lowest = _compiled(structure, self._body)
+        self.loop, self._contacts = _compiled(structure, self._body)
 
     def of_can(self, field: str) -> Floats:
         """Return what MJX has of the can, by the name of the model's array."""
@@ -211,7 +212,9 @@ class MjxWorld(ArrayWorld):
         """Iterations of the solver in the last step."""
         return int(self._carried[3])
 
-    def signed_distance(self) -> float:
-        """Return the signed distance from the collider of the can to the plane, m."""
+    def collision(self) -> Collision:
+        """Return the points where the can touches, and those above the plane, without a step."""
         with self._computing():
-            return float(self._lowest(self._arrays, self._state[:7].astype(self.real)))
+            found = self._contacts(self._arrays, self._state[:7].astype(self.real))
+        points, frames, distances = (np.asarray(each, dtype=np.float64) for each in found)
+        return Collision(points=points, normals=frames[:, 0], depths=-distances)

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import warp
 
-from harness.engines import Case, Floats, RefusedModelError, Value
+from harness.engines import Case, Collision, Floats, RefusedModelError, Value
 from harness.engines.mujoco.array_stepping import ArrayWorld
 from harness.engines.mujoco.settings import FAINTEST
 from harness.engines.suppress_output import silence
@@ -177,15 +177,20 @@ class WarpWorld(ArrayWorld):
         """Iterations of the solver in the last step."""
         return int(self._data.solver_niter.numpy()[0])
 
-    def signed_distance(self) -> float:
-        """Return the signed distance from the collider of the can to the plane, m."""
+    def collision(self) -> Collision:
+        """Return the points where the can touches, and those above the plane, without a step."""
         if self._far is None:
             with warp.ScopedDevice(_DEVICE):
                 self._far = self._far_off()
         data, graph = self._far
         data.qpos.assign(self._state[None, :7].astype(np.float32))
         warp.capture_launch(graph)
-        return float(data.contact.dist.numpy()[: int(data.nacon.numpy()[0])].min())
+        count, contact = int(data.nacon.numpy()[0]), data.contact
+        points, frames, distances = (
+            array.numpy()[:count].astype(np.float64)
+            for array in (contact.pos, contact.frame, contact.dist)
+        )
+        return Collision(points=points, normals=frames[:, 0], depths=-distances)
 
     def _far_off(self) -> tuple[mujoco_warp.Data, warp.Graph]:
         """Return data of a model with a wide margin, and a graph that finds their contacts."""
