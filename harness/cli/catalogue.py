@@ -26,6 +26,7 @@ from harness.core.report_model import Column, rows_of, table_of
 from harness.engines.base import Setting
 from harness.engines.conformance import CLAUSES, ClauseStatus, conform
 from harness.engines.probes import measure
+from harness.engines.probes.rim_survey import why_no_contacts
 from harness.engines.registry import description_of, engine, names, outside_range
 from harness.engines.remote import RemoteEngine
 from harness.evaluation.case_cache import is_current
@@ -37,6 +38,8 @@ from harness.execution.cache import (
     prune_cache,
 )
 from harness.progress import ItemBar
+from harness.studies.comparison.rim import RimStudy
+from harness.studies.study import run_study
 from models.catalogue import load
 
 _CLAUSE = 1.0
@@ -70,7 +73,8 @@ def check(
 ) -> None:
     """Whether an adapter keeps its contract, clause by clause.
 
-    Or, with --capabilities, what the engine adds of its own accord.
+    Below it, what the engine's colliders do under the rim that exact ones do not, which is no
+    fault of the adapter. Or, with --capabilities, what the engine adds of its own accord.
 
     Leaves with code 1 if a check of the contract fails.
 
@@ -87,6 +91,8 @@ def check(
         bar.label("the contract")
         verdicts = conform(chosen, bar.advance)
     failed = any(verdict.result is ClauseStatus.FAILED for verdict in verdicts)
+    rim = RimStudy(engines=(name,))
+    found = None if failed or why_no_contacts(chosen) else rim.answer(run_study(rim))
     checks = [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts]
     if json:
         answer = {
@@ -94,6 +100,7 @@ def check(
             "version": chosen.version,
             "conforms": not failed,
             "checks": checks,
+            "rim": found and found["findings"],
         }
         typer.echo(terminal.to_json(answer))
     else:
@@ -107,7 +114,11 @@ def check(
         columns = ("check", "result", "number", "allowed", "unit", "detail")
         counts = [f"{sum(v.result is r for v in verdicts)} {r.value}" for r in ClauseStatus]
         table = terminal.table(f"The contract of '{name}'", columns, rows)
-        terminal.stdout_console().print(table, ", ".join(counts), sep="\n")
+        console = terminal.stdout_console()
+        console.print(table, ", ".join(counts), sep="\n")
+        if found:
+            said = [(each["variant"], escape(each["sentence"])) for each in found["findings"]]
+            console.print(terminal.table("Under the rim", ("collider", "finding"), said))
     if failed:
         raise typer.Exit(1)
 

@@ -98,6 +98,7 @@ COMMANDS = tuple(
             "How engines fail on hard cases, and at which timestep.",
         ),
         (UNDERSTAND, "studies", "effects", "Which effects a scene needs, lacks and gets unasked."),
+        (UNDERSTAND, "studies", "probe", "Where an engine's colliders see a can on its rim."),
         (UNDERSTAND, "paper", "audit", "Every equation and number of the paper, checked."),
         (UNDERSTAND, "paper", "gallery", "Every figure of the paper, from our own solutions."),
         (UNDERSTAND, "reports", "report", "One page from the reports of several studies."),

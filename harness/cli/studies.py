@@ -24,6 +24,7 @@ from harness.engines.ladder import takes_timestep
 from harness.engines.registry import export_settings, timestep_of
 from harness.report.atomic_folder import check_writable
 from harness.studies.attribution.study import AttributionStudy
+from harness.studies.comparison.rim import RimStudy
 from harness.studies.cost.design import plan_cost
 from harness.studies.cost.prices import CHOICES, FIXED, FOLLOWING, TARGETS, Cost
 from harness.studies.cost.study import CostStudy
@@ -225,6 +226,31 @@ def _takes_steps(name: str) -> bool:
         return timestep_of(Case(scene=load("gentle-rock"), engine=name)) is not None
     except MissingPackageError:
         return True
+
+
+@run_options.with_run_options
+def probe(
+    engine: Annotated[
+        str, typer.Argument(metavar="ENGINE", help="Any installed engine with contacts.")
+    ],
+    set_: options.Settings = None,
+    out: options.ReportFolder = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: run_options.RunOptions,
+) -> None:
+    """Where an engine's colliders see a can on its rim.
+
+    Every detector, primitive and mesh that the engine offers, or the one that --set makes, is asked
+    for its contact points: at tilts from 1e-12 to pi/2, turned, upside down, of other sizes and far
+    from the origin.
+
+    For example: rockingcan probe pybullet
+    """
+    study = RimStudy(engines=(engine,), settings={engine: dict(parse_settings(set_ or []))})
+    show = shown({"rim-findings": {"engine"}})
+    run_command(study, running, out=out, json=json, figures=figures, answer=study.answer, show=show)
 
 
 _TUNING = ("gentle-rock", "paper-release")

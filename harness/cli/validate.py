@@ -42,6 +42,7 @@ from harness.report.layout import Section
 from harness.report.write import write_chapters
 from harness.studies.attribution.study import AttributionStudy
 from harness.studies.comparison.headings import HeadingStudy
+from harness.studies.comparison.rim import RimStudy
 from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 from harness.studies.errors.plan import plan_errors
 from harness.studies.errors.study import ErrorsStudy
@@ -63,7 +64,11 @@ _WHOLE = "full"
 @run_options.with_run_options
 def validate(  # noqa: PLR0917 - a parameter an option
     suite: Annotated[
-        str, typer.Option(help="quick: a minute or so; full: long ladders, causes, three errors.")
+        str,
+        typer.Option(
+            help="quick: a minute or so; full: long ladders, causes, three errors; "
+            "field: what users complain of.",
+        ),
     ] = "quick",
     engine: options.EngineNames = None,
     out: options.ReplacedFolder = Path("reports/latest"),
@@ -126,7 +131,8 @@ def validate(  # noqa: PLR0917 - a parameter an option
     causes = _causes(engines) if suite == _WHOLE else ()
     # in one run, so that what two of them ask is done once and the estimate is of all
     turned = HeadingStudy(engines=engines, settings=chosen)
-    further: tuple[Study, ...] = (turned, *causes)
+    under = RimStudy(engines=engines, settings=chosen)
+    further: tuple[Study, ...] = (turned, under, *causes)
     every = run_with_progress(StudyGroup(name=study.name, studies=(study, *further)), running)
     done = every.only(study.next_jobs(every))
     evaluations, artefacts = study.evaluations(done), (*study.report(done), *not_installed(absent))

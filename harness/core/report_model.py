@@ -125,6 +125,8 @@ class Panel:
         Same scale on both axes: for a curve in the plane.
     x_names : tuple of str
         Labels at 0, 1, 2, ... of the horizontal axis in place of numbers.
+    y_names : tuple of str
+        The same of the vertical axis, upwards, of a panel with `heat`.
     x_range, y_range : tuple of 2 floats, optional
         Ends of the axes, for figures with equal axes; from the data if left out.
     heat : Heatmap, optional
@@ -139,6 +141,7 @@ class Panel:
     log_y: bool = False
     equal: bool = False
     x_names: tuple[str, ...] = ()
+    y_names: tuple[str, ...] = ()
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
     heat: Heatmap | None = None

@@ -208,6 +208,8 @@ def _label(axes: Axes, panel: Panel) -> None:
         )
         axes.set_xlim(-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH)
         axes.grid(visible=False, axis="x")
+    if panel.y_names:
+        axes.set_yticks(range(len(panel.y_names)), panel.y_names, parse_math=False)
     drawn = panel.heat is not None and np.isfinite(panel.heat.z).any()
     if not drawn and not any(np.isfinite(plottable(s, panel)[1]).any() for s in panel.series):
         axes.text(0.5, 0.5, "nothing to draw", ha="center", va="center", transform=axes.transAxes)

@@ -210,6 +210,12 @@ def _layout(panel: Panel) -> dict[str, Any]:
             "tickangle": -30,
             "range": [-BAR_WIDTH, len(panel.x_names) - 1 + BAR_WIDTH],
         }
+    if panel.y_names:
+        y_axis |= {
+            "tickvals": list(range(len(panel.y_names))),
+            "ticktext": [_text(name) for name in panel.y_names],
+            "automargin": True,
+        }
     if panel.equal:
         x_axis["constrain"] = y_axis["constrain"] = "domain"
         y_axis |= {"scaleanchor": "x", "scaleratio": 1}

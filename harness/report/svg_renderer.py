@@ -96,7 +96,7 @@ def _still(panel: Panel, legend: Mapping[str, Entry], pens: Mapping[str, _Pen]) 
     outer = _SQUARE if panel.equal else _HEIGHT
     if x_ends is None or y_ends is None:
         return _svg(words, outer, [_text(_WIDTH / 2, outer / 2, "nothing to draw", "middle")])
-    y_ticks = _ticks(*y_ends, log=panel.log_y)
+    y_ticks = _named(panel.y_names) or _ticks(*y_ends, log=panel.log_y)
     bar_ticks = () if panel.heat is None else _ticks(*span(panel.heat), log=False)
     left = 1.5 * _LINE + _LETTER * _longest(text for _, text in y_ticks)
     right = _RIGHT + (2.8 * _LINE + _LETTER * _longest(t for _, t in bar_ticks) if bar_ticks else 0)
@@ -110,7 +110,7 @@ def _still(panel: Panel, legend: Mapping[str, Entry], pens: Mapping[str, _Pen]) 
         y_ticks = _ticks(*y_ends, log=panel.log_y)
     x = _Axis(low=x_ends[0], high=x_ends[1], log=panel.log_x, length=width)
     y = _Axis(low=y_ends[0], high=y_ends[1], log=panel.log_y, length=height)
-    named = [(float(n), name) for n, name in enumerate(panel.x_names)]
+    named = _named(panel.x_names)
     x_ticks = named or _apart(_ticks(*x_ends, log=panel.log_x), x)
     x_places = [(x.place(np.array(at)).item(), text) for at, text in x_ticks]
     y_places = [(height - y.place(np.array(at)).item(), text) for at, text in y_ticks]
@@ -139,6 +139,11 @@ def _still(panel: Panel, legend: Mapping[str, Entry], pens: Mapping[str, _Pen]) 
         "</g>",
     ]
     return _svg(words, _TOP + height + bottom, parts)
+
+
+def _named(names: Sequence[str]) -> list[tuple[float, str]]:
+    """Return the ticks of an axis that has names in place of numbers."""
+    return [(float(place), name) for place, name in enumerate(names)]
 
 
 def _svg(words: str, height: float, parts: Sequence[str]) -> str:

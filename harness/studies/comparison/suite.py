@@ -17,6 +17,7 @@ from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
 from harness.engines.ladder import at_rung, rungs, takes_timestep
 from harness.engines.registry import missing_effects
+from models.catalogue import field_names
 from models.scene import Scene
 
 Ladder = tuple[float, ...]
@@ -50,7 +51,15 @@ _FULL: Mapping[str, Ladder] = MappingProxyType(
     }
 )
 
-SUITES: Mapping[str, Mapping[str, Ladder]] = MappingProxyType({"quick": _QUICK, "full": _FULL})
+_IN_THE_FIELD = (1e-3, 1e-4)
+
+SUITES: Mapping[str, Mapping[str, Ladder]] = MappingProxyType(
+    {
+        "quick": _QUICK,
+        "full": _FULL,
+        "field": MappingProxyType(dict.fromkeys(field_names(), _IN_THE_FIELD)),
+    }
+)
 """Timesteps of profile `matched` by suite and scene, s."""
 
 

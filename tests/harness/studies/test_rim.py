@@ -1,0 +1,103 @@
+"""The study under the rim: a record for each collider, told in a table, a map and JSON."""
+
+import json
+from typing import Any
+
+import pytest
+
+from harness.core.errors import InvalidSettingError
+from harness.core.report_model import Figure, Prose, Table
+from harness.core.verdict import Status
+from harness.engines.base import features_of
+from harness.engines.registry import engine
+from harness.execution.worker import Loss, LostTaskError
+from harness.studies.comparison.rim import PROBING, RimStudy
+from harness.studies.study import Results, run_study
+
+STUDY = RimStudy(engines=("mujoco",))
+
+
+@pytest.fixture(scope="module")
+def done() -> Results:
+    """Return the results of every collider of MuJoCo."""
+    return run_study(STUDY)
+
+
+def artefacts(study: RimStudy, done: Results) -> tuple[Prose, Figure, Table]:
+    """Return what a report has of the study."""
+    words, figure, table = study.report(done)
+    assert isinstance(words, Prose)
+    assert isinstance(figure, Figure)
+    assert isinstance(table, Table)
+    return words, figure, table
+
+
+def test_every_collider_is_a_row_of_the_map_and_of_the_table(done: Results) -> None:
+    _, figure, table = artefacts(STUDY, done)
+    colliders = [each.name for each in features_of(engine("mujoco")).colliders]
+    (panel,) = figure.panels
+    assert panel.y_names == tuple(reversed(colliders))
+    assert panel.heat is not None
+    assert panel.heat.z.shape == (len(colliders), len(panel.heat.x) - 1)
+    assert list(dict.fromkeys(table.frame["variant"])) == colliders
+
+
+def test_the_first_finding_is_told_in_words(done: Results) -> None:
+    words, _, table = artefacts(STUDY, done)
+    assert table.frame["finding"][0] in words.text
+
+
+def test_json_has_rows_and_findings_by_variant(done: Results) -> None:
+    answer: dict[str, Any] = json.loads(json.dumps(dict(STUDY.answer(done))))
+    assert set(answer) == {"engine", "version", "rows", "findings"}
+    assert set(answer["rows"][0]) == {
+        *("variant", "tilt_rad", "count", "place_error_m", "depth_error_m"),
+        *("normal_error_rad", "verdict"),
+    }
+    finding = {"variant", "kind", "sentence", "below_tilt_rad", "place_error_m"}
+    assert {frozenset(each) for each in answer["findings"]} == {frozenset(finding)}
+    verdicts = {row["verdict"] for row in answer["rows"]}
+    assert {"at the rim", "off the rim", "lost at some turns"} <= verdicts
+
+
+def test_settings_make_one_collider(done: Results) -> None:
+    study = RimStudy(engines=("mujoco",), settings={"mujoco": {"shapes": "mesh-plane"}})
+    (job,) = study.next_jobs(done)
+    assert job.task.options == (("shapes", "mesh-plane"),)
+    assert set(artefacts(study, run_study(study))[2].frame["variant"]) == {"shapes=mesh-plane"}
+
+
+def test_settings_of_no_collider_are_on_top_of_every_one() -> None:
+    study = RimStudy(engines=("mujoco",), settings={"mujoco": {"cone": "pyramidal"}})
+    options = [dict(job.task.options) for job in study.next_jobs(Results())]
+    assert [each["cone"] for each in options] == ["pyramidal"] * len(options)
+    assert len(options) == len(features_of(engine("mujoco")).colliders)
+
+
+def test_a_setting_that_the_engine_does_not_have_is_refused_before_anything_runs() -> None:
+    study = RimStudy(engines=("mujoco",), settings={"mujoco": {"shapes": "a ball"}})
+    with pytest.raises(InvalidSettingError, match="mesh-plane"):
+        run_study(study)
+
+
+@pytest.mark.engine("pybullet")
+def test_a_collider_without_findings_agrees() -> None:
+    study = RimStudy(engines=("pybullet",), settings={"pybullet": {"collisionMargin": 0.0}})
+    _, _, table = artefacts(study, run_study(study))
+    assert [verdict.status for verdict in table.frame["finding_verdict"]] == [Status.AGREES]
+
+
+def test_a_question_that_the_engine_does_not_survive_is_a_finding(done: Results) -> None:
+    first, *rest = (job.task for job in STUDY.next_jobs(done))
+    crash = PROBING.lost(first, LostTaskError(Loss.CRASHED, "killed: SIGSEGV, segmentation fault"))
+    broken = Results({PROBING: {**done.of(PROBING), first: crash}})
+    words, figure, table = artefacts(STUDY, broken)
+    assert "does not survive the question: killed: SIGSEGV" in words.text
+    assert table.frame["finding_verdict"][0].status is Status.DEVIATES
+    (panel,) = figure.panels
+    assert len(panel.y_names) == len(rest)
+
+
+def test_engines_without_contacts_are_left_out_of_many() -> None:
+    study = RimStudy(engines=("mujoco", "reference"))
+    assert {job.task.engine for job in study.next_jobs(Results())} == {"mujoco"}
