@@ -1,6 +1,7 @@
 """The scenes that come with the package, by name, and any other by the path of its file.
 
-The hard cases of the stability study are scenes too, in a list of their own for that study.
+The hard cases of the stability study are scenes too, in a list of their own for that study, and so
+are those of the field guide.
 """
 
 import os
@@ -12,7 +13,7 @@ from models.scene import Scene
 from models.scene_file import read_scene
 
 _SUFFIX = ".toml"
-_SCENES, _HARD = "scenes", "scenes/hard"
+_SCENES, _HARD, _FIELD = "scenes", "scenes/hard", "scenes/field"
 
 
 def names() -> tuple[str, ...]:
@@ -23,6 +24,11 @@ def names() -> tuple[str, ...]:
 def hard_names() -> tuple[str, ...]:
     """Return the names of the hard cases, sorted."""
     return _in(_HARD)
+
+
+def field_names() -> tuple[str, ...]:
+    """Return the names of the scenes of the field guide, sorted."""
+    return _in(_FIELD)
 
 
 def _in(folder: str) -> tuple[str, ...]:
@@ -42,7 +48,8 @@ def load(name_or_path: str | Path) -> Scene:
     Parameters
     ----------
     name_or_path : str or Path
-        A name of the catalogue or of a hard case, which comes first, or the path of a scene file.
+        A name of the catalogue, of a hard case or of the field guide, which comes first, or the
+        path of a scene file.
 
     Returns
     -------
@@ -56,7 +63,7 @@ def load(name_or_path: str | Path) -> Scene:
         If the file does not describe a scene.
     """
     if isinstance(name_or_path, str):
-        for folder in (_SCENES, _HARD):
+        for folder in (_SCENES, _HARD, _FIELD):
             if name_or_path in _in(folder):
                 with as_file(files("models").joinpath(folder, name_or_path + _SUFFIX)) as path:
                     return read_scene(path)

@@ -1,11 +1,11 @@
 """The programs of the findings print what is printed below them."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.docs.programs import check_program, sections
 
 FOLDER = Path(__file__).parents[2] / "docs" / "findings"
 SECTIONS = ["Symptom", "Cause", "Minimal program", "Cure", "How rockingcan tells it"]
@@ -20,13 +20,8 @@ FINDINGS = sorted(path for path in FOLDER.glob("*.md") if path.name != "README.m
 def test_a_program_prints_what_is_said(engine: str, path: Path) -> None:
     assert engine
     text = path.read_text(encoding="utf-8")
-    assert re.findall(r"^## (.*)$", text, flags=re.MULTILINE) == SECTIONS
-    (program,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
-    (printed,) = re.findall(r"```text\n(.*?)```", text, flags=re.DOTALL)
-    done = subprocess.run(  # noqa: S603 - our own program
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert done.stdout == printed
+    assert sections(text) == SECTIONS
+    check_program(text)
 
 
 def test_each_finding_is_listed_by_its_title() -> None:
