@@ -26,7 +26,12 @@ from models.effects import Effects
 
 ROOT = Path(__file__).parents[1]
 BASELINE = ROOT / "reports" / "baseline"
-TEXTS = ("README.md", "CONTRIBUTING.md", *(f"docs/{p.name}" for p in ROOT.glob("docs/*.md")))
+GUIDE = ROOT / "docs" / "field-guide"
+PAGES = tuple(sorted(page for page in GUIDE.glob("*.md") if page.name != "README.md"))
+TEXTS = (
+    *("README.md", "CONTRIBUTING.md", "docs/field-guide/README.md"),
+    *(f"docs/field-guide/{page.name}" for page in PAGES),
+)
 
 MARKED = re.compile(r"(<!-- = ([\w.-]+) -->)(.*?)(<!-- / -->)", flags=re.DOTALL)
 
@@ -91,9 +96,8 @@ def engines() -> dict[str, str]:
         + [_error(best.loc[name], scene) for scene in scenes]
         for name in sorted(order, key=lambda name: is_constraint(_adapter(name)))
     ]
-    units = {"deg": "degrees", "rad": "rad of phi"}
     heads = [
-        f"{name}, {units[c.rpartition('_')[2]]}" for name, c in zip(names, scenes, strict=True)
+        f"{name}, {_UNITS[c.rpartition('_')[2]]}" for name, c in zip(names, scenes, strict=True)
     ]
     return {
         "table": markdown(("engine", f"{names[0]}, as it ships", *heads), rows),
@@ -101,10 +105,50 @@ def engines() -> dict[str, str]:
     }
 
 
+def field() -> dict[str, str]:
+    """Return for each scene of the field guide the errors of every engine."""
+    best, shipped = (csv(f"field/{side}.csv").set_index("engine") for side in ("best", "shipped"))
+    facts = {}
+    for column in (c for c in best.columns if f"{c}_verdict" in best.columns):
+        scene, _, unit = column.rpartition("_")
+        rows = [
+            [
+                description_of(_adapter(name)).label or name,
+                *(_error(table.loc[name], column) for table in (shipped, best)),
+            ]
+            for name in best.index
+            if not str(best.loc[name, f"{column}_verdict"]).startswith("unsupported")
+        ]
+        head = ("engine", f"as it ships, {_UNITS[unit]}", f"at its best, {_UNITS[unit]}")
+        facts[scene] = markdown(head, rows)
+    return facts
+
+
+def guide() -> dict[str, str]:
+    """Return the complaints of the field guide, from what its pages say in short."""
+    rows = []
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        engine, _, complaint = text.splitlines()[0].removeprefix("# ").partition(": ")
+        short = dict(re.findall(r"^- (exact|happens|cure): (.*)$", text, flags=re.MULTILINE))
+        told = (short[part] for part in ("exact", "happens", "cure"))
+        rows.append((f"[{complaint}]({page.name})", engine, *told))
+    head = ("complaint", "engine", "what is exact", "what happens", "what cures it")
+    still = [row for row in rows if not row[3].startswith("mended")]
+    return {
+        "index": markdown(head, rows, words=len(head)),
+        "table": markdown(head, still, words=len(head)).replace("](", "](docs/field-guide/"),
+        "pages": str(len(PAGES)),
+    }
+
+
 def _adapter(name: str) -> str:
     """Return the adapter of an engine: one in an environment of its own has a version behind it."""
     return max((own for own in our_names() if f"{name}-".startswith(f"{own}-")), key=len)
 
+
+_UNITS = {"deg": "degrees", "rad": "rad of phi"}
+"""Of the error of the turn, and of phi where nothing turns."""
 
 HEADLINE = "paper-release"
 """Scene by whose error the engines are sorted."""
@@ -158,6 +202,18 @@ def effects() -> dict[str, str]:
         for effect, row in known.to_dict("index").items()
     ]
     return {"table": markdown(("effect, strength", "exact", *ENGINES.values()), rows)}
+
+
+def rim() -> dict[str, str]:
+    """Return of each collider how far its contact is from the rim at worst, by the tilt."""
+    rows = []
+    for engine, label in ENGINES.items():
+        table = csv(f"rim-{engine}/rim-findings.csv")
+        for variant, own in table.groupby("variant", sort=False):
+            # the first of its findings on the place, or the first
+            first = own.assign(other=own["kind"] != "place").sort_values("other", kind="stable")
+            rows.append((f"{label}, {variant}", first["finding"].iloc[0]))
+    return {"table": markdown(("collider", "what it does under the rim"), rows, words=2)}
 
 
 _CHOICES = {
@@ -305,8 +361,11 @@ SOURCES: Mapping[str, Source] = {
         exact,
         quick,
         engines,
+        field,
+        guide,
         attribution,
         effects,
+        rim,
         cost,
         stability,
         gate,
