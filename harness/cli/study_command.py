@@ -22,6 +22,7 @@ from harness.progress import ProgressBar, report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.tables import records
 from harness.report.write import write_report
+from harness.studies.comparison.rim import RimStudy
 from harness.studies.study import Results, Study, StudyProgress, run_study
 
 Shown = Mapping[str, Collection[str]]
@@ -91,6 +92,8 @@ def run_command(
         check_writable(out)
     done = run_with_progress(study, running)
     artefacts, notes = study.report(done), not_installed(absent)
+    if out is not None:
+        artefacts = [*artefacts, *_under_the_rim(done, running)]
     page = None
     if out is not None:
         with report_progress() as progress:
@@ -113,6 +116,15 @@ def run_command(
     if page is not None:
         terminal.stdout_console().print(escape(f"\nThe report: {page}"))
     return done
+
+
+def _under_the_rim(done: Results, running: RunOptions) -> Sequence[Artefact]:
+    """Return what `probe` or `validate` has kept of the colliders of the engines that ran."""
+    engines = {str(run["engine"]) for run in done.manifest()}
+    if running.store is None or not engines:
+        return ()
+    study = RimStudy(engines=tuple(sorted(engines))).kept(running.store)
+    return study.report(run_study(study, cache=running.store)) if study.engines else ()
 
 
 def not_installed(engines: Sequence[str]) -> tuple[Prose, ...]:

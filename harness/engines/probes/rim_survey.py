@@ -227,15 +227,14 @@ class _Asked:
         else:
             where = f"above {low:.7g} rad"
             where += f" and below {high:.7g} rad" if last + 1 < len(found) else ""
-        share = len(wrong) / sum(len(own) for own in found[first : last + 1])
-        at = "" if share > _NEARLY_ALL else f", in {share:.0%} of the stances"
+        asked = [answer for own in found[first : last + 1] for answer in own]
         more = {1: "", 2: ", and in another range of tilts"}.get(
             len(ranges), f", and in {len(ranges) - 1} other ranges of tilts"
         )
         every = (answer for between in ranges for answer in all_bad(between))
         yield RimFinding(
             kind=kind,
-            sentence=f"{where} {words(wrong)}{at}{more}",
+            sentence=f"{where} {words(wrong)}{_how_often(wrong, asked)}{more}",
             below_tilt_rad=high,
             place_error_m=_largest(answer.place_error for answer in every),
         )
@@ -321,6 +320,18 @@ class _Asked:
 
 
 _NEARLY_ALL = 0.99
+
+
+def _how_often(wrong: Sequence[Answer], asked: Sequence[Answer]) -> str:
+    """Return in words at how many turns answers are wrong, or how often where it is at all."""
+    turned, every = (
+        {(answer.stance.heading, answer.stance.upside_down) for answer in each}
+        for each in (wrong, asked)
+    )
+    if len(turned) < len(every):
+        return f", at {len(turned)} of {len(every)} turns"
+    share = len(wrong) / len(asked)
+    return "" if share > _NEARLY_ALL else f", in {share:.0%} of the stances"
 
 
 def _ranges(flags: Sequence[bool]) -> list[tuple[int, int]]:

@@ -35,6 +35,7 @@ from harness.engines.registry import description_of, engine, engine_version
 from harness.evaluation.effort import engine_group
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Record
+from harness.execution.cache import CacheFolder
 from harness.execution.worker import LostTaskError
 from harness.studies.comparison.study import EngineSettings
 from harness.studies.study import Job, Results, Work, record_cache
@@ -46,8 +47,10 @@ SCENE = "gentle-rock"
 _SECONDS = 2.0
 """s of processor for a collider, on average."""
 
-_AT_THE_RIM = 1e-3
-"""Of the radius."""
+_NEAR = 1e-3
+"""Of the radius: a contact that is as near to the lowest point is at the rim."""
+
+_AT_THE_RIM = "at the rim"
 
 
 def probed(case: Case) -> Record:
@@ -89,9 +92,9 @@ def _verdict(own: Sequence[Answer], radius: float) -> str:
     """Return in words where the contact of a tilt is."""
     if any(answer.count == 0 for answer in own):
         return "no contact" if all(answer.count == 0 for answer in own) else "lost at some turns"
-    if any(answer.place_error > _AT_THE_RIM * radius for answer in own):
+    if any(answer.place_error > _NEAR * radius for answer in own):
         return "off the rim"
-    return "at the rim"
+    return _AT_THE_RIM
 
 
 def _number(value: float) -> float | None:
@@ -130,15 +133,15 @@ PROBING: Work[Case, Record] = Work(
 _COLUMNS = (
     Column("engine", "Name of the engine."),
     Column("variant", "Collider that was asked."),
+    Column("finding", "What it does that an exact collider does not."),
+    Column("kind", "What of the contact it concerns.", shown=False),
+    Column("below_tilt_rad", "Upper end of the tilts at which it does it most often, rad."),
     Column(
-        "finding",
-        "What it does that an exact collider does not.",
+        "place_error_m",
+        "Largest distance of the contact from the lowest point of the rim, m.",
         verdict="finding_verdict",
     ),
     Column("finding_verdict", "Whether there is a finding.", shown=False),
-    Column("kind", "What of the contact it concerns.", shown=False),
-    Column("below_tilt_rad", "Upper end of the tilts at which it does it most often, rad."),
-    Column("place_error_m", "Largest distance of the contact from the lowest point of the rim, m."),
 )
 
 _NOTHING = "none: at the rim in every stance"
@@ -173,6 +176,17 @@ class RimStudy:
         """Return a sentence, the map, and the table of findings."""
         found = self.found(done)
         return _told(found), _map(found), self._table(found)
+
+    def kept(self, cache: CacheFolder) -> "RimStudy":
+        """Return the study of those engines of which every answer is in a store."""
+        return replace(
+            self,
+            engines=tuple(
+                name
+                for name, own in self._cases().items()
+                if all(Job(PROBING, case).stored(cache) for case in own.values())
+            ),
+        )
 
     def found(self, done: Results) -> dict[str, dict[str, Record]]:
         """Return the records by engine and name of the collider."""
@@ -264,8 +278,7 @@ def _map(found: Mapping[str, Mapping[str, Record]]) -> Figure:
         for name, own in found.items()
     }
     seen = [
-        f"{name}, {variant}: {sum(row['verdict'] == 'at the rim' for row in record['rows'])} of "
-        f"{len(record['rows'])} tilts at the rim"
+        f"{name}, {variant}: the rim is seen {_from(record['rows'])}"
         for name, own in asked.items()
         for variant, record in own.items()
     ]
@@ -276,6 +289,16 @@ def _map(found: Mapping[str, Mapping[str, Record]]) -> Figure:
         panels=tuple(_panel(name, own) for name, own in asked.items() if own),
         columns=1,
     )
+
+
+def _from(rows: Sequence[Record]) -> str:
+    """Return in words the smallest tilt from which on the contact is at the rim."""
+    lost = [place for place, row in enumerate(rows) if row["verdict"] != _AT_THE_RIM]
+    if not lost:
+        return "at every tilt"
+    if lost[-1] + 1 == len(rows):
+        return "at no tilt, or not up to the largest"
+    return f"from {rows[lost[-1] + 1]['tilt_rad']:.2g} rad on"
 
 
 def _panel(name: str, own: Mapping[str, Record]) -> Panel:

@@ -1,6 +1,8 @@
 """The study under the rim: a record for each collider, told in a table, a map and JSON."""
 
 import json
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,6 +15,7 @@ from harness.engines.registry import engine
 from harness.execution.worker import Loss, LostTaskError
 from harness.studies.comparison.rim import PROBING, RimStudy
 from harness.studies.study import Results, run_study
+from tests.support.command_line import Command
 
 STUDY = RimStudy(engines=("mujoco",))
 
@@ -101,3 +104,23 @@ def test_a_question_that_the_engine_does_not_survive_is_a_finding(done: Results)
 def test_engines_without_contacts_are_left_out_of_many() -> None:
     study = RimStudy(engines=("mujoco", "reference"))
     assert {job.task.engine for job in study.next_jobs(Results())} == {"mujoco"}
+
+
+@pytest.mark.slow
+def test_every_report_has_what_is_kept_and_asks_nothing(
+    rockingcan: Command, tmp_path: Path
+) -> None:
+    store = ("--store", str(tmp_path / "kept"), "--jobs", "1")
+    errors = ("errors", "gentle-rock", "--engine", "mujoco", "--timestep", "1e-3", *store)
+    assert rockingcan(*errors, "--out", str(tmp_path / "before")).code == 0
+    assert not (tmp_path / "before" / "tables" / "rim-findings.csv").exists()
+    assert rockingcan("probe", "mujoco", *store).code == 0
+    assert rockingcan(*errors, "--out", str(tmp_path / "after")).code == 0
+    assert (tmp_path / "after" / "tables" / "rim-findings.csv").exists()
+
+
+def test_the_smallest_tilt_at_which_the_rim_is_seen_is_told(done: Results) -> None:
+    _, figure, _ = artefacts(STUDY, done)
+    assert re.search(
+        r"mujoco, cylinder-plane: the rim is seen from \d\.\de-0[78] rad on", figure.seen
+    )
