@@ -9,14 +9,13 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import cache
-from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
+from docs.formatting import BASELINE, ROOT, Row, csv, digits, markdown
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint, our_names
 from harness.execution.atomic_write import write_atomically
@@ -24,8 +23,6 @@ from harness.gate.comparison import FACTOR, SPREADS
 from harness.gate.spread import FEWEST, MOST, SIZES
 from models.effects import Effects
 
-ROOT = Path(__file__).parents[1]
-BASELINE = ROOT / "reports" / "baseline"
 GUIDE = ROOT / "docs" / "field-guide"
 PAGES = tuple(sorted(page for page in GUIDE.glob("*.md") if page.name != "README.md"))
 TEXTS = (
@@ -38,29 +35,7 @@ MARKED = re.compile(r"(<!-- = ([\w.-]+) -->)(.*?)(<!-- / -->)", flags=re.DOTALL)
 ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
 PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
-Row = Mapping[Hashable, Any]
 Source = Callable[[], Mapping[str, str]]
-
-
-def csv(name: str) -> pd.DataFrame:
-    """Return a table below `reports/baseline`; an empty cell is an empty string or NaN."""
-    return pd.read_csv(BASELINE / name)
-
-
-def markdown(head: Iterable[str], rows: Iterable[Iterable[str]], words: int = 1) -> str:
-    """Return a table in Markdown; all columns but the first ones hold numbers."""
-    head = list(head)
-    rule = ["---"] * words + ["---:"] * (len(head) - words)
-    lines = [head, rule, *rows]
-    return "\n" + "".join("| " + " | ".join(line) + " |\n" for line in lines)
-
-
-def digits(value: float, count: int = 3) -> str:
-    """Return a number with so many digits that count, or to its unit where it has more."""
-    if abs(value) >= 100.0:  # noqa: PLR2004 - three digits
-        return f"{value:,.0f}"
-    mantissa, power, exponent = f"{value:.{count}g}".partition("e")
-    return mantissa + (power and f"e{int(exponent)}")
 
 
 def exact() -> dict[str, str]:

@@ -5,8 +5,9 @@ import re
 
 import pytest
 
+from docs.formatting import ROOT
 from docs.measure import KEPT, measured
-from docs.numbers import MARKED, ROOT, TEXTS, filled
+from docs.numbers import MARKED, TEXTS, filled
 from harness.core.errors import HarnessError
 
 STATED = {

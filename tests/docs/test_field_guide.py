@@ -18,6 +18,7 @@ ADDRESS = re.compile(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("engine", "page"),
     [(engine_of(page.read_text(encoding="utf-8")), page) for page in PAGES],

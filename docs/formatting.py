@@ -1,0 +1,33 @@
+"""Tables and digits as the texts have them, of the files that were measured."""
+
+from collections.abc import Hashable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+ROOT = Path(__file__).parents[1]
+BASELINE = ROOT / "reports" / "baseline"
+
+Row = Mapping[Hashable, Any]
+
+
+def csv(name: str) -> pd.DataFrame:
+    """Return a table below `reports/baseline`; an empty cell is an empty string or NaN."""
+    return pd.read_csv(BASELINE / name)
+
+
+def markdown(head: Iterable[str], rows: Iterable[Iterable[str]], words: int = 1) -> str:
+    """Return a table in Markdown; all columns but the first ones hold numbers."""
+    head = list(head)
+    rule = ["---"] * words + ["---:"] * (len(head) - words)
+    lines = [head, rule, *rows]
+    return "\n" + "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def digits(value: float, count: int = 3) -> str:
+    """Return a number with so many digits that count, or to its unit where it has more."""
+    if abs(value) >= 100.0:  # noqa: PLR2004 - three digits
+        return f"{value:,.0f}"
+    mantissa, power, exponent = f"{value:.{count}g}".partition("e")
+    return mantissa + (power and f"e{int(exponent)}")
