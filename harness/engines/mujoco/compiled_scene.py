@@ -198,6 +198,10 @@ _FLOOR = (2000.0, 2000.0, 1.0)
 """m: half the size of the box that is a ground."""
 
 
+_TIGHT = (1e-12, 200)
+"""m, and iterations: shipped 1e-6 leaves the normal of a shallower contact to chance."""
+
+
 def _compiled(text: str, shapes: str, case: Case) -> mujoco.MjModel:
     """Return the model of an MJCF text in which the named shapes collide."""
     if shapes == CYLINDER_ON_PLANE:
@@ -221,6 +225,10 @@ def _compiled(text: str, shapes: str, case: Case) -> mujoco.MjModel:
     native = int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)  # a lean build leaves it out
     spec.option.disableflags &= ~native
     spec.option.disableflags |= native if shapes.endswith("libccd") else 0
+    if "tolerance" in shapes:
+        spec.option.ccd_tolerance, spec.option.ccd_iterations = _TIGHT
+    if shapes.endswith("single"):  # what earlier versions have to be asked for
+        spec.option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_MULTICCD", 0))
     return spec.compile()
 
 

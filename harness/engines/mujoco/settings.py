@@ -144,18 +144,20 @@ CYLINDER_ON_PLANE = "cylinder-plane"
 SHAPES = Setting.as_shipped(
     "shapes",
     CYLINDER_ON_PLANE,
-    "Which shapes collide; on a box MuJoCo's own algorithm or libccd finds the contacts.",
+    "Which shapes collide; a box's contacts are found by MuJoCo's own algorithm or by libccd.",
     choices=(
         CYLINDER_ON_PLANE,
         "mesh-plane",
         "cylinder-box",
         "mesh-box",
+        "cylinder-box-tolerance-1e-12",
+        "cylinder-box-tolerance-1e-12-single",
         "cylinder-box-libccd",
         "mesh-box-libccd",
     ),
 )
 """The harness's own word too: the can as a cylinder or a prism of `SIDES`, the ground as a plane or
-a box."""
+a box; with another tolerance, m, than 1e-6; `single` without further points beside the deepest."""
 
 SIDES = 32
 """Of the mesh."""
