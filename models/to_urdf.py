@@ -26,12 +26,14 @@ GROUND_RESTITUTION = 1.0
 """Multiplied likewise, and 0 for a can that declares none."""
 
 
-def urdf(scene: Scene) -> str:
+def urdf(scene: Scene, mesh: str = "") -> str:
     """Return the can of a scene as URDF.
 
     Parameters
     ----------
     scene : Scene
+    mesh : str
+        Name of a file of a mesh in metres that stands for the cylinder; empty for none.
 
     Returns
     -------
@@ -56,6 +58,9 @@ def urdf(scene: Scene) -> str:
         shape = ET.SubElement(link, role, name="can")
         ET.SubElement(shape, "origin", xyz="0 0 0", rpy="0 0 0")
         geometry = ET.SubElement(shape, "geometry")
+        if mesh:
+            ET.SubElement(geometry, "mesh", filename=mesh)
+            continue
         ET.SubElement(
             geometry,
             "cylinder",

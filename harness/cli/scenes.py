@@ -49,12 +49,11 @@ def export(
     from models.to_mjcf import mjcf  # noqa: PLC0415 - the list of scenes does without numpy
     from models.to_urdf import urdf  # noqa: PLC0415
 
-    writers = {"mjcf": mjcf, "urdf": urdf}
-    if format_ not in writers:
-        raise InvalidSettingError("--format", format_, " or ".join(writers))
+    if format_ not in {"mjcf", "urdf"}:
+        raise InvalidSettingError("--format", format_, "mjcf or urdf")
     chosen = load(scene)
     check_scene_limits(chosen)  # what overflows is no model
-    text = writers[format_](chosen)
+    text = mjcf(chosen) if format_ == "mjcf" else urdf(chosen)
     if out is None:
         typer.echo(text.rstrip("\n"))
     else:

@@ -20,6 +20,7 @@ from harness.cli.terminal import write_text
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError, MissingPackageError
 from harness.core.report_model import Artefact, Table
+from harness.engines.can_mesh import read_mesh
 from harness.engines.ladder import takes_timestep
 from harness.engines.registry import export_settings, timestep_of
 from harness.report.atomic_folder import check_writable
@@ -229,11 +230,19 @@ def _takes_steps(name: str) -> bool:
 
 
 @run_options.with_run_options
-def probe(
+def probe(  # noqa: PLR0917 - a parameter an option
     engine: Annotated[
         str, typer.Argument(metavar="ENGINE", help="Any installed engine with contacts.")
     ],
     set_: options.Settings = None,
+    mesh: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="A closed mesh (OBJ, STL) of your can, its axis along z, in place of the engine's "
+            "shapes: its hull is scaled to the can; repeat it.",
+        ),
+    ] = None,
     out: options.ReportFolder = None,
     figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
@@ -248,7 +257,11 @@ def probe(
 
     For example: rockingcan probe pybullet
     """
-    study = RimStudy(engines=(engine,), settings={engine: dict(parse_settings(set_ or []))})
+    study = RimStudy(
+        engines=(engine,),
+        settings={engine: dict(parse_settings(set_ or []))},
+        meshes={path.name: read_mesh(path) for path in mesh or []},
+    )
     show = shown({"rim-findings": {"engine"}})
     run_command(study, running, out=out, json=json, figures=figures, answer=study.answer, show=show)
 

@@ -70,7 +70,7 @@ class Case:
     def label(self) -> str:
         """Return the case in a few words, for progress bars and tables."""
         step = "" if self.timestep is None else f" dt={self.timestep:g}"
-        options = "".join(f" {name}={value}" for name, value in self.options)
+        options = "".join(f" {name}={_shortened(value)}" for name, value in self.options)
         return f"{self.scene.name} {self.engine} {self.profile}{step}{options}"
 
     def command(self) -> str:
@@ -81,6 +81,15 @@ class Case:
             words.append(f"--timestep {self.timestep!r}")
         words += [f"--set {name}={_spell(value)}" for name, value in self.options]
         return " ".join(words)
+
+
+_MOST_NUMBERS = 6
+
+
+def _shortened(value: Value) -> Value:
+    """Return a value, or how many numbers it has if they are many."""
+    many = isinstance(value, tuple) and len(value) > _MOST_NUMBERS
+    return f"({len(value)} numbers)" if many else value  # type: ignore[arg-type] # a tuple
 
 
 def _spell(value: Value) -> str:

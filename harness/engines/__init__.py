@@ -21,6 +21,14 @@ from harness.engines.base import (
     Variant,
     resolve,
 )
+from harness.engines.can_mesh import (
+    MESH_SETTING,
+    Mesh,
+    mesh_points,
+    obj_text,
+    outline_gap,
+    prism,
+)
 from harness.engines.description import Description, Method, Precision
 from harness.engines.parity.checks import SMALLEST_TILT, rim_within
 from harness.engines.parity.contact import (
@@ -47,6 +55,7 @@ __all__ = [
     "COMMON",
     "ETA_SETTING",
     "FRICTIONS",
+    "MESH_SETTING",
     "PROFILES",
     "SMALLEST_TILT",
     "TIMESTEP",
@@ -65,6 +74,7 @@ __all__ = [
     "Floats",
     "HarnessError",
     "Integers",
+    "Mesh",
     "Method",
     "MissingLibraryError",
     "ModelDifference",
@@ -87,7 +97,11 @@ __all__ = [
     "bounded_separately",
     "contact_of",
     "declared_friction",
+    "mesh_points",
+    "obj_text",
+    "outline_gap",
     "pressed_distance",
+    "prism",
     "record",
     "resolve",
     "rim_within",

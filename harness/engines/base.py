@@ -61,6 +61,8 @@ class Setting:
         Whether a number has to be greater than zero.
     unset : str
         What the engine does of its own accord where it is not handed the setting, `default` None.
+    points : bool
+        Whether the value is points, three numbers each.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Setting:
     choices: tuple[str, ...] = ()
     positive: bool = False
     unset: str = ""
+    points: bool = False
 
     @classmethod
     def as_shipped(cls, name: str, value: Value, meaning: str, **allowed: Any) -> "Setting":  # noqa: ANN401 - the fields
@@ -184,6 +187,9 @@ def _checked(setting: Setting, value: Value, timestep: float) -> Value:
         return None
     if setting.choices:
         fits, allowed = value in setting.choices, ", ".join(setting.choices)
+    elif setting.points:
+        fits = isinstance(value, tuple) and len(value) % 3 == 0 and all(map(_is_number, value))
+        allowed = "points, three numbers each, with commas between them"
     elif isinstance(model, bool):
         fits, allowed = isinstance(value, bool), "true or false"
     elif isinstance(model, str):
@@ -273,6 +279,8 @@ class EngineFeatures:
         The last is the converged solve.
     colliders : tuple of Variant
         Settings that decide how contact points are found, for the probe of the rim.
+    mesh_colliders : tuple of Variant
+        Those for a can that is a mesh, of the setting `mesh`.
     variants : tuple of Variant, or None
         Settings worth a price; None takes the profiles and each word that a setting allows.
     export_settings : callable or None
@@ -295,6 +303,7 @@ class EngineFeatures:
     model_differences: tuple[ModelDifference, ...] = ()
     solver_efforts: tuple[SolverEffort, ...] = ()
     colliders: tuple[Variant, ...] = (Variant(name="matched"),)
+    mesh_colliders: tuple[Variant, ...] = ()
     variants: tuple[Variant, ...] | None = None
     export_settings: Callable[[Case], str] | None = None
     counted_step: Callable[[World], int] | None = None

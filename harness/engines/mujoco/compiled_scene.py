@@ -22,14 +22,15 @@ from harness.engines import (
     RefusedModelError,
     Trajectory,
     Value,
+    mesh_points,
     trajectory_of,
 )
 from harness.engines.mujoco.settings import (
     CYLINDER_ON_PLANE,
     SHAPES,
-    SIDES,
     attributes,
     matched_solref,
+    mesh_in,
     soft_solref,
     stages,
 )
@@ -87,7 +88,7 @@ class CompiledScene:
         # working folder
         mujoco.set_mju_user_warning(lambda _: None)
         try:
-            self.model = _compiled(text, str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE)), case)
+            self.model = _compiled(text, chosen, case)
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
@@ -202,18 +203,14 @@ _TIGHT = (1e-12, 200)
 """m, and iterations: shipped 1e-6 leaves the normal of a shallower contact to chance."""
 
 
-def _compiled(text: str, shapes: str, case: Case) -> mujoco.MjModel:
-    """Return the model of an MJCF text in which the named shapes collide."""
-    if shapes == CYLINDER_ON_PLANE:
+def _compiled(text: str, chosen: Mapping[str, Value], case: Case) -> mujoco.MjModel:
+    """Return the model of an MJCF text in which the chosen shapes collide."""
+    shapes, mesh = str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE)), mesh_in(chosen)
+    if shapes == CYLINDER_ON_PLANE and mesh is None:
         return mujoco.MjModel.from_xml_string(text)
-    spec, can = mujoco.MjSpec.from_string(text), case.scene.can
-    if shapes.startswith("mesh"):
-        azimuths = 2.0 * np.pi * np.arange(SIDES) / SIDES
-        ring = can.radius * np.array((np.cos(azimuths), np.sin(azimuths))).T
-        ends = [
-            np.insert(ring, 2, height, axis=1) for height in (-can.half_height, can.half_height)
-        ]
-        spec.add_mesh(name="can", uservert=np.concatenate(ends).ravel())
+    spec = mujoco.MjSpec.from_string(text)
+    if mesh is not None:
+        spec.add_mesh(name="can", uservert=mesh_points(mesh, case.scene.can).ravel())
         spec.geom("can").type, spec.geom("can").meshname = mujoco.mjtGeom.mjGEOM_MESH, "can"
     if "box" in shapes:
         ground = spec.geom("ground")

@@ -275,6 +275,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
     colliders = declared.COLLIDERS
+    mesh_colliders = declared.MESH_COLLIDERS
     capabilities = Capabilities(
         honours=frozenset(
             {

@@ -26,13 +26,17 @@ import mujoco
 from harness.engines import (
     COMMON,
     ETA_SETTING,
+    MESH_SETTING,
     TIMESTEP,
     Case,
+    Mesh,
     ModelDifference,
     Setting,
     SolverEffort,
     Value,
     Variant,
+    outline_gap,
+    prism,
     rim_within,
 )
 from models.effects import Effects
@@ -156,11 +160,11 @@ SHAPES = Setting.as_shipped(
         "mesh-box-libccd",
     ),
 )
-"""The harness's own word too: the can as a cylinder or a prism of `SIDES`, the ground as a plane or
-a box; with another tolerance, m, than 1e-6; `single` without further points beside the deepest."""
+"""The harness's own word too: the can as a cylinder or a mesh, the ground as a plane or a box; with
+another tolerance, m, than 1e-6; `single` without further points beside the deepest."""
 
-SIDES = 32
-"""Of the mesh."""
+_SIDES = 32
+"""Of the prism that is the mesh where no other is given."""
 
 _PYRAMID = 1.0 - 1.0 / math.sqrt(2.0) + 0.005
 """Share of the declared friction that a pyramid lacks between its edges, and what solvers miss."""
@@ -174,13 +178,20 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
     As shipped sliding and turning share so much that a moment is nearly none.
     """
     rows = {"friction between the axes": _PYRAMID} if chosen["cone"] == "pyramidal" else {}
-    if str(chosen.get("shapes", "")).startswith("mesh"):
-        corner = 1.0 - math.cos(math.pi / SIDES)
-        rows |= rim_within(case.scene.can, corner * case.scene.can.radius)
+    if mesh := mesh_in(chosen):
+        rows |= rim_within(case.scene.can, outline_gap(mesh) * case.scene.can.radius)
     return rows | (dict.fromkeys(_ARMS, 1.0) if case.profile == "default" else {})
 
 
-SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, SHAPES, ETA_SETTING)
+def mesh_in(chosen: Mapping[str, Value]) -> Mesh | None:
+    """Return the mesh that the can is; None for a cylinder."""
+    mesh = chosen.get(MESH_SETTING.name)
+    if mesh is None and str(chosen.get(SHAPES.name, "")).startswith("mesh"):
+        return prism(_SIDES)
+    return mesh  # type: ignore[return-value] # points, as it was checked
+
+
+SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, SHAPES, MESH_SETTING, ETA_SETTING)
 
 _IDLE = (
     "equality",
@@ -348,6 +359,7 @@ COLLIDERS = tuple(
     Variant(name=word, settings=() if word == CYLINDER_ON_PLANE else ((SHAPES.name, word),))
     for word in SHAPES.choices
 )
+MESH_COLLIDERS = tuple(each for each in COLLIDERS if each.name.startswith("mesh"))
 
 MODEL_DIFFERENCES = (
     ModelDifference(

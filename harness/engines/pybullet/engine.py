@@ -136,6 +136,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
     colliders = declared.COLLIDERS
+    mesh_colliders = declared.MESH_COLLIDERS
     capabilities = Capabilities(
         honours=frozenset(
             {

@@ -28,6 +28,7 @@ from harness.engines import (
     COMMON,
     ETA_SETTING,
     FRICTIONS,
+    MESH_SETTING,
     TIMESTEP,
     TWO_DIRECTIONS,
     Case,
@@ -37,6 +38,8 @@ from harness.engines import (
     Value,
     Variant,
     bounded_separately,
+    outline_gap,
+    prism,
     rim_within,
 )
 from models.scene import Scene
@@ -202,7 +205,7 @@ def for_effects(scene: Scene) -> dict[str, Value]:
     return decided
 
 
-SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, ETA_SETTING)
+SETTINGS = (*URDF_FLAGS, *SOLVER, *DYNAMICS, MESH_SETTING, ETA_SETTING)
 
 
 PROCESS_WIDE: Mapping[str, float] = MappingProxyType({"contactBreakingThreshold": 0.02})
@@ -222,9 +225,6 @@ def urdf_flags(chosen: Mapping[str, Value]) -> list[str]:
 
 _MARGIN = 0.001
 """m: collisionMargin where PyBullet is not handed one."""
-
-_CORNER = 1.0 - math.cos(math.pi / 32.0)
-"""Of the radius: what a polygon of 32 sides lacks in the middle of a side."""
 
 _DAMPING = 0.04
 """1/s: linearDamping and angularDamping where PyBullet is not handed one."""
@@ -252,11 +252,11 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
         return rows
     if not chosen["URDF_USE_INERTIA_FROM_FILE"]:  # they are of the shape, whatever is declared
         rows |= dict.fromkeys(_MOMENTS, math.inf)
-    corner = 0.0
-    if not chosen["URDF_USE_IMPLICIT_CYLINDER"]:
+    corner, mesh = 0.0, chosen[MESH_SETTING.name]
+    if mesh is not None or not chosen["URDF_USE_IMPLICIT_CYLINDER"]:
         # a prism turns about its corner, at an arm of any size beside a declared one
         rows |= dict.fromkeys(_ARMS, math.inf)
-        corner = _CORNER * scene.can.radius
+        corner = scene.can.radius * outline_gap(prism(32) if mesh is None else mesh)  # type: ignore[arg-type] # as checked
     rows |= rim_within(scene.can, _or(chosen["collisionMargin"], _MARGIN) + corner)
     return rows if chosen["useMaximalCoordinates"] else rows | _damped(scene, chosen)
 
@@ -306,6 +306,10 @@ COLLIDERS = (
     Variant(name="implicit cylinder, margin 1 mm", settings=(_MILLIMETRE,)),
     Variant(name="convex hull of 32 sides", settings=(_PRISM,)),
     Variant(name="convex hull of 32 sides, margin 1 mm", settings=(_PRISM, _MILLIMETRE)),
+)
+MESH_COLLIDERS = (
+    Variant(name="convex hull"),
+    Variant(name="convex hull, margin 1 mm", settings=(_MILLIMETRE,)),
 )
 
 VARIANTS = (

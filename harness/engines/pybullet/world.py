@@ -24,7 +24,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from harness.engines import Case, Collision, Contact, Floats, RefusedModelError, Value
+from harness.engines import (
+    MESH_SETTING,
+    Case,
+    Collision,
+    Contact,
+    Floats,
+    RefusedModelError,
+    Value,
+    mesh_points,
+    obj_text,
+)
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -131,6 +141,7 @@ Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, fl
 
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 _REACH = 1.0  # m: distance up to which closest points are sought
+_MESH = "can.obj"
 
 
 class PybulletWorld:
@@ -164,11 +175,14 @@ class PybulletWorld:
         self.parts = max(int(chosen["numSubSteps"]), 1)  # type: ignore[arg-type]
         flags = sum(getattr(pybullet, name) for name in urdf_flags(chosen))
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder)
+            path, mesh = Path(folder), chosen[MESH_SETTING.name]
             self.ground = self._load(path / "ground.urdf", ground_urdf())
+            if mesh is not None:
+                points = mesh_points(mesh, case.scene.can)  # type: ignore[arg-type] # as checked
+                (path / _MESH).write_text(obj_text(points), encoding="utf-8")
             self.can = self._load(
                 path / "can.urdf",
-                urdf(case.scene),
+                urdf(case.scene, "" if mesh is None else _MESH),
                 flags=flags,
                 useMaximalCoordinates=bool(chosen["useMaximalCoordinates"]),
             )

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
 from harness.core.report_model import (
     Artefact,
     Column,
@@ -24,6 +25,7 @@ from harness.core.report_model import (
 )
 from harness.core.verdict import Status, Verdict
 from harness.engines.base import Variant, features_of
+from harness.engines.can_mesh import MESH_SETTING, Mesh
 from harness.engines.probes.rim_contact import Answer
 from harness.engines.probes.rim_survey import (
     RimSurvey,
@@ -31,7 +33,7 @@ from harness.engines.probes.rim_survey import (
     survey_rim,
     why_no_contacts,
 )
-from harness.engines.registry import description_of, engine, engine_version
+from harness.engines.registry import description_of, engine, engine_version, names, not_installed
 from harness.evaluation.effort import engine_group
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Record
@@ -158,10 +160,13 @@ class RimStudy:
     settings : mapping
         By engine, settings on top of every collider, or, where they are those of a collider, of one
         that they make.
+    meshes : mapping of str to Mesh
+        Meshes that stand for the can, by name; without any the engine's own colliders are asked.
     """
 
     engines: tuple[str, ...]
     settings: EngineSettings = field(default_factory=dict)
+    meshes: Mapping[str, Mesh] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -238,6 +243,16 @@ class RimStudy:
     def _colliders(self, name: str) -> tuple[Variant, ...]:
         """Return the colliders of an engine with its settings, or the one that these make."""
         chosen = dict(self.settings.get(name, {}))
+        if self.meshes:
+            return tuple(
+                replace(
+                    each,
+                    name=f"{mesh}, {each.name}",
+                    settings=(*each.settings, (MESH_SETTING.name, points), *chosen.items()),
+                )
+                for mesh, points in self.meshes.items()
+                for each in _mesh_colliders(name)
+            )
         words = ", ".join(f"{key}={value}" for key, value in chosen.items())
         offered = features_of(engine(name)).colliders
         if not offered or any(key in chosen for each in offered for key, _ in each.settings):
@@ -255,6 +270,15 @@ class RimStudy:
             for name in self.engines
             if len(self.engines) == 1 or not why_no_contacts(engine(name))
         }
+
+
+def _mesh_colliders(name: str) -> tuple[Variant, ...]:
+    """Return the colliders of an engine that take a mesh."""
+    if offered := features_of(engine(name)).mesh_colliders:
+        return offered
+    here = sorted(set(names()).difference(not_installed()))
+    able = [each for each in here if features_of(engine(each)).mesh_colliders]
+    raise InvalidSettingError("--mesh", name, f"with an engine that takes one: {', '.join(able)}")
 
 
 def _told(found: Mapping[str, Mapping[str, Record]]) -> Prose:

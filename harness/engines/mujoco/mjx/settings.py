@@ -18,7 +18,7 @@ _CHOICES = {
 }
 """Where MJX has fewer words than MuJoCo."""
 
-_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "shapes"}
+_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "shapes", "mesh"}
 """What MJX has no word for."""
 
 SETTINGS = (

@@ -12,7 +12,7 @@ from harness.engines.mujoco import settings as of_mujoco
 _CHOICES = {"solver": ("CG", "Newton")}
 """Where MuJoCo Warp has fewer words than MuJoCo."""
 
-_LEFT_OUT = {"build", "shapes"}
+_LEFT_OUT = {"build", "shapes", "mesh"}
 """A word of the adapter of MuJoCo alone."""
 
 SETTINGS = (

@@ -1,0 +1,134 @@
+"""A mesh that stands for the can in a collider: a prism, or one from a file.
+
+It is a tuple of coordinates x, y, z of its points in turn, x and y in radii of the can and z in its
+half heights, so that the same mesh fits every can and is known by its content. Colliders take its
+convex hull.
+"""
+
+from itertools import chain
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from harness.core.engine_packages import install_command
+from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.engines.base import Setting
+from harness.engines.world import Floats
+from models import Can
+
+Mesh: TypeAlias = tuple[float, ...]
+
+MESH_SETTING = Setting.as_shipped(
+    "mesh",
+    None,
+    "Points whose hull stands for the can: x and y in its radii, z in its half heights.",
+    unset="the can's cylinder",
+    points=True,
+)
+"""The harness's own word, for engines that take a mesh; `read_mesh` makes its value of a file."""
+
+_MOST_POINTS = 5000
+"""Of a hull."""
+
+_FLAT = 1e-6
+"""Of the half height: points that are as near to an end lie in it."""
+
+
+def prism(sides: int) -> Mesh:
+    """Return a prism with its corners on the rims, the first on the axis x."""
+    azimuths = 2.0 * np.pi * np.arange(sides) / sides
+    ring = np.array((np.cos(azimuths), np.sin(azimuths))).T
+    ends = [np.insert(ring, 2, end, axis=1) for end in (-1.0, 1.0)]
+    return _as_mesh(np.concatenate(ends))
+
+
+def read_mesh(path: Path) -> Mesh:
+    """Return the mesh of a file, such as OBJ or STL, whose axis of z is the can's.
+
+    It is scaled to the can, along the axis and across it: any unit of length will do.
+
+    Raises
+    ------
+    InvalidSettingError
+        If the file is no mesh of triangles, or not a closed one.
+    MissingPackageError
+        Without the package that reads meshes.
+    """
+    try:
+        import trimesh  # noqa: PLC0415 - an extra
+    except ImportError as error:
+        install = install_command(["rockingcan[mesh]"])
+        raise MissingPackageError("a mesh", "trimesh", str(error), install) from error
+    try:
+        mesh = trimesh.load_mesh(path, process=False)
+    except Exception as error:  # every format has errors of its own
+        raise _refused(path, f"a file with a mesh ({' '.join(str(error).split())})") from error
+    if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
+        raise _refused(path, "a mesh of triangles, of finite coordinates")
+    mesh.merge_vertices()  # STL has three for every triangle
+    edges, triangles = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+    alone = edges[triangles == 1]
+    if len(alone):
+        ends = " and ".join(_spell(mesh.vertices[end]) for end in alone[0])
+        allowed = f"a closed mesh; {len(alone)} edges have one triangle alone, such as from {ends}"
+        raise _refused(path, allowed)
+    if not mesh.is_watertight:
+        raise _refused(path, "a closed mesh, with two triangles at every edge")
+    return _normalised(path, np.asarray(mesh.vertices, dtype=np.float64))
+
+
+def _normalised(path: Path, points: Floats) -> Mesh:
+    """Return the corners of the hull of some points, of radius and half height 1."""
+    try:
+        hull = points[np.sort(ConvexHull(points).vertices)]
+    except QhullError as error:
+        raise _refused(path, "a mesh with a volume") from error
+    if len(hull) > _MOST_POINTS:
+        raise _refused(path, f"a mesh whose hull has {_MOST_POINTS} corners at most")
+    low, high = hull[:, 2].min(), hull[:, 2].max()
+    hull[:, 2] = (2.0 * hull[:, 2] - low - high) / (high - low)
+    hull[:, :2] /= np.hypot(*hull[:, :2].T).max()
+    return _as_mesh(hull)
+
+
+def mesh_points(mesh: Mesh, can: Can) -> Floats:
+    """Return the points of a mesh on a can, shape (n, 3), m from its centre."""
+    sizes = can.radius, can.radius, can.half_height
+    points: Floats = np.reshape(mesh, (-1, 3)) * sizes
+    return points
+
+
+def obj_text(points: Floats) -> str:
+    """Return the convex hull of some points, m, as a file in the format OBJ."""
+    corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    sides = [f"f {a} {b} {c}" for a, b, c in (ConvexHull(points).simplices + 1).tolist()]
+    return "\n".join((*corners, *sides, ""))
+
+
+def outline_gap(mesh: Mesh) -> float:
+    """Return by how much the outline of an end is within the rim at most, of the radius.
+
+    1 if an end is not flat.
+    """
+    points = np.reshape(mesh, (-1, 3))
+    least = 1.0
+    for end in (-1.0, 1.0):
+        outline = points[abs(points[:, 2] - end) < _FLAT, :2]
+        if len(outline) < 3:  # noqa: PLR2004 - corners of a triangle
+            return 1.0
+        least = min(least, float(-ConvexHull(outline).equations[:, -1].max()))
+    return 1.0 - least
+
+
+def _as_mesh(points: Floats) -> Mesh:
+    return tuple(chain.from_iterable(points.tolist()))
+
+
+def _spell(point: Floats) -> str:
+    return f"({', '.join(f'{part:.6g}' for part in point)})"
+
+
+def _refused(path: Path, allowed: str) -> InvalidSettingError:
+    return InvalidSettingError("--mesh", str(path), allowed)
