@@ -1,7 +1,9 @@
 """MJX: what it ships with, its precisions beside each other, and settings to paste."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -177,6 +179,19 @@ def test_what_mjx_does_not_have_is_refused_with_the_reason(gentle: Scene) -> Non
             evaluate(case_of(gentle, 1e-3, **options))
 
 
+@pytest.fixture
+def _compiled_anew() -> Iterator[None]:
+    """Keep JAX from what it compiled in another process, as long as a test takes."""
+    jax = pytest.importorskip("jax")
+    cache = import_module("jax.experimental.compilation_cache.compilation_cache")
+    cache.reset_cache()
+    jax.config.update("jax_enable_compilation_cache", False)  # noqa: FBT003 - as JAX has it
+    yield
+    cache.reset_cache()
+    jax.config.update("jax_enable_compilation_cache", True)  # noqa: FBT003
+
+
+@pytest.mark.usefixtures("_compiled_anew")
 def test_compiling_is_told_apart_and_once(gentle: Scene) -> None:
     brief = replace(gentle, horizon=Horizon(seconds=0.005))
     case = case_of(brief, 1e-3, ls_tolerance=0.0125)  # which nothing else here compiles
