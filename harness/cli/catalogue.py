@@ -37,6 +37,7 @@ from harness.execution.cache import (
     inspect_cache,
     prune_cache,
 )
+from harness.execution.isolated_pool import local_executor
 from harness.progress import ItemBar
 from harness.studies.comparison.rim import RimStudy
 from harness.studies.study import run_study
@@ -92,7 +93,10 @@ def check(
         verdicts = conform(chosen, bar.advance)
     failed = any(verdict.result is ClauseStatus.FAILED for verdict in verdicts)
     rim = RimStudy(engines=(name,))
-    found = None if failed or why_no_contacts(chosen) else rim.answer(run_study(rim))
+    found = None
+    if not failed and not why_no_contacts(chosen):
+        with local_executor(1, spawned=True) as executor:  # which a crash does not end
+            found = rim.answer(run_study(rim, executor=executor))
     checks = [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts]
     if json:
         answer = {

@@ -257,12 +257,14 @@ def probe(  # noqa: PLR0917 - a parameter an option
 
     For example: rockingcan probe pybullet
     """
+    paths = mesh or []
+    alike = len({path.name for path in paths}) < len(paths)
     study = RimStudy(
         engines=(engine,),
         settings={engine: dict(parse_settings(set_ or []))},
-        meshes={path.name: read_mesh(path) for path in mesh or []},
+        meshes={str(path) if alike else path.name: read_mesh(path) for path in paths},
     )
-    show = shown({"rim-findings": {"engine"}})
+    show = shown({"rim-findings": {"engine"}, "rim-told": ()})
     run_command(study, running, out=out, json=json, figures=figures, answer=study.answer, show=show)
 
 

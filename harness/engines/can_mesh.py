@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull
 
 from harness.core.engine_packages import install_command
 from harness.core.errors import InvalidSettingError, MissingPackageError
@@ -35,6 +35,14 @@ _MOST_POINTS = 5000
 _FLAT = 1e-6
 """Of the half height: points that are as near to an end lie in it."""
 
+_ROUND = 0.05
+"""Of the radius: corners of an outline that are farther from a circle make no can."""
+
+_LEAST_END = 0.6
+"""Of the radius: a triangle lacks a half in the middle of its sides, and a can that lies more."""
+
+_DIMENSIONS = 3
+
 
 def prism(sides: int) -> Mesh:
     """Return a prism with its corners on the rims, the first on the axis x."""
@@ -47,12 +55,12 @@ def prism(sides: int) -> Mesh:
 def read_mesh(path: Path) -> Mesh:
     """Return the mesh of a file, such as OBJ or STL, whose axis of z is the can's.
 
-    It is scaled to the can, along the axis and across it: any unit of length will do.
+    It is scaled to the can, along the axis and across it, and may be anywhere, in any unit.
 
     Raises
     ------
     InvalidSettingError
-        If the file is no mesh of triangles, or not a closed one.
+        If the file is no mesh of triangles, not a closed one, or not one of a can.
     MissingPackageError
         Without the package that reads meshes.
     """
@@ -61,36 +69,73 @@ def read_mesh(path: Path) -> Mesh:
     except ImportError as error:
         install = install_command(["rockingcan[mesh]"])
         raise MissingPackageError("a mesh", "trimesh", str(error), install) from error
+    if not path.is_file():
+        raise _refused(path, "the path of a file")
     try:
         mesh = trimesh.load_mesh(path, process=False)
+    except OSError as error:
+        raise _refused(path, f"a file that can be read ({error.strerror})") from error
     except Exception as error:  # every format has errors of its own
-        raise _refused(path, f"a file with a mesh ({' '.join(str(error).split())})") from error
+        raise _refused(path, "a mesh in a known format, such as OBJ, STL or PLY") from error
     if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
         raise _refused(path, "a mesh of triangles, of finite coordinates")
+    mesh.vertices = _in_a_unit_box(path, np.asarray(mesh.vertices, dtype=np.float64))
     mesh.merge_vertices()  # STL has three for every triangle
     edges, triangles = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
     alone = edges[triangles == 1]
     if len(alone):
         ends = " and ".join(_spell(mesh.vertices[end]) for end in alone[0])
-        allowed = f"a closed mesh; {len(alone)} edges have one triangle alone, such as from {ends}"
+        allowed = (
+            f"a closed mesh; {len(alone)} edges have one triangle alone, such as from {ends}, in "
+            "shares of its size"
+        )
         raise _refused(path, allowed)
     if not mesh.is_watertight:
         raise _refused(path, "a closed mesh, with two triangles at every edge")
+    if mesh.body_count > 1:
+        raise _refused(path, f"a mesh of one body, and it has {mesh.body_count}")
     return _normalised(path, np.asarray(mesh.vertices, dtype=np.float64))
 
 
+def _in_a_unit_box(path: Path, points: Floats) -> Floats:
+    """Return points moved to the origin and scaled by the largest of their extents."""
+    half = 0.5 * points  # of which every difference is finite
+    low = half.min(axis=0)
+    size = float((half - low).max())
+    if size > 0.0:
+        scaled: Floats = (half - low) / size
+        # in one plane, or so far away that their digits do not tell them apart
+        if np.linalg.matrix_rank(scaled - scaled[0], tol=_FLAT) == _DIMENSIONS:
+            return scaled
+    raise _refused(path, "a mesh with a volume")
+
+
 def _normalised(path: Path, points: Floats) -> Mesh:
-    """Return the corners of the hull of some points, of radius and half height 1."""
-    try:
-        hull = points[np.sort(ConvexHull(points).vertices)]
-    except QhullError as error:
-        raise _refused(path, "a mesh with a volume") from error
+    """Return the corners of the hull of some points, about the axis, of radius and half height 1.
+
+    Raises
+    ------
+    InvalidSettingError
+        If they are no can: not on a circle about the axis, or without ends.
+    """
+    hull = points[np.sort(ConvexHull(points).vertices)]
     if len(hull) > _MOST_POINTS:
         raise _refused(path, f"a mesh whose hull has {_MOST_POINTS} corners at most")
     low, high = hull[:, 2].min(), hull[:, 2].max()
     hull[:, 2] = (2.0 * hull[:, 2] - low - high) / (high - low)
-    hull[:, :2] /= np.hypot(*hull[:, :2].T).max()
-    return _as_mesh(hull)
+    outline = hull[ConvexHull(hull[:, :2]).vertices, :2]
+    # the circle x^2 + y^2 = 2 c.x + d that is nearest to the outline
+    sides = np.column_stack((2.0 * outline, np.ones(len(outline))))
+    circle, *_ = np.linalg.lstsq(sides, np.sum(outline**2, axis=1), rcond=None)
+    hull[:, :2] -= circle[:2]
+    distances = np.hypot(*(outline - circle[:2]).T)
+    hull[:, :2] /= distances.max()
+    mesh = _as_mesh(hull)
+    if distances.min() < (1.0 - _ROUND) * distances.max() or outline_gap(mesh) > _LEAST_END:
+        raise _refused(
+            path, "a mesh of a can with its axis along z: round about it, with flat ends"
+        )
+    return mesh
 
 
 def mesh_points(mesh: Mesh, can: Can) -> Floats:

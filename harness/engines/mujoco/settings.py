@@ -154,6 +154,7 @@ SHAPES = Setting.as_shipped(
         "mesh-plane",
         "cylinder-box",
         "mesh-box",
+        "cylinder-box-single",
         "cylinder-box-tolerance-1e-12",
         "cylinder-box-tolerance-1e-12-single",
         "cylinder-box-libccd",

@@ -59,6 +59,9 @@ some are right by chance."""
 _EDGE = 1e-6
 """Relative width at which the bisection of an edge ends."""
 
+_MOST_RANGES = 3
+"""Of bad tilts that are told with their edges; where round-off decides there are many."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RimFinding:
@@ -215,29 +218,35 @@ class _Asked:
             first, last = between
             return [answer for own in found[first : last + 1] for answer in own if bad(answer)]
 
-        first, last = chosen = max(ranges, key=lambda between: len(all_bad(between)))
-        wrong = all_bad(chosen)
         inside = _is_inside(found[0][0])
-        low = self._edge(first, first - 1, bad, inside=inside) if first else 0.0
-        high = TILTS[last]
-        if last + 1 < len(found):
-            high = self._edge(last, last + 1, bad, inside=inside)
-        if first == 0:
-            where = "at every tilt" if last + 1 == len(found) else f"below {high:.7g} rad"
-        else:
-            where = f"above {low:.7g} rad"
-            where += f" and below {high:.7g} rad" if last + 1 < len(found) else ""
-        asked = [answer for own in found[first : last + 1] for answer in own]
-        more = {1: "", 2: ", and in another range of tilts"}.get(
-            len(ranges), f", and in {len(ranges) - 1} other ranges of tilts"
-        )
+        ranges.sort(key=lambda between: len(all_bad(between)), reverse=True)
+        edges = [self._edges(between, bad, inside=inside) for between in ranges[:_MOST_RANGES]]
+        wrong = all_bad(ranges[0])
+        asked = [answer for own in found[ranges[0][0] : ranges[0][1] + 1] for answer in own]
+        others = [where for where, _ in edges[1:]]
+        if len(ranges) > len(edges):
+            others.append(f"in {len(ranges) - len(edges)} ranges more")
+        also = f", and also {'; '.join(others)}" if others else ""
         every = (answer for between in ranges for answer in all_bad(between))
+        where, high = edges[0]
         yield RimFinding(
             kind=kind,
-            sentence=f"{where} {words(wrong)}{_how_often(wrong, asked)}{more}",
+            sentence=f"{where} {words(wrong)}{_how_often(wrong, asked)}{also}",
             below_tilt_rad=high,
             place_error_m=_largest(answer.place_error for answer in every),
         )
+
+    def _edges(self, between: tuple[int, int], bad: Bad, *, inside: bool) -> tuple[str, float]:
+        """Return a range of tilts in words, and its upper end, rad."""
+        first, last = between
+        low = self._edge(first, first - 1, bad, inside=inside) if first else 0.0
+        high = TILTS[last]
+        if last + 1 < len(TILTS):
+            high = self._edge(last, last + 1, bad, inside=inside)
+        if first == 0:
+            return ("at every tilt" if last + 1 == len(TILTS) else f"below {high:.7g} rad"), high
+        below = f" and below {high:.7g} rad" if last + 1 < len(TILTS) else ""
+        return f"above {low:.7g} rad{below}", high
 
     def _edge(self, bad_at: int, good_at: int, bad: Bad, *, inside: bool) -> float:
         """Return the tilt between two of `TILTS` at which an answer begins to be bad, rad."""
@@ -298,25 +307,17 @@ class _Asked:
         if lost:
             sentence = f"{where} no contact is found in {lost} of {len(pairs)} stances"
             yield RimFinding(kind=kind, sentence=sentence)
-        limit = _OFF * self._can.radius
-        moved_away = [
-            new.place_error
-            for old, new in pairs
-            if new.count and new.place_error / scale > limit and old.place_error <= limit
-        ]
-        if moved_away:
-            farthest = max(moved_away)
-            sentence = f"{where} the contact is {_millimetres(farthest)} off the lowest point"
-            yield RimFinding(kind=kind, sentence=sentence, place_error_m=farthest)
-        limit = _TOO_DEEP * self._can.radius
-        deeper = [
-            new.depth_error
-            for old, new in pairs
-            if new.count and new.depth_error / scale > limit and old.depth_error <= limit
-        ]
-        if deeper:
-            sentence = f"{where} the depth is {_millimetres(max(deeper))} off"
-            yield RimFinding(kind=kind, sentence=sentence)
+        for error, share, words in (
+            ("place_error", _OFF, "the contact is {} off the lowest point"),
+            ("depth_error", _TOO_DEEP, "the depth is {} off"),
+        ):
+            limit = share * self._can.radius
+            errors = [(getattr(old, error), getattr(new, error)) for old, new in pairs if new.count]
+            worse = [new for old, new in errors if new / scale > limit and old <= limit]
+            if worse:
+                sentence = f"{where} {words.format(_millimetres(max(worse)))}"
+                far = max(worse) if error == "place_error" else math.nan
+                yield RimFinding(kind=kind, sentence=sentence, place_error_m=far)
 
 
 _NEARLY_ALL = 0.99

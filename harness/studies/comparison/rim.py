@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.errors import InvalidSettingError
+from harness.core.errors import HarnessError
 from harness.core.report_model import (
     Artefact,
     Column,
@@ -26,6 +26,7 @@ from harness.core.report_model import (
 from harness.core.verdict import Status, Verdict
 from harness.engines.base import Variant, features_of
 from harness.engines.can_mesh import MESH_SETTING, Mesh
+from harness.engines.contract import describe_exception
 from harness.engines.probes.rim_contact import Answer
 from harness.engines.probes.rim_survey import (
     RimSurvey,
@@ -33,7 +34,7 @@ from harness.engines.probes.rim_survey import (
     survey_rim,
     why_no_contacts,
 )
-from harness.engines.registry import description_of, engine, engine_version, names, not_installed
+from harness.engines.registry import description_of, engine, engine_version
 from harness.evaluation.effort import engine_group
 from harness.evaluation.evaluate import check_case
 from harness.evaluation.evaluation import Record
@@ -57,7 +58,12 @@ _AT_THE_RIM = "at the rim"
 
 def probed(case: Case) -> Record:
     """Return rows and findings of the collider of a case, as numbers and words alone."""
-    survey = survey_rim(case)
+    try:
+        survey = survey_rim(case)
+    except (HarnessError, LostTaskError):
+        raise
+    except Exception as error:  # noqa: BLE001 - an adapter is somebody's program
+        return _failed(describe_exception(error, "collision"))
     findings = [
         {
             "kind": each.kind,
@@ -106,7 +112,12 @@ def _number(value: float) -> float | None:
 def _lost(case: Case, error: LostTaskError) -> Record:
     """Return the record of a collider that took its process with it: that is its finding."""
     del case
-    sentence = f"the engine does not survive the question: {error.reason}"
+    return _failed(error.reason)
+
+
+def _failed(reason: str) -> Record:
+    """Return the record of a collider that does not answer."""
+    sentence = f"the engine does not survive the question: {reason}"
     return {"rows": [], "findings": [_finding(sentence)]}
 
 
@@ -141,12 +152,25 @@ _COLUMNS = (
     Column(
         "place_error_m",
         "Largest distance of the contact from the lowest point of the rim, m.",
-        verdict="finding_verdict",
     ),
-    Column("finding_verdict", "Whether there is a finding.", shown=False),
+    Column("verdict", "Whether there is a finding."),
 )
 
 _NOTHING = "none: at the rim in every stance"
+
+
+@dataclass(eq=False)
+class NoMeshError(HarnessError, ValueError):
+    """The can of an engine cannot be a mesh."""
+
+    engine: str
+
+    def __str__(self) -> str:
+        """Say which engines can."""
+        return (
+            f"engine '{self.engine}' takes no mesh: engines with a setting '{MESH_SETTING.name}' "
+            "do (see: rockingcan engines NAME)"
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,9 +255,7 @@ class RimStudy:
                             "variant": variant,
                             "kind": each["kind"],
                             "finding": each["sentence"],
-                            "finding_verdict": Verdict(
-                                Status.AGREES if exact else Status.DEVIATES, text
-                            ),
+                            "verdict": Verdict(Status.AGREES if exact else Status.DEVIATES, text),
                             "below_tilt_rad": each["below_tilt_rad"],
                             "place_error_m": each["place_error_m"],
                         }
@@ -243,21 +265,25 @@ class RimStudy:
     def _colliders(self, name: str) -> tuple[Variant, ...]:
         """Return the colliders of an engine with its settings, or the one that these make."""
         chosen = dict(self.settings.get(name, {}))
-        if self.meshes:
-            return tuple(
-                replace(
-                    each,
-                    name=f"{mesh}, {each.name}",
-                    settings=(*each.settings, (MESH_SETTING.name, points), *chosen.items()),
-                )
-                for mesh, points in self.meshes.items()
-                for each in _mesh_colliders(name)
-            )
         words = ", ".join(f"{key}={value}" for key, value in chosen.items())
-        offered = features_of(engine(name)).colliders
+        features = features_of(engine(name))
+        offered = features.mesh_colliders if self.meshes else features.colliders
+        if self.meshes and not offered:
+            raise NoMeshError(name)
         if not offered or any(key in chosen for each in offered for key, _ in each.settings):
-            return (Variant(name=words or "matched", settings=tuple(chosen.items())),)
-        return tuple(replace(each, settings=(*each.settings, *chosen.items())) for each in offered)
+            offered = (Variant(name=words or "matched"),)
+        asked = tuple(replace(each, settings=(*each.settings, *chosen.items())) for each in offered)
+        if not self.meshes:
+            return asked
+        return tuple(
+            replace(
+                each,
+                name=f"{mesh}, {each.name}",
+                settings=(*each.settings, (MESH_SETTING.name, points)),
+            )
+            for mesh, points in self.meshes.items()
+            for each in asked
+        )
 
     def _cases(self) -> dict[str, dict[str, Case]]:
         """Return the cases by engine and name of the collider."""
@@ -272,23 +298,16 @@ class RimStudy:
         }
 
 
-def _mesh_colliders(name: str) -> tuple[Variant, ...]:
-    """Return the colliders of an engine that take a mesh."""
-    if offered := features_of(engine(name)).mesh_colliders:
-        return offered
-    here = sorted(set(names()).difference(not_installed()))
-    able = [each for each in here if features_of(engine(each)).mesh_colliders]
-    raise InvalidSettingError("--mesh", name, f"with an engine that takes one: {', '.join(able)}")
-
-
 def _told(found: Mapping[str, Mapping[str, Record]]) -> Prose:
-    """Return the first finding of each engine as it is first asked, in a sentence."""
+    """Return the first finding of each engine as it is first asked, and where the rim is seen."""
     said = []
     for name, own in found.items():
         variant, record = next(iter(own.items()))
         first = record["findings"][0]["sentence"] if record["findings"] else _NOTHING
-        said.append(f"{description_of(name).label or name} ({variant}): {first}.")
-    return Prose(name="rim-told", title="Under the rim", text=" ".join(said))
+        seen = "; ".join(f"{each} {_from(one['rows'])}" for each, one in own.items() if one["rows"])
+        label = description_of(name).label or name
+        said.append(f"{label} ({variant}): {first}. The rim is seen: {seen or 'nowhere'}.")
+    return Prose(name="rim-told", title="Under the rim", text="\n\n".join(said))
 
 
 _EXACT = 1e-12
@@ -301,15 +320,10 @@ def _map(found: Mapping[str, Mapping[str, Record]]) -> Figure:
         name: {variant: record for variant, record in own.items() if record["rows"]}
         for name, own in found.items()
     }
-    seen = [
-        f"{name}, {variant}: the rim is seen {_from(record['rows'])}"
-        for name, own in asked.items()
-        for variant, record in own.items()
-    ]
     return Figure(
         name="rim",
         title="How far the contact is from the lowest point of the rim",
-        seen=f"White cells have no contact. {'; '.join(seen)}.",
+        seen="White cells have no contact; a collider that is exact is dark all along.",
         panels=tuple(_panel(name, own) for name, own in asked.items() if own),
         columns=1,
     )

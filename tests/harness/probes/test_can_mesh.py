@@ -73,20 +73,69 @@ def test_the_gap_of_a_prism_is_in_the_middle_of_its_sides(sides: int) -> None:
     assert outline_gap(prism(sides)) == pytest.approx(1.0 - math.cos(math.pi / sides), rel=1e-9)
 
 
-def test_a_mesh_without_flat_ends_has_any_gap(tmp_path: Path) -> None:
-    assert outline_gap(read_mesh(written(tmp_path / "a.obj", TETRAHEDRON, CLOSED))) == 1.0
+def test_a_mesh_without_flat_ends_has_any_gap() -> None:
+    assert outline_gap((*(0.0, 0.0, 1.0), *prism(4)[:12])) == 1.0
+
+
+@pytest.mark.parametrize("place", [(0.5, 0.3, 0.0), (1e6, 0.0, 0.0), (0.0, -1e3, 1e3)])
+def test_a_mesh_may_be_anywhere(tmp_path: Path, place: tuple[float, float, float]) -> None:
+    mesh, path = can_of(33), tmp_path / "can.obj"
+    expected = np.reshape(_read(mesh, path), (-1, 3))
+    mesh.apply_translation(place)
+    found = np.reshape(_read(mesh, path), (-1, 3))
+    assert len(found) == len(expected)
+    assert np.abs(found - expected).max() < 1e-5  # of digits that the file has
+
+
+def test_of_a_mesh_in_any_unit_the_same_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "can.obj"
+    expected = _read(can_of(33), path)
+    for scale in (1e-9, 1e9):
+        mesh = can_of(33)
+        mesh.apply_scale(scale)
+        path.write_text(obj_text(np.asarray(mesh.vertices, dtype=np.float64)), encoding="utf-8")
+        assert np.reshape(read_mesh(path), (-1, 3)).shape == (66, 3)
+        assert outline_gap(read_mesh(path)) == pytest.approx(outline_gap(expected), rel=1e-6)
+
+
+def _read(mesh: trimesh.Trimesh, path: Path) -> Mesh:
+    """Return what is read of a mesh that was written by another library."""
+    mesh.export(path)
+    return read_mesh(path)
+
+
+def test_what_is_no_can_about_z_is_refused(tmp_path: Path) -> None:
+    lying = can_of(32)
+    lying.apply_transform(trimesh.transformations.rotation_matrix(0.5 * math.pi, (1.0, 0.0, 0.0)))
+    oval = can_of(32)
+    oval.apply_scale((1.0, 1.3, 1.0))
+    for mesh in (lying, oval, trimesh.creation.icosphere()):
+        with pytest.raises(InvalidSettingError, match="round about it, with flat ends"):
+            _read(mesh, tmp_path / "a.obj")
+    apart = can_of(32)
+    apart.apply_translation((200.0, 0.0, 0.0))
+    with pytest.raises(InvalidSettingError, match="one body, and it has 2"):
+        _read(trimesh.util.concatenate([can_of(32), apart]), tmp_path / "a.obj")
 
 
 @pytest.mark.parametrize(
     ("corners", "sides", "why"),
     [
-        (TETRAHEDRON, CLOSED[:3], "3 edges have one triangle alone, such as from (0, 0, 0) and"),
+        (TETRAHEDRON, CLOSED[:3], "3 edges have one triangle alone, such as from (0, "),
         (TETRAHEDRON, (), "a mesh of triangles"),
         ((*TETRAHEDRON[:3], (0.0, 0.0, math.nan)), CLOSED, "finite"),
         ((*TETRAHEDRON[:3], (0.5, 0.5, 0.0)), CLOSED, "a volume"),
+        ((*TETRAHEDRON[:3], (0.0, 0.0, 1e-300)), CLOSED, "a volume"),
+        ([(x, y, z + 1e17) for x, y, z in TETRAHEDRON], CLOSED, "a volume"),
+        ([(1e300 * x, y, z) for x, y, z in TETRAHEDRON], CLOSED, "a volume"),
         (TETRAHEDRON, (*CLOSED, (1, 3, 2), (2, 3, 1)), "two triangles at every edge"),
+        (TETRAHEDRON, CLOSED, "flat ends"),
+        (TETRAHEDRON, (*CLOSED[:3], (1, 4, 9)), "a mesh in a known format"),
     ],
-    ids=["open", "empty", "broken", "flat", "doubled"],
+    ids=[
+        *("open", "empty", "broken", "flat", "flatter", "far away", "drawn out", "doubled"),
+        *("no can", "without a corner"),
+    ],
 )
 def test_what_is_no_closed_mesh_is_refused(
     tmp_path: Path, corners: Sequence[Corner], sides: Sequence[Sequence[int]], why: str
@@ -104,8 +153,16 @@ def test_what_is_no_closed_mesh_is_refused(
 def test_what_is_no_mesh_file_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "text.txt").write_text("v 1 2", encoding="utf-8")
     (tmp_path / "folder.stl").mkdir()
-    with pytest.raises(InvalidSettingError, match="a file with a mesh"):
+    with pytest.raises(InvalidSettingError, match=r"the path of a file|a known format"):
         read_mesh(tmp_path / name)
+
+
+@pytest.mark.parametrize("ending", ["obj", "stl", "ply", "off"])
+def test_garbage_is_refused(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"garbage.{ending}"
+    path.write_bytes(bytes(range(256)) * 4)
+    with pytest.raises(InvalidSettingError, match=r"a known format|of triangles"):
+        read_mesh(path)
 
 
 def test_too_many_corners_are_refused(tmp_path: Path) -> None:
@@ -183,7 +240,19 @@ def test_the_command_refuses_an_open_mesh_in_a_sentence(
 def test_an_engine_that_takes_no_mesh_is_refused_with_those_that_do(
     rockingcan: Command, tmp_path: Path
 ) -> None:
-    path = written(tmp_path / "a.obj", TETRAHEDRON, CLOSED)
-    refused = rockingcan("probe", "reference", "--mesh", str(path))
+    can_of(32).export(tmp_path / "a.obj")
+    refused = rockingcan("probe", "reference", "--mesh", str(tmp_path / "a.obj"))
     assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "mujoco" in refused.err
+    assert "engine 'reference' takes no mesh" in refused.err
+
+
+def test_meshes_of_one_name_are_told_apart(tmp_path: Path, rockingcan: Command) -> None:
+    paths = [tmp_path / folder / "can.obj" for folder in ("a", "b")]
+    for path, sides in zip(paths, (16, 4), strict=True):
+        path.parent.mkdir()
+        can_of(sides).export(path)
+    options = (word for path in paths for word in ("--mesh", str(path)))
+    found = rockingcan("probe", "mujoco", *options, "--set", "shapes=mesh-plane", "--json").json()
+    assert list(dict.fromkeys(row["variant"] for row in found["rows"])) == [
+        f"{path}, shapes=mesh-plane" for path in paths
+    ]

@@ -7,12 +7,14 @@ from typing import Any
 
 import pytest
 
+from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Figure, Prose, Table
 from harness.core.verdict import Status
 from harness.engines.base import features_of
 from harness.engines.registry import engine
 from harness.execution.worker import Loss, LostTaskError
+from harness.studies.comparison import rim
 from harness.studies.comparison.rim import PROBING, RimStudy
 from harness.studies.study import Results, run_study
 from tests.support.command_line import Command
@@ -87,7 +89,7 @@ def test_a_setting_that_the_engine_does_not_have_is_refused_before_anything_runs
 def test_a_collider_without_findings_agrees() -> None:
     study = RimStudy(engines=("pybullet",), settings={"pybullet": {"collisionMargin": 0.0}})
     _, _, table = artefacts(study, run_study(study))
-    assert [verdict.status for verdict in table.frame["finding_verdict"]] == [Status.AGREES]
+    assert [verdict.status for verdict in table.frame["verdict"]] == [Status.AGREES]
 
 
 def test_a_question_that_the_engine_does_not_survive_is_a_finding(done: Results) -> None:
@@ -96,9 +98,23 @@ def test_a_question_that_the_engine_does_not_survive_is_a_finding(done: Results)
     broken = Results({PROBING: {**done.of(PROBING), first: crash}})
     words, figure, table = artefacts(STUDY, broken)
     assert "does not survive the question: killed: SIGSEGV" in words.text
-    assert table.frame["finding_verdict"][0].status is Status.DEVIATES
+    assert table.frame["verdict"][0].status is Status.DEVIATES
     (panel,) = figure.panels
     assert len(panel.y_names) == len(rest)
+
+
+def test_a_collider_that_raises_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    def survey(case: Case) -> None:
+        message = f"{case.engine} has no answer"
+        raise RuntimeError(message)
+
+    monkeypatch.setattr(rim, "survey_rim", survey)
+    study = RimStudy(engines=("mujoco",), settings={"mujoco": {"shapes": "mesh-plane"}})
+    words, figure, table = artefacts(study, run_study(study))
+    said = "does not survive the question: `collision` raised RuntimeError: mujoco has no answer"
+    assert said in table.frame["finding"][0]
+    assert "The rim is seen: nowhere" in words.text
+    assert figure.panels == ()
 
 
 def test_engines_without_contacts_are_left_out_of_many() -> None:
@@ -120,7 +136,8 @@ def test_every_report_has_what_is_kept_and_asks_nothing(
 
 
 def test_the_smallest_tilt_at_which_the_rim_is_seen_is_told(done: Results) -> None:
-    _, figure, _ = artefacts(STUDY, done)
+    words, _, _ = artefacts(STUDY, done)
     assert re.search(
-        r"mujoco, cylinder-plane: the rim is seen from \d\.\de-0[78] rad on", figure.seen
+        r"The rim is seen: cylinder-plane from \d\.\de-0[78] rad on; mesh-plane at no tilt, or not",
+        words.text,
     )
