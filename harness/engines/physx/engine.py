@@ -9,11 +9,14 @@ from importlib.metadata import version
 from harness.engines import Capabilities, Case, Chunk, PhysicsEngine, Schedule, Value, walk
 from harness.engines.physx import DESCRIPTION
 from harness.engines.physx import settings as declared
-from harness.engines.physx.world import PhysxWorld, stage_text
+from harness.engines.physx.stage import stage_text
+from harness.engines.physx.world import PhysxWorld
 
 _PASTE = """\
 # The stage below as can.usda, and on an `ovphysx.PhysX` that has it attached:
 #   physx.step_sync({timestep!r})
+# Before a stage is attached:
+#   ovphysx.set_global_config(ovphysx.GlobalConfigKey.{key}, {custom!r})
 """
 
 _ADAPTIVE = """\
@@ -33,6 +36,8 @@ class PhysxEngine(PhysicsEngine[PhysxWorld]):
     matched_timestep = declared.MATCHED_TIMESTEP
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
+    colliders = declared.COLLIDERS
+    mesh_colliders = declared.MESH_COLLIDERS
     variants = declared.VARIANTS
     capabilities = Capabilities(
         honours=frozenset({"slip", "tilt", "damping"}),
@@ -78,6 +83,9 @@ class PhysxEngine(PhysicsEngine[PhysxWorld]):
         """Return the stage of a case with its settings, as USD."""
         timestep = self.timestep(case)
         text = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
-        stage = stage_text(case, self.resolve(case))
+        chosen = self.resolve(case)
+        stage = stage_text(case, chosen)
+        key = declared.CUSTOM_GEOMETRY
+        paste = _PASTE.format(timestep=timestep, key=key, custom=chosen[key])
         magic, rest = stage.split("\n", 1)  # which has to be the first line
-        return f"{magic}\n{text}{_PASTE.format(timestep=timestep)}{rest}"
+        return f"{magic}\n{text}{paste}{rest}"

@@ -4,7 +4,8 @@ As shipped a body loses a twentieth of its spin in a second, spins at 100 rad/s 
 its contacts and falls asleep. Friction acts at anchors of a patch, which are kept while they are
 within 4 cm of the plane: under a rolling rim they are left behind, and what was rolled over drags.
 `matched` keeps none, and projects over the whole step: substeps leave an acceleration of 0.02 g
-that no timestep takes away. A setting has the name of the attribute in the schemas of PhysX.
+that no timestep takes away. A setting has the name of the attribute in the schemas of PhysX, or of
+the key of its configuration that is for a whole process.
 """
 
 from collections.abc import Mapping
@@ -13,15 +14,20 @@ from harness.engines import (
     COMMON,
     ETA_SETTING,
     FRICTIONS,
+    MESH_SETTING,
     TIMESTEP,
     TWO_DIRECTIONS,
     Case,
+    Mesh,
     ModelDifference,
     Precision,
     Setting,
     SolverEffort,
     Value,
     Variant,
+    outline_gap,
+    prism,
+    rim_within,
 )
 
 DEFAULT_TIMESTEP = 1.0 / 60.0
@@ -38,6 +44,14 @@ _NONE_KEPT = 1e-9
 
 ANCHORS = ("frictionOffsetThreshold", "frictionCorrelationDistance")
 """Settings, m, that decide which anchors of friction are kept."""
+
+CUSTOM_GEOMETRY = "COLLISION_CYLINDER_CUSTOM_GEOMETRY"
+
+_SIDES = 30
+"""Of the prism that PhysX makes of a cylinder."""
+
+_KEPT = 62
+"""Corners of the largest prism whose hull PhysX keeps; of more it makes another hull."""
 
 SETTINGS = (
     Setting(
@@ -84,6 +98,12 @@ SETTINGS = (
         "m: distance at which a contact is found.",
         positive=True,
     ),
+    Setting.as_shipped(
+        CUSTOM_GEOMETRY,
+        value=True,
+        meaning="A cylinder is exact; else it is a convex mesh. One for all worlds in a process.",
+    ),
+    MESH_SETTING,
     Setting("angularDamping", 0.05, 0.0, "1/s: share of the spin that is lost."),
     Setting(
         "maxAngularVelocity",
@@ -120,16 +140,42 @@ _ROUNDINGS = 16.0
 def imposed_in(case: Case, chosen: Mapping[str, Value], timestep: float) -> dict[str, float]:
     """Return the rows of parity in which PhysX goes its own way, each with its share.
 
-    Friction is of two directions. As shipped a spin is damped, and all of a fast one clamped away;
-    a rate of damping, 1/s, is known to the round-off of a velocity over the timestep, s.
+    Friction is of two directions, and a mesh has no points between its corners. As shipped a spin
+    is damped, and all of a fast one clamped away; a rate of damping, 1/s, is known to the round-off
+    of a velocity over the timestep, s.
     """
     rows = dict.fromkeys(FRICTIONS, TWO_DIRECTIONS)
+    mesh: Mesh | None = chosen[MESH_SETTING.name]  # type: ignore[assignment] # as it was checked
+    if mesh is not None or not chosen[CUSTOM_GEOMETRY]:
+        hull = prism(_SIDES) if mesh is None else mesh
+        gap = outline_gap(hull) if len(hull) <= 3 * _KEPT else 1.0
+        rows |= rim_within(case.scene.can, gap * case.scene.can.radius)
     if case.profile == "default":
         known = _ROUNDINGS * Precision.SINGLE.epsilon / timestep
         damping = float(chosen["angularDamping"])  # type: ignore[arg-type] # a number
         rows |= {"angular damping": damping + known, "linear damping": known, "spin kept": 1.0}
     return rows
 
+
+_SEPARATING = ("collisionSystem", "SAT")
+_SHIPPED_OFFSET = ("contactOffset", 0.02)
+_CONVEX_MESH = (CUSTOM_GEOMETRY, False)
+
+COLLIDERS = (
+    Variant(name="cylinder"),
+    Variant(name="cylinder, contact offset 20 mm", settings=(_SHIPPED_OFFSET,)),
+    Variant(name="cylinder, SAT", settings=(_SEPARATING,)),
+    Variant(name="convex mesh of 30 sides", settings=(_CONVEX_MESH,)),
+    Variant(
+        name="convex mesh of 30 sides, contact offset 20 mm",
+        settings=(_CONVEX_MESH, _SHIPPED_OFFSET),
+    ),
+    Variant(name="convex mesh of 30 sides, SAT", settings=(_CONVEX_MESH, _SEPARATING)),
+)
+MESH_COLLIDERS = (
+    Variant(name="convex hull"),
+    Variant(name="convex hull, SAT", settings=(_SEPARATING,)),
+)
 
 VARIANTS = (
     *COMMON,

@@ -2,10 +2,11 @@
 
 Numbers are of single precision. PhysX keeps contacts and anchors of friction from step to step:
 where the can is placed it is first lifted out of reach for a step, so that nothing is kept. The
-distance of the can from the plane is asked for in a step of no length with a contact offset as
-large as the can, after which the can is placed again where it was.
+contact points are asked for in a step of no length, and the distance of the can from the plane in
+one with a contact offset as large as the can, after which the can is placed again where it was.
 """
 
+import gc
 import math
 import tempfile
 import warnings
@@ -22,117 +23,15 @@ import ovstage
 from numpy.typing import NDArray
 from ovphysx.types import TensorType
 
-from harness.engines import Case, Contact, Floats, Value, declared_friction
+from harness.engines import Case, Collision, Contact, Floats, HarnessError, Value
+from harness.engines.physx.settings import CUSTOM_GEOMETRY
+from harness.engines.physx.stage import ALOFT, stage_text
 from models import Pose, Twist
-from models.gravity import gravity_vector
-from models.mass import body as body_of
 
 _MOST_CONTACTS = 64
-_ALOFT = 100.0
-"""Sizes of the can: out of reach of the plane."""
 
 _NO_TIME = 1e-9
 """s: the shortest step, in which contacts are found and nothing moves by what can be told."""
-
-_USD = """#usda 1.0
-(
-    defaultPrim = "World"
-    metersPerUnit = 1
-    upAxis = "Z"
-)
-def Xform "World"
-{{
-    def PhysicsScene "Scene" (prepend apiSchemas = ["PhysxSceneAPI"])
-    {{
-        vector3f physics:gravityDirection = ({down[0]!r}, {down[1]!r}, {down[2]!r})
-        float physics:gravityMagnitude = {gravity!r}
-        bool physxScene:enableGPUDynamics = false
-        uniform token physxScene:broadphaseType = "MBP"
-        uniform token physxScene:solverType = "{solverType}"
-        uniform token physxScene:collisionSystem = "{collisionSystem}"
-        bool physxScene:enableExternalForcesEveryIteration = {enableExternalForcesEveryIteration:d}
-        bool physxScene:enableEnhancedDeterminism = 1
-        uniform bool physxScene:disableSleeping = {disableSleeping:d}
-        float physxScene:bounceThreshold = 0
-        float physxScene:frictionOffsetThreshold = {frictionOffsetThreshold!r}
-        float physxScene:frictionCorrelationDistance = {frictionCorrelationDistance!r}
-    }}
-    def Material "Material" (prepend apiSchemas = ["PhysicsMaterialAPI", "PhysxMaterialAPI"])
-    {{
-        float physics:staticFriction = {mu!r}
-        float physics:dynamicFriction = {mu!r}
-        float physics:restitution = 0
-    }}
-    def Plane "Ground" (
-        prepend apiSchemas = ["PhysicsCollisionAPI", "PhysxCollisionAPI", "MaterialBindingAPI"]
-    )
-    {{
-        uniform token axis = "Z"
-        rel material:binding:physics = </World/Material>
-        float physxCollision:contactOffset = {contactOffset!r}
-        float physxCollision:restOffset = 0
-    }}
-    def Cylinder "Can" (
-        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysxRigidBodyAPI", "PhysicsCollisionAPI",
-            "PhysxCollisionAPI", "PhysicsMassAPI", "PhysxContactReportAPI", "MaterialBindingAPI"]
-    )
-    {{
-        uniform token axis = "Z"
-        double radius = {radius!r}
-        double height = {height!r}
-        rel material:binding:physics = </World/Material>
-        float physics:mass = {mass!r}
-        float3 physics:diagonalInertia = ({moments[0]!r}, {moments[1]!r}, {moments[2]!r})
-        quatf physics:principalAxes = (1, 0, 0, 0)
-        point3f physics:centerOfMass = (0, 0, 0)
-        float physxRigidBody:linearDamping = {linearDamping!r}
-        float physxRigidBody:angularDamping = {angularDamping!r}
-        float physxRigidBody:maxAngularVelocity = {maxAngularVelocity!r}
-        float physxRigidBody:maxDepenetrationVelocity = {maxDepenetrationVelocity!r}
-        float physxRigidBody:cfmScale = {cfmScale!r}
-        bool physxRigidBody:enableGyroscopicForces = {enableGyroscopicForces:d}
-        int physxRigidBody:solverPositionIterationCount = {solverPositionIterationCount}
-        int physxRigidBody:solverVelocityIterationCount = {solverVelocityIterationCount}
-        float physxCollision:contactOffset = {contactOffset!r}
-        float physxCollision:restOffset = 0
-        float physxContactReport:threshold = 0
-        double3 xformOp:translate = (0, 0, {aloft!r})
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-    }}
-}}
-"""
-
-
-def stage_text(case: Case, chosen: Mapping[str, Value]) -> str:
-    """Return the can and the plane of a case as a stage of USD.
-
-    Parameters
-    ----------
-    case : Case
-    chosen : mapping of str to Value
-        Every setting in force.
-    """
-    scene, effects, can = case.scene, case.scene.effects, case.scene.can
-    gravity = gravity_vector(scene)
-    size = float(np.linalg.norm(gravity))
-    down = gravity / size if size > 0.0 else np.array((0.0, 0.0, -1.0))
-    values = dict(chosen) | {"linearDamping": 0.0}
-    if effects.damping is not None:
-        values |= {
-            "linearDamping": effects.damping.linear,
-            "angularDamping": effects.damping.angular,
-        }
-    return _USD.format(
-        **values,
-        down=down.tolist(),
-        gravity=size,
-        mu=declared_friction(scene),
-        radius=can.radius,
-        height=2.0 * can.half_height,
-        mass=can.mass,
-        moments=np.diagonal(body_of(scene).inertia).tolist(),
-        aloft=_ALOFT * can.bounding_radius,
-    )
 
 
 @cache
@@ -146,6 +45,36 @@ def _prepare() -> None:
         for module in ("PhysxSchema", "OmniUsdPhysicsDeformableSchema")
     ]
     ovstage.population.register_usd_schemas([*map(str, folders), str(ovphysx.newton_schema_root())])
+
+
+class OpenWorldError(HarnessError, RuntimeError):
+    """A world is open whose cylinders are of the other kind: PhysX has one kind in a process."""
+
+    def __str__(self) -> str:
+        """Say how both kinds are had."""
+        return (
+            f"PhysX keeps {CUSTOM_GEOMETRY} for a whole process while a stage is attached, and a "
+            "world with another value is open; close that first, or run the two in processes of "
+            "their own"
+        )
+
+
+def _choose_cylinder(custom: Value) -> None:
+    """Choose what a cylinder is in every stage that is attached from now on.
+
+    Raises
+    ------
+    OpenWorldError
+        While a world is open that has the other.
+    """
+    key = getattr(ovphysx.GlobalConfigKey, CUSTOM_GEOMETRY)
+    if ovphysx.get_global_config(key) == custom:
+        return
+    gc.collect()  # of worlds that nobody can reach any more
+    try:
+        ovphysx.set_global_config(key, custom)
+    except RuntimeError as error:
+        raise OpenWorldError from error
 
 
 def _close(physx: Any, stage: Any, bindings: list[Any]) -> None:  # noqa: ANN401 - has no types
@@ -193,6 +122,7 @@ class PhysxWorld:
 
     def __init__(self, case: Case, chosen: Mapping[str, Value], timestep: float) -> None:
         _prepare()
+        _choose_cylinder(chosen[CUSTOM_GEOMETRY])
         self._size = case.scene.can.bounding_radius
         self._timestep = timestep
         self.physx = ovphysx.PhysX()
@@ -250,7 +180,7 @@ class PhysxWorld:
         )
 
     def _place(self, pose: NDArray[np.float32], velocity: NDArray[np.float32]) -> None:
-        aloft = np.array([[0.0, 0.0, _ALOFT * self._size, 0.0, 0.0, 0.0, 1.0]], np.float32)
+        aloft = np.array([[0.0, 0.0, ALOFT * self._size, 0.0, 0.0, 0.0, 1.0]], np.float32)
         for where, how in ((aloft, np.zeros_like(velocity)), (pose, velocity)):
             self._pose.binding.write(where)
             self._velocity.binding.write(how)
@@ -301,11 +231,16 @@ class PhysxWorld:
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
-        pose, velocity = self._pose.read().copy(), self._velocity.read().copy()
         self._reach.binding.write(np.full_like(self._offset, self._size))
+        depths = self.collision().depths
+        self._reach.binding.write(self._offset)
+        return -float(depths.max()) if len(depths) else math.inf
+
+    def collision(self) -> Collision:
+        """Return the points that are found where the can is, which stays there."""
+        pose, velocity = self._pose.read().copy(), self._velocity.read().copy()
         self._place(pose, np.zeros_like(velocity))
         self.physx.step_sync(_NO_TIME)
-        *_, gaps = self._touching()
-        self._reach.binding.write(self._offset)
+        _, points, normals, gaps = self._touching()
         self._place(pose, velocity)
-        return float(gaps.min()) if len(gaps) else math.inf
+        return Collision(points=points, normals=normals, depths=-gaps)

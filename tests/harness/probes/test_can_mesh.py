@@ -212,10 +212,11 @@ def test_a_finer_mesh_is_nearer_to_the_rim(name: str) -> None:
     [
         ("mujoco", "matched"),
         pytest.param("pybullet", "default", marks=pytest.mark.engine("pybullet")),
+        pytest.param("physx", "matched", marks=pytest.mark.engine("physx")),
     ],
 )
 def test_a_mesh_can_be_rolled(rockingcan: Command, name: str, profile: str) -> None:
-    points = ",".join(map(repr, prism(48)))
+    points = ",".join(map(repr, prism(24)))
     run = ("run", "gentle-rock", "--engine", name, "--profile", profile, "--timestep", "0.001")
     rolled = rockingcan(*run, "--set", f"{MESH_SETTING.name}={points}", "--json")
     assert rolled.code == 0, rolled.err
