@@ -37,6 +37,8 @@ class NewtonEngine(PhysicsEngine[NewtonWorld]):
     matched_timestep = declared.MATCHED_TIMESTEP
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
+    colliders = declared.COLLIDERS
+    mesh_colliders = declared.MESH_COLLIDERS
     variants = declared.VARIANTS
     capabilities = Capabilities(
         honours=frozenset({"slip", "tilt"}),

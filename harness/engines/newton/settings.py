@@ -14,15 +14,20 @@ import numpy as np
 from harness.engines import (
     COMMON,
     ETA_SETTING,
+    MESH_SETTING,
     SMALLEST_TILT,
     TIMESTEP,
     Case,
+    Mesh,
     ModelDifference,
     Precision,
     Setting,
     SolverEffort,
     Value,
     Variant,
+    outline_gap,
+    prism,
+    rim_within,
 )
 from models.gravity import gravity_vector
 
@@ -30,6 +35,12 @@ DEFAULT_TIMESTEP = 1.0 / 600.0
 """s: a sixtieth of a second in ten substeps, as its examples take it."""
 
 MATCHED_TIMESTEP = 1e-4
+
+SHAPE, SIDES = "add_shape", 32
+"""The setting of the shape, and the sides of the prism that is a mesh."""
+
+CYLINDER, CONVEX_HULL, MESH = "add_shape_cylinder", "add_shape_convex_hull", "add_shape_mesh"
+"""Methods of the builder of a model, one for each kind of shape."""
 
 STEEL, XPBD = "SolverSteel", "SolverXPBD"
 
@@ -87,6 +98,13 @@ SETTINGS = (
         0.0,
         "SolverSteel, 1/s: share of the spin that is lost.",
     ),
+    Setting.as_shipped(
+        SHAPE,
+        CYLINDER,
+        "Shape of the can: its cylinder, or a prism of 32 sides as a hull or a mesh.",
+        choices=(CYLINDER, CONVEX_HULL, MESH),
+    ),
+    MESH_SETTING,
     Setting("gap", 0.1, 1e-3, "m: distance at which a contact is found.", positive=True),
     ETA_SETTING,
 )
@@ -101,12 +119,18 @@ _RIM, _VELOCITY = 10.0, 16.0
 def imposed_in(case: Case, chosen: Mapping[str, Value], timestep: float) -> dict[str, float]:
     """Return the rows of parity in which Newton goes its own way, each with its share.
 
-    Its formula of the rim's lowest point loses digits. As shipped Steel damps a spin, at a rate
+    Its formula of the rim's lowest point loses digits, and a mesh has no points between its
+    corners. As shipped Steel damps a spin, at a rate
     that is known to the round-off of a velocity over the timestep, s; of XPBD nothing falls from
     rest by steps in which gravity adds less than `SLOWEST`.
     """
     epsilon = Precision.SINGLE.epsilon
     rows = {"rim deviation": _RIM * epsilon / SMALLEST_TILT}
+    mesh: Mesh | None = chosen[MESH_SETTING.name]  # type: ignore[assignment] # as it was checked
+    if mesh is not None or chosen[SHAPE] != CYLINDER:
+        gap = outline_gap(mesh or prism(SIDES))
+        for row, share in rim_within(case.scene.can, gap * case.scene.can.radius).items():
+            rows[row] = rows.get(row, 0.0) + share
     if chosen["solver"] == XPBD:
         gained = float(np.linalg.norm(gravity_vector(case.scene))) * timestep
         still = ("gravity", "gravity along x", "gravity along y") if gained < SLOWEST else ()
@@ -117,6 +141,16 @@ def imposed_in(case: Case, chosen: Mapping[str, Value], timestep: float) -> dict
         rows["spin kept"] = 1.0  # of 1e4 rad/s: half of it in steps of 100 radians
     return rows
 
+
+COLLIDERS = (
+    Variant(name="cylinder"),
+    Variant(name="convex hull of 32 sides", settings=((SHAPE, CONVEX_HULL),)),
+    Variant(name="mesh of 32 sides", settings=((SHAPE, MESH),)),
+)
+MESH_COLLIDERS = (
+    Variant(name="convex hull", settings=((SHAPE, CONVEX_HULL),)),
+    Variant(name="mesh", settings=((SHAPE, MESH),)),
+)
 
 VARIANTS = (
     *COMMON,

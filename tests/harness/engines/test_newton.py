@@ -1,6 +1,7 @@
 """Newton: its two solvers, single precision, what it ships with, and settings to paste."""
 
 import inspect
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,9 +11,11 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case, Value
+from harness.engines.can_mesh import prism
 from harness.engines.description import Precision
+from harness.engines.probes.rim_contact import Stance, collision
 from harness.engines.registry import export_settings
-from harness.engines.stepping.settling import above_origin, moving
+from harness.engines.stepping.settling import AT_REST, above_origin, moving
 from models import Scene, contact_point
 from tests.support.engines import stepping_engine
 from tests.support.evaluations import stepped, turn_error
@@ -145,3 +148,58 @@ def test_what_is_pasted_makes_the_solver_of_the_case(
     assert names["timestep"] == 2.0**-12
     chosen = stepping_engine("newton").resolve(case)
     assert names["model"].shape_gap.numpy() == pytest.approx(chosen["gap"])
+
+
+HULL, MESH = "add_shape_convex_hull", "add_shape_mesh"
+
+_DEEP = 3e-4
+"""m: deeper than a side of the coarsest mesh below is short of the rim."""
+
+
+@pytest.mark.parametrize(
+    ("options", "sides", "round_"),
+    [
+        ({}, 32, True),
+        ({"add_shape": HULL}, 32, False),
+        ({"add_shape": MESH}, 32, False),
+        ({"add_shape": HULL, "mesh": prism(24)}, 24, False),
+        ({"add_shape": MESH, "mesh": prism(100)}, 100, False),
+    ],
+    ids=["cylinder", "hull", "mesh", "hull of 24", "mesh of 100"],
+)
+def test_a_mesh_has_its_corners_on_the_rim_and_its_sides_within(
+    gentle: Scene, options: dict[str, Value], sides: int, *, round_: bool
+) -> None:
+    world = stepping_engine("newton").open(case_of(gentle, None, **options))
+    found, distances = [], []
+    for spin in (0.0, math.pi / sides):  # a corner lowest, and the middle of a side
+        stance = Stance(tilt=0.5, heading=0.0, spin=spin, upside_down=False, depth=_DEEP)
+        world.place(stance.put(gentle.can)[0], AT_REST)
+        found.append(float(collision(world).depths.max()))
+        distances.append(world.signed_distance())
+    within = gentle.can.radius * (1.0 - math.cos(math.pi / sides)) * math.sin(0.5)
+    expected = [_DEEP, _DEEP - (0.0 if round_ else within)]
+    known = 2e-7  # m: heights of 0.1 m to 1e-8 m, and the search of a hull ends before that
+    assert found == pytest.approx(expected, abs=known)
+    # a hull is sought within a gap of 20 m
+    assert [-each for each in distances] == pytest.approx(expected, abs=1e-5)
+
+
+def test_what_is_found_far_off_is_no_contact_point(gentle: Scene) -> None:
+    # a world asked with a gap of metres tells points where the can does not reach
+    for shape in ("add_shape_cylinder", HULL, MESH):
+        world = stepping_engine("newton").open(case_of(gentle, None, add_shape=shape))
+        stance = Stance(tilt=0.5, heading=0.0, spin=0.0, upside_down=False, depth=-0.1)
+        world.place(stance.put(gentle.can)[0], AT_REST)
+        assert len(collision(world).depths) == 0
+        assert world.signed_distance() == pytest.approx(0.1, abs=1e-5)
+
+
+@pytest.mark.parametrize("shape", [HULL, MESH])
+def test_the_parity_of_a_mesh_is_declared(gentle: Scene, shape: str) -> None:
+    case = case_of(gentle, 1e-4, add_shape=shape)
+    rows = {row.quantity: row for row in stepping_engine("newton").parity(case)}
+    assert {row.verdict for row in rows.values()} == {"equal", "imposed"}
+    declared = stepping_engine("newton").imposed_in(case)
+    assert {name for name, row in rows.items() if row.verdict == "imposed"} <= declared.keys()
+    assert rows["rim deviation"].verdict == "imposed"

@@ -213,6 +213,7 @@ def test_a_finer_mesh_is_nearer_to_the_rim(name: str) -> None:
         ("mujoco", "matched"),
         pytest.param("pybullet", "default", marks=pytest.mark.engine("pybullet")),
         pytest.param("physx", "matched", marks=pytest.mark.engine("physx")),
+        pytest.param("newton", "matched", marks=pytest.mark.engine("newton")),
     ],
 )
 def test_a_mesh_can_be_rolled(rockingcan: Command, name: str, profile: str) -> None:
