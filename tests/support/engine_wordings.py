@@ -8,8 +8,13 @@ from harness.engines.make_environment import UnmadeEnvironmentError
 from harness.engines.new_environment import UnknownEnvironmentError
 from harness.engines.remote import BrokenEnvironmentError, OtherProgramError, WorldElsewhereError
 from harness.execution.dask_cluster import NoEnvironmentError
+from harness.studies.comparison.rim import NoMeshError
 
 OF_ENGINES: list[tuple[Exception, str]] = [
+    (
+        NoMeshError("e"),
+        "engine 'e' takes no mesh: engines with a setting 'mesh' do (see: rockingcan engines NAME)",
+    ),
     (
         EngineContractError("e", "one case", "it returned str"),
         (
