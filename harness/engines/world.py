@@ -43,7 +43,7 @@ class Collision:
     normals : ndarray, shape (n, 3)
         Unit vectors towards the can; NaN where they are not told.
     depths : ndarray, shape (n,)
-        m; negative of a point above the ground.
+        m; negative of a point above the ground; NaN where they are not told.
     """
 
     points: Floats

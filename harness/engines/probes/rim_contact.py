@@ -78,7 +78,7 @@ class Answer:
         Horizontal distance from the deepest of them to the lowest point of the rim, m; NaN without
         any.
     depth_error : float
-        Of the deepest, m.
+        Of the deepest, m; NaN where depths are not told.
     normal_error : float
         Angle to the vertical, rad; NaN where normals are not told.
     """
@@ -119,7 +119,7 @@ def ask(world: World, can: Can, stance: Stance) -> Answer:
     world.place(pose, AT_REST)
     found = collision(world)
     # some colliders tell of points above the ground; numbers that break are no contact
-    touching = (found.depths > 0.0) & np.isfinite(found.points).all(axis=1)
+    touching = ~(found.depths <= 0.0) & np.isfinite(found.points).all(axis=1)
     points, normals, depths = (
         each[touching] for each in (found.points, found.normals, found.depths)
     )
@@ -128,7 +128,8 @@ def ask(world: World, can: Can, stance: Stance) -> Answer:
     off = np.hypot(*(points - lowest)[:, :2].T)
     if math.isclose(stance.tilt, _LYING):  # it touches along a line
         off = _off_line(points, lowest, can, stance)
-    deepest = depths >= depths.max() - _TIED * can.bounding_radius
+    known = np.where(np.isnan(depths), math.inf, depths)
+    deepest = known >= known.max() - _TIED * can.bounding_radius
     chosen = int(np.argmin(np.where(deepest, off, math.inf)))
     x, y, z = normals[chosen].tolist()
     return Answer(

@@ -16,7 +16,10 @@ MIDDLE_BELOW = 4.472136e-4
 FOUR_BELOW = 1.25e-6
 """rad."""
 
-COLLIDERS = ("exact", "middle", "four", "ends", "polygon", "sinking", "leaning", "broken", "small")
+COLLIDERS = (
+    *("exact", "middle", "four", "ends", "polygon", "sinking", "leaning", "broken", "small"),
+    "surface",
+)
 
 _ENDS, _SMALL = 100.0, 1e-2  # m
 
@@ -59,7 +62,11 @@ class RimWorld:
         normal = (1e-2, 0.0, 1.0) if self._kind == "leaning" else (0.0, 0.0, 1.0)
         normals = np.tile(normal, (len(points), 1))
         deeper = 2e-3 * self._can.radius if self._kind == "sinking" else 0.0
-        return Collision(points=points, normals=normals, depths=deeper - points[:, 2])
+        depths = deeper - points[:, 2]
+        if self._kind == "surface":  # has no depth, and is there where it touches
+            points, normals = points[depths > 0.0], normals[depths > 0.0]
+            depths = np.full(len(points), np.nan)
+        return Collision(points=points, normals=normals, depths=depths)
 
     def _candidates(self) -> list[Floats]:
         level = np.append(self._axis[:2], 0.0)

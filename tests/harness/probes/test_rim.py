@@ -91,6 +91,15 @@ def test_a_normal_that_leans_is_found(findings: Survey) -> None:
     assert leaning.sentence == "at every tilt the normal leans by 0.01 rad"
 
 
+def test_a_depth_that_is_not_told_is_a_contact_without_an_error(
+    findings: Survey, gentle: Scene
+) -> None:
+    assert findings("surface") == ()
+    stance = Stance(tilt=0.3, heading=1.0, spin=1.0, upside_down=False, depth=1e-6)
+    answer = ask(RimWorld(gentle.can, "surface"), gentle.can, stance)  # type: ignore[arg-type] # no more is asked of it
+    assert (answer.count, math.isnan(answer.depth_error)) == (1, True)
+
+
 def test_numbers_that_break_are_no_contact(findings: Survey) -> None:
     (broken,) = findings("broken")
     assert broken.sentence.startswith("at every tilt no contact is found")
