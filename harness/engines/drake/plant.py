@@ -12,7 +12,15 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import Value as AbstractValue
-from pydrake.geometry import AddContactMaterial, Box, Cylinder, HalfSpace, ProximityProperties
+from pydrake.geometry import (
+    AddCompliantHydroelasticProperties,
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
+    Box,
+    Cylinder,
+    HalfSpace,
+    ProximityProperties,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
@@ -24,7 +32,7 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
-from harness.engines import Collision, Contact, Floats, Value, declared_friction
+from harness.engines import Collision, Contact, Floats, Value, contact_of, declared_friction
 from harness.engines.drake.settings import side_of
 from models import Pose, Scene, Twist
 from models.gravity import gravity_vector
@@ -53,6 +61,9 @@ class CanPlant:
         dissipation the mean, its relaxation time twice `relaxation_time`.
     ground : str
         "HalfSpace" or "Box".
+    compliant : mapping of str to Value, optional
+        `hydroelastic_modulus` (Pa) and `resolution_hint` (m) of the can, which then touches by a
+        surface, and the ground is rigid; else it touches at points.
     pushed : bool
         Whether a force is to be applied to the can in each step.
     """
@@ -64,12 +75,13 @@ class CanPlant:
         material: Mapping[str, Value],
         ground: str,
         *,
+        compliant: Mapping[str, Value] | None = None,
         pushed: bool = False,
     ) -> None:
         builder, solid = DiagramBuilder(), body_of(scene)
         self.plant, _ = AddMultibodyPlant(
             MultibodyPlantConfig(
-                contact_model="point",
+                contact_model="point" if compliant is None else "hydroelastic",
                 # else contacts are those of the last step that a simulator took
                 use_sampled_output_ports=False,
                 **config,
@@ -102,6 +114,11 @@ class CanPlant:
             if "relaxation_time" in material:
                 relaxation = material["relaxation_time"]
                 properties.AddProperty("material", "relaxation_time", relaxation)
+            if compliant is not None and body is world:
+                AddRigidHydroelasticProperties(properties)
+            elif compliant is not None:
+                hint, modulus = compliant["resolution_hint"], compliant["hydroelastic_modulus"]
+                AddCompliantHydroelasticProperties(hint, modulus, properties)
             self.plant.RegisterCollisionGeometry(body, place, shape, name, properties)
         self.plant.mutable_gravity_field().set_gravity_vector(gravity_vector(scene))
         self.plant.Finalize()
@@ -110,9 +127,10 @@ class CanPlant:
         self.diagram = builder.Build()
         self.root = self.diagram.CreateDefaultContext()
         self.context = self.plant.GetMyMutableContextFromRoot(self.root)
+        self._representation = self.plant.get_contact_surface_representation()
         self._query = self.plant.get_geometry_query_input_port()
         self._contacts = self.plant.get_contact_results_output_port()
-        self._deepest = scene.can.radius
+        self._deepest, self._by_surfaces = scene.can.radius, compliant is not None
         if pushed:
             self.push(np.zeros(3), np.zeros(3), solid.centre)
 
@@ -142,6 +160,8 @@ class CanPlant:
     def contact(self) -> Contact:
         """Return the contact that is solved at this state."""
         results: Any = self._contacts.Eval(self.context)
+        if self._by_surfaces:
+            return self._contact_by_surfaces(results)
         force, moment, total, bearing, depth = np.zeros(3), np.zeros(3), 0.0, 0, -math.inf
         for index in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(index)
@@ -159,8 +179,36 @@ class CanPlant:
             count=bearing,
         )
 
+    def _contact_by_surfaces(self, results: Any) -> Contact:  # noqa: ANN401 - as in `_penetration`
+        """Return the pressure on a surface as its resultant, at the centre of pressure.
+
+        A surface has no depth: it is that of the cylinder which the mesh stands for.
+        """
+        forces, centres = [], []
+        for index in range(results.num_hydroelastic_contacts()):
+            info = results.hydroelastic_contact_info(index)
+            own, moment = info.F_Ac_W().translational(), info.F_Ac_W().rotational()
+            own, moment = (own, moment) if own[2] >= 0.0 else (-own, -moment)
+            if own[2] > 0.0:
+                forces.append(own)
+                away = np.array((-moment[1], moment[0], 0.0)) / own[2]
+                centres.append(info.contact_surface().centroid() + away)
+        depth = max((pair.depth for pair in self._penetration()), default=math.nan)
+        return contact_of(np.array(centres).reshape(-1, 3), np.array(forces).reshape(-1, 3), depth)
+
     def collision(self) -> Collision:
-        """Return the overlapping points, from the middle between the two surfaces."""
+        """Return the overlapping points, from the middle between the two surfaces.
+
+        A surface of hydroelastic contact is told by its centroid and its mean normal.
+        """
+        if self._by_surfaces:
+            query, representation = self._query.Eval(self.context), self._representation
+            surfaces = query.ComputeContactSurfaces(representation)
+            return Collision(
+                points=np.array([each.centroid() for each in surfaces]).reshape(-1, 3),
+                normals=np.array([_mean_normal(each) for each in surfaces]).reshape(-1, 3),
+                depths=np.full(len(surfaces), math.nan),
+            )
         pairs = self._penetration()
         normals = np.array([pair.nhat_BA_W for pair in pairs]).reshape(-1, 3)
         middles = [(pair.p_WCa + pair.p_WCb) / 2.0 for pair in pairs]
@@ -193,6 +241,15 @@ class CanPlant:
     def _penetration(self) -> Any:  # noqa: ANN401 - types are the same without the package
         """Return the overlapping pairs of geometries."""
         return self._query.Eval(self.context).ComputePointPairPenetration()
+
+
+def _mean_normal(surface: Any) -> Floats:  # noqa: ANN401 - as in `_penetration`
+    """Return the mean upward normal of a surface of contact, shape (3,); NaN without an area."""
+    faces = range(surface.num_faces())
+    total = sum((surface.area(f) * surface.face_normal(f) for f in faces), np.zeros(3))
+    length = math.copysign(math.hypot(*total.tolist()), total[2])
+    normal: Floats = total / length if length else np.full(3, math.nan)
+    return normal
 
 
 class PlantWorld:

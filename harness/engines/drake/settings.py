@@ -14,6 +14,9 @@ by a ten thousandth of its radius. What is springy takes SAP, whose spring and d
 A setting has the name of the field of `MultibodyPlantConfig`, or of the property in the group
 `material` of a geometry, of which the can and the ground have the same. `ground` is the shape.
 
+Hydroelastic contact is a pressure over the surface in which a compliant can, a mesh, meets a rigid
+ground: `compliance_type` is the can's. As shipped no geometry has one, and the contact is a point.
+
 The differences between Drake as shipped and matched are in the order in which they are removed: the
 geometry of the contact, its law, the timestep last.
 """
@@ -62,6 +65,27 @@ GROUND = Setting(
     "Shape of the ground; on a half-space a can that is nearly flat touches in its middle.",
     choices=("HalfSpace", "Box"),
 )
+COMPLIANT = "compliant"
+HYDROELASTIC = (
+    Setting.as_shipped(
+        "compliance_type",
+        "undefined",
+        "Of the can: `compliant` is hydroelastic contact, by a surface, with a rigid ground.",
+        choices=("undefined", COMPLIANT),
+    ),
+    Setting.as_shipped(
+        "hydroelastic_modulus",
+        1e7,
+        "Pressure of hydroelastic contact at the axis of the can, Pa; none at its surface.",
+        positive=True,
+    ),
+    Setting.as_shipped(
+        "resolution_hint",
+        0.02,
+        "Longest side of the polygon that is the can in hydroelastic contact, m.",
+        positive=True,
+    ),
+)
 STICTION = Setting.as_shipped(
     "stiction_tolerance",
     1e-4,
@@ -103,8 +127,15 @@ SETTINGS = (
         "Damping over stiffness of each geometry under SAP, s; that of the contact is twice it.",
     ),
     GROUND,
+    *HYDROELASTIC,
     ETA_SETTING,
 )
+
+
+def is_hydroelastic(chosen: Mapping[str, Value]) -> bool:
+    """Whether the can touches by a surface; of an engine without the setting, by a point."""
+    return chosen.get("compliance_type") == COMPLIANT
+
 
 _SUNK = 1e-4
 """Of the radius: how deep a can at rest sinks where it is to slide."""
@@ -135,13 +166,15 @@ def for_effects(case: Case) -> Mapping[str, Value]:
 
 
 _PASTE = """\
-from pydrake.geometry import AddContactMaterial, Box, Cylinder, HalfSpace, ProximityProperties
+from pydrake.geometry import AddCompliantHydroelasticProperties, AddContactMaterial
+from pydrake.geometry import AddRigidHydroelasticProperties, ProximityProperties
+from pydrake.geometry import Box, Cylinder, HalfSpace
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
 from pydrake.systems.framework import DiagramBuilder
 
 builder = DiagramBuilder()
-config = MultibodyPlantConfig(contact_model="point", {config})
+config = MultibodyPlantConfig(contact_model={model!r}, {config})
 plant, scene_graph = AddMultibodyPlant(config, builder)
 
 def material():
@@ -156,10 +189,16 @@ def material():
 {relaxation}    return properties
 
 {ground}
-plant.RegisterCollisionGeometry(plant.world_body(), place, ground, "ground", material())
+of_ground, of_can, world = material(), material(), plant.world_body()
+{hydroelastic}plant.RegisterCollisionGeometry(world, place, ground, "ground", of_ground)
 # of a body `can` whose frame is at its centre, the third axis along the can's:
 # shape = Cylinder({radius!r}, {height!r})
-# plant.RegisterCollisionGeometry(can, RigidTransform(), shape, "can", material())
+# plant.RegisterCollisionGeometry(can, RigidTransform(), shape, "can", of_can)
+"""
+
+_HYDROELASTIC = """\
+AddRigidHydroelasticProperties(of_ground)
+AddCompliantHydroelasticProperties({resolution_hint!r}, {hydroelastic_modulus!r}, of_can)
 """
 
 _GROUNDS = {
@@ -185,7 +224,10 @@ def as_python(case: Case, chosen: Mapping[str, Value], config: Mapping[str, Valu
     if "relaxation_time" in chosen:
         time = chosen["relaxation_time"]
         relaxation = f'    properties.AddProperty("material", "relaxation_time", {time!r})\n'
+    compliant = is_hydroelastic(chosen)
     return _PASTE.format(
+        model="hydroelastic" if compliant else "point",
+        hydroelastic=_HYDROELASTIC.format(**chosen) if compliant else "",
         config=", ".join(f"{name}={value!r}" for name, value in config.items()),
         dissipation=chosen["hunt_crossley_dissipation"],
         stiffness=chosen["point_stiffness"],
@@ -202,10 +244,20 @@ SHIPPED_LAW = (
     ("hunt_crossley_dissipation", 50.0),
 )
 
-COLLIDERS = (
+_HALF_SPACE = ("ground", "HalfSpace")
+_SURFACE = ("compliance_type", COMPLIANT)
+
+POINTS = (
     Variant(name="box of 60 m"),
-    Variant(name="half-space", settings=(("ground", "HalfSpace"),)),
+    Variant(name="half-space", settings=(_HALF_SPACE,)),
 )
+COLLIDERS = (
+    *POINTS,
+    Variant(name="hydroelastic", settings=(_SURFACE,)),
+    Variant(name="hydroelastic, half-space", settings=(_SURFACE, _HALF_SPACE)),
+    Variant(name="hydroelastic, sides of 2 mm", settings=(_SURFACE, ("resolution_hint", 2e-3))),
+)
+"""Where the can touches at points, and by surfaces."""
 
 VARIANTS = (
     *COMMON,

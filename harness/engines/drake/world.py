@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.engines import Case, Contact, Value, contact_of
 from harness.engines.drake.plant import CanPlant, PlantWorld, state_of, unit
-from harness.engines.drake.settings import OF_A_GEOMETRY, OF_THE_PLANT
+from harness.engines.drake.settings import OF_A_GEOMETRY, OF_THE_PLANT, is_hydroelastic
 from models import Pose, Twist, to_body
 from models.gravity import shaking
 from models.mass import body as body_of
@@ -56,6 +56,7 @@ class DrakeWorld(PlantWorld):
                 },
                 {name: chosen[name] for name in OF_A_GEOMETRY},
                 str(chosen["ground"]),
+                compliant=chosen if is_hydroelastic(chosen) else None,
                 pushed=self._pushed,
             )
         return self._plants[timestep]

@@ -9,11 +9,23 @@ import pytest
 
 from harness.core.case import Case, Value
 from harness.core.simulation import Outcome
+from harness.engines.base import features_of
 from harness.engines.parity.checks import parity
 from harness.engines.parity.contact import Stand
+from harness.engines.probes.rim_contact import Stance, answers, turns
 from harness.engines.registry import engine, export_settings, not_installed, variants
 from harness.engines.stepping.settling import X, lowered, moving, touching_pose
-from models import Effects, InvalidValueError, PointMass, Release, Scene, Slip, load, quaternion
+from models import (
+    Effects,
+    InvalidValueError,
+    PointMass,
+    Release,
+    Scene,
+    Slip,
+    load,
+    quaternion,
+    to_body,
+)
 from tests.support.engines import stepping_engine
 from tests.support.evaluations import turn_error
 
@@ -76,14 +88,21 @@ def test_what_it_ships_with_is_what_is_stated() -> None:
         "stiction_tolerance",
     ):
         assert getattr(plant, name) == stated[name]
-    for name in ("point_stiffness", "hunt_crossley_dissipation", "relaxation_time"):
+    for name in (
+        *("point_stiffness", "hunt_crossley_dissipation", "relaxation_time", "compliance_type"),
+        *("hydroelastic_modulus", "resolution_hint"),
+    ):
         assert getattr(material, name) == stated[name]
     shipped = Case(scene=load("gentle-rock"), engine="drake", profile="default")
     assert plant.time_step == engine("drake").timestep(shipped)
 
 
 @pytest.mark.parametrize(
-    "variant", () if "drake" in not_installed() else variants("drake"), ids=lambda each: each.name
+    "variant",
+    ()
+    if "drake" in not_installed()
+    else (*variants("drake"), *features_of(engine("drake")).colliders),
+    ids=lambda each: each.name,
 )
 def test_what_is_pasted_runs_and_means_the_case(variant: Any) -> None:
     case = replace(
@@ -98,10 +117,52 @@ def test_what_is_pasted_runs_and_means_the_case(variant: Any) -> None:
     for name in ("sap_near_rigid_threshold", "stiction_tolerance"):
         assert getattr(names["config"], name) == chosen[name]
     assert type(names["ground"]).__name__ == chosen["ground"]
+    by_surface = chosen["compliance_type"] == "compliant"
+    assert names["config"].contact_model == ("hydroelastic" if by_surface else "point")
+    if by_surface:
+        modulus = names["of_can"].GetProperty("hydroelastic", "hydroelastic_modulus")
+        assert modulus == chosen["hydroelastic_modulus"]
+        hint = names["of_can"].GetProperty("hydroelastic", "resolution_hint")
+        assert hint == chosen["resolution_hint"]
+        assert names["of_ground"].HasProperty("hydroelastic", "compliance_type")
     properties = names["material"]()
     for name in ("point_contact_stiffness", "hunt_crossley_dissipation", "relaxation_time"):
         setting = name.replace("_contact", "")
         assert properties.GetProperty("material", name) == chosen[setting]
+
+
+@pytest.mark.parametrize("tilt", [1e-4, 1e-2, 0.3])
+def test_the_force_of_a_surface_acts_at_its_centre_of_pressure(gentle: Scene, tilt: float) -> None:
+    timestep = 1e-6
+    case = case_of(gentle, timestep, compliance_type="compliant", resolution_hint=2e-3)
+    world, can = stepping_engine("drake").open(case), gentle.can
+    stance = Stance(tilt=tilt, heading=0.3, spin=1.3, upside_down=False, depth=1e-3 * can.radius)
+    pose, lowest = stance.put(can)
+    world.place(pose, moving())
+    world.step()
+    contact, turned = world.contact(), world.twist()
+    assert contact.count == 1
+    assert contact.penetration == pytest.approx(1e-3 * can.radius, rel=1e-9)
+    solved = 1e-6 * float(contact.force[2])  # SAP stops at a relative tolerance of 1e-6
+    gained = turned.velocity / timestep + gentle.gravity * np.array((0.0, 0.0, 1.0))
+    np.testing.assert_allclose(can.mass * gained, contact.force, atol=solved)
+    R_WB = to_body(pose.quaternion, np.eye(3))
+    inertia = R_WB @ np.diag(world.inertia) @ R_WB.T
+    moment = np.cross(contact.point - pose.position, contact.force)
+    level = (inertia @ turned.angular_velocity / timestep)[:2]  # a surface drills as well
+    np.testing.assert_allclose(level, moment[:2], atol=solved * can.radius)
+    assert np.hypot(*(contact.point - lowest)[:2]) < 1.1 * can.radius
+
+
+def test_a_finer_polygon_touches_where_a_coarse_one_is_above_the_ground(gentle: Scene) -> None:
+    def touches(hint: float) -> list[int]:
+        chosen: dict[str, Value] = {"compliance_type": "compliant", "resolution_hint": hint}
+        world = stepping_engine("drake").open(case_of(gentle, 1e-3, **chosen))
+        stances = turns(0.3, [1e-3 * gentle.can.radius])
+        return [answer.count for answer in answers(world, gentle.can, list(stances))]
+
+    assert 0 in touches(0.02)
+    assert set(touches(2e-3)) == {1}
 
 
 SLIPPERY = Effects(slip=Slip(mu=0.3))

@@ -187,6 +187,10 @@ def test_an_engine_without_contacts_is_refused(gentle: Scene, name: str, why: st
             *("drake", (("ground", "HalfSpace"),), MIDDLE_BELOW, 0.037),
             marks=pytest.mark.engine("drake"),
         ),
+        pytest.param(
+            *("drake", (("compliance_type", "compliant"),), math.pi / 2.0, 0.037),
+            marks=pytest.mark.engine("drake"),
+        ),
         pytest.param(*("ode", (), MIDDLE_BELOW, 0.018), marks=pytest.mark.engine("ode")),
     ],
 )

@@ -25,7 +25,7 @@ from harness.engines.drake.cenic import DESCRIPTION
 from harness.engines.drake.cenic import settings as declared
 from harness.engines.drake.cenic.world import CenicWorld, Steps
 from harness.engines.drake.plant import unit
-from harness.engines.drake.settings import COLLIDERS, as_python
+from harness.engines.drake.settings import POINTS, as_python
 
 _PASTE = """
 # of a simulator of the diagram that is built:
@@ -49,7 +49,7 @@ class CenicEngine(ErrorControlledEngine[CenicWorld]):
     settings = declared.SETTINGS
     model_differences = declared.MODEL_DIFFERENCES
     variants = declared.VARIANTS
-    colliders = COLLIDERS
+    colliders = POINTS
     capabilities = Capabilities(
         honours=frozenset({"slip", "tilt", "point_mass"}),
         imposes={
