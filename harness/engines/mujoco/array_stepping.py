@@ -9,6 +9,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from typing import TypeVar
 
+import mujoco
 import numpy as np
 
 from harness.engines import (
@@ -78,7 +79,14 @@ class ArrayWorld(CompiledScene):
         """Return the points where the can touches, and those above the plane, without a step."""
 
     def signed_distance(self) -> float:
-        """Return the signed distance from the collider of the can to the plane, m."""
+        """Return the signed distance from the collider of the can to the plane, m.
+
+        Of other shapes that do not overlap such an engine has no distance: it is MuJoCo's.
+        """
+        if self._shapes != declared.CYLINDER_ON_PLANE:
+            data = mujoco.MjData(self.model)
+            data.qpos[:] = self._state[:7]
+            return self.distance(data)
         return -float(self.collision().depths.max())
 
     def place(self, pose: Pose, twist: Twist) -> None:
@@ -193,7 +201,8 @@ class ArrayEngine(PhysicsEngine[W]):
         if precision is Precision.DOUBLE:
             return rows
         can, known = case.scene.can, _ROUNDINGS * precision.epsilon / SMALLEST_TILT
-        return rows | rim_within(can, known * can.bounding_radius)
+        rim = rim_within(can, known * can.bounding_radius)
+        return rows | {name: share + rows.get(name, 0.0) for name, share in rim.items()}
 
     def for_effects(self, case: Case, timestep: float) -> dict[str, Value]:
         """Return the settings that the effects of a scene decide."""

@@ -34,6 +34,7 @@ from harness.engines.mujoco.settings import (
     soft_solref,
     stages,
 )
+from models import Can
 from models.gravity import shaking
 from models.kinematics import to_world
 from models.mjcf_contact import friction_solref
@@ -43,12 +44,17 @@ from models.to_mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
 _RELEASE = Release(phi=1.0)
 """Release in the model file; every run places the can anew."""
 
+_FAR = 1.0
+"""m: beyond this MuJoCo does not look for the distance of two geoms."""
+
 _NEXT_TO_NOTHING = 1e-30
 """Damping too small to change a number, with which MuJoCo computes damping all the same."""
 
 
 class CompiledScene:
     """One can on one plane as MuJoCo compiles it.
+
+    Where the ground is a box, `half_box` is half of its size, m.
 
     Parameters
     ----------
@@ -63,6 +69,8 @@ class CompiledScene:
         Whether the engine has MuJoCo's sensors of the contact.
     """
 
+    half_box = (2000.0, 2000.0, 1.0)
+
     def __init__(
         self,
         case: Case,
@@ -73,6 +81,7 @@ class CompiledScene:
         contact_sensors: bool = True,
     ) -> None:
         option, geom, own_flag = attributes(case, chosen)
+        self._shapes = str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE))
         soft = soft_solref(case, timestep)
         everything = chosen.get("build") == "everything"
         text = mjcf(
@@ -88,7 +97,7 @@ class CompiledScene:
         # working folder
         mujoco.set_mju_user_warning(lambda _: None)
         try:
-            self.model = _compiled(text, chosen, case)
+            self.model = _compiled(text, chosen, case.scene.can, self.half_box)
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
@@ -118,6 +127,11 @@ class CompiledScene:
         """Return what the engine has compiled of the can, by the name of the model's array."""
         value: Floats = getattr(self.model, field)[self._body]
         return value
+
+    def distance(self, data: mujoco.MjData) -> float:
+        """Return MuJoCo's own signed distance of the can to the ground where `data` has it, m."""
+        mujoco.mj_kinematics(self.model, data)
+        return float(mujoco.mj_geomDistance(self.model, data, *self._geoms, _FAR, None))
 
     @property
     def mass(self) -> float:
@@ -195,29 +209,27 @@ class CompiledScene:
         )
 
 
-_FLOOR = (2000.0, 2000.0, 1.0)
-"""m: half the size of the box that is a ground."""
-
-
 _TIGHT = (1e-12, 200)
 """m, and iterations: shipped 1e-6 leaves the normal of a shallower contact to chance."""
 
 
-def _compiled(text: str, chosen: Mapping[str, Value], case: Case) -> mujoco.MjModel:
+def _compiled(
+    text: str, chosen: Mapping[str, Value], can: Can, half_box: tuple[float, float, float]
+) -> mujoco.MjModel:
     """Return the model of an MJCF text in which the chosen shapes collide."""
     shapes, mesh = str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE)), mesh_in(chosen)
     if shapes == CYLINDER_ON_PLANE and mesh is None:
         return mujoco.MjModel.from_xml_string(text)
     spec = mujoco.MjSpec.from_string(text)
     if mesh is not None:
-        spec.add_mesh(name="can", uservert=mesh_points(mesh, case.scene.can).ravel())
+        spec.add_mesh(name="can", uservert=mesh_points(mesh, can).ravel())
         spec.geom("can").type, spec.geom("can").meshname = mujoco.mjtGeom.mjGEOM_MESH, "can"
     if "box" in shapes:
         ground = spec.geom("ground")
         ground.type, ground.size, ground.pos = (
             mujoco.mjtGeom.mjGEOM_BOX,
-            _FLOOR,
-            (0.0, 0.0, -_FLOOR[2]),
+            half_box,
+            (0.0, 0.0, -half_box[2]),
         )
     native = int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)  # a lean build leaves it out
     spec.option.disableflags &= ~native

@@ -15,9 +15,6 @@ from harness.engines.mujoco.compiled_scene import CompiledScene
 from models.kinematics import to_body, to_world
 from models.state import Pose, Twist
 
-_FAR = 1.0
-"""m: beyond this MuJoCo does not look for the distance of two geoms."""
-
 _NO_RESTART = {"autoreset": "disable"}
 """A run that diverges is to be seen, not restarted."""
 
@@ -87,5 +84,4 @@ class MujocoWorld(CompiledScene):
 
     def signed_distance(self) -> float:
         """Return the signed distance from the collider of the can to the plane, m."""
-        mujoco.mj_kinematics(self.model, self.data)
-        return float(mujoco.mj_geomDistance(self.model, self.data, *self._geoms, _FAR, None))
+        return self.distance(self.data)

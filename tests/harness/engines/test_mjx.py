@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case, Value
-from harness.core.errors import HarnessError
+from harness.core.errors import HarnessError, InvalidSettingError
 from harness.engines.description import Precision
+from harness.engines.probes.rim_contact import collision, turns
 from harness.engines.registry import engine, export_settings, not_installed, variants
 from harness.engines.stepping.settling import UP, lowered, moving
 from harness.evaluation.evaluate import evaluate
@@ -177,6 +178,48 @@ def test_what_mjx_does_not_have_is_refused_with_the_reason(gentle: Scene) -> Non
     for options in ({"solver": "PGS"}, {"noslip_iterations": 3}):
         with pytest.raises(HarnessError, match=next(iter(options))):
             evaluate(case_of(gentle, 1e-3, **options))
+
+
+@pytest.mark.parametrize(
+    ("shapes", "tilts", "least"),
+    [("mesh-plane", (0.03, 0.1), 1.0), ("mesh-box", (0.03,), 0.0)],  # of a box any corner
+)
+def test_a_mesh_touches_as_deep_as_that_of_mujoco(
+    gentle: Scene, shapes: str, tilts: tuple[float, ...], least: float
+) -> None:
+    depth = 1e-3 * gentle.can.radius
+    own, theirs = (
+        stepping_engine(name).open(replace(case_of(gentle, shapes=shapes), engine=name))
+        for name in ("mjx", "mujoco")
+    )
+    sunk = 0
+    for stance in (each for tilt in tilts for each in turns(tilt, [depth])):
+        pose, _ = stance.put(gentle.can)
+        for world in (own, theirs):
+            world.place(pose, moving())
+        found, lowest = collision(own), -theirs.signed_distance()
+        assert own.signed_distance() == pytest.approx(-lowest, abs=1e-12)
+        if lowest > 0.0:  # else a corner of the prism is above the ground
+            deepest = int(np.argmax(found.depths))
+            assert least - 1e-6 < found.depths[deepest] / lowest < 1.0 + 1e-6
+            np.testing.assert_allclose(found.normals[deepest], UP, atol=1e-9)
+            sunk += 1
+    assert sunk >= 4 * len(tilts)
+
+
+def test_a_corner_that_is_shallow_in_a_box_is_pushed_out_at_a_side_of_the_box(
+    gentle: Scene,
+) -> None:
+    world = stepping_engine("mjx").open(case_of(gentle, shapes="mesh-box"))
+    _, stance, *_ = turns(0.1, [1e-3 * gentle.can.radius])
+    world.place(stance.put(gentle.can)[0], moving())
+    assert -world.signed_distance() == pytest.approx(3.28e-5, rel=1e-2)
+    assert collision(world).depths.max() > 100.0
+
+
+def test_a_pair_of_shapes_that_mjx_has_no_function_for_is_refused(gentle: Scene) -> None:
+    with pytest.raises(InvalidSettingError, match="cylinder-plane, mesh-plane, mesh-box"):
+        stepping_engine("mjx").open(case_of(gentle, shapes="cylinder-box"))
 
 
 @pytest.fixture

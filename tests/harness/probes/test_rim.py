@@ -191,6 +191,10 @@ def test_an_engine_without_contacts_is_refused(gentle: Scene, name: str, why: st
             *("drake", (("compliance_type", "compliant"),), math.pi / 2.0, 0.037),
             marks=pytest.mark.engine("drake"),
         ),
+        pytest.param(
+            *("mjx", (("shapes", "mesh-plane"),), math.pi / 2.0, 0.0258),
+            marks=pytest.mark.engine("mjx"),
+        ),
         pytest.param(*("ode", (), MIDDLE_BELOW, 0.018), marks=pytest.mark.engine("ode")),
     ],
 )

@@ -15,10 +15,11 @@ X64 = "jax_enable_x64"
 _CHOICES = {
     "integrator": ("Euler", "RK4", "implicitfast"),
     "solver": ("CG", "Newton"),
+    "shapes": (of_mujoco.CYLINDER_ON_PLANE, "mesh-plane", "mesh-box"),
 }
 """Where MJX has fewer words than MuJoCo."""
 
-_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "shapes", "mesh"}
+_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "mesh"}
 """What MJX has no word for."""
 
 SETTINGS = (
@@ -41,6 +42,8 @@ SINGLE = ((X64, False),)
 COLLIDERS = (
     Variant(name="double precision"),
     Variant(name="single precision", settings=SINGLE),
+    Variant(name="mesh-plane", settings=(("shapes", "mesh-plane"),)),
+    Variant(name="mesh-box of 600 m", settings=(("shapes", "mesh-box"),)),
 )
 
 VARIANTS = (

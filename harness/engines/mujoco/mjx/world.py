@@ -8,6 +8,7 @@ MJX has no sensor of the resultant of contacts; its numbers are made here, as Mu
 """
 
 import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache, partial
@@ -142,6 +143,9 @@ def _compiled(
 class MjxWorld(ArrayWorld):
     """One can on one plane in MJX.
 
+    The box that is a ground is smaller than MuJoCo's: MJX leaves a point out by a mask of -1e6,
+    which squared lengths from 1 km on outweigh.
+
     Parameters
     ----------
     case : Case
@@ -151,13 +155,17 @@ class MjxWorld(ArrayWorld):
         s.
     """
 
+    half_box = (300.0, 300.0, 1.0)
+
     def __init__(self, case: Case, chosen: Mapping[str, Value], timestep: float) -> None:
         super().__init__(case, chosen, timestep, {}, contact_sensors=False)
         double = bool(chosen[X64])
         self.real = np.float64 if double else np.float32
         self._computing = partial(computing, double=double)
         try:
-            with self._computing():
+            with self._computing(), warnings.catch_warnings():
+                # it advises against the base of a mesh, which has `SIDES` vertices
+                warnings.filterwarnings("ignore", "Mesh .* has a coplanar face", UserWarning)
                 self._put()
         except NotImplementedError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
