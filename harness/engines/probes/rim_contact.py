@@ -80,7 +80,8 @@ class Answer:
     depth_error : float
         Of the deepest, m; NaN where depths are not told.
     normal_error : float
-        Angle to the vertical, rad; NaN where normals are not told.
+        Angle to the vertical, rad; NaN where normals are not told, a right angle of one that is
+        zero.
     """
 
     stance: Stance
@@ -138,7 +139,7 @@ def ask(world: World, can: Can, stance: Stance) -> Answer:
         count=len(depths),
         place_error=float(off[chosen]),
         depth_error=abs(float(depths[chosen]) - stance.depth),
-        normal_error=math.atan2(math.hypot(x, y), z),
+        normal_error=math.atan2(math.hypot(x, y), z) if x or y or z else math.pi / 2.0,
     )
 
 

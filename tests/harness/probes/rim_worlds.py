@@ -18,7 +18,7 @@ FOUR_BELOW = 1.25e-6
 
 COLLIDERS = (
     *("exact", "middle", "four", "ends", "polygon", "sinking", "leaning", "broken", "small"),
-    "surface",
+    *("surface", "no direction"),
 )
 
 _ENDS, _SMALL = 100.0, 1e-2  # m
@@ -60,7 +60,7 @@ class RimWorld:
         if self._kind == "ends" and abs(self._centre[0]) > _ENDS:
             points = points[:0]
         normal = (1e-2, 0.0, 1.0) if self._kind == "leaning" else (0.0, 0.0, 1.0)
-        normals = np.tile(normal, (len(points), 1))
+        normals = np.tile(normal, (len(points), 1)) * float(self._kind != "no direction")
         deeper = 2e-3 * self._can.radius if self._kind == "sinking" else 0.0
         depths = deeper - points[:, 2]
         if self._kind == "surface":  # has no depth, and is there where it touches
