@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case, Value
-from harness.core.errors import HarnessError
+from harness.core.errors import HarnessError, InvalidSettingError
 from harness.engines.description import Precision
+from harness.engines.probes.rim_contact import collision, turns
 from harness.engines.registry import engine, export_settings, not_installed, variants
 from harness.engines.stepping.settling import UP, lowered, moving
 from harness.evaluation.evaluate import evaluate
@@ -143,6 +144,34 @@ def test_what_mujoco_warp_does_not_have_is_refused_with_the_reason(gentle: Scene
     for options in ({"solver": "PGS"}, {"integrator": "discrete", "noslip_iterations": 3}):
         with pytest.raises(HarnessError, match=next(iter(options))):
             evaluate(case_of(gentle, 1e-3, **options))
+
+
+@pytest.mark.parametrize("shapes", ["mesh-plane", "cylinder-box", "mesh-box"])
+def test_other_shapes_touch_at_the_side_of_the_can_that_is_lower(
+    gentle: Scene, shapes: str
+) -> None:
+    world, depth = (
+        stepping_engine("mujoco-warp").open(case_of(gentle, shapes=shapes)),
+        1e-3 * gentle.can.radius,
+    )
+    for stance in turns(1e-4, [depth]):
+        pose, lowest = stance.put(gentle.can)
+        world.place(pose, moving())
+        found = collision(world)
+        deepest = int(np.argmax(found.depths))
+        # within a corner of the prism, and of a box in single precision
+        assert found.depths[deepest] == pytest.approx(depth, rel=0.05)
+        assert found.points[deepest, :2] @ lowest[:2] > 0.0
+        np.testing.assert_allclose(found.normals[deepest], UP, atol=1e-3)
+        assert world.signed_distance() == pytest.approx(-depth, rel=0.05)
+
+
+@pytest.mark.parametrize("shapes", ["cylinder-box-libccd", "cylinder-box-tolerance-1e-12"])
+def test_shapes_that_differ_in_an_option_of_mujoco_alone_are_refused(
+    gentle: Scene, shapes: str
+) -> None:
+    with pytest.raises(InvalidSettingError, match="cylinder-plane, mesh-plane, cylinder-box"):
+        stepping_engine("mujoco-warp").open(case_of(gentle, shapes=shapes))
 
 
 def test_nothing_is_printed_where_it_is_started() -> None:

@@ -91,6 +91,11 @@ def test_a_normal_that_leans_is_found(findings: Survey) -> None:
     assert leaning.sentence == "at every tilt the normal leans by 0.01 rad"
 
 
+def test_a_normal_that_is_zero_is_found(findings: Survey) -> None:
+    (zero,) = findings("no direction")
+    assert zero.sentence == "at every tilt the normal leans by 1.6 rad"
+
+
 def test_a_depth_that_is_not_told_is_a_contact_without_an_error(
     findings: Survey, gentle: Scene
 ) -> None:
@@ -194,6 +199,10 @@ def test_an_engine_without_contacts_is_refused(gentle: Scene, name: str, why: st
         pytest.param(
             *("mjx", (("shapes", "mesh-plane"),), math.pi / 2.0, 0.0258),
             marks=pytest.mark.engine("mjx"),
+        ),
+        pytest.param(
+            *("mujoco-warp", (("shapes", "mesh-plane"),), math.pi / 2.0, 0.026),
+            marks=pytest.mark.engine("mujoco-warp"),
         ),
         pytest.param(*("ode", (), MIDDLE_BELOW, 0.018), marks=pytest.mark.engine("ode")),
     ],

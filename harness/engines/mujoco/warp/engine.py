@@ -25,6 +25,7 @@ class WarpEngine(ArrayEngine[WarpWorld]):
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
+    colliders = declared.COLLIDERS
     capabilities = replace(
         MujocoEngine.capabilities,
         imposes={**MujocoEngine.capabilities.imposes, "rim direction": RIM_DIRECTION},

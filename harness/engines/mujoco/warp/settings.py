@@ -9,11 +9,14 @@ from dataclasses import replace
 from harness.engines import COMMON, ETA_SETTING, SolverEffort, Variant
 from harness.engines.mujoco import settings as of_mujoco
 
-_CHOICES = {"solver": ("CG", "Newton")}
+_CHOICES = {
+    "solver": ("CG", "Newton"),
+    "shapes": (of_mujoco.CYLINDER_ON_PLANE, "mesh-plane", "cylinder-box", "mesh-box"),
+}
 """Where MuJoCo Warp has fewer words than MuJoCo."""
 
-_LEFT_OUT = {"build", "shapes", "mesh"}
-"""A word of the adapter of MuJoCo alone."""
+_LEFT_OUT = {"build", "mesh"}
+"""Words of the adapter of MuJoCo alone."""
 
 SETTINGS = (
     *(
@@ -22,6 +25,13 @@ SETTINGS = (
         if setting.name not in _LEFT_OUT and setting is not ETA_SETTING
     ),
     ETA_SETTING,
+)
+
+COLLIDERS = (
+    Variant(name=of_mujoco.CYLINDER_ON_PLANE),
+    Variant(name="mesh-plane", settings=(("shapes", "mesh-plane"),)),
+    Variant(name="cylinder-box of 10 m", settings=(("shapes", "cylinder-box"),)),
+    Variant(name="mesh-box of 10 m", settings=(("shapes", "mesh-box"),)),
 )
 
 VARIANTS = (

@@ -16,7 +16,7 @@ import warp
 
 from harness.engines import Case, Collision, Floats, RefusedModelError, Value
 from harness.engines.mujoco.array_stepping import ArrayWorld
-from harness.engines.mujoco.settings import FAINTEST
+from harness.engines.mujoco.settings import CYLINDER_ON_PLANE, FAINTEST
 from harness.engines.suppress_output import silence
 
 warp.config.log_level = warp.LOG_ERROR
@@ -84,6 +84,8 @@ def _captured(launch: Callable[[], None]) -> warp.Graph:
 class WarpWorld(ArrayWorld):
     """One can on one plane in MuJoCo Warp.
 
+    The box that is a ground is small, for a corner of it is a single number of 24 bits.
+
     Parameters
     ----------
     case : Case
@@ -92,6 +94,8 @@ class WarpWorld(ArrayWorld):
     timestep : float
         s.
     """
+
+    half_box = (5.0, 5.0, 1.0)
 
     def __init__(self, case: Case, chosen: Mapping[str, Value], timestep: float) -> None:
         super().__init__(case, chosen, timestep, {})
@@ -186,18 +190,24 @@ class WarpWorld(ArrayWorld):
         data.qpos.assign(self._state[None, :7].astype(np.float32))
         warp.capture_launch(graph)
         count, contact = int(data.nacon.numpy()[0]), data.contact
-        points, frames, distances = (
+        points, frames, distances, geoms = (
             array.numpy()[:count].astype(np.float64)
-            for array in (contact.pos, contact.frame, contact.dist)
+            for array in (contact.pos, contact.frame, contact.dist, contact.geom)
         )
-        return Collision(points=points, normals=frames[:, 0], depths=-distances)
+        # from the first geom to the second, the can
+        towards = np.where(geoms[:, 1:] == self._geoms[0], 1.0, -1.0)
+        return Collision(points=points, normals=frames[:, 0] * towards, depths=-distances)
 
     def _far_off(self) -> tuple[mujoco_warp.Data, warp.Graph]:
-        """Return data of a model with a wide margin, and a graph that finds their contacts."""
+        """Return data of a model with a wide margin, and a graph that finds their contacts.
+
+        Of other shapes than a cylinder on a plane a wide margin is another algorithm: none there.
+        """
+        wide = self._shapes == CYLINDER_ON_PLANE
         margins = self.model.geom_margin, self.model.pair_margin
         kept = [margin.copy() for margin in margins]
         for margin in margins:
-            margin[:] = _FAR
+            margin[:] = _FAR if wide else margin
         model, data = self._on_device(self.model)
         for margin, own in zip(margins, kept, strict=True):
             margin[:] = own
