@@ -180,15 +180,37 @@ def effects() -> dict[str, str]:
 
 
 def rim() -> dict[str, str]:
-    """Return of each collider how far its contact is from the rim at worst, by the tilt."""
+    """Return of each collider from which tilt on it sees the rim, and where its contact is else."""
     rows = []
     for engine, label in ENGINES.items():
         table = csv(f"rim-{engine}/rim-findings.csv")
         for variant, own in table.groupby("variant", sort=False):
             # the first of its findings on the place, or the first
             first = own.assign(other=own["kind"] != "place").sort_values("other", kind="stable")
-            rows.append((f"{label}, {variant}", first["finding"].iloc[0]))
-    return {"table": markdown(("collider", "what it does under the rim"), rows, words=2)}
+            tilt = own["seen_from_rad"].iloc[0]
+            seen = (
+                "never" if math.isnan(tilt) else "always" if tilt < _ALWAYS else f"{tilt:.2g} rad"
+            )
+            rows.append((f"{label}, {variant}", seen, first["finding"].iloc[0]))
+    head = ("collider", "rim seen from", "what it does under the rim")
+    jumps = {}
+    for engine, variant in _JUMPS.items():
+        table = csv(f"rim-{engine}/rim-findings.csv")
+        own = table[table["variant"].eq(variant) & table["kind"].eq("place")]
+        jumps[f"{engine}_tilt"] = f"{own['below_tilt_rad'].iloc[0]:.4g}"
+        jumps[f"{engine}_off"] = f"{1e3 * own['place_error_m'].iloc[0]:.2g}"
+    detectors = csv("rim-dart/rim-findings.csv").groupby("variant")["finding"].agg(tuple)
+    return jumps | {
+        "table": markdown(head, rows, words=3),
+        "dart_detectors": str(len(set(detectors))),
+    }
+
+
+_ALWAYS = 2e-12
+"""rad: the smallest tilt that is asked, or nearly."""
+
+_JUMPS = {"dart": "FCLCollisionDetector", "drake": "half-space", "ode": "cylinder"}
+"""Colliders that leave the rim all at once."""
 
 
 _CHOICES = {

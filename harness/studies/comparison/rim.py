@@ -153,6 +153,10 @@ _COLUMNS = (
         "place_error_m",
         "Largest distance of the contact from the lowest point of the rim, m.",
     ),
+    Column(
+        "seen_from_rad",
+        "Tilt from which on the contact is at the rim at every turn, rad; empty if it never is.",
+    ),
     Column("verdict", "Whether there is a finding."),
 )
 
@@ -258,6 +262,7 @@ class RimStudy:
                             "verdict": Verdict(Status.AGREES if exact else Status.DEVIATES, text),
                             "below_tilt_rad": each["below_tilt_rad"],
                             "place_error_m": each["place_error_m"],
+                            "seen_from_rad": _seen_from(record["rows"]),
                         }
                     )
         return table_of("rim-findings", "What the colliders find under the rim", _COLUMNS, rows)
@@ -329,14 +334,20 @@ def _map(found: Mapping[str, Mapping[str, Record]]) -> Figure:
     )
 
 
-def _from(rows: Sequence[Record]) -> str:
-    """Return in words the smallest tilt from which on the contact is at the rim."""
+def _seen_from(rows: Sequence[Record]) -> float | None:
+    """Return the smallest tilt from which on the contact is at the rim, rad; None without one."""
     lost = [place for place, row in enumerate(rows) if row["verdict"] != _AT_THE_RIM]
-    if not lost:
-        return "at every tilt"
-    if lost[-1] + 1 == len(rows):
+    first = lost[-1] + 1 if lost else 0
+    tilt: float | None = rows[first]["tilt_rad"] if first < len(rows) else None
+    return tilt
+
+
+def _from(rows: Sequence[Record]) -> str:
+    """Return that tilt in words."""
+    tilt = _seen_from(rows)
+    if tilt is None:
         return "at no tilt, or not up to the largest"
-    return f"from {rows[lost[-1] + 1]['tilt_rad']:.2g} rad on"
+    return "at every tilt" if tilt == rows[0]["tilt_rad"] else f"from {tilt:.2g} rad on"
 
 
 def _panel(name: str, own: Mapping[str, Record]) -> Panel:
