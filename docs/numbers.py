@@ -101,19 +101,22 @@ def field() -> dict[str, str]:
 
 def guide() -> dict[str, str]:
     """Return the complaints of the field guide, from what its pages say in short."""
-    rows = []
+    rows, still = [], []
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         engine, _, complaint = text.splitlines()[0].removeprefix("# ").partition(": ")
-        short = dict(re.findall(r"^- (exact|happens|cure): (.*)$", text, flags=re.MULTILINE))
-        told = (short[part] for part in ("exact", "happens", "cure"))
-        rows.append((f"[{complaint}]({page.name})", engine, *told))
-    head = ("complaint", "engine", "what is exact", "what happens", "what cures it")
-    still = [row for row in rows if not row[3].startswith("mended")]
+        short = dict(re.findall(r"^- (status|exact|happens|cure): (.*)$", text, flags=re.MULTILINE))
+        told = [short[part] for part in ("exact", "happens", "cure")]
+        rows.append((f"[{complaint}]({page.name})", engine, short["status"], *told))
+        if short["status"] == "happens":
+            still.append((f"[{complaint}](docs/field-guide/{page.name})", engine, *told))
+    parts = ("what is exact", "what happens", "what cures it")
+    head, short_head = ("complaint", "engine", "status", *parts), ("complaint", "engine", *parts)
     return {
         "index": markdown(head, rows, words=len(head)),
-        "table": markdown(head, still, words=len(head)).replace("](", "](docs/field-guide/"),
+        "table": markdown(short_head, still, words=len(short_head)),
         "pages": str(len(PAGES)),
+        "still": str(len(still)),
     }
 
 

@@ -5,13 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from docs.numbers import PAGES
+from docs.formatting import ROOT
+from docs.numbers import GUIDE, PAGES, facts
 from models.catalogue import field_names, load
 from tests.docs.programs import check_program, engine_of, sections
 from tests.support.command_line import Command
 
 SECTIONS = ["In short", "Complaint", "What is exact", "Scene", "Cure", "Minimal program"]
 OPTIONAL = "What engines do"
+STATUS = {"happens", "mended", "not run", "not so"}
+"""What a page may say of its complaint; docs/field-guide/README.md explains the words."""
 
 ADDRESS = re.compile(
     r"^\[([\w.-]+/[\w.-]+)#(\d+)\]\(https://github\.com/\1/(?:issues|pull)/\2\)", re.MULTILINE
@@ -35,7 +38,20 @@ def test_a_page_has_its_thread_and_its_sections(page: Path) -> None:
     assert re.match(r"# [^:\n]+: .+\n", text)
     assert ADDRESS.search(text)
     assert [title for title in sections(text) if title != OPTIONAL] == SECTIONS
-    assert re.findall(r"^- (\w+): .+$", text, re.MULTILINE)[:3] == ["exact", "happens", "cure"]
+    said = re.findall(r"^- (\w+): (.+)$", text, re.MULTILINE)[:4]
+    assert [part for part, _ in said] == ["status", "exact", "happens", "cure"]
+    assert dict(said)["status"] in STATUS
+
+
+def test_the_guide_explains_each_status() -> None:
+    text = (GUIDE / "README.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^- \*([\w ]+)\*: ", text, re.MULTILINE)) == STATUS
+
+
+def test_readme_lists_just_what_still_happens() -> None:
+    rows = {page for page in PAGES if f"({page.relative_to(ROOT)})" in facts("guide")["table"]}
+    said = {page for page in PAGES if "\n- status: happens\n" in page.read_text(encoding="utf-8")}
+    assert rows == said
 
 
 def test_there_are_pages_for_sixteen_threads() -> None:
