@@ -1,5 +1,6 @@
 """The pages of the field guide: their programs print what stands there, their scenes are run."""
 
+import math
 import re
 from pathlib import Path
 
@@ -7,7 +8,9 @@ import pytest
 
 from docs.formatting import ROOT
 from docs.numbers import GUIDE, PAGES, facts
+from harness.engines.reference.to_reference_problem import problem
 from models.catalogue import field_names, load
+from reference import solve
 from tests.docs.programs import check_program, engine_of, sections
 from tests.support.command_line import Command
 
@@ -52,6 +55,66 @@ def test_readme_lists_just_what_still_happens() -> None:
     rows = {page for page in PAGES if f"({page.relative_to(ROOT)})" in facts("guide")["table"]}
     said = {page for page in PAGES if "\n- status: happens\n" in page.read_text(encoding="utf-8")}
     assert rows == said
+
+
+NUMBER = re.compile(r"(?<![\w.^#])[+-]?\d+(?:\.\d+)?(?:e-?\d+)?(?!\w|\.\d)")
+"""A number with its digits; no version (2.2.1), no thread (#1540), no power (m^2)."""
+
+
+def unproved(text: str) -> list[str]:
+    """Return the numbers that a page says in short and that have no source in it.
+
+    A source is what the program prints, a table or what is exact; of a setting in backticks, the
+    program too.
+    """
+    short, exact = (
+        re.findall(rf"^## {title}$(.*?)^## ", text, re.MULTILINE | re.DOTALL)[0]
+        for title in ("In short", "What is exact")
+    )
+    printed = re.findall(r"```text\n(.*?)```", text, re.DOTALL)
+    program = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    tables = re.findall(r"^\|.*$", text, re.MULTILINE)
+    proof = NUMBER.findall("\n".join([exact, *printed, *tables]))
+    settings = NUMBER.findall("\n".join([*program, *printed]))
+    told = [(each, proof) for each in NUMBER.findall(re.sub("`[^`]*`", "", short))]
+    told += [(each, settings) for each in NUMBER.findall(" ".join(re.findall("`[^`]*`", short)))]
+    # "0.42 m/s" may stand for a -0.42 that is printed, but not "-0.15" for a 0.15
+    return [n for n, known in told if not {n, f"+{n}", f"-{n}"} & set(known)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_each_number_in_short_stands_elsewhere_in_its_page(page: Path) -> None:
+    assert unproved(page.read_text(encoding="utf-8")) == []
+
+
+def test_a_number_that_stands_nowhere_else_is_found() -> None:
+    page = """# Engine: a complaint
+## In short
+- happens: {} m/s with `iterations={}` in 2.2.1, {} rad/s^2
+- cure: 7.0 m
+## What is exact
+It is 7.0 m.
+## Scene
+It is 8.0 m.
+| 0.42 |
+```python
+run(iterations=50)
+```
+```text
+slip -0.15 m/s
+```
+"""
+    assert unproved(page.format("0.42", "50", "0.15")) == []
+    assert unproved(page.format("-0.15", "50", "0.42")) == []
+    assert unproved(page.format("0.4", "60", "+0.15")) == ["0.4", "+0.15", "60"]
+    assert unproved(page.format("8.0", "50", "50")) == ["8.0", "50"]
+
+
+def test_mujoco_1040_quotes_the_exact_tilt() -> None:
+    scene = load("gentle-rock")
+    time = 0.4 / math.sqrt(scene.can.radius / scene.gravity)  # of 0.4 s, in sqrt(R/g)
+    (tilt,) = solve(problem(scene, 0.5)).at(time).phi
+    assert f"{tilt:.3f} rad 0.4 s later" in (GUIDE / "mujoco-1040.md").read_text(encoding="utf-8")
 
 
 def test_there_are_pages_for_sixteen_threads() -> None:
