@@ -15,6 +15,7 @@ from functools import cache
 
 import pandas as pd
 
+from docs.field_guide import PAGES, guide
 from docs.formatting import BASELINE, ROOT, Row, csv, digits, markdown
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint, our_names
@@ -23,8 +24,6 @@ from harness.gate.comparison import FACTOR, SPREADS
 from harness.gate.spread import FEWEST, MOST, SIZES
 from models.effects import Effects
 
-GUIDE = ROOT / "docs" / "field-guide"
-PAGES = tuple(sorted(page for page in GUIDE.glob("*.md") if page.name != "README.md"))
 TEXTS = (
     *("README.md", "CONTRIBUTING.md", "docs/field-guide/README.md"),
     *(f"docs/field-guide/{page.name}" for page in PAGES),
@@ -97,27 +96,6 @@ def field() -> dict[str, str]:
         head = ("engine", f"as it ships, {_UNITS[unit]}", f"at its best, {_UNITS[unit]}")
         facts[scene] = markdown(head, rows)
     return facts
-
-
-def guide() -> dict[str, str]:
-    """Return the complaints of the field guide, from what its pages say in short."""
-    rows, still = [], []
-    for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        engine, _, complaint = text.splitlines()[0].removeprefix("# ").partition(": ")
-        short = dict(re.findall(r"^- (status|exact|happens|cure): (.*)$", text, flags=re.MULTILINE))
-        told = [short[part] for part in ("exact", "happens", "cure")]
-        rows.append((f"[{complaint}]({page.name})", engine, short["status"], *told))
-        if short["status"] == "happens":
-            still.append((f"[{complaint}](docs/field-guide/{page.name})", engine, *told))
-    parts = ("what is exact", "what happens", "what cures it")
-    head, short_head = ("complaint", "engine", "status", *parts), ("complaint", "engine", *parts)
-    return {
-        "index": markdown(head, rows, words=len(head)),
-        "table": markdown(short_head, still, words=len(short_head)),
-        "pages": str(len(PAGES)),
-        "still": str(len(still)),
-    }
 
 
 def _adapter(name: str) -> str:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from docs.field_guide import GUIDE, PAGES
 from docs.formatting import ROOT
-from docs.numbers import GUIDE, PAGES, facts
+from docs.numbers import facts
 from harness.engines.reference.to_reference_problem import problem
 from models.catalogue import field_names, load
 from reference import solve
