@@ -169,9 +169,7 @@ def rim() -> dict[str, str]:
             # the first of its findings on the place, or the first
             first = own.assign(other=own["kind"] != "place").sort_values("other", kind="stable")
             tilt = own["seen_from_rad"].iloc[0]
-            seen = (
-                "never" if math.isnan(tilt) else "always" if tilt < _ALWAYS else f"{tilt:.2g} rad"
-            )
+            seen = _seen_from(tilt)
             rows.append((f"{label}, {variant}", seen, first["finding"].iloc[0]))
     head = ("collider", "rim seen from", "what it does under the rim")
     jumps = {}
@@ -187,8 +185,17 @@ def rim() -> dict[str, str]:
     }
 
 
-_ALWAYS = 2e-12
-"""rad: the smallest tilt that is asked, or nearly."""
+def _seen_from(tilt: float) -> str:
+    """Return in words from which tilt on (rad) the rim is seen."""
+    if math.isnan(tilt):
+        return "no tilt"
+    if tilt < _ALWAYS:
+        return "any tilt"
+    return f"{tilt:.2g} rad" if tilt < _LYING else "lying alone"
+
+
+_ALWAYS, _LYING = 2e-12, 1.5707
+"""rad: next to the smallest and the largest tilt that are asked."""
 
 _JUMPS = {"dart": "FCLCollisionDetector", "drake": "half-space", "ode": "cylinder"}
 """Colliders that leave the rim all at once."""

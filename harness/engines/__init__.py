@@ -6,7 +6,12 @@ An adapter imports all that it needs from here, and this path stays:
 """
 
 from harness.core.case import PROFILES, Case, Value
-from harness.core.errors import HarnessError, MissingLibraryError, RefusedModelError
+from harness.core.errors import (
+    HarnessError,
+    InvalidSettingError,
+    MissingLibraryError,
+    RefusedModelError,
+)
 from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import (
@@ -74,6 +79,7 @@ __all__ = [
     "Floats",
     "HarnessError",
     "Integers",
+    "InvalidSettingError",
     "Mesh",
     "Method",
     "MissingLibraryError",

@@ -5,6 +5,7 @@ half heights, so that the same mesh fits every can and is known by its content. 
 convex hull.
 """
 
+import math
 from itertools import chain
 from pathlib import Path
 from typing import TypeAlias
@@ -37,6 +38,9 @@ _FLAT = 1e-6
 
 _ROUND = 0.05
 """Of the radius: corners of an outline that are farther from a circle make no can."""
+
+_EVEN = 0.8
+"""Of the inner radius of a polygon with as many equal sides: what has less is drawn out."""
 
 _LEAST_END = 0.6
 """Of the radius: a triangle lacks a half in the middle of its sides, and a can that lies more."""
@@ -74,21 +78,18 @@ def read_mesh(path: Path) -> Mesh:
     try:
         mesh = trimesh.load_mesh(path, process=False)
     except OSError as error:
-        raise _refused(path, f"a file that can be read ({error.strerror})") from error
+        raise _refused(path, f"a file that can be read ({error.strerror or error})") from error
     except Exception as error:  # every format has errors of its own
         raise _refused(path, "a mesh in a known format, such as OBJ, STL or PLY") from error
     if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
         raise _refused(path, "a mesh of triangles, of finite coordinates")
-    mesh.vertices = _in_a_unit_box(path, np.asarray(mesh.vertices, dtype=np.float64))
+    mesh.vertices, low, size = _in_a_unit_box(path, np.asarray(mesh.vertices, dtype=np.float64))
     mesh.merge_vertices()  # STL has three for every triangle
     edges, triangles = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
     alone = edges[triangles == 1]
     if len(alone):
-        ends = " and ".join(_spell(mesh.vertices[end]) for end in alone[0])
-        allowed = (
-            f"a closed mesh; {len(alone)} edges have one triangle alone, such as from {ends}, in "
-            "shares of its size"
-        )
+        ends = " to ".join(_spell(low + size * mesh.vertices[end]) for end in alone[0])
+        allowed = f"a closed mesh; {len(alone)} edges have one triangle alone, such as from {ends}"
         raise _refused(path, allowed)
     if not mesh.is_watertight:
         raise _refused(path, "a closed mesh, with two triangles at every edge")
@@ -97,8 +98,8 @@ def read_mesh(path: Path) -> Mesh:
     return _normalised(path, np.asarray(mesh.vertices, dtype=np.float64))
 
 
-def _in_a_unit_box(path: Path, points: Floats) -> Floats:
-    """Return points moved to the origin and scaled by the largest of their extents."""
+def _in_a_unit_box(path: Path, points: Floats) -> tuple[Floats, Floats, float]:
+    """Return points in a box of size 1 at the origin, where they were, and their size."""
     half = 0.5 * points  # of which every difference is finite
     low = half.min(axis=0)
     size = float((half - low).max())
@@ -106,7 +107,7 @@ def _in_a_unit_box(path: Path, points: Floats) -> Floats:
         scaled: Floats = (half - low) / size
         # in one plane, or so far away that their digits do not tell them apart
         if np.linalg.matrix_rank(scaled - scaled[0], tol=_FLAT) == _DIMENSIONS:
-            return scaled
+            return scaled, 2.0 * low, 2.0 * size
     raise _refused(path, "a mesh with a volume")
 
 
@@ -131,7 +132,10 @@ def _normalised(path: Path, points: Floats) -> Mesh:
     distances = np.hypot(*(outline - circle[:2]).T)
     hull[:, :2] /= distances.max()
     mesh = _as_mesh(hull)
-    if distances.min() < (1.0 - _ROUND) * distances.max() or outline_gap(mesh) > _LEAST_END:
+    inner = float(-ConvexHull(outline - circle[:2]).equations[:, -1].max()) / distances.max()
+    regular = math.cos(math.pi / len(outline))
+    on_circle = distances.min() >= (1.0 - _ROUND) * distances.max()
+    if not on_circle or inner < _EVEN * regular or outline_gap(mesh) > _LEAST_END:
         raise _refused(
             path, "a mesh of a can with its axis along z: round about it, with flat ends"
         )

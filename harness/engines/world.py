@@ -34,7 +34,7 @@ class Collision:
     """The contact points that a collider finds at one instant, before anything is solved.
 
     A world may have a method `collision` that returns them without a step; until the next step its
-    `contact` tells nothing.
+    `contact` tells nothing. One whose ground ends has a property `ground_half_width`, m.
 
     Parameters
     ----------

@@ -16,6 +16,8 @@ from harness.engines import (
     PhysicsEngine,
     Schedule,
     Value,
+    outline_gap,
+    rim_within,
     walk,
 )
 from harness.engines.drake import DESCRIPTION
@@ -69,9 +71,13 @@ class DrakeEngine(PhysicsEngine[DrakeWorld]):
 
         As shipped the load of the step before bounds friction: in a first step it is any other.
         """
-        lagged = self.resolve(case)["discrete_contact_approximation"] == "lagged"
-        shipped = case.profile == "default"
-        return dict.fromkeys(FRICTIONS, math.inf) if lagged and shipped else {}
+        chosen, can = self.resolve(case), case.scene.can
+        lagged = chosen["discrete_contact_approximation"] == "lagged"
+        rows = dict.fromkeys(FRICTIONS, math.inf) if lagged and case.profile == "default" else {}
+        if declared.is_hydroelastic(chosen):
+            gap = outline_gap(declared.hydroelastic_mesh(can, chosen))
+            rows |= rim_within(can, gap * can.radius)
+        return rows
 
     def open(self, case: Case) -> DrakeWorld:
         """Open a world with the scene of a case."""

@@ -32,8 +32,16 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
-from harness.engines import Collision, Contact, Floats, Value, contact_of, declared_friction
-from harness.engines.drake.settings import side_of
+from harness.engines import (
+    Collision,
+    Contact,
+    Floats,
+    Value,
+    contact_of,
+    declared_friction,
+    mesh_points,
+)
+from harness.engines.drake.settings import hydroelastic_mesh, side_of
 from models import Pose, Scene, Twist
 from models.gravity import gravity_vector
 from models.mass import body as body_of
@@ -94,6 +102,7 @@ class CanPlant:
         )
         self.can = self.plant.AddRigidBody("can", inertia)
         side = side_of(scene.can)
+        self.ground_half_width = side / 2.0 if ground == "Box" else math.inf
         shapes = {
             "HalfSpace": (HalfSpace(), RigidTransform()),
             "Box": (Box(side, side, side), RigidTransform([0.0, 0.0, -side / 2.0])),
@@ -131,6 +140,8 @@ class CanPlant:
         self._query = self.plant.get_geometry_query_input_port()
         self._contacts = self.plant.get_contact_results_output_port()
         self._deepest, self._by_surfaces = scene.can.radius, compliant is not None
+        if compliant is not None:
+            self._corners = mesh_points(hydroelastic_mesh(scene.can, compliant), scene.can)
         if pushed:
             self.push(np.zeros(3), np.zeros(3), solid.centre)
 
@@ -222,8 +233,14 @@ class CanPlant:
         """Return the signed distance of the can to the ground, m, and where it is nearest, (3,).
 
         Drake has none of a cylinder to a half-space, but the depth of what overlaps: a can aloft is
-        pressed down until it overlaps, and lifted again; none within reach is infinitely far.
+        pressed down until it overlaps, and lifted again; none within reach is infinitely far. A
+        surface of contact is that of a prism, which has corners.
         """
+        if self._by_surfaces:
+            turned = self.plant.EvalBodyPoseInWorld(self.context, self.can)
+            corners: Floats = turned.multiply(self._corners.T).T
+            lowest = corners[np.argmin(corners[:, 2])]
+            return float(lowest[2]), lowest
         kept, pressed = self.state(), 0.0
         sunk = kept.copy()
         while not (pairs := self._penetration()) and pressed < self._deepest:
@@ -256,6 +273,11 @@ class PlantWorld:
     """What the worlds of this folder have in common: the can is read from the plant in force."""
 
     of: CanPlant
+
+    @property
+    def ground_half_width(self) -> float:
+        """How far the ground goes from the origin, m."""
+        return self.of.ground_half_width
 
     @property
     def mass(self) -> float:

@@ -22,6 +22,7 @@ The differences between Drake as shipped and matched are in the order in which t
 geometry of the contact, its law, the timestep last.
 """
 
+import math
 from collections.abc import Mapping
 
 from harness.engines import (
@@ -29,11 +30,14 @@ from harness.engines import (
     ETA_SETTING,
     TIMESTEP,
     Case,
+    InvalidSettingError,
+    Mesh,
     ModelDifference,
     Setting,
     Value,
     Variant,
     declared_friction,
+    prism,
 )
 from models import Can, Scene
 
@@ -136,6 +140,25 @@ SETTINGS = (
 def is_hydroelastic(chosen: Mapping[str, Value]) -> bool:
     """Whether the can touches by a surface; of an engine without the setting, by a point."""
     return chosen.get("compliance_type") == COMPLIANT
+
+
+_LEAST_HINT = 1e-3
+"""Of the radius: what is finer takes Drake minutes to make."""
+
+
+def hydroelastic_mesh(can: Can, chosen: Mapping[str, Value]) -> Mesh:
+    """Return the prism that Drake makes of a can for its surfaces of contact.
+
+    Raises
+    ------
+    InvalidSettingError
+        If its sides would be too short to be made.
+    """
+    hint = float(chosen["resolution_hint"])  # type: ignore[arg-type] # a number, as it was checked
+    least = _LEAST_HINT * can.radius
+    if hint < least:
+        raise InvalidSettingError("resolution_hint", hint, f"{least:.3g} m or more, for this can")
+    return prism(max(3, math.ceil(2.0 * math.pi * can.radius / hint)))
 
 
 _SUNK = 1e-4

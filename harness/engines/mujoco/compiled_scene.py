@@ -8,6 +8,7 @@ A shaken plane is a force on the centre of mass, `xfrc_applied`: gravity is the 
 can, and unlike `opt.gravity` a force may change from step to step within one call of an engine.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -122,6 +123,11 @@ class CompiledScene:
         if contact_sensors:
             self.found = int(self.model.sensor(NET_SENSOR).adr[0])
             self._depth = int(self.model.sensor(DEPTH_SENSOR).adr[0])
+
+    @property
+    def ground_half_width(self) -> float:
+        """How far the ground goes from the origin, m."""
+        return self.half_box[0] if "box" in self._shapes else math.inf
 
     def of_can(self, field: str) -> Floats:
         """Return what the engine has compiled of the can, by the name of the model's array."""

@@ -148,7 +148,7 @@ CYLINDER_ON_PLANE = "cylinder-plane"
 SHAPES = Setting.as_shipped(
     "shapes",
     CYLINDER_ON_PLANE,
-    "Which shapes collide; a box's contacts are found by MuJoCo's own algorithm or by libccd.",
+    "Shapes that collide, by MuJoCo or libccd, to which tolerance; `single`: deepest point alone.",
     choices=(
         CYLINDER_ON_PLANE,
         "mesh-plane",
@@ -161,8 +161,7 @@ SHAPES = Setting.as_shipped(
         "mesh-box-libccd",
     ),
 )
-"""The harness's own word too: the can as a cylinder or a mesh, the ground as a plane or a box; with
-another tolerance, m, than 1e-6; `single` without further points beside the deepest."""
+"""The harness's own word too; the shipped tolerance of a collider is 1e-6 m."""
 
 _SIDES = 32
 """Of the prism that is the mesh where no other is given."""
@@ -307,6 +306,9 @@ def as_mjcf(
     head = ""
     if case.profile == "adaptive":
         head = _ADAPTIVE.format(largest=timestep, set_step=set_step)
+    own = [name for name in (SHAPES.name, MESH_SETTING.name) if name in dict(case.options)]
+    if own:  # they are the reader's own
+        head += f"<!-- Not in here: {', '.join(own)}. -->\n"
     return head + "\n".join(lines) + "\n"
 
 

@@ -6,7 +6,15 @@ A reading costs as much as a step: most steps of a slow motion are taken without
 from collections.abc import Iterator
 from importlib.metadata import version
 
-from harness.engines import Capabilities, Case, Chunk, PhysicsEngine, Schedule, walk
+from harness.engines import (
+    MESH_SETTING,
+    Capabilities,
+    Case,
+    Chunk,
+    PhysicsEngine,
+    Schedule,
+    walk,
+)
 from harness.engines.newton import DESCRIPTION
 from harness.engines.newton import settings as declared
 from harness.engines.newton.world import NewtonWorld, handed
@@ -73,6 +81,9 @@ class NewtonEngine(PhysicsEngine[NewtonWorld]):
         """Return a case's settings as calls, for a `model` that has its bodies."""
         timestep, chosen = self.timestep(case), self.resolve(case)
         text = _ADAPTIVE.format(largest=timestep) if case.profile == "adaptive" else ""
+        own = [name for name in (declared.SHAPE, MESH_SETTING.name) if name in dict(case.options)]
+        if own:  # of the harness's model, which is the reader's own here
+            text += f"# Not in here: {', '.join(own)}.\n"
         damping = ""
         if chosen["solver"] == declared.STEEL:
             lost = chosen["rigid_body_angular_damping"]

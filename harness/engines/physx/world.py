@@ -74,6 +74,8 @@ def _choose_cylinder(custom: Value) -> None:
     try:
         ovphysx.set_global_config(key, custom)
     except RuntimeError as error:
+        if "stage is attached" not in str(error):
+            raise
         raise OpenWorldError from error
 
 

@@ -12,10 +12,13 @@ axis, and a plane has no direction and no origin, so that this holds in every st
 import cmath
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.core.errors import HarnessError
+from harness.engines.contract import describe_exception
 from harness.engines.stepping.settling import AT_REST
 from harness.engines.world import Collision, Floats, World
 from models import Can, Pose
@@ -92,6 +95,27 @@ class Answer:
     normal_error: float = math.nan
 
 
+class NoAnswerError(Exception):
+    """An engine raised an exception where it was asked for its contacts."""
+
+
+@contextmanager
+def asking(verb: str) -> Iterator[None]:
+    """Tell what an engine raises by the name of what was asked of it.
+
+    Raises
+    ------
+    NoAnswerError
+        Instead of any exception but those of wrong use and of the machine.
+    """
+    try:
+        yield
+    except (HarnessError, MemoryError, OSError):
+        raise
+    except Exception as error:
+        raise NoAnswerError(describe_exception(error, verb)) from error
+
+
 def collision(world: World) -> Collision:
     """Return the contact points where the can is.
 
@@ -117,10 +141,13 @@ _TIED = 1e-12
 def ask(world: World, can: Can, stance: Stance) -> Answer:
     """Return what a world finds of its can in a stance."""
     pose, lowest = stance.put(can)
-    world.place(pose, AT_REST)
-    found = collision(world)
+    with asking("place"):
+        world.place(pose, AT_REST)
+    with asking("collision"):
+        found = collision(world)
     # some colliders tell of points above the ground; numbers that break are no contact
-    touching = ~(found.depths <= 0.0) & np.isfinite(found.points).all(axis=1)
+    untold = bool(np.isnan(found.depths).all())
+    touching = (untold | (found.depths > 0.0)) & np.isfinite(found.points).all(axis=1)
     points, normals, depths = (
         each[touching] for each in (found.points, found.normals, found.depths)
     )
@@ -129,8 +156,7 @@ def ask(world: World, can: Can, stance: Stance) -> Answer:
     off = np.hypot(*(points - lowest)[:, :2].T)
     if math.isclose(stance.tilt, _LYING):  # it touches along a line
         off = _off_line(points, lowest, can, stance)
-    known = np.where(np.isnan(depths), math.inf, depths)
-    deepest = known >= known.max() - _TIED * can.bounding_radius
+    deepest = untold | (depths >= depths.max() - _TIED * can.bounding_radius)
     chosen = int(np.argmin(np.where(deepest, off, math.inf)))
     x, y, z = normals[chosen].tolist()
     return Answer(

@@ -1,7 +1,6 @@
 """Survey of the contact at the rim: over tilts, turns, depths, sizes and distances from the origin.
 
-It tells in sentences what a collider does that an exact one does not, each with the tilt below
-which it does it, by bisection.
+It tells in sentences what an exact collider does not do, and below which tilt, by bisection.
 """
 
 import math
@@ -15,7 +14,7 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.base import Engine, features_of
 from harness.engines.description import Precision
-from harness.engines.probes.rim_contact import Answer, Stance, answers, moved, turns
+from harness.engines.probes.rim_contact import Answer, Stance, answers, asking, moved, turns
 from harness.engines.probes.survey import Opener, with_gravity
 from harness.engines.registry import engine
 from harness.engines.remote import call_at_engine
@@ -173,7 +172,8 @@ class _Asked:
         can = self._case.scene.can
         scaled = Can.from_groups(mass=can.mass, radius=radius, a=can.a, c=can.c, h=can.h)
         scene = replace(self._case.scene, can=scaled)
-        return scaled, self._opener.open(replace(self._case, scene=scene))
+        with asking("open"):
+            return scaled, self._opener.open(replace(self._case, scene=scene))
 
     def survey(self) -> RimSurvey:
         """Return what is found in every stance."""
@@ -262,7 +262,8 @@ class _Asked:
 
     def _of_distances(self, near: Sequence[Sequence[Answer]]) -> Iterator[RimFinding]:
         """Yield what is found otherwise far from the origin than `near`, at `_FEW`."""
-        for distance in _DISTANCES:
+        ends = getattr(self._world, "ground_half_width", math.inf)
+        for distance in (each for each in _DISTANCES if each < ends):
             far = [
                 answers(self._world, self._can, moved(self._stances(tilt), distance))
                 for tilt in _FEW

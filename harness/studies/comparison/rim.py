@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.errors import HarnessError
+from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.report_model import (
     Artefact,
     Column,
@@ -26,8 +26,7 @@ from harness.core.report_model import (
 from harness.core.verdict import Status, Verdict
 from harness.engines.base import Variant, features_of
 from harness.engines.can_mesh import MESH_SETTING, Mesh
-from harness.engines.contract import describe_exception
-from harness.engines.probes.rim_contact import Answer
+from harness.engines.probes.rim_contact import Answer, NoAnswerError
 from harness.engines.probes.rim_survey import (
     RimSurvey,
     refuse_without_contacts,
@@ -60,10 +59,8 @@ def probed(case: Case) -> Record:
     """Return rows and findings of the collider of a case, as numbers and words alone."""
     try:
         survey = survey_rim(case)
-    except (HarnessError, LostTaskError):
-        raise
-    except Exception as error:  # noqa: BLE001 - an adapter is somebody's program
-        return _failed(describe_exception(error, "collision"))
+    except NoAnswerError as error:
+        return _failed(str(error))
     findings = [
         {
             "kind": each.kind,
@@ -275,6 +272,12 @@ class RimStudy:
         offered = features.mesh_colliders if self.meshes else features.colliders
         if self.meshes and not offered:
             raise NoMeshError(name)
+        taken = {MESH_SETTING.name, *(key for each in offered for key, _ in each.settings)}
+        if self.meshes and (twice := sorted(taken.intersection(chosen))):
+            allowed = (
+                f"left out beside --mesh, which asks: {', '.join(each.name for each in offered)}"
+            )
+            raise InvalidSettingError(f"--set {twice[0]}", chosen[twice[0]], allowed)
         if not offered or any(key in chosen for each in offered for key, _ in each.settings):
             offered = (Variant(name=words or "matched"),)
         asked = tuple(replace(each, settings=(*each.settings, *chosen.items())) for each in offered)

@@ -109,7 +109,10 @@ def test_what_is_no_can_about_z_is_refused(tmp_path: Path) -> None:
     lying.vertices = lying.vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
     oval = can_of(32)
     oval.vertices = oval.vertices * (1.0, 1.3, 1.0)
-    for mesh in (lying, oval, trimesh.creation.icosphere()):
+    on_a_face = can_of(6)
+    on_a_face.vertices = on_a_face.vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
+    box = trimesh.creation.box((1.0, 2.0, 3.0))
+    for mesh in (lying, oval, on_a_face, box, trimesh.creation.icosphere()):
         with pytest.raises(InvalidSettingError, match="round about it, with flat ends"):
             _read(mesh, tmp_path / "a.obj")
     apart = can_of(32)
@@ -254,7 +257,16 @@ def test_meshes_of_one_name_are_told_apart(tmp_path: Path, rockingcan: Command) 
         path.parent.mkdir()
         can_of(sides).export(path)
     options = (word for path in paths for word in ("--mesh", str(path)))
-    found = rockingcan("probe", "mujoco", *options, "--set", "shapes=mesh-plane", "--json").json()
-    assert list(dict.fromkeys(row["variant"] for row in found["rows"])) == [
-        f"{path}, shapes=mesh-plane" for path in paths
-    ]
+    found = rockingcan("probe", "mujoco", *options, "--json").json()
+    variants = dict.fromkeys(row["variant"] for row in found["rows"])
+    assert {variant.partition(",")[0] for variant in variants} == set(map(str, paths))
+
+
+@pytest.mark.parametrize("setting", ["shapes=cylinder-box", "mesh=0,0,1"])
+def test_what_a_mesh_takes_the_place_of_is_not_set_as_well(
+    tmp_path: Path, rockingcan: Command, setting: str
+) -> None:
+    can_of(32).export(tmp_path / "a.obj")
+    refused = rockingcan("probe", "mujoco", "--mesh", str(tmp_path / "a.obj"), "--set", setting)
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "left out beside --mesh" in refused.err

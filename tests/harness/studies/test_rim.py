@@ -7,14 +7,13 @@ from typing import Any
 
 import pytest
 
-from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Figure, Prose, Table
 from harness.core.verdict import Status
 from harness.engines.base import features_of
+from harness.engines.probes import rim_contact
 from harness.engines.registry import engine
 from harness.execution.worker import Loss, LostTaskError
-from harness.studies.comparison import rim
 from harness.studies.comparison.rim import PROBING, RimStudy
 from harness.studies.study import Results, run_study
 from tests.support.command_line import Command
@@ -104,17 +103,27 @@ def test_a_question_that_the_engine_does_not_survive_is_a_finding(done: Results)
 
 
 def test_a_collider_that_raises_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
-    def survey(case: Case) -> None:
-        message = f"{case.engine} has no answer"
+    def asked(_: object) -> None:
+        message = "mujoco has no answer"
         raise RuntimeError(message)
 
-    monkeypatch.setattr(rim, "survey_rim", survey)
+    monkeypatch.setattr(rim_contact, "collision", asked)
     study = RimStudy(engines=("mujoco",), settings={"mujoco": {"shapes": "mesh-plane"}})
     words, figure, table = artefacts(study, run_study(study))
     said = "does not survive the question: `collision` raised RuntimeError: mujoco has no answer"
     assert said in table.frame["finding"][0]
     assert "The rim is seen: nowhere" in words.text
     assert figure.panels == ()
+
+
+def test_an_error_of_the_machine_is_no_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked(_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(rim_contact, "collision", asked)
+    study = RimStudy(engines=("mujoco",), settings={"mujoco": {"shapes": "mesh-plane"}})
+    with pytest.raises(MemoryError):
+        run_study(study)
 
 
 def test_engines_without_contacts_are_left_out_of_many() -> None:

@@ -19,6 +19,8 @@ _CHOICES = {
 }
 """Where MJX has fewer words than MuJoCo."""
 
+_MEANINGS = {"shapes": "Shapes that MJX has functions for; a box is 600 m wide."}
+
 _LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "mesh"}
 """What MJX has no word for."""
 
@@ -30,7 +32,11 @@ SETTINGS = (
         meaning="Double precision instead of single; of JAX, which ships in single.",
     ),
     *(
-        replace(setting, choices=_CHOICES.get(setting.name, setting.choices))
+        replace(
+            setting,
+            choices=_CHOICES.get(setting.name, setting.choices),
+            meaning=_MEANINGS.get(setting.name, setting.meaning),
+        )
         for setting in of_mujoco.SETTINGS
         if setting.name not in _LEFT_OUT and setting is not ETA_SETTING
     ),

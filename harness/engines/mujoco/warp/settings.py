@@ -15,12 +15,18 @@ _CHOICES = {
 }
 """Where MuJoCo Warp has fewer words than MuJoCo."""
 
+_MEANINGS = {"shapes": "Shapes that MuJoCo Warp has pairs for; a box is 10 m wide."}
+
 _LEFT_OUT = {"build", "mesh"}
 """Words of the adapter of MuJoCo alone."""
 
 SETTINGS = (
     *(
-        replace(setting, choices=_CHOICES.get(setting.name, setting.choices))
+        replace(
+            setting,
+            choices=_CHOICES.get(setting.name, setting.choices),
+            meaning=_MEANINGS.get(setting.name, setting.meaning),
+        )
         for setting in of_mujoco.SETTINGS
         if setting.name not in _LEFT_OUT and setting is not ETA_SETTING
     ),
