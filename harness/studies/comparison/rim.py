@@ -331,7 +331,7 @@ def _map(found: Mapping[str, Mapping[str, Record]]) -> Figure:
     return Figure(
         name="rim",
         title="How far the contact is from the lowest point of the rim",
-        seen="White cells have no contact; a collider that is exact is dark all along.",
+        seen="White cells have no contact. A collider that is exact is dark all along.",
         panels=tuple(_panel(name, own) for name, own in asked.items() if own),
         columns=1,
     )
