@@ -168,8 +168,7 @@ def rim() -> dict[str, str]:
         for variant, own in table.groupby("variant", sort=False):
             # the first of its findings on the place, or the first
             first = own.assign(other=own["kind"] != "place").sort_values("other", kind="stable")
-            tilt = own["seen_from_rad"].iloc[0]
-            seen = _seen_from(tilt)
+            seen = _seen_from(own["seen_from_rad"].iloc[0])
             rows.append((f"{label}, {variant}", seen, first["finding"].iloc[0]))
     head = ("collider", "rim seen from", "what it does under the rim")
     jumps = {}

@@ -38,7 +38,7 @@ from harness.execution.cache import (
     prune_cache,
 )
 from harness.execution.isolated_pool import local_executor
-from harness.progress import ItemBar
+from harness.progress import ItemBar, ProgressBar
 from harness.studies.comparison.rim import RimStudy
 from harness.studies.study import run_study
 from models.catalogue import load
@@ -95,8 +95,9 @@ def check(
     rim = RimStudy(engines=(name,))
     found = None
     if not failed and not why_no_contacts(chosen):
-        with local_executor(1, spawned=True) as executor:  # which a crash does not end
-            found = rim.answer(run_study(rim, executor=executor))
+        # in another process: a crash of the engine does not end this one
+        with ProgressBar() as progress, local_executor(1, spawned=True) as executor:
+            found = rim.answer(run_study(rim, executor=executor, on_progress=progress.show))
     checks = [asdict(verdict) | {"result": verdict.result.value} for verdict in verdicts]
     if json:
         answer = {

@@ -29,6 +29,7 @@ from harness.engines.base import (
 from harness.engines.can_mesh import (
     MESH_SETTING,
     Mesh,
+    hull_triangles,
     mesh_points,
     obj_text,
     outline_gap,
@@ -103,6 +104,7 @@ __all__ = [
     "bounded_separately",
     "contact_of",
     "declared_friction",
+    "hull_triangles",
     "mesh_points",
     "obj_text",
     "outline_gap",

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
-from scipy.spatial import ConvexHull
+import scipy
 
 from harness.core.engine_packages import install_command
 from harness.core.errors import InvalidSettingError, MissingPackageError
+from harness.core.trajectory import Floats, Integers
 from harness.engines.base import Setting
-from harness.engines.world import Floats
 from models import Can
 
 Mesh: TypeAlias = tuple[float, ...]
@@ -34,7 +34,8 @@ _MOST_POINTS = 5000
 """Of a hull."""
 
 _FLAT = 1e-6
-"""Of the half height: points that are as near to an end lie in it."""
+"""Of the half height: points that are as near to an end lie in it; and of the size: a mesh that is
+as thin has no volume."""
 
 _ROUND = 0.05
 """Of the radius: corners of an outline that are farther from a circle make no can."""
@@ -119,12 +120,12 @@ def _normalised(path: Path, points: Floats) -> Mesh:
     InvalidSettingError
         If they are no can: not on a circle about the axis, or without ends.
     """
-    hull = points[np.sort(ConvexHull(points).vertices)]
+    hull = points[np.sort(scipy.spatial.ConvexHull(points).vertices)]
     if len(hull) > _MOST_POINTS:
         raise _refused(path, f"a mesh whose hull has {_MOST_POINTS} corners at most")
     low, high = hull[:, 2].min(), hull[:, 2].max()
     hull[:, 2] = (2.0 * hull[:, 2] - low - high) / (high - low)
-    outline = hull[ConvexHull(hull[:, :2]).vertices, :2]
+    outline = hull[scipy.spatial.ConvexHull(hull[:, :2]).vertices, :2]
     # the circle x^2 + y^2 = 2 c.x + d that is nearest to the outline
     sides = np.column_stack((2.0 * outline, np.ones(len(outline))))
     circle, *_ = np.linalg.lstsq(sides, np.sum(outline**2, axis=1), rcond=None)
@@ -132,7 +133,7 @@ def _normalised(path: Path, points: Floats) -> Mesh:
     distances = np.hypot(*(outline - circle[:2]).T)
     hull[:, :2] /= distances.max()
     mesh = _as_mesh(hull)
-    inner = float(-ConvexHull(outline - circle[:2]).equations[:, -1].max()) / distances.max()
+    inner = _inner_radius(outline - circle[:2]) / distances.max()
     regular = math.cos(math.pi / len(outline))
     on_circle = distances.min() >= (1.0 - _ROUND) * distances.max()
     if not on_circle or inner < _EVEN * regular or outline_gap(mesh) > _LEAST_END:
@@ -149,10 +150,20 @@ def mesh_points(mesh: Mesh, can: Can) -> Floats:
     return points
 
 
+def hull_triangles(points: Floats) -> Integers:
+    """Return the triangles of the convex hull of some points, shape (m, 3), seen from outside."""
+    hull = scipy.spatial.ConvexHull(points)
+    first, second, third = points[hull.simplices].transpose(1, 0, 2)
+    outward = np.einsum("ij,ij->i", np.cross(second - first, third - first), hull.equations[:, :3])
+    triangles: Integers = hull.simplices.astype(np.int64)
+    triangles[outward < 0.0] = triangles[outward < 0.0, ::-1]
+    return triangles
+
+
 def obj_text(points: Floats) -> str:
     """Return the convex hull of some points, m, as a file in the format OBJ."""
     corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
-    sides = [f"f {a} {b} {c}" for a, b, c in (ConvexHull(points).simplices + 1).tolist()]
+    sides = [f"f {a} {b} {c}" for a, b, c in (hull_triangles(points) + 1).tolist()]
     return "\n".join((*corners, *sides, ""))
 
 
@@ -167,8 +178,13 @@ def outline_gap(mesh: Mesh) -> float:
         outline = points[abs(points[:, 2] - end) < _FLAT, :2]
         if len(outline) < 3:  # noqa: PLR2004 - corners of a triangle
             return 1.0
-        least = min(least, float(-ConvexHull(outline).equations[:, -1].max()))
+        least = min(least, _inner_radius(outline))
     return 1.0 - least
+
+
+def _inner_radius(outline: Floats) -> float:
+    """Return the distance of the nearest side of a convex polygon (n, 2) from the origin."""
+    return float(-scipy.spatial.ConvexHull(outline).equations[:, -1].max())
 
 
 def _as_mesh(points: Floats) -> Mesh:

@@ -16,7 +16,7 @@ A setting has the name of the field of `MultibodyPlantConfig`, or of the propert
 
 Hydroelastic contact is a pressure over the surface in which a compliant can, a mesh, meets a rigid
 ground: `compliance_type` is the can's. As shipped no geometry has one, and the contact is a point.
-Distances and depths that are told are those of the cylinder which the mesh stands for.
+Distances are those of the mesh; a surface has no depth, and the cylinder's is told.
 
 The differences between Drake as shipped and matched are in the order in which they are removed: the
 geometry of the contact, its law, the timestep last.

@@ -28,6 +28,7 @@ from harness.engines import (
     step_by_stages,
 )
 from harness.engines.mujoco import settings as declared
+from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE
 from harness.engines.mujoco.compiled_scene import CompiledScene, chunk_of
 from models.kinematics import to_body, to_world
 from models.state import Pose, Twist
@@ -83,7 +84,7 @@ class ArrayWorld(CompiledScene):
 
         Of other shapes that do not overlap such an engine has no distance: it is MuJoCo's.
         """
-        if self._shapes != declared.CYLINDER_ON_PLANE:
+        if self._shapes != CYLINDER_ON_PLANE:
             data = mujoco.MjData(self.model)
             data.qpos[:] = self._state[:7]
             return self.distance(data)

@@ -26,15 +26,8 @@ from harness.engines import (
     mesh_points,
     trajectory_of,
 )
-from harness.engines.mujoco.settings import (
-    CYLINDER_ON_PLANE,
-    SHAPES,
-    attributes,
-    matched_solref,
-    mesh_in,
-    soft_solref,
-    stages,
-)
+from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE, mesh_in, shapes_in
+from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
 from models import Can
 from models.gravity import shaking
 from models.kinematics import to_world
@@ -82,7 +75,7 @@ class CompiledScene:
         contact_sensors: bool = True,
     ) -> None:
         option, geom, own_flag = attributes(case, chosen)
-        self._shapes = str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE))
+        self._shapes = shapes_in(chosen)
         soft = soft_solref(case, timestep)
         everything = chosen.get("build") == "everything"
         text = mjcf(
@@ -215,15 +208,11 @@ class CompiledScene:
         )
 
 
-_TIGHT = (1e-12, 200)
-"""m, and iterations: shipped 1e-6 leaves the normal of a shallower contact to chance."""
-
-
 def _compiled(
     text: str, chosen: Mapping[str, Value], can: Can, half_box: tuple[float, float, float]
 ) -> mujoco.MjModel:
     """Return the model of an MJCF text in which the chosen shapes collide."""
-    shapes, mesh = str(chosen.get(SHAPES.name, CYLINDER_ON_PLANE)), mesh_in(chosen)
+    shapes, mesh = shapes_in(chosen), mesh_in(chosen)
     if shapes == CYLINDER_ON_PLANE and mesh is None:
         return mujoco.MjModel.from_xml_string(text)
     spec = mujoco.MjSpec.from_string(text)
@@ -237,13 +226,6 @@ def _compiled(
             half_box,
             (0.0, 0.0, -half_box[2]),
         )
-    native = int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)  # a lean build leaves it out
-    spec.option.disableflags &= ~native
-    spec.option.disableflags |= native if shapes.endswith("libccd") else 0
-    if "tolerance" in shapes:
-        spec.option.ccd_tolerance, spec.option.ccd_iterations = _TIGHT
-    if shapes.endswith("single"):  # what earlier versions have to be asked for
-        spec.option.disableflags |= int(getattr(mujoco.mjtDisableBit, "mjDSBL_MULTICCD", 0))
     return spec.compile()
 
 

@@ -45,6 +45,7 @@ from harness.engines import (
 )
 from harness.engines.mujoco import DESCRIPTION
 from harness.engines.mujoco import settings as declared
+from harness.engines.mujoco.colliders import COLLIDERS, MESH_COLLIDERS
 from harness.engines.mujoco.compiled_scene import alike, chunk_of
 from harness.engines.mujoco.world import MujocoWorld
 from models.rim import released
@@ -274,8 +275,8 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     model_differences = declared.MODEL_DIFFERENCES
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
-    colliders = declared.COLLIDERS
-    mesh_colliders = declared.MESH_COLLIDERS
+    colliders = COLLIDERS
+    mesh_colliders = MESH_COLLIDERS
     capabilities = Capabilities(
         honours=frozenset(
             {

@@ -29,16 +29,15 @@ from harness.engines import (
     MESH_SETTING,
     TIMESTEP,
     Case,
-    Mesh,
     ModelDifference,
     Setting,
     SolverEffort,
     Value,
     Variant,
     outline_gap,
-    prism,
     rim_within,
 )
+from harness.engines.mujoco.colliders import CCD_FLAGS, CCD_OPTIONS, SHAPES, mesh_in
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, pair, spring, surface
 
@@ -105,6 +104,7 @@ OPTIONS = (
     Setting.as_shipped(
         "noslip_tolerance", 1e-6, "Improvement below which the noslip solver stops."
     ),
+    *CCD_OPTIONS,
 )
 
 GEOM = (
@@ -126,13 +126,16 @@ GEOM = (
     Setting.as_shipped("margin", 0.0, "Distance at which a contact becomes active, m."),
 )
 
-FLAGS = tuple(
-    Setting.as_shipped(name, "enable", meaning, choices=("enable", "disable"))
-    for name, meaning in (
-        ("refsafe", "Keeps the time constant of solref at two timesteps or more."),
-        ("warmstart", "Starts the solver at the last step's forces."),
-        ("eulerdamp", "Implicit treatment of joint damping in Euler; the can has none."),
+FLAGS = (
+    tuple(
+        Setting.as_shipped(name, "enable", meaning, choices=("enable", "disable"))
+        for name, meaning in (
+            ("refsafe", "Keeps the time constant of solref at two timesteps or more."),
+            ("warmstart", "Starts the solver at the last step's forces."),
+            ("eulerdamp", "Implicit treatment of joint damping in Euler; the can has none."),
+        )
     )
+    + CCD_FLAGS
 )
 
 BUILD = Setting(
@@ -143,28 +146,6 @@ BUILD = Setting(
     choices=("shipped", "lean", "everything"),
 )
 """The harness's own word, in no file of MuJoCo: which stages of a step are compiled in."""
-
-CYLINDER_ON_PLANE = "cylinder-plane"
-SHAPES = Setting.as_shipped(
-    "shapes",
-    CYLINDER_ON_PLANE,
-    "Shapes that collide, by MuJoCo or libccd, to which tolerance; `single`: deepest point alone.",
-    choices=(
-        CYLINDER_ON_PLANE,
-        "mesh-plane",
-        "cylinder-box",
-        "mesh-box",
-        "cylinder-box-single",
-        "cylinder-box-tolerance-1e-12",
-        "cylinder-box-tolerance-1e-12-single",
-        "cylinder-box-libccd",
-        "mesh-box-libccd",
-    ),
-)
-"""The harness's own word too; the shipped tolerance of a collider is 1e-6 m."""
-
-_SIDES = 32
-"""Of the prism that is the mesh where no other is given."""
 
 _PYRAMID = 1.0 - 1.0 / math.sqrt(2.0) + 0.005
 """Share of the declared friction that a pyramid lacks between its edges, and what solvers miss."""
@@ -183,14 +164,6 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
     return rows | (dict.fromkeys(_ARMS, 1.0) if case.profile == "default" else {})
 
 
-def mesh_in(chosen: Mapping[str, Value]) -> Mesh | None:
-    """Return the mesh that the can is; None for a cylinder."""
-    mesh = chosen.get(MESH_SETTING.name)
-    if mesh is None and str(chosen.get(SHAPES.name, "")).startswith("mesh"):
-        return prism(_SIDES)
-    return mesh  # type: ignore[return-value] # points, as it was checked
-
-
 SETTINGS = (*OPTIONS, *GEOM, *FLAGS, BUILD, SHAPES, MESH_SETTING, ETA_SETTING)
 
 _IDLE = (
@@ -202,7 +175,6 @@ _IDLE = (
     "clampctrl",
     "midphase",
     "filterparent",
-    "nativeccd",
     "island",
 )
 """Stages that one can on one plane never needs, whatever its effects."""
@@ -357,12 +329,6 @@ VARIANTS = (
     Variant.of("solver", "PGS", thorough=True),
     Variant(name="3 noslip iterations", settings=(("noslip_iterations", 3),)),
 )
-
-COLLIDERS = tuple(
-    Variant(name=word, settings=() if word == CYLINDER_ON_PLANE else ((SHAPES.name, word),))
-    for word in SHAPES.choices
-)
-MESH_COLLIDERS = tuple(each for each in COLLIDERS if each.name.startswith("mesh"))
 
 MODEL_DIFFERENCES = (
     ModelDifference(

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import warp
-from scipy.spatial import ConvexHull
 
 from harness.engines import (
     MESH_SETTING,
@@ -23,6 +22,7 @@ from harness.engines import (
     Mesh,
     Value,
     declared_friction,
+    hull_triangles,
     mesh_points,
     prism,
 )
@@ -248,19 +248,9 @@ def _add_can(
         sizes = {"radius": can.radius, "half_height": can.half_height}
         return int(builder.add_shape_cylinder(body, **sizes, cfg=shape))
     add = getattr(builder, CONVEX_HULL if name == CYLINDER else name)
-    hull = _mesh(mesh_points(mesh or prism(SIDES), can))
+    points = mesh_points(mesh or prism(SIDES), can)
+    hull = newton.Mesh(points, hull_triangles(points).ravel(), compute_inertia=False)
     return int(add(body, mesh=hull, cfg=shape))
-
-
-def _mesh(points: Floats) -> Any:  # noqa: ANN401 - Newton's
-    """Return the convex hull of some points, m, with its sides seen from outside."""
-    hull = ConvexHull(points)
-    sides = hull.simplices.copy()
-    first, second, third = points[sides].transpose(1, 0, 2)
-    outward = np.cross(second - first, third - first)
-    inside = np.einsum("ij,ij->i", outward, hull.equations[:, :3]) < 0.0
-    sides[inside] = sides[inside, ::-1]
-    return newton.Mesh(points, sides.ravel(), compute_inertia=False)
 
 
 def _frame(values: Any) -> tuple[Floats, Floats]:  # noqa: ANN401 - of Warp

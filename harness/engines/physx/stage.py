@@ -3,9 +3,16 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
-from harness.engines import MESH_SETTING, Case, Floats, Value, declared_friction, mesh_points
+from harness.engines import (
+    MESH_SETTING,
+    Case,
+    Floats,
+    Value,
+    declared_friction,
+    hull_triangles,
+    mesh_points,
+)
 from models.gravity import gravity_vector
 from models.mass import body as body_of
 
@@ -131,7 +138,7 @@ def stage_text(case: Case, chosen: Mapping[str, Value]) -> str:
 
 def _hull(points: Floats) -> str:
     """Return the attributes of a mesh with the convex hull of some points, m."""
-    sides = ConvexHull(points).simplices
+    sides = hull_triangles(points)
     return _MESH.format(
         points=list(map(tuple, points.tolist())),
         counts=[3] * len(sides),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case, Value
-from harness.core.errors import HarnessError, InvalidSettingError
+from harness.core.errors import HarnessError, UnknownSettingError
 from harness.engines.description import Precision
 from harness.engines.probes.rim_contact import collision, turns
 from harness.engines.registry import engine, export_settings, not_installed, variants
@@ -166,12 +166,10 @@ def test_other_shapes_touch_at_the_side_of_the_can_that_is_lower(
         assert world.signed_distance() == pytest.approx(-depth, rel=0.05)
 
 
-@pytest.mark.parametrize("shapes", ["cylinder-box-libccd", "cylinder-box-tolerance-1e-12"])
-def test_shapes_that_differ_in_an_option_of_mujoco_alone_are_refused(
-    gentle: Scene, shapes: str
-) -> None:
-    with pytest.raises(InvalidSettingError, match="cylinder-plane, mesh-plane, cylinder-box"):
-        stepping_engine("mujoco-warp").open(case_of(gentle, shapes=shapes))
+@pytest.mark.parametrize(("name", "word"), [("nativeccd", "disable"), ("ccd_tolerance", 1e-12)])
+def test_a_collider_of_mujoco_alone_is_refused(gentle: Scene, name: str, word: Value) -> None:
+    with pytest.raises(UnknownSettingError, match=name):
+        stepping_engine("mujoco-warp").open(case_of(gentle, None, **{name: word}))
 
 
 def test_nothing_is_printed_where_it_is_started() -> None:

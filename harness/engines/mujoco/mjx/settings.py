@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from harness.engines import COMMON, ETA_SETTING, ModelDifference, Setting, SolverEffort, Variant
 from harness.engines.mujoco import settings as of_mujoco
+from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE, OF_CCD
 
 X64 = "jax_enable_x64"
 """JAX's own name of the switch to double precision."""
@@ -15,13 +16,13 @@ X64 = "jax_enable_x64"
 _CHOICES = {
     "integrator": ("Euler", "RK4", "implicitfast"),
     "solver": ("CG", "Newton"),
-    "shapes": (of_mujoco.CYLINDER_ON_PLANE, "mesh-plane", "mesh-box"),
+    "shapes": (CYLINDER_ON_PLANE, "mesh-plane", "mesh-box"),
 }
 """Where MJX has fewer words than MuJoCo."""
 
 _MEANINGS = {"shapes": "Shapes that MJX has functions for; a box is 600 m wide."}
 
-_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "mesh"}
+_LEFT_OUT = {"noslip_iterations", "noslip_tolerance", "build", "mesh", *OF_CCD}
 """What MJX has no word for."""
 
 SETTINGS = (

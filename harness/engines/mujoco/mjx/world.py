@@ -164,7 +164,7 @@ class MjxWorld(ArrayWorld):
         self._computing = partial(computing, double=double)
         try:
             with self._computing(), warnings.catch_warnings():
-                # that of a base with more than 20 corners it keeps every second: `SIDES` are more
+                # that of a base with more than 20 corners it keeps every second: the prism has more
                 warnings.filterwarnings("ignore", "Mesh .* has a coplanar face", UserWarning)
                 self._put()
         except NotImplementedError as error:

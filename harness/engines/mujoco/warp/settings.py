@@ -8,16 +8,17 @@ from dataclasses import replace
 
 from harness.engines import COMMON, ETA_SETTING, SolverEffort, Variant
 from harness.engines.mujoco import settings as of_mujoco
+from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE, OF_CCD
 
 _CHOICES = {
     "solver": ("CG", "Newton"),
-    "shapes": (of_mujoco.CYLINDER_ON_PLANE, "mesh-plane", "cylinder-box", "mesh-box"),
+    "shapes": (CYLINDER_ON_PLANE, "mesh-plane", "cylinder-box", "mesh-box"),
 }
 """Where MuJoCo Warp has fewer words than MuJoCo."""
 
 _MEANINGS = {"shapes": "Shapes that MuJoCo Warp has pairs for; a box is 10 m wide."}
 
-_LEFT_OUT = {"build", "mesh"}
+_LEFT_OUT = {"build", "mesh", *OF_CCD}
 """Words of the adapter of MuJoCo alone."""
 
 SETTINGS = (
@@ -34,7 +35,7 @@ SETTINGS = (
 )
 
 COLLIDERS = (
-    Variant(name=of_mujoco.CYLINDER_ON_PLANE),
+    Variant(name=CYLINDER_ON_PLANE),
     Variant(name="mesh-plane", settings=(("shapes", "mesh-plane"),)),
     Variant(name="cylinder-box of 10 m", settings=(("shapes", "cylinder-box"),)),
     Variant(name="mesh-box of 10 m", settings=(("shapes", "mesh-box"),)),

@@ -16,7 +16,8 @@ import warp
 
 from harness.engines import Case, Collision, Floats, RefusedModelError, Value
 from harness.engines.mujoco.array_stepping import ArrayWorld
-from harness.engines.mujoco.settings import CYLINDER_ON_PLANE, FAINTEST
+from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE
+from harness.engines.mujoco.settings import FAINTEST
 from harness.engines.suppress_output import silence
 
 warp.config.log_level = warp.LOG_ERROR
