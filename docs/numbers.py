@@ -177,10 +177,10 @@ def rim() -> dict[str, str]:
         own = table[table["variant"].eq(variant) & table["kind"].eq("place")]
         jumps[f"{engine}_tilt"] = f"{own['below_tilt_rad'].iloc[0]:.4g}"
         jumps[f"{engine}_off"] = f"{1e3 * own['place_error_m'].iloc[0]:.2g}"
-    detectors = csv("rim-dart/rim-findings.csv").groupby("variant")["finding"].agg(tuple)
+    colliders = csv("rim-dart/rim-findings.csv").groupby("variant")["finding"].agg(tuple)
     return jumps | {
         "table": markdown(head, rows, words=3),
-        "dart_detectors": str(len(set(detectors))),
+        "dart_colliders": str(len(set(colliders))),
     }
 
 

@@ -24,12 +24,15 @@ import dartpy
 
 world.setTimeStep({timestep!r})
 solver = world.getConstraintSolver()
-solver.setCollisionDetector(dartpy.collision.{detector}())
+detector = dartpy.collision.{detector}()
+{mesh}solver.setCollisionDetector(detector)
 solver.setSplitImpulseEnabled({split})
 options = world.getDeactivationOptions()
 options.mEnabled = {sleeps}
 world.setDeactivationOptions(options)
 """
+
+_MESH = "detector.setPrimitiveShapeType(type(detector).PrimitiveShape.MESH)\n"
 
 _ADAPTIVE = """\
 # The timestep follows the motion. Before each world.step() of a can with these measures:
@@ -93,6 +96,7 @@ class DartEngine(PhysicsEngine[DartWorld]):
         text += _PASTE.format(
             timestep=timestep,
             detector=chosen["collisionDetector"],
+            mesh=_MESH if chosen[declared.SHAPE_TYPE] == declared.MESH else "",
             split=bool(chosen["splitImpulseEnabled"]),
             sleeps=bool(chosen["deactivation"]),
         )

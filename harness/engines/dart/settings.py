@@ -29,6 +29,8 @@ from harness.engines import (
     Value,
     Variant,
     bounded_separately,
+    outline_gap,
+    prism,
     rim_within,
 )
 
@@ -36,13 +38,18 @@ DEFAULT_TIMESTEP = 1e-3
 MATCHED_TIMESTEP = 1e-4
 
 BULLET = "BulletCollisionDetector"
+FCL = "FCLCollisionDetector"
 DETECTORS = (
     "DARTCollisionDetector",
-    "FCLCollisionDetector",
+    FCL,
     BULLET,
     "OdeCollisionDetector",
 )
 DANTZIG, NSGS, FBF = "DantzigBoxedLcpSolver", "NsgsFrictionSolver", "FbfFrictionSolver"
+
+SHAPE_TYPE, MESH = "primitiveShapeType", "MESH"
+_SIDES = 16
+"""Of the prism that is FCL's mesh of a cylinder."""
 
 MOST_ITERATIONS = {NSGS: "maxSweeps", FBF: "maxOuterIterations"}
 """What the solvers of the cone call the most of their iterations."""
@@ -56,6 +63,12 @@ SETTINGS = (
         "DARTCollisionDetector",
         "Whose geometry finds the contacts; DART's own is exact for a cylinder on a plane.",
         choices=DETECTORS,
+    ),
+    Setting.as_shipped(
+        SHAPE_TYPE,
+        "PRIMITIVE",
+        "Of FCL's detector: the can is a cylinder, or a mesh of 16 sides.",
+        choices=("PRIMITIVE", MESH),
     ),
     Setting(
         "boxedLcpSolver",
@@ -107,9 +120,10 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
 
     A small rebound is lost. Dantzig's method has friction in two directions of their own, bounded
     by the load that there would be without any; Bullet's detector touches elsewhere than below the
-    centre, where that is any other.
+    centre, where that is any other. A mesh has no points between its corners.
     """
     can, effects = case.scene.can, case.scene.effects
+    within = outline_gap(prism(_SIDES)) * can.radius if chosen[SHAPE_TYPE] == MESH else 0.0
     rows, shipped = dict[str, float](), case.profile == "default"
     bullet = shipped and chosen["collisionDetector"] == BULLET
     if effects.restitution is not None:
@@ -120,10 +134,17 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
         rows |= dict.fromkeys(FRICTIONS, math.inf) if bullet else bounded_separately(case.scene)
         if not shipped:
             del rows[FRICTIONS[0]]
-    return rows | (rim_within(can, _MARGIN * min(can.radius, can.half_height)) if bullet else {})
+    if bullet:
+        within = _MARGIN * min(can.radius, can.half_height)
+    return rows | (rim_within(can, within) if within else {})
 
 
-COLLIDERS = tuple(Variant(name=word, settings=(("collisionDetector", word),)) for word in DETECTORS)
+COLLIDERS = (
+    *(Variant(name=word, settings=(("collisionDetector", word),)) for word in DETECTORS),
+    Variant(
+        name=f"{FCL}, mesh of 16 sides", settings=(("collisionDetector", FCL), (SHAPE_TYPE, MESH))
+    ),
+)
 
 VARIANTS = (
     *COMMON,

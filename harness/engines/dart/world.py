@@ -18,18 +18,37 @@ from harness.engines import (
     Collision,
     Contact,
     Floats,
+    InvalidSettingError,
     Value,
     contact_of,
     declared_friction,
     pressed_distance,
 )
-from harness.engines.dart.settings import DANTZIG, MOST_ITERATIONS
+from harness.engines.dart.settings import DANTZIG, FCL, MESH, MOST_ITERATIONS, SHAPE_TYPE
+from harness.engines.suppress_output import silence
 from models import Pose, Twist, to_body
 from models.gravity import gravity_vector, shaking
 from models.mass import body as body_of
 
 _OVERFLOWING = 1e50
 """m/s and rad/s: a step multiplies velocities with each other several times."""
+
+
+def _detector(chosen: Mapping[str, Value]) -> Any:  # noqa: ANN401 - dartpy has no types
+    """Return the collision detector of the settings.
+
+    Raises
+    ------
+    InvalidSettingError
+        If another than FCL's is to have a mesh.
+    """
+    name = str(chosen["collisionDetector"])
+    detector = getattr(dartpy.collision, name)()
+    if chosen[SHAPE_TYPE] == MESH:
+        if name != FCL:
+            raise InvalidSettingError(SHAPE_TYPE, MESH, f"PRIMITIVE with {name}")
+        detector.setPrimitiveShapeType(type(detector).PrimitiveShape.MESH)
+    return detector
 
 
 class DartWorld:
@@ -78,8 +97,8 @@ class DartWorld:
         self.world.addSkeleton(ground)
         self.world.addSkeleton(self.can)
         self._constraints = self.world.getConstraintSolver()
-        detector = getattr(dartpy.collision, str(chosen["collisionDetector"]))()
-        self._constraints.setCollisionDetector(detector)
+        with silence():  # DART tells that for a mesh FCL takes the plane as it is
+            self._constraints.setCollisionDetector(_detector(chosen))
         self._constraints.setSplitImpulseEnabled(bool(chosen["splitImpulseEnabled"]))
         self._solver: Any = None
         if chosen["boxedLcpSolver"] != DANTZIG:

@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 
 from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome, Simulation
+from harness.engines.can_mesh import mesh_points, prism
 from harness.engines.parity.contact import Stand
 from harness.engines.probes import PROBES
+from harness.engines.probes.rim_contact import collision, turns
 from harness.engines.registry import engine, export_settings, not_installed, variants
 from harness.engines.stepping.settling import UP, X, Y, lowered, moving
 from models import Effects, Horizon, PointMass, Release, Restitution, Scene, Slip, load, quaternion
+from models.kinematics import to_world
 from tests.support.engines import stepping_engine
 from tests.support.evaluations import turn_error
 
@@ -21,6 +25,7 @@ pytestmark = pytest.mark.engine("dart")
 
 DANTZIG = {"boxedLcpSolver": "DantzigBoxedLcpSolver"}
 FCL = {"collisionDetector": "FCLCollisionDetector"}
+MESH = {**FCL, "primitiveShapeType": "MESH"}
 
 
 def case_of(scene: Scene, timestep: float | None = None, **options: Value) -> Case:
@@ -82,14 +87,15 @@ def test_what_it_ships_with_is_what_is_stated() -> None:
 
 @pytest.mark.parametrize(
     "variant",
-    () if "dart" in not_installed() else (*variants("dart"), "Fbf"),
+    () if "dart" in not_installed() else (*variants("dart"), "Fbf", "mesh"),
     ids=lambda variant: getattr(variant, "name", variant),
 )
 def test_what_is_pasted_runs_and_means_the_case(variant: Any) -> None:
     import dartpy  # noqa: PLC0415 - may not be installed
 
-    profile, settings = "matched", (("boxedLcpSolver", "FbfFrictionSolver"),)
-    if variant != "Fbf":
+    named = {"Fbf": (("boxedLcpSolver", "FbfFrictionSolver"),), "mesh": tuple(MESH.items())}
+    profile, settings = "matched", named.get(variant)
+    if settings is None:
         profile, settings = variant.profile, variant.settings
     case = replace(case_of(load("gentle-rock"), 2.0**-12), profile=profile, options=settings)
     chosen = stepping_engine("dart").resolve(case)
@@ -98,6 +104,9 @@ def test_what_is_pasted_runs_and_means_the_case(variant: Any) -> None:
     solver = world.getConstraintSolver()
     assert world.getTimeStep() == 2.0**-12
     assert type(solver.getCollisionDetector()).__name__ == chosen["collisionDetector"]
+    if chosen["collisionDetector"] in FCL.values():
+        kind = solver.getCollisionDetector().getPrimitiveShapeType()
+        assert kind.name == chosen["primitiveShapeType"]
     assert type(solver.getBoxedLcpSolver()).__name__ == chosen["boxedLcpSolver"]
     assert solver.isSplitImpulseEnabled() is chosen["splitImpulseEnabled"]
     assert world.getDeactivationOptions().mEnabled is chosen["deactivation"]
@@ -106,6 +115,33 @@ def test_what_is_pasted_runs_and_means_the_case(variant: Any) -> None:
         assert options.tolerance == chosen["tolerance"]
         most = getattr(options, "maxSweeps", None) or options.maxOuterIterations
         assert most == chosen["maxSweeps"]
+
+
+def test_the_mesh_of_fcl_is_a_prism_of_16_sides_and_parity_says_so(gentle: Scene) -> None:
+    case, can = case_of(gentle, 1e-3, **MESH), gentle.can
+    world, corners = stepping_engine("dart").open(case), mesh_points(prism(16), can)
+    counts = set()
+    for stance in turns(0.3, [2e-3 * can.radius]):
+        pose, _ = stance.put(can)
+        world.place(pose, moving())
+        lowest = (pose.position + to_world(pose.quaternion, corners))[:, 2].min()
+        found = collision(world)
+        counts.add(len(found.depths))
+        assert found.depths.max(initial=0.0) == pytest.approx(max(-lowest, 0.0), abs=1e-9)
+    assert counts >= {0, 1}
+    rows = {row.quantity: row for row in stepping_engine("dart").parity(case)}
+    assert rows["rim deviation"].verdict == "imposed"
+
+
+def test_a_mesh_of_another_detector_is_refused(
+    gentle: Scene, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(InvalidSettingError, match="PRIMITIVE with OdeCollisionDetector"):
+        stepping_engine("dart").open(
+            case_of(gentle, None, **(MESH | {"collisionDetector": "OdeCollisionDetector"}))
+        )
+    stepping_engine("dart").open(case_of(gentle, None, **MESH))
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("timestep", [1e-3, 1e-4])
