@@ -81,6 +81,7 @@ COMMANDS = tuple(
         (RUN, "validate", "validate", "A report on every engine and scene: the main job."),
         (RUN, "motions", "run", "One scene in one engine, held against the exact motion."),
         (RUN, "motions", "reference", "The exact motion in numbers, and the friction it needs."),
+        (RUN, "score", "score", "A motion that any program wrote, held against the exact one."),
         (RUN, "sweep", "sweep", "A table, and maps, of a scene over its parameters."),
         (RUN, "scenes", "scenes", "The catalogue: what each scene is, and its source."),
         (UNDERSTAND, "studies", "attribute", "Which setting causes which part of an error."),

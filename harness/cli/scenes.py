@@ -10,7 +10,7 @@ from harness.cli.options import Json, SceneName
 from harness.core.errors import InvalidSettingError
 from harness.core.scene_limits import check_scene_limits
 from models.catalogue import load, names
-from models.scene import Horizon
+from models.scene import Horizon, Scene
 
 
 def scenes(json: Json = False) -> None:  # noqa: FBT002 - a switch of the command line
@@ -35,25 +35,49 @@ def _end(horizon: Horizon) -> str:
     return f"{horizon.seconds:g} s" if horizon.seconds else f"bounce {horizon.bounces}"
 
 
+def _mjcf(scene: Scene) -> str:
+    from models.to_mjcf import mjcf  # noqa: PLC0415 - the list of scenes does without numpy
+
+    return mjcf(scene)
+
+
+def _urdf(scene: Scene) -> str:
+    from models.to_urdf import urdf  # noqa: PLC0415
+
+    return urdf(scene)
+
+
+def _csv(scene: Scene) -> str:
+    from harness.records.export import exact_frame  # noqa: PLC0415
+
+    return exact_frame(scene).to_csv(index=False, lineterminator="\n")
+
+
+def _json(scene: Scene) -> str:
+    from harness.records.export import exact_json  # noqa: PLC0415
+
+    return f"{terminal.to_json(exact_json(scene))}\n"
+
+
+_WRITERS = {"mjcf": _mjcf, "urdf": _urdf, "csv": _csv, "json": _json}
+
+
 def export(
     scene: SceneName,
-    format_: Annotated[str, typer.Option("--format", help="mjcf or urdf.")],
+    format_: Annotated[str, typer.Option("--format", help="mjcf, urdf; csv, json: the exact motion.")],
     out: Annotated[
         Path | None, typer.Option(help="Write it here; to standard output if left out.")
     ] = None,
 ) -> None:
-    """A scene as a model that an engine opens.
+    """A scene as a model that an engine opens, or its exact motion.
 
     For example: rockingcan export gentle-rock --format mjcf --out can.xml
     """
-    from models.to_mjcf import mjcf  # noqa: PLC0415 - the list of scenes does without numpy
-    from models.to_urdf import urdf  # noqa: PLC0415
-
-    if format_ not in {"mjcf", "urdf"}:
-        raise InvalidSettingError("--format", format_, "mjcf or urdf")
+    if format_ not in _WRITERS:
+        raise InvalidSettingError("--format", format_, ", ".join(_WRITERS))
     chosen = load(scene)
     check_scene_limits(chosen)  # what overflows is no model
-    text = mjcf(chosen) if format_ == "mjcf" else urdf(chosen)
+    text = _WRITERS[format_](chosen)
     if out is None:
         typer.echo(text.rstrip("\n"))
     else:

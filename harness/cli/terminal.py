@@ -25,6 +25,7 @@ _VERDICT_STYLES = {
     "imposed": "yellow",
     "mismatch": "bold red",
     "does not apply": "dim",
+    "not checked": "dim",
 }
 
 

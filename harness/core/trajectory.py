@@ -67,7 +67,8 @@ class Trajectory:
         Mean of the engine's contact points weighted with their normal forces, m; NaN where no
         contact has a force.
     contact_force : ndarray, shape (n, 3)
-        Sum of the plane's forces on the can, N; zero where there is none.
+        Sum of the plane's forces on the can, N; zero where there is none. NaN throughout in the
+        record of a program that tells none: then the count says where the can touches.
     penetration : ndarray, shape (n,)
         Depth of the deepest contact, m; negative or NaN where there is a gap.
     contact_count : ndarray of int, shape (n,)

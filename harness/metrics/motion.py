@@ -64,7 +64,9 @@ def motion(trajectory: Trajectory, scene: Scene) -> Motion:
         start=(release.psi, release.theta),
     )
     force, point = trajectory.contact_force, trajectory.contact_point
-    touching = (force[:, 2] > 0.0) & np.isfinite(point).all(axis=1)
+    told = np.isfinite(force).all(axis=1)
+    bearing = np.where(told, force[:, 2] > 0.0, trajectory.contact_count > 0)
+    touching = bearing & np.isfinite(point).all(axis=1)
     bears = force[:, 2] >= _LIGHT * scene.can.mass * scene.gravity
     normal = np.where(touching & bears, force[:, 2], np.nan)
     arm = point - trajectory.position
