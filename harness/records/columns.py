@@ -240,22 +240,31 @@ def _numbers(path: Path, frame: "pd.DataFrame", column: str, *, gaps: bool) -> F
     RecordFileError
         With the first cell that is none.
     """
-    import pandas as pd  # noqa: PLC0415 - takes half a second to import
-
-    own = frame[column]
-    numbers: Floats = pd.to_numeric(own, errors="coerce").to_numpy(
-        dtype=np.float64, na_value=np.nan
-    )
+    cells = frame[column]
+    if cells.dtype.kind in "biuf":
+        numbers: Floats = cells.to_numpy(dtype=np.float64)
+    else:
+        numbers = np.array([_number(cell) for cell in cells.tolist()], dtype=np.float64)
     bad = ~(np.abs(numbers) < _LARGEST_NUMBER)
     if gaps:
-        bad &= own.notna().to_numpy()
+        bad &= ~np.isnan(numbers)
     if bad.any():
         first = int(np.argmax(bad))
-        cell = shown(own.iloc[first])
+        cell = shown(cells.iloc[first])
         raise RecordFileError(
             path, f"column '{column}' has {cell} in sample {first + 1}: no number"
         )
     return numbers
+
+
+def _number(cell: object) -> float:
+    """Return a cell as a number, infinite if it is none, NaN if it is empty."""
+    if cell is None or cell == "":
+        return math.nan
+    try:
+        return float(str(cell))  # exact, other than the parsers of tables
+    except ValueError:
+        return math.inf
 
 
 def _frame(path: Path) -> "pd.DataFrame":
@@ -266,30 +275,20 @@ def _frame(path: Path) -> "pd.DataFrame":
     RecordFileError
         If there is none.
     """
-    import pandas as pd  # noqa: PLC0415
+    import pandas as pd  # noqa: PLC0415 - takes half a second to import
 
     try:
+        size = path.stat().st_size
         if path.suffix == ".parquet":
-            frame = pd.read_parquet(path)
+            frame = pd.read_parquet(path) if size <= LARGEST_FILE else pd.DataFrame()
         else:
-            separator, decimal = _dialect(path)
-            frame = pd.read_csv(
-                path,
-                sep=separator,
-                decimal=decimal,
-                skipinitialspace=True,
-                comment="#",
-                index_col=False,
-                encoding="utf-8-sig",
-                encoding_errors="replace",
-                float_precision="round_trip",
-                low_memory=False,
-                nrows=MOST_SAMPLES + 1,
-            )
+            frame = _text_frame(path) if size <= LARGEST_FILE else pd.DataFrame()
     except OSError as error:
         raise RecordFileError(path, f"cannot be read: {error.strerror or error}") from error
     except Exception as error:  # a parser raises what it likes on what is no table
         raise RecordFileError(path, f"is no table: {error}") from error
+    if size > LARGEST_FILE:
+        raise RecordFileError(path, f"has {size} bytes, of {LARGEST_FILE} at most")
     frame.columns = [str(name).strip() for name in frame.columns]
     if len(frame) > MOST_SAMPLES:
         raise RecordFileError(path, f"has more than {MOST_SAMPLES} samples")
@@ -298,6 +297,31 @@ def _frame(path: Path) -> "pd.DataFrame":
     if len(set(frame.columns)) < len(frame.columns):
         raise RecordFileError(path, "has two columns of one name")
     return frame
+
+
+def _text_frame(path: Path) -> "pd.DataFrame":
+    """Return the table of a text, its cells as they are written."""
+    import pandas as pd  # noqa: PLC0415
+
+    separator, decimal = _dialect(path)
+    frame = pd.read_csv(
+        path,
+        sep=separator,
+        header=None,  # with one, columns of one name would get others
+        skipinitialspace=True,
+        comment="#",
+        index_col=False,
+        dtype=str,
+        keep_default_na=False,
+        encoding="utf-8-sig",
+        encoding_errors="replace",
+        nrows=MOST_SAMPLES + 2,
+    )
+    frame.columns = frame.iloc[0]
+    frame = frame.iloc[1:]
+    if decimal == ".":
+        return frame
+    return frame.apply(lambda cells: cells.str.replace(decimal, ".", regex=False))
 
 
 def _dialect(path: Path) -> tuple[str, str]:

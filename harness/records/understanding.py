@@ -56,8 +56,13 @@ _MOTION_OFF = 0.1
 """rad, and radii: a motion that is farther from the exact one before its first bounce is another,
 where a convention is sought."""
 
+_CLEARLY = 0.3
+"""rad, radii, and share of the next best: a whole motion that is nearer decides between several."""
+
 _ALIKE = 1e-6
 """rad, and radii: motions that differ by less are one."""
+
+_CONJUGATE = np.array((1.0, -1.0, -1.0, -1.0))
 
 _UNIT = 1e-3
 """Distance of a quaternion from unit length."""
@@ -142,28 +147,30 @@ def _poses(columns: Columns, scene: Scene, convention: Convention) -> _Poses:
 
 
 def _confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> Convention:
-    """Return the convention that the scene confirms: ours if it does."""
+    """Return the convention that the scene confirms."""
     if not columns.has(ANGLES):
         _check_lengths(columns)
-    first, *others = conventions(given, angles=columns.has(ANGLES))
-    wrong = _wrong_start(_poses(columns, scene, first), scene)
-    if not wrong and (not others or _strays(columns, scene, first) <= _MOTION_OFF):
-        return first
-    fitting: list[Convention] = []
-    for one in others:
-        start = _poses(_few(columns), scene, one)
-        if not _wrong_start(start, scene) and _strays(columns, scene, one) <= _MOTION_OFF:
-            fitting.append(one)
-    different = list(_different(columns, scene, fitting))
-    if len(different) > 1:
-        words = "; or ".join(one.words() or "ours" for one in different)
-        reason = f"several conventions fit and differ: choose one by --convention: {words}"
-        raise RecordFileError(columns.path, reason)
-    if different:
-        return different[0]
-    if not wrong:  # it starts well: what it does later is its program's
-        return first
-    reason = f"is no motion of scene '{scene.name}' by any convention that is left: {wrong}"
+    every = tuple(conventions(given, angles=columns.has(ANGLES)))
+    ours, few = every[0], _few(columns)
+    wrong = {one: _wrong_start(_poses(few, scene, one), scene) for one in every}
+    starting = [one for one in every if not wrong[one]]
+    fitting = [one for one in starting if _strays(columns, scene, one) <= _MOTION_OFF]
+    fitting = list(_different(columns, scene, fitting))
+    if len(fitting) > 1:  # alike up to the bounce: the whole motion tells, if it is near to any
+        off = {one: _strays(columns, scene, one, whole=True) for one in fitting}
+        best, second = sorted(fitting, key=lambda one: off[one])[:2]
+        if off[best] <= _CLEARLY and off[best] <= _CLEARLY * off[second]:
+            return best
+        if ours not in fitting:
+            words = "; or ".join(one.words() or "ours" for one in fitting)
+            reason = f"several conventions fit and differ: choose one by --convention: {words}"
+            raise RecordFileError(columns.path, reason)
+        return ours
+    if fitting:
+        return fitting[0]
+    if ours in starting:  # it starts well: what it does later is its program's
+        return ours
+    reason = f"is no motion of scene '{scene.name}' by any convention that is left: {wrong[ours]}"
     raise RecordFileError(columns.path, reason)
 
 
@@ -197,17 +204,20 @@ def _wrong_start(poses: _Poses, scene: Scene) -> str:
     return ""
 
 
-def _strays(columns: Columns, scene: Scene, convention: Convention) -> float:
-    """Return how far a record is from the exact motion before its first bounce, rad or radii.
+def _strays(
+    columns: Columns, scene: Scene, convention: Convention, *, whole: bool = False
+) -> float:
+    """Return how far a record is from the exact motion, rad or radii, whichever is more.
 
-    Zero where there is no exact motion.
+    Before its first bounce the farthest, and over the whole record the median. Zero where there is
+    no exact motion.
     """
     if refusal(scene):
         return 0.0
     exact = truth(scene)
     until = exact.bounces[0].time if exact.bounces else exact.ends
     time = columns.quantities["time"] - columns.quantities["time"][0]
-    count = max(int(np.searchsorted(time, 0.9 * until)), 2)
+    count = len(time) if whole else max(int(np.searchsorted(time, 0.9 * until)), 2)
     keep = np.unique(np.linspace(0, count - 1, min(count, _SAMPLES)).astype(np.int64))
     some = replace(columns, quantities={k: v[keep] for k, v in columns.quantities.items()})
     poses = _Placed.of(_poses(some, scene, convention), scene).poses
@@ -217,7 +227,8 @@ def _strays(columns: Columns, scene: Scene, convention: Convention) -> float:
     true = exact.at(poses.time[inside])
     angle = rotation_between(poses.quaternion[inside], true.quaternion)
     distance = np.linalg.norm(poses.position[inside] - true.position, axis=1) / scene.can.radius
-    return float(np.maximum(angle, distance).max())
+    off = np.maximum(angle, distance)
+    return float(np.median(off) if whole else off.max())
 
 
 def _different(columns: Columns, scene: Scene, fitting: list[Convention]) -> Iterator[Convention]:
@@ -245,6 +256,8 @@ class _Placed:
     ----------
     heading : ndarray, shape (4,)
         Turn of the world about the vertical.
+    roll : ndarray, shape (4,)
+        Turn of the can about its axis.
     shift : ndarray, shape (3,)
         Move after that, m.
     poses : _Poses
@@ -252,6 +265,7 @@ class _Placed:
     """
 
     heading: Floats
+    roll: Floats
     shift: Floats
     poses: _Poses
     said: tuple[str, ...]
@@ -259,8 +273,8 @@ class _Placed:
     @classmethod
     def of(cls, poses: _Poses, scene: Scene) -> "_Placed":
         """Return poses as the scene's symmetries allow them to be placed."""
-        none, still = np.array((1.0, 0.0, 0.0, 0.0)), np.zeros(3)
-        effects, said = scene.effects, []
+        heading = own = np.array((1.0, 0.0, 0.0, 0.0))
+        still, effects, said = np.zeros(3), scene.effects, list[str]()
         if effects.tilt is None and effects.shake is None:
             _, psi, theta = (float(each) for each in angles_of(poses.quaternion[0]))
             q, position = poses.quaternion, poses.position
@@ -269,8 +283,8 @@ class _Placed:
             if effects.point_mass is not None:
                 roll = 0.0  # the mass is where it is
             if abs(yaw) > _ALIKE:
-                none = np.array((math.cos(yaw / 2.0), 0.0, 0.0, math.sin(yaw / 2.0)))
-                q, position = multiplied(none, q), turned(none, position)
+                heading = np.array((math.cos(yaw / 2.0), 0.0, 0.0, math.sin(yaw / 2.0)))
+                q, position = multiplied(heading, q), turned(heading, position)
                 said.append(f"turned by {math.degrees(yaw):.6g} degrees about the vertical")
             if abs(roll) > _ALIKE:
                 own = np.array((math.cos(roll / 2.0), 0.0, 0.0, math.sin(roll / 2.0)))
@@ -283,7 +297,7 @@ class _Placed:
             else:
                 still = np.zeros(3)
             poses = replace(poses, position=position + still, quaternion=q)
-        return cls(heading=none, shift=still, poses=poses, said=tuple(said))
+        return cls(heading=heading, roll=own, shift=still, poses=poses, said=tuple(said))
 
 
 def _spin(
@@ -299,7 +313,10 @@ def _spin(
     own = columns.stacked(SPIN)
     found = {
         "world": turned(placed.heading, vector_from(convention, own, axial=True)),
-        "body": turned(placed.poses.quaternion, body_vector_from(convention, own)),
+        "body": turned(
+            placed.poses.quaternion,
+            turned(placed.roll * _CONJUGATE, body_vector_from(convention, own)),
+        ),
     }
     # the median: at a bounce samples are too coarse for a spline
     off = {
@@ -315,7 +332,7 @@ def _turning(poses: _Poses) -> Floats:
     """Return the angular velocity of orientations, shape (n, 3), rad/s, by cubic splines."""
     q = poses.quaternion / np.linalg.norm(poses.quaternion, axis=1)[:, None]
     rate = CubicSpline(poses.time, q)(poses.time, 1)
-    spin: Floats = 2.0 * multiplied(rate, q * np.array((1.0, -1.0, -1.0, -1.0)))[:, 1:]
+    spin: Floats = 2.0 * multiplied(rate, q * _CONJUGATE)[:, 1:]
     return spin
 
 
