@@ -64,7 +64,9 @@ _WRITERS = {"mjcf": _mjcf, "urdf": _urdf, "csv": _csv, "json": _json}
 
 def export(
     scene: SceneName,
-    format_: Annotated[str, typer.Option("--format", help="mjcf, urdf; csv, json: the exact motion.")],
+    format_: Annotated[
+        str, typer.Option("--format", help="mjcf or urdf; csv or json: its motion.")
+    ],
     out: Annotated[
         Path | None, typer.Option(help="Write it here; to standard output if left out.")
     ] = None,

@@ -14,9 +14,9 @@ from harness.core.case import Value
 from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.progress import report_progress
+from harness.records import score as records
 from harness.records.columns import mapping
 from harness.records.convention import CHOICES, chosen_parts
-from harness.records import score as records
 from harness.records.score import Labels, Scored, understood_table
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report

@@ -321,7 +321,8 @@ def _text_frame(path: Path) -> "pd.DataFrame":
     frame = frame.iloc[1:]
     if decimal == ".":
         return frame
-    return frame.apply(lambda cells: cells.str.replace(decimal, ".", regex=False))
+    pointed: pd.DataFrame = frame.apply(lambda cells: cells.str.replace(decimal, ".", regex=False))
+    return pointed
 
 
 def _dialect(path: Path) -> tuple[str, str]:

@@ -4,9 +4,6 @@ Columns that are written by our convention need no option. Otherwise every conve
 the user has not ruled out: one is taken if the record then starts as the scene's release does, and
 goes on as its exact motion up to the first bounce; what was understood is told. If none fits, or
 several that differ, the record is refused.
-
-The plane has no direction and no origin, and the can none about its axis: where a scene has no
-effect that gives it one, the record is turned and moved to where the exact motion starts.
 """
 
 import math
@@ -43,6 +40,7 @@ from harness.records.convention import (
     turned,
     vector_from,
 )
+from harness.records.placing import ALIKE, Placed, Poses
 from models.kinematics import angles as angles_of
 from models.kinematics import quaternion as quaternion_of
 from models.rim import contact_point, released
@@ -58,9 +56,6 @@ where a convention is sought."""
 
 _CLEARLY = 0.3
 """rad, radii, and share of the next best: a whole motion that is nearer decides between several."""
-
-_ALIKE = 1e-6
-"""rad, and radii: motions that differ by less are one."""
 
 _CONJUGATE = np.array((1.0, -1.0, -1.0, -1.0))
 
@@ -94,22 +89,6 @@ class Understood:
     unknown: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Poses:
-    """Poses by a convention: time (n,), position (n, 3), quaternion (n, 4)."""
-
-    time: Floats
-    position: Floats
-    quaternion: Floats
-
-    def first(self, count: int) -> "_Poses":
-        return _Poses(
-            time=self.time[:count],
-            position=self.position[:count],
-            quaternion=self.quaternion[:count],
-        )
-
-
 def understand(columns: Columns, scene: Scene, given: dict[str, str]) -> Understood:
     """Return a record in the harness's terms.
 
@@ -128,12 +107,12 @@ def understand(columns: Columns, scene: Scene, given: dict[str, str]) -> Underst
     """
     chosen = _confirmed(columns, scene, given)
     poses = _poses(columns, scene, chosen)
-    placed = _Placed.of(poses, scene)
+    placed = Placed.of(poses, scene)
     spin, chosen, spin_said = _spin(columns, placed, chosen, given)
     return _assembled(columns, scene, placed, chosen, spin, spin_said)
 
 
-def _poses(columns: Columns, scene: Scene, convention: Convention) -> _Poses:
+def _poses(columns: Columns, scene: Scene, convention: Convention) -> Poses:
     """Return the poses of a record by a convention, the time from its first sample on."""
     time = columns.quantities["time"]
     if columns.has(ANGLES):
@@ -143,7 +122,7 @@ def _poses(columns: Columns, scene: Scene, convention: Convention) -> _Poses:
     position = vector_from(convention, columns.stacked(POSITION))
     if convention.origin == "base":
         position = position + turned(q, np.array((0.0, 0.0, scene.can.half_height)))
-    return _Poses(time=time - time[0], position=position, quaternion=q)
+    return Poses(time=time - time[0], position=position, quaternion=q)
 
 
 def _confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> Convention:
@@ -188,7 +167,7 @@ def _few(columns: Columns) -> Columns:
     return replace(columns, quantities={k: v[:1] for k, v in columns.quantities.items()})
 
 
-def _wrong_start(poses: _Poses, scene: Scene) -> str:
+def _wrong_start(poses: Poses, scene: Scene) -> str:
     """Return how the first sample differs from the release; empty if it does not."""
     can, release = scene.can, scene.release
     phi, _, _ = (float(each) for each in angles_of(poses.quaternion[0]))
@@ -220,7 +199,7 @@ def _strays(
     count = len(time) if whole else max(int(np.searchsorted(time, 0.9 * until)), 2)
     keep = np.unique(np.linspace(0, count - 1, min(count, _SAMPLES)).astype(np.int64))
     some = replace(columns, quantities={k: v[keep] for k, v in columns.quantities.items()})
-    poses = _Placed.of(_poses(some, scene, convention), scene).poses
+    poses = Placed.of(_poses(some, scene, convention), scene).poses
     inside = poses.time <= exact.ends
     if not inside.any():
         return math.inf
@@ -233,9 +212,9 @@ def _strays(
 
 def _different(columns: Columns, scene: Scene, fitting: list[Convention]) -> Iterator[Convention]:
     """Yield the first of all conventions by which a record is the same motion."""
-    seen: list[_Poses] = []
+    seen: list[Poses] = []
     for one in fitting:
-        own = _Placed.of(_poses(columns, scene, one), scene).poses
+        own = Placed.of(_poses(columns, scene, one), scene).poses
         apart = (
             max(
                 float(rotation_between(own.quaternion, other.quaternion).max()),
@@ -243,65 +222,13 @@ def _different(columns: Columns, scene: Scene, fitting: list[Convention]) -> Ite
             )
             for other in seen
         )
-        if all(distance > _ALIKE for distance in apart):
+        if all(distance > ALIKE for distance in apart):
             seen.append(own)
             yield one
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Placed:
-    """Poses that were turned and moved to the start of the exact motion.
-
-    Parameters
-    ----------
-    heading : ndarray, shape (4,)
-        Turn of the world about the vertical.
-    roll : ndarray, shape (4,)
-        Turn of the can about its axis.
-    shift : ndarray, shape (3,)
-        Move after that, m.
-    poses : _Poses
-    said : tuple of str
-    """
-
-    heading: Floats
-    roll: Floats
-    shift: Floats
-    poses: _Poses
-    said: tuple[str, ...]
-
-    @classmethod
-    def of(cls, poses: _Poses, scene: Scene) -> "_Placed":
-        """Return poses as the scene's symmetries allow them to be placed."""
-        heading = own = np.array((1.0, 0.0, 0.0, 0.0))
-        still, effects, said = np.zeros(3), scene.effects, list[str]()
-        if effects.tilt is None and effects.shake is None:
-            _, psi, theta = (float(each) for each in angles_of(poses.quaternion[0]))
-            q, position = poses.quaternion, poses.position
-            yaw = math.remainder(scene.release.psi - psi, 2.0 * math.pi)
-            roll = math.remainder(scene.release.theta - theta, 2.0 * math.pi)
-            if effects.point_mass is not None:
-                roll = 0.0  # the mass is where it is
-            if abs(yaw) > _ALIKE:
-                heading = np.array((math.cos(yaw / 2.0), 0.0, 0.0, math.sin(yaw / 2.0)))
-                q, position = multiplied(heading, q), turned(heading, position)
-                said.append(f"turned by {math.degrees(yaw):.6g} degrees about the vertical")
-            if abs(roll) > _ALIKE:
-                own = np.array((math.cos(roll / 2.0), 0.0, 0.0, math.sin(roll / 2.0)))
-                q = multiplied(q, np.broadcast_to(own, q.shape))
-                said.append(f"turned by {math.degrees(roll):.6g} degrees about its axis")
-            start, _ = released(scene)
-            still = (start.position - position[0]) * (1.0, 1.0, 0.0)
-            if np.abs(still).max() > _ALIKE * scene.can.radius:
-                said.append(f"moved by {still[0]:.6g} m and {still[1]:.6g} m along the plane")
-            else:
-                still = np.zeros(3)
-            poses = replace(poses, position=position + still, quaternion=q)
-        return cls(heading=heading, roll=own, shift=still, poses=poses, said=tuple(said))
-
-
 def _spin(
-    columns: Columns, placed: _Placed, convention: Convention, given: dict[str, str]
+    columns: Columns, placed: Placed, convention: Convention, given: dict[str, str]
 ) -> tuple[Floats, Convention, str]:
     """Return the angular velocity in the world, the axes it was given in, and where it is from.
 
@@ -328,7 +255,7 @@ def _spin(
     return found[axes], told, f"the angular velocity is in the axes of the {axes}"
 
 
-def _turning(poses: _Poses) -> Floats:
+def _turning(poses: Poses) -> Floats:
     """Return the angular velocity of orientations, shape (n, 3), rad/s, by cubic splines."""
     q = poses.quaternion / np.linalg.norm(poses.quaternion, axis=1)[:, None]
     rate = CubicSpline(poses.time, q)(poses.time, 1)
@@ -339,7 +266,7 @@ def _turning(poses: _Poses) -> Floats:
 def _assembled(  # noqa: PLR0917 - what was found so far
     columns: Columns,
     scene: Scene,
-    placed: _Placed,
+    placed: Placed,
     convention: Convention,
     spin: Floats,
     spin_said: str,

@@ -124,12 +124,12 @@ def damaged(text: bytes, chance: random.Random) -> bytes:
         chance.shuffle(lines)
         data = bytearray(b"\n".join(lines))
     elif kind == 3:
-        lines = [line.split(b",") for line in bytes(data).split(b"\n")]
+        cells = [line.split(b",") for line in bytes(data).split(b"\n")]
         words = (b"", b"nan", b"inf", b"1e999", b"-0", b"<script>", b'"', b"0x10", b"1,5", b"\xff")
         for _ in range(chance.randrange(1, 5)):
-            line = chance.choice(lines)
+            line = chance.choice(cells)
             line[chance.randrange(len(line))] = chance.choice(words)
-        data = bytearray(b"\n".join(b",".join(line) for line in lines))
+        data = bytearray(b"\n".join(b",".join(line) for line in cells))
     else:
         data = bytearray(chance.randbytes(chance.randrange(400)))
     return bytes(data)
