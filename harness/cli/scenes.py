@@ -7,7 +7,8 @@ import typer
 
 from harness.cli import terminal
 from harness.cli.options import Json, SceneName
-from harness.core.errors import InvalidSettingError
+from harness.core.engine_packages import install_command
+from harness.core.errors import InvalidSettingError, MissingPackageError
 from harness.core.scene_limits import check_scene_limits
 from models.catalogue import load, names
 from models.scene import Horizon, Scene
@@ -47,6 +48,22 @@ def _urdf(scene: Scene) -> str:
     return urdf(scene)
 
 
+def _sdf(scene: Scene) -> str:
+    from models.to_sdf import sdf  # noqa: PLC0415
+
+    return sdf(scene)
+
+
+def _usd(scene: Scene) -> str:
+    from models.to_usd import usd  # noqa: PLC0415
+
+    try:
+        return usd(scene)
+    except ImportError as error:
+        install = install_command(["rockingcan[usd]"])
+        raise MissingPackageError("--format usd", "usd-core", str(error), install) from error
+
+
 def _csv(scene: Scene) -> str:
     from harness.records.export import exact_frame  # noqa: PLC0415
 
@@ -59,13 +76,20 @@ def _json(scene: Scene) -> str:
     return f"{terminal.to_json(exact_json(scene))}\n"
 
 
-_WRITERS = {"mjcf": _mjcf, "urdf": _urdf, "csv": _csv, "json": _json}
+_WRITERS = {
+    "mjcf": _mjcf,
+    "urdf": _urdf,
+    "sdf": _sdf,
+    "usd": _usd,
+    "csv": _csv,
+    "json": _json,
+}
 
 
 def export(
     scene: SceneName,
     format_: Annotated[
-        str, typer.Option("--format", help="mjcf or urdf; csv or json: its motion.")
+        str, typer.Option("--format", help="mjcf, urdf, sdf or usd; csv or json: its motion.")
     ],
     out: Annotated[
         Path | None, typer.Option(help="Write it here; to standard output if left out.")
