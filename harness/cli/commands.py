@@ -20,7 +20,7 @@ _PASSED_ON = {"ignore_unknown_options": True, "allow_extra_args": True, "help_op
 
 
 OF_A_SCENE = frozenset(
-    {"run", "reference", "sweep", "attribute", "errors", "cost", "effects", "export"}
+    {"run", "reference", "sweep", "attribute", "errors", "cost", "effects", "export", "score"}
 )
 """Commands of which the first argument is a scene."""
 
@@ -109,7 +109,12 @@ COMMANDS = tuple(
         (GUARD, "catalogue", "store", "What is kept of runs: list it, verify it, prune it."),
         (EXTEND, "catalogue", "engines", "The engines, or the settings of one in each profile."),
         (EXTEND, "catalogue", "check", "Whether an adapter keeps its contract, clause by clause."),
-        (EXTEND, "scenes", "export", "A scene as a model that an engine opens."),
+        (
+            EXTEND,
+            "scenes",
+            "export",
+            "A scene as a model that an engine opens, or its exact motion.",
+        ),
     )
 )
 """In the order of the help."""

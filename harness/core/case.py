@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import shlex
 from dataclasses import dataclass
 
 from harness.core.errors import InvalidSettingError
@@ -15,6 +16,9 @@ PROFILES = ("default", "matched", "adaptive")
 """`default`: the engine as it ships. `matched`: only what the scene declares, at a fixed timestep.
 `adaptive`: matched, with timesteps that follow the motion; a timestep given is then the largest."""
 
+RECORDED = "recorded"
+"""In place of a profile: a program outside ran the case as it liked, and wrote a record."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
@@ -26,7 +30,7 @@ class Case:
     engine : str
         Name under which the engine is registered.
     profile : str
-        One of `PROFILES`: where the settings start from.
+        One of `PROFILES`: where the settings start from; or `RECORDED`.
     timestep : float, optional
         s; left out, the profile's own.
     options : tuple of (str, Value)
@@ -46,7 +50,7 @@ class Case:
 
     def __post_init__(self) -> None:
         """Refuse what no engine can run; put the options in one order."""
-        if self.profile not in PROFILES:
+        if self.profile not in {*PROFILES, RECORDED}:
             raise InvalidSettingError("profile", self.profile, ", ".join(PROFILES))
         if self.timestep is not None and not (math.isfinite(self.timestep) and self.timestep > 0.0):
             raise InvalidSettingError("timestep", self.timestep, "a positive number of seconds")
@@ -75,11 +79,17 @@ class Case:
 
     def command(self) -> str:
         """Return the command line that runs this case again."""
-        words = ["rockingcan run", self.scene.name, f"--engine {self.engine}"]
-        words.append(f"--profile {self.profile}")
+        options = dict(self.options)
+        if self.profile == RECORDED:
+            words = ["rockingcan score", self.scene.name, _spell(options.pop("file", "FILE"))]
+            words.append(f"--name {shlex.quote(self.engine)}")
+        else:
+            words = ["rockingcan run", self.scene.name, f"--engine {self.engine}"]
+            words.append(f"--profile {self.profile}")
         if self.timestep is not None:
             words.append(f"--timestep {self.timestep!r}")
-        words += [f"--set {name}={_spell(value)}" for name, value in self.options]
+        option = "--settings" if self.profile == RECORDED else "--set"
+        words += [f"{option} {name}={_spell(value)}" for name, value in options.items()]
         return " ".join(words)
 
 

@@ -15,6 +15,7 @@ class Outcome(Enum):
     """How a simulation ended; the value is the sentence that a person reads."""
 
     FINISHED = "finished: the run reached its horizon"
+    ENDED_EARLY = "ended early: the record stops before the end that the scene asks for"
     TIMED_OUT = "timed out: the can did not complete its bounces in the time allowed for them"
     FLAT = "flat: the can came to lie flat and did not rise again"
     OVERTURNED = "overturned: the can tipped over onto its side"

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.case import Case
+from harness.core.case import PROFILES, Case
 from harness.core.errors import (
     BrokenEngineError,
     HarnessError,
@@ -60,6 +60,8 @@ def check_case(case: Case) -> None:
         have or a value of another kind.
     """
     check_scene_limits(case.scene)
+    if case.profile not in PROFILES:
+        raise InvalidSettingError("profile", case.profile, ", ".join(PROFILES))
     check_effects(case.engine, case.scene)
     chosen = engine(case.engine)
     if case.profile == "adaptive" and chooses_steps(case.engine):

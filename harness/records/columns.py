@@ -275,20 +275,15 @@ def _frame(path: Path) -> "pd.DataFrame":
     RecordFileError
         If there is none.
     """
-    import pandas as pd  # noqa: PLC0415 - takes half a second to import
-
     try:
-        size = path.stat().st_size
-        if path.suffix == ".parquet":
-            frame = pd.read_parquet(path) if size <= LARGEST_FILE else pd.DataFrame()
-        else:
-            frame = _text_frame(path) if size <= LARGEST_FILE else pd.DataFrame()
+        _check_size(path)
+        frame = _parquet_frame(path) if path.suffix == ".parquet" else _text_frame(path)
+    except RecordFileError:
+        raise
     except OSError as error:
         raise RecordFileError(path, f"cannot be read: {error.strerror or error}") from error
     except Exception as error:  # a parser raises what it likes on what is no table
         raise RecordFileError(path, f"is no table: {error}") from error
-    if size > LARGEST_FILE:
-        raise RecordFileError(path, f"has {size} bytes, of {LARGEST_FILE} at most")
     frame.columns = [str(name).strip() for name in frame.columns]
     if len(frame) > MOST_SAMPLES:
         raise RecordFileError(path, f"has more than {MOST_SAMPLES} samples")
@@ -296,6 +291,24 @@ def _frame(path: Path) -> "pd.DataFrame":
         raise RecordFileError(path, f"has {len(frame.columns)} columns, of {MOST_COLUMNS} at most")
     if len(set(frame.columns)) < len(frame.columns):
         raise RecordFileError(path, "has two columns of one name")
+    return frame
+
+
+def _check_size(path: Path) -> None:
+    """Refuse a file that is too large to be read."""
+    if (size := path.stat().st_size) > LARGEST_FILE:
+        raise RecordFileError(path, f"has {size} bytes, of {LARGEST_FILE} at most")
+
+
+def _parquet_frame(path: Path) -> "pd.DataFrame":
+    """Return the table of a Parquet file, unless it says that it has too many samples."""
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
+    with pq.ParquetFile(path, pre_buffer=False) as file:
+        if file.metadata.num_rows > MOST_SAMPLES:  # a small file may hold billions
+            raise RecordFileError(path, f"has more than {MOST_SAMPLES} samples")
+        frame: pd.DataFrame = file.read(use_threads=False).to_pandas(use_threads=False)
     return frame
 
 

@@ -1,12 +1,14 @@
 """Records of other programs, held against the exact motion as an engine's runs are."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from harness.core.case import Case, Value
+from harness.core.case import RECORDED, Case, Value
 from harness.core.report_model import Artefact, Column, Table, table_of
 from harness.core.simulation import Outcome, Simulation
+from harness.engines.reference.to_reference_problem import refusal
+from harness.engines.reference.truth import truth
 from harness.evaluation.evaluate import measure_simulation
 from harness.evaluation.evaluation import Evaluation
 from harness.records.columns import read_columns
@@ -46,11 +48,11 @@ class Scored:
     @property
     def unknown(self) -> tuple[str, ...]:
         """What the record cannot tell and why, in sentences."""
-        unresolved = [each for each in self.evaluation.bounces if not each.resolved]
-        if not unresolved:
-            return self.understood.unknown
-        coarse = "turns: the record is too coarse to count them in its bounces"
-        return (*self.understood.unknown, coarse)
+        note = self.evaluation.simulation.note
+        found = [*self.understood.unknown, *([f"the end: {note}"] if note else [])]
+        if any(not each.resolved for each in self.evaluation.bounces):
+            found.append("turns: the record is too coarse to count them in its bounces")
+        return tuple(found)
 
 
 def score(
@@ -81,8 +83,15 @@ def score(
     """
     understood = understand(read_columns(path, columns), scene, dict(convention or {}))
     trajectory = understood.trajectory
+    case = Case(
+        scene=scene,
+        engine=labels.name,
+        profile=RECORDED,
+        timestep=labels.timestep,
+        options=(*labels.settings.items(), ("file", str(path))),
+    )
     simulation = Simulation(
-        case=Case(scene=scene, engine=labels.name, timestep=labels.timestep),
+        case=case,
         outcome=Outcome.FINISHED,
         trajectory=trajectory,
         engine_version=labels.version,
@@ -91,7 +100,28 @@ def score(
         settings=labels.settings,
         parity=evidence(trajectory, scene),
     )
-    return Scored(path=path, understood=understood, evaluation=measure_simulation(simulation))
+    evaluation = measure_simulation(simulation)
+    if note := _missing_end(evaluation):
+        simulation = replace(simulation, outcome=Outcome.ENDED_EARLY, note=note)
+        evaluation = replace(evaluation, simulation=simulation)
+    return Scored(path=path, understood=understood, evaluation=evaluation)
+
+
+def _missing_end(evaluation: Evaluation) -> str:
+    """Return what a record lacks at its end; empty if it has all that its scene asks for."""
+    simulation = evaluation.simulation
+    scene, trajectory = simulation.case.scene, simulation.trajectory
+    if trajectory is None or refusal(scene):
+        return ""
+    exact, time = truth(scene), trajectory.time
+    there, due = len(evaluation.bounces), len(exact.bounces)
+    if (there >= due) if due else (2.0 * time[-1] - time[-2] >= exact.ends):
+        return ""
+    bounces = f", with {there} of {due} bounces complete" if due else ""
+    return (
+        f"the record ends at {time[-1]:.6g} s{bounces}: it must go a little beyond the end of the "
+        f"exact motion, {exact.ends:.6g} s"
+    )
 
 
 _COLUMNS = (

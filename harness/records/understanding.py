@@ -59,6 +59,9 @@ _CLEARLY = 0.3
 
 _CONJUGATE = np.array((1.0, -1.0, -1.0, -1.0))
 
+_SPLINE = 4
+"""Samples that a cubic spline needs."""
+
 _UNIT = 1e-3
 """Distance of a quaternion from unit length."""
 
@@ -105,11 +108,12 @@ def understand(columns: Columns, scene: Scene, given: dict[str, str]) -> Underst
     RecordFileError
         If the record does not start as the scene's release does, or no convention is found.
     """
-    chosen = _confirmed(columns, scene, given)
+    chosen, why = _confirmed(columns, scene, given)
     poses = _poses(columns, scene, chosen)
     placed = Placed.of(poses, scene)
     spin, chosen, spin_said = _spin(columns, placed, chosen, given)
-    return _assembled(columns, scene, placed, chosen, spin, spin_said)
+    said = f"convention, {why}: {chosen.sentence()}"
+    return _assembled(columns, scene, placed, chosen, spin, (said, *placed.said, spin_said))
 
 
 def _poses(columns: Columns, scene: Scene, convention: Convention) -> Poses:
@@ -125,8 +129,15 @@ def _poses(columns: Columns, scene: Scene, convention: Convention) -> Poses:
     return Poses(time=time - time[0], position=position, quaternion=q)
 
 
-def _confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> Convention:
-    """Return the convention that the scene confirms."""
+_CONFIRMED = "confirmed by the motion up to the bounce"
+_TOLD_APART = "confirmed by the whole motion"
+_ASSUMED = "assumed, since others fit as well"
+_STARTS = "assumed, since the start is the release's, but no convention comes near the exact motion"
+_NO_MOTION = "confirmed by the release alone: the scene has no exact motion"
+
+
+def _confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> tuple[Convention, str]:
+    """Return the convention that the scene confirms, and what confirms it."""
     if not columns.has(ANGLES):
         _check_lengths(columns)
     every = tuple(conventions(given, angles=columns.has(ANGLES)))
@@ -139,16 +150,16 @@ def _confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> Convent
         off = {one: _strays(columns, scene, one, whole=True) for one in fitting}
         best, second = sorted(fitting, key=lambda one: off[one])[:2]
         if off[best] <= _CLEARLY and off[best] <= _CLEARLY * off[second]:
-            return best
+            return best, _TOLD_APART
         if ours not in fitting:
             words = "; or ".join(one.words() or "ours" for one in fitting)
             reason = f"several conventions fit and differ: choose one by --convention: {words}"
             raise RecordFileError(columns.path, reason)
-        return ours
+        return ours, _ASSUMED
     if fitting:
-        return fitting[0]
+        return fitting[0], _NO_MOTION if refusal(scene) else _CONFIRMED
     if ours in starting:  # it starts well: what it does later is its program's
-        return ours
+        return ours, _STARTS
     reason = f"is no motion of scene '{scene.name}' by any convention that is left: {wrong[ours]}"
     raise RecordFileError(columns.path, reason)
 
@@ -269,12 +280,11 @@ def _assembled(  # noqa: PLR0917 - what was found so far
     placed: Placed,
     convention: Convention,
     spin: Floats,
-    spin_said: str,
+    found: tuple[str, ...],
 ) -> Understood:
     """Return the motion of a record, and what it says and cannot say."""
     poses, can = placed.poses, scene.can
-    said, unknown = [_sentence_of_columns(columns), f"convention: {convention.sentence()}"], []
-    said += placed.said
+    said, unknown = [_sentence_of_columns(columns), *found], []
     lowest = contact_point(can, poses.position, poses.quaternion)
     force = np.full_like(poses.position, math.nan)
     if columns.has(FORCE):
@@ -289,7 +299,6 @@ def _assembled(  # noqa: PLR0917 - what was found so far
     else:
         velocity = CubicSpline(poses.time, poses.position)(poses.time, 1)
         said.append("the velocity is from the positions, by splines")
-    said.append(spin_said)
     depth = columns.quantities["depth"] if columns.has(DEPTH) else -lowest[:, 2]
     if not columns.has(DEPTH):
         said.append("the depth is that of the lowest point of the exact rim")
@@ -314,19 +323,31 @@ def _assembled(  # noqa: PLR0917 - what was found so far
         penetration=depth,
         contact_count=touching.astype(np.int64),
     )
-    if wrong := _wrong_rates(trajectory, scene):
+    known = 0.0 if columns.has(SPIN) else _spline_error(poses)
+    if wrong := _wrong_rates(trajectory, scene, known):
         raise RecordFileError(columns.path, wrong)
     return Understood(
         trajectory=trajectory, convention=convention, said=tuple(said), unknown=tuple(unknown)
     )
 
 
-def _wrong_rates(trajectory: Trajectory, scene: Scene) -> str:
-    """Return how the first angular velocity differs from the release's; empty if it does not."""
+def _spline_error(poses: Poses) -> float:
+    """Return how far a spline through every other sample starts from one through all, rad/s."""
+    few = replace(poses, time=poses.time[::2], quaternion=poses.quaternion[::2])
+    if len(few.time) < _SPLINE:
+        return math.inf
+    return float(np.linalg.norm(_turning(few)[0] - _turning(poses)[0]))
+
+
+def _wrong_rates(trajectory: Trajectory, scene: Scene, known: float) -> str:
+    """Return how the first angular velocity differs from the release's; empty if it does not.
+
+    It is known to within `known`, rad/s.
+    """
     _, twist = released(scene)
     own, expected = trajectory.angular_velocity[0], twist.angular_velocity
     scale = float(np.linalg.norm(expected)) + 1.0 / natural_time(scene)
-    if float(np.linalg.norm(own - expected)) <= _SPIN_OFF * scale:
+    if float(np.linalg.norm(own - expected)) <= _SPIN_OFF * scale + known:
         return ""
     spelled = [", ".join(f"{part:.4g}" for part in one) for one in (own, expected)]
     return (

@@ -8,9 +8,11 @@ from harness.engines.make_environment import UnmadeEnvironmentError
 from harness.engines.new_environment import UnknownEnvironmentError
 from harness.engines.remote import BrokenEnvironmentError, OtherProgramError, WorldElsewhereError
 from harness.execution.dask_cluster import NoEnvironmentError
+from harness.records.columns import RecordFileError
 from harness.studies.comparison.rim import NoMeshError
 
 OF_ENGINES: list[tuple[Exception, str]] = [
+    (RecordFileError(Path("m.csv"), "has no\nx_m"), "'m.csv': has no x_m"),
     (
         NoMeshError("e"),
         "engine 'e' takes no mesh: engines with a setting 'mesh' do (see: rockingcan engines NAME)",

@@ -9,6 +9,7 @@ from itertools import product
 
 import numpy as np
 
+from harness.core.case import RECORDED
 from harness.core.report_model import Column, Figure, Panel, Table, table_of
 from harness.engines.base import TIMESTEP
 from harness.engines.ladder import fineness, finer_by
@@ -127,7 +128,7 @@ def orders(evaluations: Sequence[Evaluation]) -> Table:
     known = [e for e in evaluations if e.errors is not None and fineness(e.simulation)]
     rows: list[dict[str, object]] = []
     for (_, _, profile), ladder in by_case(known, "scene", "engine", "profile").items():
-        for quantity, read in reads.items() if profile == "matched" else ():
+        for quantity, read in reads.items() if profile in {"matched", RECORDED} else ():
             steps = [fineness(e.simulation) or math.nan for e in ladder]
             errors = [math.nan if error is None else error for error in map(read, ladder)]
             order = observed_order(steps, [_weighty(errors, error) for error in errors])

@@ -124,7 +124,12 @@ def exact_curve(x: Floats, y: Floats) -> Series:
     return Series(label=EXACT, kind="reference", x=x, y=y)
 
 
-_MOVED = frozenset({Outcome.FINISHED, Outcome.FLAT, Outcome.OVERTURNED, Outcome.TIMED_OUT})
+_MOVED = frozenset(
+    {
+        *(Outcome.FINISHED, Outcome.FLAT, Outcome.OVERTURNED),
+        *(Outcome.TIMED_OUT, Outcome.ENDED_EARLY),
+    }
+)
 """Endings of a can's motion: once it has parted from the exact one, none of them is a failure."""
 
 _OWN_ERROR = 1e-5

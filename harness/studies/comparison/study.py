@@ -13,7 +13,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from harness.core.case import Case, Value
+from harness.core.case import RECORDED, Case, Value
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Artefact, Body, Prose, Replay
 from harness.core.simulation import Outcome
@@ -214,6 +214,7 @@ _PROFILES = {
     "default": "as it ships",
     "matched": "matched to the scene",
     "adaptive": "with steps that follow the motion",
+    RECORDED: "as recorded",
 }
 
 
@@ -290,12 +291,16 @@ def replay(scene: str, evaluations: Sequence[Evaluation]) -> tuple[Replay, ...]:
     )
 
 
+_BEST = ("adaptive", "matched", RECORDED)
+"""Profiles of an engine at its best, the first that was run."""
+
+
 def _two_each(drawn: Sequence[Evaluation]) -> list[Evaluation]:
     """Return of each engine the run as shipped and the best other run; of many, those nearest."""
     chosen: list[Evaluation | None] = []
     for runs in by_case(drawn, "engine").values():
         own = {e.simulation.case.profile: e for e in runs}
-        chosen += [own.get("default"), own.get("adaptive", own.get("matched"))]
+        chosen += [own.get("default"), next((own[p] for p in _BEST if p in own), None)]
     return [e for e in chosen if e is not None]
 
 

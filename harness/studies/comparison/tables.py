@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from harness.core.case import RECORDED
 from harness.core.report_model import Column, Table, table_of
 from harness.core.verdict import Status, Verdict
 from harness.engines.ladder import rung_words
@@ -40,9 +41,11 @@ def scorecards(
     Two matrices of engines by scenes, and a table with a row for each scene and engine.
     """
     rows = _verdicts(evaluations, unsupported)
+    recorded = all(e.simulation.case.profile == RECORDED for e in evaluations)
+    shipped = _matrix("shipped", "Engines as they ship, by scene", rows)
     return (
         _matrix("best", "Engines at their best, by scene", rows),
-        _matrix("shipped", "Engines as they ship, by scene", rows),
+        *(() if recorded else (shipped,)),
         table_of("scorecard", "As it ships, and at its best", _SCORECARD, rows),
     )
 

@@ -128,7 +128,7 @@ def test_a_faulty_option_is_named_with_what_is_allowed(
         ("reference", "gentle-rock", "--rtol", "0"),
         ("run", "gentle-rock", "--engine", "reference", "--timestep", "1e-3"),
         ("run", "gentle-rock"),
-        ("export", "gentle-rock", "--format", "sdf"),
+        ("export", "gentle-rock", "--format", "gltf"),
         ("validate", "--suite", "endless"),
         ("validate", "--jobs", "0"),
         ("validate", "--engine", "reference"),
