@@ -167,7 +167,7 @@ def _file_name(engine: str, suite: str) -> str:
 
 
 @results.command()
-def verify(
+def verify(  # noqa: PLR0917 - a parameter an option
     place: Annotated[
         list[Path],
         typer.Argument(metavar="FOLDER_OR_FILE...", help="Files of results, or folders of them."),
@@ -183,7 +183,7 @@ def verify(
     memory_limit: options.MemoryLimit = None,
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
-    """Check files of results, and run some of their cases again. Leaves with 1 if one does not hold.
+    """Check files of results, and run some cases again. Leaves with 1 if one does not hold.
 
     Schema, scenes, digests and what no run can have are checked of every file; cases are run again
     where the engine is installed in the version of the file.
@@ -239,7 +239,7 @@ def _verified(path: Path, count: int | None, running: run_options.RunOptions) ->
 
 
 def _settings_on_top(result: Result) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
-    """Return the settings of a result by engine and name, and why those of an engine are unknown."""
+    """Return the settings of a result by engine and name, and why others are unknown."""
     settings: dict[str, dict[str, Value]] = {}
     unknown: dict[str, str] = {}
     for name in result.engines:

@@ -5,6 +5,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from harness.core.case import Case
+from harness.core.errors import HarnessError
 from harness.core.verdict import Status
 from harness.engines.registry import engine_version, installed, names
 from harness.evaluation.run_cases import run_cases
@@ -36,11 +37,20 @@ def not_run_again(result: Result, on_top: EngineSettings) -> dict[str, str]:
             reasons[name] = "no engine of that name is registered here"
         elif name not in installed():
             reasons[name] = "it is not installed here"
-        elif (here := engine_version(name)) != engine.version:
-            reasons[name] = f"its version is {engine.version}, and {here} is installed here"
+        elif reason := _other_version(name, engine.version):
+            reasons[name] = reason
         elif name not in on_top and any(k.rpartition(".")[0] == name for k in result.settings):
             reasons[name] = "it does not have these settings here"
     return reasons
+
+
+def _other_version(name: str, version: str) -> str:
+    """Return why an engine is not here in a version; nothing if it is."""
+    try:
+        here = engine_version(name)
+    except HarnessError as error:
+        return str(error)
+    return "" if here == version else f"its version is {version}, and {here} is installed here"
 
 
 def sample(

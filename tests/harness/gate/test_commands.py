@@ -10,8 +10,8 @@ from xml.etree.ElementTree import fromstring
 import pytest
 
 from harness.gate import spread
-from harness.gate.baseline import read_scores
-from harness.gate.errors import FILE
+from harness.results.errors import FILE
+from harness.results.files import read_scores
 from tests.support.command_line import Answer, Command
 
 
@@ -92,7 +92,7 @@ def test_accept_then_pass_then_catch_then_compare(told: Command, tmp_path: Path)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--baseline", "nowhere"), "'nowhere' is no folder"),
+        (("--baseline", "nowhere"), "'nowhere' is not there"),
         (("--baseline", "."), "neither a report nor accepted results"),
         (("--set", "impratio"), "KEY=VALUE"),
         (("--set", "pybullet.contactERP=0.1"), "a setting of an engine that runs: mujoco"),
