@@ -69,7 +69,7 @@ def test_submit_then_verify_then_compare(
     none = rockingcan("results", "compare", "again.json", "open.json")
     assert (none.code, "have no case in common" in none.err) == (2, True)
 
-    better = result.cases[0].values | {PHI: 1e-3 * result.cases[0].values[PHI]}
+    better = {**result.cases[0].values, PHI: 1e-3 * result.cases[0].values[PHI]}
     forged = [result.cases[0].model_copy(update={"values": better}), *result.cases[1:]]
     write_result(result.of_cases(forged), Path("forged.json"))
     caught = rockingcan("results", "verify", "forged.json", "--rerun", "all")

@@ -6,7 +6,8 @@ import pytest
 from pydantic import ValidationError
 
 from harness import api
-from harness.core.case import Case
+from harness.cli.settings import parse_settings, settings_to_dict
+from harness.core.case import Case, Value
 from harness.results.result import Result, input_digests, make_result
 from harness.results.scores import Division, division_of, identity, score_of_row
 from models import load
@@ -99,3 +100,12 @@ def test_every_case_of_a_suite_has_one_division() -> None:
         ("matched", Division.MATCHED),
         ("adaptive", Division.MATCHED),
     }
+
+
+def test_settings_are_in_the_file_with_every_digit() -> None:
+    chosen: dict[str, dict[str, Value]] = {
+        "mujoco": {"o_solref": (0.1 + 0.2, 1.0), "cone": "elliptic", "iterations": 3}
+    }
+    told = settings_to_dict(chosen)
+    pairs = [f"{name.removeprefix('mujoco.')}={value}" for name, value in told.items()]
+    assert dict(parse_settings(pairs)) == chosen["mujoco"]
