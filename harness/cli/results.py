@@ -259,7 +259,7 @@ def _verdict_lines(report: Mapping[str, Any]) -> Iterator[str]:
     """Yield the lines on a file: a summary, what was not run again, and what is wrong."""
     again, wrong = len(report["rerun"]), report["objections"]
     head = f"{report['file']}: {report['cases']} cases, {again} of them run again"
-    yield f"{head}: {len(wrong)} do not hold" if wrong else f"{head}: all of it holds"
+    yield f"{head}: {len(wrong)} do not hold" if wrong else f"{head}: nothing found"
     for engine, reason in report["not_rerun"].items():
         yield f"  not run again: {engine}: {reason}"
     for one in wrong:
