@@ -7,7 +7,7 @@ of phi. An error of the turn alone can be zero by chance, where it changes its s
 timesteps; both angles together cannot. A run that bounced and whose turn could not be counted has
 no error, however near its phi is.
 
-Engines that impose rolling as a constraint solve another problem, and stand apart, after the others.
+Engines that impose rolling as a constraint solve another problem, and stand after the others.
 
 For example: frontier(cost_points(results, Division.MATCHED), "cpu_s").
 """
