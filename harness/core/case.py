@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 import shlex
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from harness.core.errors import InvalidSettingError
@@ -83,14 +84,21 @@ class Case:
         if self.profile == RECORDED:
             words = ["rockingcan score", self.scene.name, _spell(options.pop("file", "FILE"))]
             words.append(f"--name {shlex.quote(self.engine)}")
-        else:
-            words = ["rockingcan run", self.scene.name, f"--engine {self.engine}"]
-            words.append(f"--profile {self.profile}")
-        if self.timestep is not None:
-            words.append(f"--timestep {self.timestep!r}")
-        option = "--settings" if self.profile == RECORDED else "--set"
-        words += [f"{option} {name}={_spell(value)}" for name, value in options.items()]
-        return " ".join(words)
+            own = [f"--settings {name}={_spell(value)}" for name, value in options.items()]
+            step = [] if self.timestep is None else [f"--timestep {self.timestep!r}"]
+            return " ".join([*words, *step, *own])
+        settings = [f"{name}={_spell(value)}" for name, value in options.items()]
+        return run_command(self.scene.name, self.engine, self.profile, self.timestep, settings)
+
+
+def run_command(
+    scene: str, engine: str, profile: str, timestep: float | None, settings: Iterable[str]
+) -> str:
+    """Return the command line that runs a case; settings as `name=value`."""
+    words = ["rockingcan run", scene, f"--engine {engine}", f"--profile {profile}"]
+    if timestep is not None:
+        words.append(f"--timestep {timestep!r}")
+    return " ".join([*words, *(f"--set {setting}" for setting in settings)])
 
 
 _MOST_NUMBERS = 6
