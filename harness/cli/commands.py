@@ -104,6 +104,7 @@ COMMANDS = tuple(
         (UNDERSTAND, "paper", "gallery", "Every figure of the paper, from our own solutions."),
         (UNDERSTAND, "reports", "report", "One page from the reports of several studies."),
         (GUARD, "reports", "diff", "What differs between two reports, case by case."),
+        (GUARD, "history", "history", "At which release of an engine its contact changed."),
         (GUARD, "checkout", "benchmark", "What the project claims about speed, measured."),
         (GUARD, "checkout", "faults", "What is lost when runs are killed, hang or fill the disk."),
         (GUARD, "catalogue", "store", "What is kept of runs: list it, verify it, prune it."),

@@ -1,0 +1,359 @@
+"""The history of an engine as a study: install releases, run a suite in each, compare neighbours.
+
+The spread of the results is measured once, for the newest release. A quantity has changed from one
+release to the next if it exceeds the tolerance that follows from the spread: the gate's own rule,
+`harness.gate.comparison.differences`.
+
+Where a change lies between two releases that are not neighbours, the cases that changed are run in
+a release between them, and again, until the two are neighbours: bisection, of all cases at once.
+"""
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from itertools import pairwise
+
+from packaging.version import Version
+
+from harness.core.case import Case
+from harness.core.errors import HarnessError, InvalidSettingError
+from harness.core.report_model import Artefact
+from harness.core.simulation import Outcome
+from harness.engines.make_environment import find_interpreter, packages_for, released_versions
+from harness.engines.registry import description_of, entry_of
+from harness.evaluation.effort import engine_group, expected_seconds
+from harness.evaluation.evaluate import evaluate_case, failed_simulation
+from harness.evaluation.evaluation import Record
+from harness.evaluation.run_cases import failed_evaluation
+from harness.execution.worker import LostTaskError
+from harness.gate.comparison import differences
+from harness.gate.history.releases import ALL, INSTALLING, Installation, Release, parse_versions
+from harness.gate.history.tables import Change, ReleaseRow, history_report
+from harness.gate.report import changed
+from harness.gate.scores import CaseIdentity, Score, Scores, scored
+from harness.gate.scores import identity as name_of
+from harness.gate.spread import planned_members, spread
+from harness.studies.comparison.study import plan_comparison
+from harness.studies.comparison.suite import SUITES
+from harness.studies.study import Job, Results, Work, case_record, record_cache
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScoredRun:
+    """The score of a run, without its motion: a history has thousands of runs.
+
+    Parameters
+    ----------
+    score : Score or None
+        None if the adapter does not work with the release.
+    reason : str
+        Why it does not.
+    record : mapping
+        The entry of the run in the manifest of a report.
+    """
+
+    score: Score | None
+    reason: str = ""
+    record: Record
+
+
+def score_case(case: Case) -> ScoredRun:
+    """Run a case and return its score; of a release that the adapter does not know, the reason."""
+    try:
+        evaluation = evaluate_case(case)
+    except HarnessError as error:
+        failed = failed_simulation(case, str(error))
+        return ScoredRun(score=None, reason=str(error), record=case_record(failed))
+    record = case_record(evaluation.simulation)
+    if evaluation.simulation.outcome is Outcome.BROKEN:
+        return ScoredRun(score=None, reason=evaluation.simulation.note, record=record)
+    (score,) = scored((case,), (evaluation,))
+    return ScoredRun(score=score, record=record)
+
+
+def _lost(case: Case, error: LostTaskError) -> ScoredRun:
+    """Return the score of a run whose process was lost."""
+    evaluation = failed_evaluation(case, error)
+    (score,) = scored((case,), (evaluation,))
+    return ScoredRun(score=score, record=case_record(evaluation.simulation))
+
+
+SCORING: Work[Case, ScoredRun] = Work(
+    name="running",
+    call=score_case,
+    lost=_lost,
+    label=Case.label,
+    cache=record_cache("scores", __name__),
+    effort=expected_seconds,
+    group=engine_group,
+    manifest=lambda _, run: run.record,
+)
+"""Run a case in a release and score it."""
+
+
+HistoryJob = Job[Release, Installation] | Job[Case, ScoredRun]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HistoryStudy:
+    """Releases of an engine over the cases of a suite.
+
+    Parameters
+    ----------
+    engine : str
+        Name of the adapter.
+    suite : str
+    versions : tuple of str
+        To run, the oldest first.
+    released : tuple of str
+        Versions that can be installed, the oldest first; empty if unknown.
+    bisect : bool
+        Whether to look for a change between two releases in those between them.
+    design : callable
+        Returns the cases of an engine in an environment, by its name.
+    installing, scoring : Work
+        How a release is installed, and how a case is run in it.
+    """
+
+    engine: str
+    suite: str
+    versions: tuple[str, ...]
+    released: tuple[str, ...] = ()
+    bisect: bool = False
+    design: Callable[[str], tuple[Case, ...]]
+    installing: Work[Release, Installation] = INSTALLING
+    scoring: Work[Case, ScoredRun] = SCORING
+
+    @property
+    def name(self) -> str:
+        """Title of the study."""
+        return f"the history of {description_of(self.engine).label or self.engine}"
+
+    def next_jobs(self, done: Results) -> Iterator[HistoryJob]:
+        """Yield the jobs wanted: installing, the suite, the spread, and what bisects a change."""
+        installs = [self._install(version) for version in self.versions]
+        yield from installs
+        if any(job not in done for job in installs):
+            return
+        runs = [Job(self.scoring, c) for v in self.versions for c in self._cases(v, done)]
+        yield from runs
+        if any(job not in done for job in runs):
+            return
+        members = [Job(self.scoring, case) for _, case in self._members(done)]
+        yield from members
+        if self.bisect and all(job in done for job in members):
+            yield from dict.fromkeys(self._narrowing(done))
+
+    def scores(self, done: Results) -> dict[str, Scores]:
+        """Return the scores of each release that ran, the oldest first; of the newest with spread.
+
+        Of a release that bisects a change they are those of the cases that changed. A case is named
+        by the engine's own name, whatever environment it ran in, so that the releases compare.
+        """
+        found = {}
+        newest, runs = self._newest(done), done.of(self.scoring)
+        for version in sorted(self._installed(done), key=Version):
+            own = [(case, runs[case].score) for case in self._cases(version, done) if case in runs]
+            known = [(case, score) for case, score in own if score is not None]
+            scores = [score for _, score in known]
+            if version == newest:
+                scores = self._with_spread(known, done)
+            named = [replace(s, identity=replace(s.identity, engine=self.engine)) for s in scores]
+            if named:
+                found[version] = Scores(
+                    suite=self.suite,
+                    scores={score.identity: score for score in named},
+                    versions={self.engine: version},
+                    place=f"{self.engine} {version}",
+                )
+        return found
+
+    def changes(self, done: Results) -> tuple[Change, ...]:
+        """Return the quantities that changed from one release that ran a case to the next."""
+        scores, newest = self.scores(done), self._newest(done)
+        spreads = scores.get(newest)
+        found: list[Change] = []
+        for before, after, case in _steps(scores):
+            two = (_only(scores[version], case) for version in (before, after))
+            own = differences(*two, spreads=spreads)
+            if moved := changed(own):
+                between = self._between(before, after, case, done)
+                found += [
+                    Change(before=before, after=after, between=between, difference=difference)
+                    for difference in moved
+                ]
+        return tuple(
+            sorted(
+                found, key=lambda c: (Version(c.before), Version(c.after), c.difference.identity)
+            )
+        )
+
+    def report(self, done: Results) -> Sequence[Artefact]:
+        """Return words, the figure, the changes and the releases."""
+        return history_report(
+            self.engine, self.scores(done), self.changes(done), self._rows(done), self._newest(done)
+        )
+
+    def made(self, done: Results) -> tuple[str, ...]:
+        """Return the names of the environments that were made for this run."""
+        return tuple(one.name for one in done.of(self.installing).values() if one.made)
+
+    def _install(self, version: str) -> Job[Release, Installation]:
+        release = Release(engine=self.engine, version=version, released=self.released)
+        return Job(self.installing, release)
+
+    def _installed(self, done: Results) -> dict[str, Installation]:
+        """Return what became of installing each release so far, by version."""
+        return {release.version: one for release, one in done.of(self.installing).items()}
+
+    def _cases(self, version: str, done: Results) -> tuple[Case, ...]:
+        """Return the cases of a release; none if it could not be installed."""
+        name = self._installed(done)[version].name
+        return self.design(name) if name else ()
+
+    def _newest(self, done: Results) -> str:
+        """Return the newest of the given releases that ran a case; empty if none did."""
+        runs = done.of(self.scoring)
+        for version in reversed(self.versions):
+            cases = self._cases(version, done) if version in self._installed(done) else ()
+            if any(case in runs and runs[case].score is not None for case in cases):
+                return version
+        return ""
+
+    def _members(self, done: Results) -> list[tuple[int, Case]]:
+        """Return the perturbed cases of the newest release, each with the place of its case."""
+        known = self._known_of_newest(done)
+        return list(planned_members([case for case, _ in known], [score for _, score in known]))
+
+    def _known_of_newest(self, done: Results) -> list[tuple[Case, Score]]:
+        """Return the cases that ran in the newest release, with their scores."""
+        newest, runs = self._newest(done), done.of(self.scoring)
+        cases = self._cases(newest, done) if newest else ()
+        scores = ((case, runs[case].score) for case in cases if case in runs)
+        return [(case, score) for case, score in scores if score is not None]
+
+    def _with_spread(self, known: Sequence[tuple[Case, Score]], done: Results) -> list[Score]:
+        """Return the scores of the newest release with their spread, as far as it is measured."""
+        runs, by_case = done.of(self.scoring), [list[Score]() for _ in known]
+        for place, case in self._members(done):
+            score = runs[case].score if case in runs else None
+            if score is not None:
+                by_case[place].append(score)
+        return [
+            spread(score, members) if members else score
+            for (_, score), members in zip(known, by_case, strict=True)
+        ]
+
+    def _between(
+        self, before: str, after: str, identity: CaseIdentity, done: Results
+    ) -> tuple[str, ...]:
+        """Return the releases between two that may run a case, as far as it is known."""
+        low, high = Version(before), Version(after)
+        installed, runs = self._installed(done), done.of(self.scoring)
+        found = []
+        for version in self.released:
+            if low < Version(version) < high:
+                case = self._case_in(version, identity, done) if version in installed else None
+                if version not in installed or (case is not None and case not in runs):
+                    found.append(version)
+        return tuple(found)
+
+    def _narrowing(self, done: Results) -> Iterator[HistoryJob]:
+        """Yield the job that halves the interval of each change: installing, then the case."""
+        installed = self._installed(done)
+        for change in self.changes(done):
+            if change.between:
+                version = change.between[len(change.between) // 2]
+                case = None
+                if version in installed:
+                    case = self._case_in(version, change.difference.identity, done)
+                yield self._install(version) if case is None else Job(self.scoring, case)
+
+    def _case_in(self, version: str, identity: CaseIdentity, done: Results) -> Case | None:
+        """Return the case of an identity in a release; None if the release has none."""
+        for case in self._cases(version, done):
+            if replace(name_of(case), engine=self.engine) == identity:
+                return case
+        return None
+
+    def _rows(self, done: Results) -> list[ReleaseRow]:
+        """Return what became of each release."""
+        runs = done.of(self.scoring)
+        rows = []
+        for version, one in sorted(
+            self._installed(done).items(), key=lambda each: Version(each[0])
+        ):
+            own = [runs[case] for case in self._cases(version, done) if case in runs]
+            reasons = [run.reason for run in own if run.score is None]
+            rows.append(
+                ReleaseRow(
+                    version=version,
+                    environment=one.name,
+                    cases=len(own) - len(reasons),
+                    refused=len(reasons),
+                    reason=one.reason or next(iter(reasons), ""),
+                    bisecting=version not in self.versions,
+                )
+            )
+        return rows
+
+
+def _steps(scores: Mapping[str, Scores]) -> Iterator[tuple[str, str, CaseIdentity]]:
+    """Yield each case with two releases that ran it one after the other, the older first."""
+    by_case: dict[CaseIdentity, list[str]] = {}
+    for version, own in scores.items():
+        for case in own.scores:
+            by_case.setdefault(case, []).append(version)
+    for case, versions in by_case.items():
+        for before, after in pairwise(versions):
+            yield before, after, case
+
+
+def _only(scores: Scores, case: CaseIdentity) -> Scores:
+    """Return the scores of one case."""
+    return replace(scores, scores={case: scores.scores[case]})
+
+
+def plan_history(engine: str, versions: str, suite: str, *, bisect: bool = False) -> HistoryStudy:
+    """Return the history of an engine.
+
+    Parameters
+    ----------
+    engine : str
+        Name of an adapter that takes timesteps.
+    versions : str
+        With commas between them, or "all".
+    suite : str
+        A key of `SUITES`.
+    bisect : bool
+        Whether to look for each change in the releases between two.
+
+    Raises
+    ------
+    UnknownEngineError
+        If no adapter of that name is registered.
+    InvalidSettingError
+        If the engine has no package of its own, a version is none, or there is no such suite.
+    """
+    entry = entry_of(engine)
+    if not packages_for(entry):
+        allowed = "an engine with a package of its own, of which there are releases"
+        raise InvalidSettingError("ENGINE", engine, allowed)
+    if suite not in SUITES:
+        raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    parse_versions(versions.replace(ALL, "1,2"), ())  # wrong use is refused before pip is asked
+    released = released_versions(entry, find_interpreter("--python", sys.executable))
+    return HistoryStudy(
+        engine=engine,
+        suite=suite,
+        versions=parse_versions(versions, released),
+        released=released,
+        bisect=bisect,
+        design=cache(partial(_designed, suite)),
+    )
+
+
+def _designed(suite: str, name: str) -> tuple[Case, ...]:
+    """Return the cases of a suite that the engine in an environment can represent."""
+    return plan_comparison(suite, (name,)).designed
