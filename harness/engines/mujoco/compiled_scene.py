@@ -44,6 +44,28 @@ _FAR = 1.0
 _NEXT_TO_NOTHING = 1e-30
 """Damping too small to change a number, with which MuJoCo computes damping all the same."""
 
+HAS_CONTACT_SENSORS = hasattr(mujoco.mjtSensor, "mjSENS_CONTACT")
+"""Whether the version that is installed has them: they came with 3.3.3."""
+
+
+def fill_contact_sensors(model: mujoco.MjModel, data: mujoco.MjData, stage: int) -> None:
+    """Write what the two sensors of contacts hold into sensors of these names, where they lie."""
+    if stage != mujoco.mjtStage.mjSTAGE_ACC:
+        return
+    contact, force, total = data.contact, np.empty(6), 0.0
+    net, where = np.zeros(3), np.zeros(3)
+    for number in range(data.ncon):
+        mujoco.mj_contactForce(model, data, number, force)
+        in_world = contact.frame[number].reshape(3, 3).T @ force[:3]
+        size = math.sqrt(in_world @ in_world)
+        net, where, total = net + in_world, where + size * contact.pos[number], total + size
+    at = int(model.sensor(NET_SENSOR).adr[0])
+    data.sensordata[at] = data.ncon
+    data.sensordata[at + 1 : at + 4] = net
+    data.sensordata[at + 4 : at + 7] = where / total if total > 0.0 else where
+    deepest = int(model.sensor(DEPTH_SENSOR).adr[0])
+    data.sensordata[deepest] = contact.dist.min() if data.ncon else 0.0
+
 
 class CompiledScene:
     """One can on one plane as MuJoCo compiles it.
@@ -84,9 +106,12 @@ class CompiledScene:
             flag=dict(flag) | stages(chosen, case.scene.effects) | own_flag,
             geom=geom,
             contact_sensors=contact_sensors,
+            filled_sensors=not HAS_CONTACT_SENSORS,
             every_sensor=everything,
             spring_timestep=None if soft is None else timestep,
         )
+        if not HAS_CONTACT_SENSORS:
+            mujoco.set_mjcb_sensor(None)  # it is called with a model that is only half compiled
         # a warning is an outcome, which `MjData.warning` counts, not a line of a log file in the
         # working folder
         mujoco.set_mju_user_warning(lambda _: None)
@@ -94,6 +119,8 @@ class CompiledScene:
             self.model = _compiled(text, chosen, case.scene.can, self.half_box)
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
+        if contact_sensors and not HAS_CONTACT_SENSORS:
+            mujoco.set_mjcb_sensor(fill_contact_sensors)
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
         self._case, self._soft = case, soft is not None
         stiffest = case.profile != "default" and "solref" not in dict(case.options)
