@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from harness.cli import options, run_options
+from harness.cli.settings import parse_settings
 from harness.cli.study_command import run_command, shown
 from harness.engines.new_environment import remove_environment
 from harness.gate.history.study import plan_history
@@ -23,6 +24,7 @@ def history(  # noqa: PLR0917 - a parameter an option
         ),
     ],
     suite: Annotated[str, typer.Option(help="quick, full or field: see `validate`.")] = "quick",
+    set_: options.Settings = None,
     bisect: Annotated[  # noqa: FBT002 - a switch of the command line
         bool,
         typer.Option(
@@ -49,7 +51,7 @@ def history(  # noqa: PLR0917 - a parameter an option
 
     For example: rockingcan history mujoco --versions 3.4.0,4.0.0 --bisect
     """
-    study = plan_history(engine, versions, suite, bisect=bisect)
+    study = plan_history(engine, versions, suite, parse_settings(set_ or []), bisect=bisect)
     done = run_command(
         study,
         running,

@@ -16,7 +16,7 @@ from itertools import pairwise
 
 from packaging.version import Version
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.report_model import Artefact
 from harness.core.simulation import Outcome
@@ -110,6 +110,8 @@ class HistoryStudy:
         Versions that can be installed, the oldest first; empty if unknown.
     bisect : bool
         Whether to look for a change between two releases in those between them.
+    settings : tuple
+        Settings that `design` has on top of every case of the suite.
     design : callable
         Returns the cases of an engine in an environment, by its name.
     installing, scoring : Work
@@ -121,6 +123,7 @@ class HistoryStudy:
     versions: tuple[str, ...]
     released: tuple[str, ...] = ()
     bisect: bool = False
+    settings: tuple[tuple[str, Value], ...] = ()
     design: Callable[[str], tuple[Case, ...]]
     installing: Work[Release, Installation] = INSTALLING
     scoring: Work[Case, ScoredRun] = SCORING
@@ -128,7 +131,9 @@ class HistoryStudy:
     @property
     def name(self) -> str:
         """Title of the study."""
-        return f"the history of {description_of(self.engine).label or self.engine}"
+        words = [f"{name} {value}" for name, value in self.settings]
+        label = description_of(self.engine).label or self.engine
+        return f"the history of {label}" + (f" with {', '.join(words)}" if words else "")
 
     def next_jobs(self, done: Results) -> Iterator[HistoryJob]:
         """Yield the jobs wanted: installing, the suite, the spread, and what bisects a change."""
@@ -192,7 +197,7 @@ class HistoryStudy:
     def report(self, done: Results) -> Sequence[Artefact]:
         """Return words, the figure, the changes and the releases."""
         return history_report(
-            self.engine, self.scores(done), self.changes(done), self._rows(done), self._newest(done)
+            self.name, self.scores(done), self.changes(done), self._rows(done), self._newest(done)
         )
 
     def made(self, done: Results) -> tuple[str, ...]:
@@ -315,7 +320,14 @@ def _only(scores: Scores, case: CaseIdentity) -> Scores:
     return replace(scores, scores={case: scores.scores[case]})
 
 
-def plan_history(engine: str, versions: str, suite: str, *, bisect: bool = False) -> HistoryStudy:
+def plan_history(
+    engine: str,
+    versions: str,
+    suite: str,
+    settings: Sequence[tuple[str, Value]] = (),
+    *,
+    bisect: bool = False,
+) -> HistoryStudy:
     """Return the history of an engine.
 
     Parameters
@@ -326,6 +338,8 @@ def plan_history(engine: str, versions: str, suite: str, *, bisect: bool = False
         With commas between them, or "all".
     suite : str
         A key of `SUITES`.
+    settings : sequence of tuple of str and Value
+        To put on top of every case, by the engine's own names.
     bisect : bool
         Whether to look for each change in the releases between two.
 
@@ -350,10 +364,11 @@ def plan_history(engine: str, versions: str, suite: str, *, bisect: bool = False
         versions=parse_versions(versions, released),
         released=released,
         bisect=bisect,
-        design=cache(partial(_designed, suite)),
+        settings=tuple(settings),
+        design=cache(partial(_designed, suite, dict(settings))),
     )
 
 
-def _designed(suite: str, name: str) -> tuple[Case, ...]:
+def _designed(suite: str, settings: Mapping[str, Value], name: str) -> tuple[Case, ...]:
     """Return the cases of a suite that the engine in an environment can represent."""
-    return plan_comparison(suite, (name,)).designed
+    return plan_comparison(suite, (name,), {name: settings}).cases

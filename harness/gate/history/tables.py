@@ -9,7 +9,6 @@ import numpy as np
 from packaging.version import Version
 
 from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series, table_of
-from harness.engines.registry import description_of
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Difference
 from harness.gate.scores import BY_COLUMN, CaseIdentity, QuantityKind, Scores
 from harness.studies.shared import run_columns
@@ -108,7 +107,7 @@ _CHANGES = (
 
 
 def history_report(
-    engine: str,
+    title: str,
     scores: Mapping[str, Scores],
     changes: Sequence[Change],
     releases: Sequence[ReleaseRow],
@@ -118,8 +117,8 @@ def history_report(
 
     Parameters
     ----------
-    engine : str
-        Name of the adapter.
+    title : str
+        Of the study.
     scores : mapping of str to Scores
         By version, the oldest first.
     changes : sequence of Change
@@ -127,13 +126,12 @@ def history_report(
     newest : str
         The release whose spread was measured; empty if no release ran.
     """
-    label = description_of(engine).label or engine
-    figure = _figure(label, scores, changes)
+    figure = _figure(title, scores, changes)
     return (
         Prose(
             name="summary",
-            title=f"When contact changed in {label}",
-            text="\n\n".join(_sentences(label, scores, changes, releases, newest)),
+            title=f"When contact changed: {title}",
+            text="\n\n".join(_sentences(scores, changes, releases, newest)),
         ),
         *((figure,) if figure else ()),
         table_of("changes", "What changed from one release to the next", _CHANGES, changes),
@@ -142,7 +140,6 @@ def history_report(
 
 
 def _sentences(
-    label: str,
     scores: Mapping[str, Scores],
     changes: Sequence[Change],
     releases: Sequence[ReleaseRow],
@@ -152,7 +149,7 @@ def _sentences(
     ran = [row for row in releases if row.cases]
     cases = {case for own in scores.values() for case in own.scores}
     absent = [f"{row.version} ({row.outcome}: {row.reason})" for row in releases if not row.cases]
-    said = f"{len(cases)} cases were run in {len(ran)} of {len(releases)} releases of {label}"
+    said = f"{len(cases)} cases were run in {len(ran)} of {len(releases)} releases"
     said += f", {ran[0].version} to {ran[-1].version}." if ran else "."
     if newest:
         said += f" How far a result moves when nothing has changed was measured in {newest}."
@@ -223,7 +220,7 @@ _PANELS, _LINES = 4, 6
 """Quantities that are drawn, and cases of each: those that changed most."""
 
 
-def _figure(label: str, scores: Mapping[str, Scores], changes: Sequence[Change]) -> Figure | None:
+def _figure(title: str, scores: Mapping[str, Scores], changes: Sequence[Change]) -> Figure | None:
     """Return the figure of the quantities that changed, over the releases; None without any."""
     moved: dict[str, dict[CaseIdentity, float]] = {}
     for own in (change.difference for change in changes):
@@ -241,7 +238,7 @@ def _figure(label: str, scores: Mapping[str, Scores], changes: Sequence[Change])
     panels = tuple(_panel(name, moved[name], versions, scores) for name in drawn[:_PANELS])
     return Figure(
         name="history",
-        title=f"Quantities that changed, over the releases of {label}",
+        title=f"Quantities that changed: {title}",
         seen=(
             "Each line is a case, relative to the first release that ran it. "
             f"{len(moved)} of {len(BY_COLUMN)} quantities changed in at least one case; drawn are "
