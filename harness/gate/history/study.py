@@ -17,80 +17,21 @@ from itertools import pairwise
 from packaging.version import Version
 
 from harness.core.case import Case, Value
-from harness.core.errors import HarnessError, InvalidSettingError
+from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Artefact
-from harness.core.simulation import Outcome
 from harness.engines.make_environment import find_interpreter, packages_for, released_versions
 from harness.engines.registry import description_of, entry_of
-from harness.evaluation.effort import engine_group, expected_seconds
-from harness.evaluation.evaluate import evaluate_case, failed_simulation
-from harness.evaluation.evaluation import Record
-from harness.evaluation.run_cases import failed_evaluation
-from harness.execution.worker import LostTaskError
 from harness.gate.comparison import differences
 from harness.gate.history.releases import ALL, INSTALLING, Installation, Release, parse_versions
+from harness.gate.history.scored_runs import SCORING, ScoredRun
 from harness.gate.history.tables import Change, ReleaseRow, history_report
 from harness.gate.report import changed
-from harness.gate.scores import CaseIdentity, Score, Scores, scored
+from harness.gate.scores import CaseIdentity, Score, Scores
 from harness.gate.scores import identity as name_of
 from harness.gate.spread import planned_members, spread
 from harness.studies.comparison.study import plan_comparison
 from harness.studies.comparison.suite import SUITES
-from harness.studies.study import Job, Results, Work, case_record, record_cache
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ScoredRun:
-    """The score of a run, without its motion: a history has thousands of runs.
-
-    Parameters
-    ----------
-    score : Score or None
-        None if the adapter does not work with the release.
-    reason : str
-        Why it does not.
-    record : mapping
-        The entry of the run in the manifest of a report.
-    """
-
-    score: Score | None
-    reason: str = ""
-    record: Record
-
-
-def score_case(case: Case) -> ScoredRun:
-    """Run a case and return its score; of a release that the adapter does not know, the reason."""
-    try:
-        evaluation = evaluate_case(case)
-    except HarnessError as error:
-        failed = failed_simulation(case, str(error))
-        return ScoredRun(score=None, reason=str(error), record=case_record(failed))
-    record = case_record(evaluation.simulation)
-    if evaluation.simulation.outcome is Outcome.BROKEN:
-        return ScoredRun(score=None, reason=evaluation.simulation.note, record=record)
-    (score,) = scored((case,), (evaluation,))
-    return ScoredRun(score=score, record=record)
-
-
-def _lost(case: Case, error: LostTaskError) -> ScoredRun:
-    """Return the score of a run whose process was lost."""
-    evaluation = failed_evaluation(case, error)
-    (score,) = scored((case,), (evaluation,))
-    return ScoredRun(score=score, record=case_record(evaluation.simulation))
-
-
-SCORING: Work[Case, ScoredRun] = Work(
-    name="running",
-    call=score_case,
-    lost=_lost,
-    label=Case.label,
-    cache=record_cache("scores", __name__),
-    effort=expected_seconds,
-    group=engine_group,
-    manifest=lambda _, run: run.record,
-)
-"""Run a case in a release and score it."""
-
+from harness.studies.study import Job, Results, Work
 
 HistoryJob = Job[Release, Installation] | Job[Case, ScoredRun]
 
