@@ -23,7 +23,7 @@ from harness.engines.make_environment import find_interpreter, packages_for, rel
 from harness.engines.registry import description_of, entry_of
 from harness.gate.comparison import differences
 from harness.gate.history.releases import ALL, INSTALLING, Installation, Release, parse_versions
-from harness.gate.history.scored_runs import SCORING, ScoredRun
+from harness.gate.history.runs import RUNNING, RunRow
 from harness.gate.history.tables import Change, ReleaseRow, history_report
 from harness.gate.report import changed
 from harness.gate.scores import CaseIdentity, Score, Scores
@@ -33,7 +33,7 @@ from harness.studies.comparison.study import plan_comparison
 from harness.studies.comparison.suite import SUITES
 from harness.studies.study import Job, Results, Work
 
-HistoryJob = Job[Release, Installation] | Job[Case, ScoredRun]
+HistoryJob = Job[Release, Installation] | Job[Case, RunRow]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,7 @@ class HistoryStudy:
         Settings that `design` has on top of every case of the suite.
     design : callable
         Returns the cases of an engine in an environment, by its name.
-    installing, scoring : Work
+    installing, running : Work
         How a release is installed, and how a case is run in it.
     """
 
@@ -67,7 +67,7 @@ class HistoryStudy:
     settings: tuple[tuple[str, Value], ...] = ()
     design: Callable[[str], tuple[Case, ...]]
     installing: Work[Release, Installation] = INSTALLING
-    scoring: Work[Case, ScoredRun] = SCORING
+    running: Work[Case, RunRow] = RUNNING
 
     @property
     def name(self) -> str:
@@ -82,11 +82,11 @@ class HistoryStudy:
         yield from installs
         if any(job not in done for job in installs):
             return
-        runs = [Job(self.scoring, c) for v in self.versions for c in self._cases(v, done)]
+        runs = [Job(self.running, c) for v in self.versions for c in self._cases(v, done)]
         yield from runs
         if any(job not in done for job in runs):
             return
-        members = [Job(self.scoring, case) for _, case in self._members(done)]
+        members = [Job(self.running, case) for _, case in self._members(done)]
         yield from members
         if self.bisect and all(job in done for job in members):
             yield from dict.fromkeys(self._narrowing(done))
@@ -98,10 +98,9 @@ class HistoryStudy:
         by the engine's own name, whatever environment it ran in, so that the releases compare.
         """
         found = {}
-        newest, runs = self._newest(done), done.of(self.scoring)
+        newest = self._newest(done)
         for version in sorted(self._installed(done), key=Version):
-            own = [(case, runs[case].score) for case in self._cases(version, done) if case in runs]
-            known = [(case, score) for case, score in own if score is not None]
+            known = self._known(version, done)
             scores = [score for _, score in known]
             if version == newest:
                 scores = self._with_spread(known, done)
@@ -160,30 +159,30 @@ class HistoryStudy:
 
     def _newest(self, done: Results) -> str:
         """Return the newest of the given releases that ran a case; empty if none did."""
-        runs = done.of(self.scoring)
+        runs = done.of(self.running)
         for version in reversed(self.versions):
             cases = self._cases(version, done) if version in self._installed(done) else ()
-            if any(case in runs and runs[case].score is not None for case in cases):
+            if any(case in runs and not runs[case].reason for case in cases):
                 return version
         return ""
 
     def _members(self, done: Results) -> list[tuple[int, Case]]:
         """Return the perturbed cases of the newest release, each with the place of its case."""
-        known = self._known_of_newest(done)
+        known = self._known(self._newest(done), done)
         return list(planned_members([case for case, _ in known], [score for _, score in known]))
 
-    def _known_of_newest(self, done: Results) -> list[tuple[Case, Score]]:
-        """Return the cases that ran in the newest release, with their scores."""
-        newest, runs = self._newest(done), done.of(self.scoring)
-        cases = self._cases(newest, done) if newest else ()
-        scores = ((case, runs[case].score) for case in cases if case in runs)
+    def _known(self, version: str, done: Results) -> list[tuple[Case, Score]]:
+        """Return the cases that ran in a release so far, with their scores; none without one."""
+        runs = done.of(self.running)
+        cases = self._cases(version, done) if version else ()
+        scores = ((case, runs[case].score(case)) for case in cases if case in runs)
         return [(case, score) for case, score in scores if score is not None]
 
     def _with_spread(self, known: Sequence[tuple[Case, Score]], done: Results) -> list[Score]:
         """Return the scores of the newest release with their spread, as far as it is measured."""
-        runs, by_case = done.of(self.scoring), [list[Score]() for _ in known]
+        runs, by_case = done.of(self.running), [list[Score]() for _ in known]
         for place, case in self._members(done):
-            score = runs[case].score if case in runs else None
+            score = runs[case].score(case) if case in runs else None
             if score is not None:
                 by_case[place].append(score)
         return [
@@ -196,7 +195,7 @@ class HistoryStudy:
     ) -> tuple[str, ...]:
         """Return the releases between two that may run a case, as far as it is known."""
         low, high = Version(before), Version(after)
-        installed, runs = self._installed(done), done.of(self.scoring)
+        installed, runs = self._installed(done), done.of(self.running)
         found = []
         for version in self.released:
             if low < Version(version) < high:
@@ -214,7 +213,7 @@ class HistoryStudy:
                 case = None
                 if version in installed:
                     case = self._case_in(version, change.difference.identity, done)
-                yield self._install(version) if case is None else Job(self.scoring, case)
+                yield self._install(version) if case is None else Job(self.running, case)
 
     def _case_in(self, version: str, identity: CaseIdentity, done: Results) -> Case | None:
         """Return the case of an identity in a release; None if the release has none."""
@@ -225,13 +224,13 @@ class HistoryStudy:
 
     def _rows(self, done: Results) -> list[ReleaseRow]:
         """Return what became of each release."""
-        runs = done.of(self.scoring)
+        runs = done.of(self.running)
         rows = []
         for version, one in sorted(
             self._installed(done).items(), key=lambda each: Version(each[0])
         ):
             own = [runs[case] for case in self._cases(version, done) if case in runs]
-            reasons = [run.reason for run in own if run.score is None]
+            reasons = [run.reason for run in own if run.reason]
             rows.append(
                 ReleaseRow(
                     version=version,
