@@ -1,0 +1,117 @@
+"""A history of releases: what changed between which, and what becomes of those that do not run."""
+
+from packaging.version import Version
+
+from harness.core.case import Case
+from harness.core.report_model import Figure, Prose, Table
+from harness.studies.study import run_study
+from tests.harness.gate.history.toy_releases import TIMESTEPS, ToyReleases
+
+COARSE, FINE = TIMESTEPS
+
+
+def deeper_from(version: str) -> "ToyReleases":
+    """Return releases whose contact at the coarse timestep is three times as deep from one on."""
+
+    def depth(own: Version, case: Case) -> float:
+        changed = own >= Version(version) and case.timestep == COARSE
+        return 3e-6 if changed else 1e-6
+
+    return ToyReleases(depth=depth)
+
+
+def test_a_change_is_named_with_its_releases_its_case_and_its_factor() -> None:
+    study = deeper_from("1.5").study("1.0", "1.4", "1.5", "1.8")
+    done = run_study(study)
+    words, figure, changes, versions = study.report(done)
+    assert isinstance(words, Prose)
+    assert isinstance(figure, Figure)
+    assert isinstance(changes, Table)
+    assert isinstance(versions, Table)
+    (row,) = changes.frame.to_dict("records")
+    assert (row["from_version"], row["to_version"], row["between"]) == ("1.4", "1.5", 0)
+    assert (row["scene"], row["profile"], row["timestep_s"]) == ("gentle-rock", "matched", COARSE)
+    assert (row["quantity"], row["before"], row["after"]) == ("max_penetration_m", 1e-6, 3e-6)
+    assert row["tolerance"] == 1e-9  # no spread, and a nanometre
+    assert "Between 1.4 and 1.5: 1 quantity of 1 case changed." in words.text
+    assert "by a factor of 3, from 1e-06 m to 3e-06 m" in words.text
+    (panel,) = figure.panels
+    assert panel.x_names == ("1.0", "1.4", "1.5", "1.8")
+    assert panel.series[0].y.tolist() == [1.0, 1.0, 3.0, 3.0]
+    assert versions.frame["outcome"].tolist() == ["ran"] * 4
+    assert study.made(done) == ("toy-1.0", "toy-1.4", "toy-1.5", "toy-1.8")
+
+
+def test_a_gap_is_told_and_bisecting_closes_it_with_the_case_that_changed() -> None:
+    toys = deeper_from("1.5")
+    (change,) = (study := toys.study("1.0", "1.8")).changes(done := run_study(study))
+    assert change.between == tuple(f"1.{n}" for n in range(1, 8))
+    words = study.report(done)[0]
+    assert isinstance(words, Prose)
+    assert "(7 releases between the two were not run)" in words.text
+
+    toys.ran.clear()
+    study = toys.study("1.0", "1.8", bisect=True)
+    done = run_study(study)
+    (change,) = study.changes(done)
+    assert (change.before, change.after, change.between) == ("1.4", "1.5", ())
+    between = [(version, step) for version, step in toys.ran if version not in {"1.0", "1.8"}]
+    assert {step for _, step in between} == {COARSE}
+    assert len(between) == 3  # of seven releases: halved thrice
+    outcomes = study.report(done)[3]
+    assert isinstance(outcomes, Table)
+    assert outcomes.frame["outcome"].tolist().count("ran cases that changed") == 3
+
+
+def test_bisecting_passes_by_releases_that_cannot_be_installed_or_run() -> None:
+    toys = deeper_from("1.5")
+    toys.absent, toys.refused = {"1.4": "no wheel"}, {"1.5": "the API is too old"}
+    study = toys.study("1.0", "1.8", bisect=True)
+    (change,) = study.changes(run_study(study))
+    assert (change.before, change.after, change.between) == ("1.3", "1.6", ())
+
+
+def test_a_release_that_is_not_there_or_does_not_run_is_a_row_with_the_reason() -> None:
+    toys = deeper_from("1.5")
+    toys.absent, toys.refused = {"1.0": "no wheel"}, {"1.8": "no sensor"}
+    study = toys.study("1.0", "1.1", "1.2", "1.8")
+    words, changes, versions = study.report(run_study(study))
+    assert isinstance(words, Prose)
+    assert isinstance(changes, Table)
+    assert isinstance(versions, Table)
+    rows = versions.frame.set_index("version")
+    assert tuple(rows.loc["1.0", ["outcome", "reason"]]) == ("not installed", "no wheel")
+    assert tuple(rows.loc["1.8", ["outcome", "refused", "reason"]]) == (
+        "the adapter does not run it",
+        2,
+        "no sensor",
+    )
+    assert changes.frame.empty
+    assert "2 of 4 releases, 1.1 to 1.2" in words.text
+    assert "was measured in 1.2" in words.text
+    assert "1.0 (not installed: no wheel)" in words.text
+    assert "No quantity of any case changed" in words.text
+
+
+def test_nothing_that_runs_is_a_report_too() -> None:
+    toys = ToyReleases(depth=lambda *_: 1e-6, absent={"1.0": "no wheel", "1.8": "no wheel"})
+    study = toys.study("1.0", "1.8", bisect=True)
+    words = study.report(run_study(study))[0]
+    assert isinstance(words, Prose)
+    assert words.text.startswith("0 cases were run in 0 of 2 releases.")
+
+
+def test_what_moves_by_less_than_four_spreads_of_the_newest_is_no_change() -> None:
+    def depth(version: Version, case: Case) -> float:
+        if case.scene.name != "gentle-rock":
+            return 1.5e-6  # of a perturbed release: half as much again
+        return {Version("1.0"): 1e-6, Version("1.1"): 2.9e-6}.get(version, 1e-6)
+
+    toys = ToyReleases(depth=depth)
+    study = toys.study("1.0", "1.1", "1.2")
+    assert study.changes(run_study(study)) == ()
+    toys.depth = lambda version, case: depth(version, case) * (1.1 if version.minor == 1 else 1.0)
+    assert [change.after for change in study.changes(run_study(study))] == [
+        *("1.1", "1.1"),
+        *("1.2", "1.2"),
+    ]
