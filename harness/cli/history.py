@@ -58,7 +58,7 @@ def history(  # noqa: PLR0917 - a parameter an option
         out=out or Path("reports") / f"history-{engine}",
         json=json,
         figures=figures,
-        show=shown({"changes": ("between", "note"), "versions": (), "summary": ()}),
+        show=shown({"change-points": (), "versions": (), "summary": ()}),
     )
     if not keep:
         for name in study.made(done):

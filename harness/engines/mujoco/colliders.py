@@ -41,13 +41,19 @@ def _as_shipped(flag: str) -> str:
 
 
 CCD_OPTIONS = (
-    Setting.as_shipped(
-        "ccd_tolerance",
-        _SHIPPED.ccd_tolerance,
-        "Of the collider of boxes and meshes, m; a cylinder on a plane has a formula.",
-        positive=True,
-    ),
-    Setting.as_shipped("ccd_iterations", _SHIPPED.ccd_iterations, "Most steps of that collider."),
+    (
+        Setting.as_shipped(
+            "ccd_tolerance",
+            _SHIPPED.ccd_tolerance,
+            "Of the collider of boxes and meshes, m; a cylinder on a plane has a formula.",
+            positive=True,
+        ),
+        Setting.as_shipped(
+            "ccd_iterations", _SHIPPED.ccd_iterations, "Most steps of that collider."
+        ),
+    )
+    if hasattr(_SHIPPED, "ccd_tolerance")  # it had another name
+    else ()
 )
 CCD_FLAGS = tuple(
     Setting.as_shipped(name, _as_shipped(name), meaning, choices=("enable", "disable"))

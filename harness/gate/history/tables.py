@@ -34,6 +34,48 @@ class Change:
     difference: Difference
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ChangePoint:
+    """All that changed from one release to another.
+
+    Parameters
+    ----------
+    before, after : str
+        Versions.
+    between : int
+        Releases between the two that did not run all of the cases that changed.
+    cases, quantities : int
+        How many changed.
+    largest : Difference
+        What changed most: an outcome first, then contact and errors, by the factor.
+    """
+
+    before: str
+    after: str
+    between: int
+    cases: int
+    quantities: int
+    largest: Difference
+
+
+def change_points(changes: Sequence[Change]) -> tuple[ChangePoint, ...]:
+    """Return changes by the releases between which they lie, in their order."""
+    points = []
+    for (before, after), group in groupby(changes, key=lambda c: (c.before, c.after)):
+        own = list(group)
+        points.append(
+            ChangePoint(
+                before=before,
+                after=after,
+                between=max(len(change.between) for change in own),
+                cases=len({change.difference.identity for change in own}),
+                quantities=len(own),
+                largest=max((change.difference for change in own), key=_weight),
+            )
+        )
+    return tuple(points)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReleaseRow:
     """What became of a release.
@@ -106,6 +148,30 @@ _CHANGES = (
 )
 
 
+_POINTS = (
+    Column("from_version", "The last release, of those that ran the cases, before it.", "before"),
+    Column("to_version", "The release with the changes.", "after"),
+    Column("between", "Releases between the two that did not run the cases."),
+    Column("cases", "Cases that changed."),
+    Column("quantities", "Quantities of these cases that changed, together."),
+    run_columns.SCENE.of("largest.identity.scene"),
+    run_columns.PROFILE.of("largest.identity.profile"),
+    Column(
+        "timestep_s",
+        "Timestep that was asked for; empty for the profile's own.",
+        lambda point: point.largest.identity.timestep or None,
+    ),
+    Column(
+        "quantity",
+        "What changed most: an outcome, or a column of the table of results.",
+        "largest.quantity",
+    ),
+    Column("before", "Its magnitude in the earlier release.", "largest.first"),
+    Column("after", "Its magnitude in the later release.", "largest.second"),
+    Column("factor", "After over before.", "largest.factor"),
+)
+
+
 def history_report(
     title: str,
     scores: Mapping[str, Scores],
@@ -113,7 +179,7 @@ def history_report(
     releases: Sequence[ReleaseRow],
     newest: str,
 ) -> tuple[Artefact, ...]:
-    """Return words, the figure if anything changed, the changes and the releases.
+    """Return words, the figure if anything changed, and tables of the changes and the releases.
 
     Parameters
     ----------
@@ -126,14 +192,16 @@ def history_report(
     newest : str
         The release whose spread was measured; empty if no release ran.
     """
+    points = change_points(changes)
     figure = _figure(title, scores, changes)
     return (
         Prose(
             name="summary",
             title=f"When contact changed: {title}",
-            text="\n\n".join(_sentences(scores, changes, releases, newest)),
+            text="\n\n".join(_sentences(scores, points, releases, newest)),
         ),
         *((figure,) if figure else ()),
+        table_of("change-points", "Releases that changed something", _POINTS, points),
         table_of("changes", "What changed from one release to the next", _CHANGES, changes),
         table_of("versions", "The releases", _RELEASES, releases),
     )
@@ -141,7 +209,7 @@ def history_report(
 
 def _sentences(
     scores: Mapping[str, Scores],
-    changes: Sequence[Change],
+    points: Sequence[ChangePoint],
     releases: Sequence[ReleaseRow],
     newest: str,
 ) -> list[str]:
@@ -156,9 +224,8 @@ def _sentences(
     if absent:
         said += f" Without a result: {'; '.join(absent)}."
     paragraphs = [said]
-    for (before, after), group in groupby(changes, key=lambda c: (c.before, c.after)):
-        paragraphs.append(_step(before, after, list(group)))
-    if not changes:
+    paragraphs += map(_change_point, points)
+    if not points:
         paragraphs.append(
             "No quantity of any case changed between two releases by more than its tolerance and "
             f"by more than a factor of {FACTOR:g}."
@@ -166,19 +233,16 @@ def _sentences(
     return paragraphs
 
 
-def _step(before: str, after: str, own: Sequence[Change]) -> str:
-    """Return a sentence on what changed between two releases."""
-    cases = len({change.difference.identity for change in own})
+def _change_point(point: ChangePoint) -> str:
+    """Return what changed between two releases, in words."""
     head = (
-        f"Between {before} and {after}: {len(own)} "
-        f"{'quantity' if len(own) == 1 else 'quantities'} of {cases} "
-        f"{'case' if cases == 1 else 'cases'} changed"
+        f"Between {point.before} and {point.after}: {point.quantities} "
+        f"{'quantity' if point.quantities == 1 else 'quantities'} of {point.cases} "
+        f"{'case' if point.cases == 1 else 'cases'} changed"
     )
-    between = max((change.between for change in own), key=len)
-    if between:
-        head += f" ({len(between)} releases between the two were not run)"
-    largest = max((change.difference for change in own), key=_weight)
-    return f"{head}. {_words(largest)}."
+    if point.between:
+        head += f" ({point.between} releases between the two were not run)"
+    return f"{head}. {_words(point.largest)}."
 
 
 def _weight(difference: Difference) -> tuple[bool, bool, float]:

@@ -23,11 +23,14 @@ def deeper_from(version: str) -> "ToyReleases":
 def test_a_change_is_named_with_its_releases_its_case_and_its_factor() -> None:
     study = deeper_from("1.5").study("1.0", "1.4", "1.5", "1.8")
     done = run_study(study)
-    words, figure, changes, versions = study.report(done)
+    words, figure, points, changes, versions = study.report(done)
     assert isinstance(words, Prose)
     assert isinstance(figure, Figure)
+    assert isinstance(points, Table)
     assert isinstance(changes, Table)
     assert isinstance(versions, Table)
+    (point,) = points.frame.to_dict("records")
+    assert (point["to_version"], point["cases"], point["factor"]) == ("1.5", 1, 3.0)
     (row,) = changes.frame.to_dict("records")
     assert (row["from_version"], row["to_version"], row["between"]) == ("1.4", "1.5", 0)
     assert (row["scene"], row["profile"], row["timestep_s"]) == ("gentle-rock", "matched", COARSE)
@@ -58,7 +61,7 @@ def test_a_gap_is_told_and_bisecting_closes_it_with_the_case_that_changed() -> N
     between = [(version, step) for version, step in toys.ran if version not in {"1.0", "1.8"}]
     assert {step for _, step in between} == {COARSE}
     assert len(between) == 3  # of seven releases: halved thrice
-    outcomes = study.report(done)[3]
+    outcomes = study.report(done)[4]
     assert isinstance(outcomes, Table)
     assert outcomes.frame["outcome"].tolist().count("ran cases that changed") == 3
 
@@ -75,7 +78,7 @@ def test_a_release_that_is_not_there_or_does_not_run_is_a_row_with_the_reason() 
     toys = deeper_from("1.5")
     toys.absent, toys.refused = {"1.0": "no wheel"}, {"1.8": "no sensor"}
     study = toys.study("1.0", "1.1", "1.2", "1.8")
-    words, changes, versions = study.report(run_study(study))
+    words, _, changes, versions = study.report(run_study(study))
     assert isinstance(words, Prose)
     assert isinstance(changes, Table)
     assert isinstance(versions, Table)
