@@ -44,10 +44,10 @@ def history(  # noqa: PLR0917 - a parameter an option
     *,
     running: run_options.RunOptions,
 ) -> None:
-    """At which release of an engine its contact changed, in which quantity and by how much.
+    """At which release of an engine its contact changed.
 
-    Each release runs the suite in an environment of its own, and is held against the one before. A
-    release that cannot be installed, or that the adapter cannot run, is a row with the reason.
+    Each release runs the suite in an environment of its own, and is held against the one before:
+    in which quantity it changed, and by how much. A release that cannot be installed, or that the adapter cannot run, is a row with the reason.
 
     For example: rockingcan history mujoco --versions 3.4.0,4.0.0 --bisect
     """

@@ -49,22 +49,31 @@ HAS_CONTACT_SENSORS = hasattr(mujoco.mjtSensor, "mjSENS_CONTACT")
 
 
 def fill_contact_sensors(model: mujoco.MjModel, data: mujoco.MjData, stage: int) -> None:
-    """Write what the two sensors of contacts hold into sensors of these names, where they lie."""
+    """Write what the two sensors of contacts hold into sensors of these names: the first there are.
+
+    It is called in every step, so that a contact by itself is not summed.
+    """
     if stage != mujoco.mjtStage.mjSTAGE_ACC:
         return
-    contact, force, total = data.contact, np.empty(6), 0.0
-    net, where = np.zeros(3), np.zeros(3)
-    for number in range(data.ncon):
-        mujoco.mj_contactForce(model, data, number, force)
-        in_world = contact.frame[number].reshape(3, 3).T @ force[:3]
-        size = math.sqrt(in_world @ in_world)
-        net, where, total = net + in_world, where + size * contact.pos[number], total + size
-    at = int(model.sensor(NET_SENSOR).adr[0])
-    data.sensordata[at] = data.ncon
-    data.sensordata[at + 1 : at + 4] = net
-    data.sensordata[at + 4 : at + 7] = where / total if total > 0.0 else where
-    deepest = int(model.sensor(DEPTH_SENSOR).adr[0])
-    data.sensordata[deepest] = contact.dist.min() if data.ncon else 0.0
+    count, rows = data.ncon, np.zeros(8)
+    if count:
+        contact, force = data.contact, np.empty(6)
+        points, frames = contact.pos, contact.frame.reshape(-1, 3, 3)
+        if count == 1:
+            mujoco.mj_contactForce(model, data, 0, force)
+            rows[1:4], rows[4:7] = force[:3] @ frames[0], points[0]
+        else:
+            total = 0.0
+            for number in range(count):
+                mujoco.mj_contactForce(model, data, number, force)
+                in_world = force[:3] @ frames[number]
+                size = math.sqrt(in_world @ in_world)
+                rows[1:4] += in_world
+                rows[4:7] += size * points[number]
+                total += size
+            rows[4:7] /= total or 1.0
+        rows[0], rows[7] = count, contact.dist.min()
+    data.sensordata[:8] = rows
 
 
 class CompiledScene:

@@ -5,7 +5,7 @@ from packaging.version import Version
 from harness.core.case import Case
 from harness.core.report_model import Figure, Prose, Table
 from harness.studies.study import run_study
-from tests.harness.gate.history.toy_releases import TIMESTEPS, ToyReleases
+from tests.support.toy_releases import TIMESTEPS, ToyReleases
 
 COARSE, FINE = TIMESTEPS
 
