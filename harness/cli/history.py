@@ -24,6 +24,10 @@ def history(  # noqa: PLR0917 - a parameter an option
         ),
     ],
     suite: Annotated[str, typer.Option(help="quick, full or field: see `validate`.")] = "quick",
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(help="A scene of the suite to run; repeat it. All of them if left out."),
+    ] = None,
     set_: options.Settings = None,
     bisect: Annotated[  # noqa: FBT002 - a switch of the command line
         bool,
@@ -47,11 +51,14 @@ def history(  # noqa: PLR0917 - a parameter an option
     """At which release of an engine its contact changed.
 
     Each release runs the suite in an environment of its own, and is held against the one before:
-    in which quantity it changed, and by how much. A release that cannot be installed, or that the adapter cannot run, is a row with the reason.
+    in which quantity it changed, and by how much. A release that cannot be installed, or that the
+    adapter cannot run, is a row with the reason.
 
     For example: rockingcan history mujoco --versions 3.4.0,4.0.0 --bisect
     """
-    study = plan_history(engine, versions, suite, parse_settings(set_ or []), bisect=bisect)
+    study = plan_history(
+        engine, versions, suite, parse_settings(set_ or []), scenes=scene or (), bisect=bisect
+    )
     done = run_command(
         study,
         running,

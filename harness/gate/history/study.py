@@ -266,6 +266,7 @@ def plan_history(
     suite: str,
     settings: Sequence[tuple[str, Value]] = (),
     *,
+    scenes: Sequence[str] = (),
     bisect: bool = False,
 ) -> HistoryStudy:
     """Return the history of an engine.
@@ -280,6 +281,8 @@ def plan_history(
         A key of `SUITES`.
     settings : sequence of tuple of str and Value
         To put on top of every case, by the engine's own names.
+    scenes : sequence of str
+        Scenes of the suite that are run; all of them if empty.
     bisect : bool
         Whether to look for each change in the releases between two.
 
@@ -288,7 +291,8 @@ def plan_history(
     UnknownEngineError
         If no adapter of that name is registered.
     InvalidSettingError
-        If the engine has no package of its own, a version is none, or there is no such suite.
+        If the engine has no package of its own, a version is none, or there is no such suite, or no
+        such scene in it.
     """
     entry = entry_of(engine)
     if not packages_for(entry):
@@ -296,6 +300,9 @@ def plan_history(
         raise InvalidSettingError("ENGINE", engine, allowed)
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
+    for scene in scenes:
+        if scene not in SUITES[suite]:
+            raise InvalidSettingError("--scene", scene, f"one of {', '.join(SUITES[suite])}")
     parse_versions(versions.replace(ALL, "1,2"), ())  # wrong use is refused before pip is asked
     released = released_versions(entry, find_interpreter("--python", sys.executable))
     return HistoryStudy(
@@ -305,10 +312,13 @@ def plan_history(
         released=released,
         bisect=bisect,
         settings=tuple(settings),
-        design=cache(partial(_designed, suite, dict(settings))),
+        design=cache(partial(_designed, suite, tuple(scenes), dict(settings))),
     )
 
 
-def _designed(suite: str, settings: Mapping[str, Value], name: str) -> tuple[Case, ...]:
+def _designed(
+    suite: str, scenes: Sequence[str], settings: Mapping[str, Value], name: str
+) -> tuple[Case, ...]:
     """Return the cases of a suite that the engine in an environment can represent."""
-    return plan_comparison(suite, (name,), {name: settings}).cases
+    cases = plan_comparison(suite, (name,), {name: settings}).cases
+    return tuple(case for case in cases if not scenes or case.scene.name in scenes)

@@ -1,10 +1,16 @@
 """A history of releases: what changed between which, and what becomes of those that do not run."""
 
+from dataclasses import replace
+
 from packaging.version import Version
 
 from harness.core.case import Case
 from harness.core.report_model import Figure, Prose, Table
+from harness.gate.history.runs import run_case
+from harness.gate.history.study import HistoryStudy
+from harness.gate.history.tables import change_points
 from harness.studies.study import run_study
+from models import load
 from tests.support.toy_releases import TIMESTEPS, ToyReleases
 
 COARSE, FINE = TIMESTEPS
@@ -18,6 +24,13 @@ def deeper_from(version: str) -> "ToyReleases":
         return 3e-6 if changed else 1e-6
 
     return ToyReleases(depth=depth)
+
+
+def told(study: HistoryStudy) -> str:
+    """Return the words of the report of a history."""
+    words = study.report(run_study(study))[0]
+    assert isinstance(words, Prose)
+    return words.text
 
 
 def test_a_change_is_named_with_its_releases_its_case_and_its_factor() -> None:
@@ -47,11 +60,10 @@ def test_a_change_is_named_with_its_releases_its_case_and_its_factor() -> None:
 
 def test_a_gap_is_told_and_bisecting_closes_it_with_the_case_that_changed() -> None:
     toys = deeper_from("1.5")
-    (change,) = (study := toys.study("1.0", "1.8")).changes(done := run_study(study))
+    study = toys.study("1.0", "1.8")
+    (change,) = study.changes(run_study(study))
     assert change.between == tuple(f"1.{n}" for n in range(1, 8))
-    words = study.report(done)[0]
-    assert isinstance(words, Prose)
-    assert "(7 releases between the two were not run)" in words.text
+    assert "(7 releases between the two were not run)" in told(study)
 
     toys.ran.clear()
     study = toys.study("1.0", "1.8", bisect=True)
@@ -99,9 +111,7 @@ def test_a_release_that_is_not_there_or_does_not_run_is_a_row_with_the_reason() 
 def test_nothing_that_runs_is_a_report_too() -> None:
     toys = ToyReleases(depth=lambda *_: 1e-6, absent={"1.0": "no wheel", "1.8": "no wheel"})
     study = toys.study("1.0", "1.8", bisect=True)
-    words = study.report(run_study(study))[0]
-    assert isinstance(words, Prose)
-    assert words.text.startswith("0 cases were run in 0 of 2 releases.")
+    assert told(study).startswith("0 cases were run in 0 of 2 releases.")
 
 
 def test_what_moves_by_less_than_four_spreads_of_the_newest_is_no_change() -> None:
@@ -118,3 +128,30 @@ def test_what_moves_by_less_than_four_spreads_of_the_newest_is_no_change() -> No
         *("1.1", "1.1"),
         *("1.2", "1.2"),
     ]
+
+
+def test_changes_of_two_releases_are_one_point_with_the_largest() -> None:
+    def depth(version: Version, case: Case) -> float:
+        factor = 5.0 if case.timestep == FINE else 2.0
+        return 1e-6 * (factor if version >= Version("1.2") else 1.0)
+
+    study = ToyReleases(depth=depth).study("1.0", "1.1", "1.2")
+    (point,) = change_points(study.changes(run_study(study)))
+    assert (point.before, point.after, point.between) == ("1.1", "1.2", 0)
+    assert (point.cases, point.quantities) == (2, 2)
+    assert point.largest.identity.timestep == FINE
+    assert point.largest.factor == 5.0
+
+
+def test_a_run_is_kept_as_its_row_or_as_the_reason_why_there_is_none() -> None:
+    case = Case(scene=load("gentle-rock"), engine="reference", profile="matched")
+    run = run_case(case)
+    score = run.score(case)
+    assert score is not None
+    assert (score.outcome, score.finished, run.reason) == ("FINISHED", True, "")
+    assert score.values["phi_rms_rad"] < 1e-9
+
+    refused = run_case(replace(case, options=(("nonsense", 1.0),)))
+    assert refused.score(case) is None
+    assert "nonsense" in refused.reason
+    assert refused.record["outcome"].startswith("broken")

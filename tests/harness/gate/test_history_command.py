@@ -58,6 +58,7 @@ def test_a_release_that_cannot_be_installed_is_a_row_of_the_report(
         (["mujoco", "--versions", "new,old"], "two released versions or more"),
         (["mujoco", "--versions", "all"], "two released versions or more"),  # no index is asked
         (["mujoco", "--versions", "1,2", "--suite", "short"], "quick or full or field"),
+        (["mujoco", "--versions", "1,2", "--scene", "nope"], "one of gentle-rock, paper-release"),
         (["mujoco", "--versions", "1,2", "--set", "cone"], "KEY=VALUE"),
         (["mujoco"], "--versions"),
     ],
