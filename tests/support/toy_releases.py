@@ -9,7 +9,7 @@ from packaging.version import Version
 from harness.core.case import Case
 from harness.core.errors import HarnessError
 from harness.execution.worker import LostTaskError
-from harness.gate.history.releases import Installation, Release
+from harness.gate.history.releases import EngineRelease, Installation
 from harness.gate.history.runs import RunRow
 from harness.gate.history.study import HistoryStudy
 from harness.studies.study import Work
@@ -49,7 +49,7 @@ class ToyReleases:
             running=Work(name="running", call=self._run, lost=_lost, label=str),
         )
 
-    def _install(self, release: Release) -> Installation:
+    def _install(self, release: EngineRelease) -> Installation:
         if reason := self.absent.get(release.version):
             return Installation(reason=reason)
         return Installation(name=f"toy-{release.version}", made=True)

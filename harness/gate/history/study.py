@@ -22,7 +22,13 @@ from harness.core.report_model import Artefact
 from harness.engines.make_environment import find_interpreter, packages_for, released_versions
 from harness.engines.registry import description_of, entry_of
 from harness.gate.comparison import differences
-from harness.gate.history.releases import ALL, INSTALLING, Installation, Release, parse_versions
+from harness.gate.history.releases import (
+    ALL,
+    INSTALLING,
+    EngineRelease,
+    Installation,
+    parse_versions,
+)
 from harness.gate.history.runs import RUNNING, RunRow
 from harness.gate.history.tables import Change, ReleaseRow, history_report
 from harness.gate.report import changed
@@ -33,7 +39,7 @@ from harness.studies.comparison.study import plan_comparison
 from harness.studies.comparison.suite import SUITES
 from harness.studies.study import Job, Results, Work
 
-HistoryJob = Job[Release, Installation] | Job[Case, RunRow]
+HistoryJob = Job[EngineRelease, Installation] | Job[Case, RunRow]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +72,7 @@ class HistoryStudy:
     bisect: bool = False
     settings: tuple[tuple[str, Value], ...] = ()
     design: Callable[[str], tuple[Case, ...]]
-    installing: Work[Release, Installation] = INSTALLING
+    installing: Work[EngineRelease, Installation] = INSTALLING
     running: Work[Case, RunRow] = RUNNING
 
     @property
@@ -144,8 +150,8 @@ class HistoryStudy:
         """Return the names of the environments that were made for this run."""
         return tuple(one.name for one in done.of(self.installing).values() if one.made)
 
-    def _install(self, version: str) -> Job[Release, Installation]:
-        release = Release(engine=self.engine, version=version, released=self.released)
+    def _install(self, version: str) -> Job[EngineRelease, Installation]:
+        release = EngineRelease(engine=self.engine, version=version, released=self.released)
         return Job(self.installing, release)
 
     def _installed(self, done: Results) -> dict[str, Installation]:
