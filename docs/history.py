@@ -26,6 +26,7 @@ def history() -> dict[str, str]:
             f"{key}_first": str(ran["version"].iloc[0]),
             f"{key}_last": str(ran["version"].iloc[-1]),
             f"{key}_cases": str(ran["cases"].max()),
+            f"{key}_compared": str(ran["quantities"].max()),
             f"{key}_versions": ", ".join(ran["version"]),
             f"{key}_absent": "; ".join(
                 f"{row['version']}: {row['reason']}" for row in absent.to_dict("records")

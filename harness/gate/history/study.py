@@ -32,7 +32,7 @@ from harness.gate.history.releases import (
 from harness.gate.history.runs import RUNNING, RunRow
 from harness.gate.history.tables import Change, ReleaseRow, history_report
 from harness.gate.report import changed
-from harness.gate.scores import CaseIdentity, Score, Scores
+from harness.gate.scores import QUANTITIES, CaseIdentity, QuantityKind, Score, Scores
 from harness.gate.scores import identity as name_of
 from harness.gate.spread import planned_members, spread
 from harness.studies.comparison.study import plan_comparison
@@ -230,7 +230,7 @@ class HistoryStudy:
 
     def _rows(self, done: Results) -> list[ReleaseRow]:
         """Return what became of each release."""
-        runs = done.of(self.running)
+        runs, scores = done.of(self.running), self.scores(done)
         rows = []
         for version, one in sorted(
             self._installed(done).items(), key=lambda each: Version(each[0])
@@ -242,6 +242,7 @@ class HistoryStudy:
                     version=version,
                     environment=one.name,
                     cases=len(own) - len(reasons),
+                    quantities=_compared(scores[version]) if version in scores else 0,
                     refused=len(reasons),
                     reason=one.reason or next(iter(reasons), ""),
                     bisecting=version not in self.versions,
@@ -259,6 +260,12 @@ def _steps(scores: Mapping[str, Scores]) -> Iterator[tuple[str, str, CaseIdentit
     for case, versions in by_case.items():
         for before, after in pairwise(versions):
             yield before, after, case
+
+
+def _compared(scores: Scores) -> int:
+    """Return how many quantities of all cases are compared."""
+    judged = {one.column for one in QUANTITIES if one.kind is not QuantityKind.TIME}
+    return sum(len(judged.intersection(score.values)) for score in scores.scores.values())
 
 
 def _only(scores: Scores, case: CaseIdentity) -> Scores:

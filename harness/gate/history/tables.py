@@ -87,6 +87,8 @@ class ReleaseRow:
         Name of the engine in its environment; empty if it could not be installed.
     cases, refused : int
         Cases that ran, and cases that the adapter could not run with the release.
+    quantities : int
+        Of the cases that ran, together; times on this machine are none.
     reason : str
         Why it could not be installed, or why the first case was refused.
     bisecting : bool
@@ -96,6 +98,7 @@ class ReleaseRow:
     version: str
     environment: str
     cases: int
+    quantities: int
     refused: int
     reason: str
     bisecting: bool
@@ -114,6 +117,7 @@ _RELEASES = (
     Column("version", "Released version of the engine's package."),
     Column("outcome", "Whether it was installed, and ran the suite."),
     Column("cases", "Cases that ran."),
+    Column("quantities", "Quantities of these cases that are compared, together."),
     Column("refused", "Cases that the adapter could not run with this version."),
     Column("reason", "Why it was not installed, or why the first case was refused."),
     Column("environment", "Name of the engine in its environment.", shown=False),

@@ -55,6 +55,7 @@ def test_a_change_is_named_with_its_releases_its_case_and_its_factor() -> None:
     assert panel.x_names == ("1.0", "1.4", "1.5", "1.8")
     assert panel.series[0].y.tolist() == [1.0, 1.0, 3.0, 3.0]
     assert versions.frame["outcome"].tolist() == ["ran"] * 4
+    assert versions.frame["quantities"].tolist() == [2] * 4
     assert study.made(done) == ("toy-1.0", "toy-1.4", "toy-1.5", "toy-1.8")
 
 
