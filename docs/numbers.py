@@ -17,6 +17,7 @@ import pandas as pd
 
 from docs.field_guide import PAGES, guide
 from docs.formatting import BASELINE, ROOT, Row, csv, digits, markdown
+from docs.history import history
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint, our_names
 from harness.execution.atomic_write import write_atomically
@@ -25,7 +26,7 @@ from harness.gate.spread import FEWEST, MOST, SIZES
 from models.effects import Effects
 
 TEXTS = (
-    *("README.md", "CONTRIBUTING.md", "docs/field-guide/README.md"),
+    *("README.md", "CONTRIBUTING.md", "docs/history.md", "docs/field-guide/README.md"),
     *(f"docs/field-guide/{page.name}" for page in PAGES),
 )
 
@@ -302,8 +303,7 @@ _QUOTED = 5
 
 def audit() -> dict[str, str]:
     """Return how many claims of the paper stand how, and how many errors there are."""
-    claims = pd.read_csv(ROOT / "reports" / "audit.csv")
-    verdicts = claims["verdict"].value_counts()
+    verdicts = pd.read_csv(ROOT / "reports" / "audit.csv")["verdict"].value_counts()
     holds, order = verdicts["holds"], verdicts["holds to stated order"]
     unknown = verdicts["not checkable"]
     with (ROOT / "harness/paper/audit/claims.toml").open("rb") as file:
@@ -311,11 +311,11 @@ def audit() -> dict[str, str]:
     gravest = [error for error in errors if error["weight"] == "substantial"]
     shortest = sorted(gravest, key=lambda error: len(error["printed"] + error["right"]))[:_QUOTED]
     return {
-        "claims": str(len(claims)),
+        "claims": str(verdicts.sum()),
         "holds": str(holds),
         "to_order": str(order),
         "not_checkable": str(unknown),
-        "wrong": str(len(claims) - holds - order - unknown),
+        "wrong": str(verdicts.sum() - holds - order - unknown),
         "errors": str(len(errors)),
         "substantial": str(len(gravest)),
         "gravest": markdown(
@@ -347,6 +347,7 @@ SOURCES: Mapping[str, Source] = {
         engines,
         field,
         guide,
+        history,
         attribution,
         effects,
         rim,

@@ -46,6 +46,7 @@ def mjcf(
     flag: Mapping[str, str] = _NOTHING,
     geom: Mapping[str, str] = _NOTHING,
     contact_sensors: bool = False,
+    filled_sensors: bool = False,
     every_sensor: bool = False,
     spring_timestep: float | None = None,
 ) -> str:
@@ -61,6 +62,9 @@ def mjcf(
         get the same.
     contact_sensors : bool
         Add the sensors `NET_SENSOR` and `DEPTH_SENSOR`, in this order.
+    filled_sensors : bool
+        Have these sensors filled by the program that steps the model: for a version of MuJoCo that
+        has no sensors of contacts.
     every_sensor : bool
         After them add all that MuJoCo can tell of a body and of the energy, to see what it costs.
     spring_timestep : float, optional
@@ -103,7 +107,7 @@ def mjcf(
         contact = ET.SubElement(root, "contact")
         ET.SubElement(contact, "pair", pair(material, spring_timestep))
     if contact_sensors:
-        _add_sensors(root, every=every_sensor)
+        _add_sensors(root, filled=filled_sensors, every=every_sensor)
     keyframe = ET.SubElement(root, "keyframe")
     ET.SubElement(
         keyframe,
@@ -168,12 +172,15 @@ _OF_A_BODY = (
 _OF_ALL_BELOW = ("subtreecom", "subtreelinvel", "subtreeangmom")
 
 
-def _add_sensors(root: ET.Element, *, every: bool) -> None:
+def _add_sensors(root: ET.Element, *, filled: bool, every: bool) -> None:
     sensors = ET.SubElement(root, "sensor")
-    for name, reduce, data in (
-        (NET_SENSOR, "netforce", "found force pos"),
-        (DEPTH_SENSOR, "mindist", "dist"),
+    for name, reduce, data, size in (
+        (NET_SENSOR, "netforce", "found force pos", 7),
+        (DEPTH_SENSOR, "mindist", "dist", 1),
     ):
+        if filled:
+            ET.SubElement(sensors, "user", name=name, dim=str(size), needstage="acc")
+            continue
         ET.SubElement(
             sensors,
             "contact",

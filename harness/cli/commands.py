@@ -106,6 +106,7 @@ COMMANDS = tuple(
         (GUARD, "reports", "diff", "What differs between two reports, case by case."),
         (GUARD, "results", "submit", "A file of what an engine reaches in a suite, to publish."),
         (GUARD, "results", "results", "Files of results: verify them, compare two."),
+        (GUARD, "history", "history", "At which release of an engine its contact changed."),
         (GUARD, "checkout", "benchmark", "What the project claims about speed, measured."),
         (GUARD, "checkout", "faults", "What is lost when runs are killed, hang or fill the disk."),
         (GUARD, "catalogue", "store", "What is kept of runs: list it, verify it, prune it."),

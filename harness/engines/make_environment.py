@@ -6,6 +6,7 @@ are of the versions here, where the engine allows it, so that bits are equal.
 
 import json
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -21,6 +22,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name, parse_wheel_filename
+from packaging.version import Version
 
 from harness.core.engine_packages import PROGRAM, engine_packages, requirements_of
 from harness.core.errors import HarnessError, InvalidSettingError
@@ -195,6 +197,21 @@ def version_to_install(new: NewEnvironment, entry: EntryPoint, base: Interpreter
         return str(json.loads(done.stdout)["install"][0]["metadata"]["version"])
     except (ValueError, LookupError):
         return ""
+
+
+def released_versions(entry: EntryPoint, base: Interpreter) -> tuple[str, ...]:
+    """Return the versions of an engine's package that have a wheel for a Python, the oldest first.
+
+    Versions that are no releases are left out; empty if pip or the package index does not tell.
+    """
+    packages, pip = packages_for(entry), _pip(base)
+    if not packages or pip is None:
+        return ()
+    ask = [*pip, "--python", base.program, "index", "versions", "--only-binary", ":all:"]
+    done = _run([*ask, "--no-input", "--disable-pip-version-check", packages[0]])
+    said = re.search(r"^Available versions:(.*)$", done.stdout, flags=re.MULTILINE)
+    words = said[1].replace(",", " ").split() if said and done.returncode == 0 else ()
+    return tuple(sorted(words, key=Version))
 
 
 def _pretend_to_be_installed(python: Interpreter) -> None:

@@ -22,25 +22,46 @@ SHAPES = Setting.as_shipped(
 _SIDES = 32
 """Of the prism that is the mesh where no other is given."""
 
-_SHIPPED = mujoco.MjSpec().option
-_MULTICCD = "enable" if hasattr(mujoco.mjtDisableBit, "mjDSBL_MULTICCD") else "disable"
-"""Of the version that is installed: earlier ones have to be asked for more than one point."""
+_SHIPPED = mujoco.MjModel.from_xml_string("<mujoco/>").opt
+
+
+def can_be_disabled(flag: str) -> bool:
+    """Return whether the version that is installed does what a flag says unless it is disabled."""
+    return hasattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}")
+
+
+def is_flag(name: str) -> bool:
+    """Return whether the version that is installed has a flag of this name."""
+    return can_be_disabled(name) or hasattr(mujoco.mjtEnableBit, f"mjENBL_{name.upper()}")
+
+
+def _as_shipped(flag: str) -> str:
+    """Return a flag of the version that is installed: earlier ones have to be asked for more."""
+    return "enable" if can_be_disabled(flag) else "disable"
+
 
 CCD_OPTIONS = (
-    Setting.as_shipped(
-        "ccd_tolerance",
-        _SHIPPED.ccd_tolerance,
-        "Of the collider of boxes and meshes, m; a cylinder on a plane has a formula.",
-        positive=True,
-    ),
-    Setting.as_shipped("ccd_iterations", _SHIPPED.ccd_iterations, "Most steps of that collider."),
+    (
+        Setting.as_shipped(
+            "ccd_tolerance",
+            _SHIPPED.ccd_tolerance,
+            "Of the collider of boxes and meshes, m; a cylinder on a plane has a formula.",
+            positive=True,
+        ),
+        Setting.as_shipped(
+            "ccd_iterations", _SHIPPED.ccd_iterations, "Most steps of that collider."
+        ),
+    )
+    if hasattr(_SHIPPED, "ccd_tolerance")  # it had another name
+    else ()
 )
 CCD_FLAGS = tuple(
-    Setting.as_shipped(name, shipped, meaning, choices=("enable", "disable"))
-    for name, shipped, meaning in (
-        ("nativeccd", "enable", "MuJoCo's own collider of boxes and meshes; else libccd."),
-        ("multiccd", _MULTICCD, "Points of that collider beside the deepest."),
+    Setting.as_shipped(name, _as_shipped(name), meaning, choices=("enable", "disable"))
+    for name, meaning in (
+        ("nativeccd", "MuJoCo's own collider of boxes and meshes; else libccd."),
+        ("multiccd", "Points of that collider beside the deepest."),
     )
+    if is_flag(name)
 )
 """Attributes of `option` and of `option/flag`."""
 

@@ -44,6 +44,37 @@ _FAR = 1.0
 _NEXT_TO_NOTHING = 1e-30
 """Damping too small to change a number, with which MuJoCo computes damping all the same."""
 
+HAS_CONTACT_SENSORS = hasattr(mujoco.mjtSensor, "mjSENS_CONTACT")
+"""Whether the version that is installed has them: 3.3.0 has not, 3.4.0 has."""
+
+
+def fill_contact_sensors(model: mujoco.MjModel, data: mujoco.MjData, stage: int) -> None:
+    """Write what the two sensors of contacts hold into sensors of these names: the first there are.
+
+    It is called in every step, so that a contact by itself is not summed.
+    """
+    if stage != mujoco.mjtStage.mjSTAGE_ACC:
+        return
+    count, rows = data.ncon, np.zeros(8)
+    if count:
+        contact, force = data.contact, np.empty(6)
+        points, frames = contact.pos, contact.frame.reshape(-1, 3, 3)
+        if count == 1:
+            mujoco.mj_contactForce(model, data, 0, force)
+            rows[1:4], rows[4:7] = force[:3] @ frames[0], points[0]
+        else:
+            total = 0.0
+            for number in range(count):
+                mujoco.mj_contactForce(model, data, number, force)
+                in_world = force[:3] @ frames[number]
+                size = math.sqrt(in_world @ in_world)
+                rows[1:4] += in_world
+                rows[4:7] += size * points[number]
+                total += size
+            rows[4:7] /= total or 1.0
+        rows[0], rows[7] = count, contact.dist.min()
+    data.sensordata[:8] = rows
+
 
 class CompiledScene:
     """One can on one plane as MuJoCo compiles it.
@@ -84,9 +115,12 @@ class CompiledScene:
             flag=dict(flag) | stages(chosen, case.scene.effects) | own_flag,
             geom=geom,
             contact_sensors=contact_sensors,
+            filled_sensors=not HAS_CONTACT_SENSORS,
             every_sensor=everything,
             spring_timestep=None if soft is None else timestep,
         )
+        if not HAS_CONTACT_SENSORS:
+            mujoco.set_mjcb_sensor(None)  # it is called with a model that is only half compiled
         # a warning is an outcome, which `MjData.warning` counts, not a line of a log file in the
         # working folder
         mujoco.set_mju_user_warning(lambda _: None)
@@ -94,6 +128,8 @@ class CompiledScene:
             self.model = _compiled(text, chosen, case.scene.can, self.half_box)
         except ValueError as error:
             raise RefusedModelError(case.engine, case.label(), str(error)) from error
+        if contact_sensors and not HAS_CONTACT_SENSORS:
+            mujoco.set_mjcb_sensor(fill_contact_sensors)
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
         self._case, self._soft = case, soft is not None
         stiffest = case.profile != "default" and "solref" not in dict(case.options)

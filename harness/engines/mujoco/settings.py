@@ -37,7 +37,13 @@ from harness.engines import (
     outline_gap,
     rim_within,
 )
-from harness.engines.mujoco.colliders import CCD_FLAGS, CCD_OPTIONS, SHAPES, mesh_in
+from harness.engines.mujoco.colliders import (
+    CCD_FLAGS,
+    CCD_OPTIONS,
+    SHAPES,
+    is_flag,
+    mesh_in,
+)
 from models.effects import Effects
 from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, pair, spring, surface
 
@@ -212,7 +218,7 @@ def stages(chosen: Mapping[str, Value], effects: Effects) -> dict[str, str]:
     build = chosen.get("build")
     if build == "lean":
         idle = _IDLE if effects.damping is not None else (*_IDLE, "damper")
-        return dict.fromkeys(idle, "disable")
+        return dict.fromkeys(filter(is_flag, idle), "disable")
     return {"energy": "enable"} if build == "everything" else {}
 
 

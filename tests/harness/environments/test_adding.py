@@ -182,7 +182,7 @@ def test_an_environment_is_made_with_the_program_that_runs(
     monkeypatch.setattr(make_environment, "_run", no_pip(see_packages))
     said: list[str] = []
     made = add_environment(NewEnvironment(engine="mujoco", name="mine"), said.append)
-    assert [word.split()[0] for word in said] == ["mujoco>=3.4"]
+    assert [word.split()[0] for word in said] == ["mujoco>=3.2"]
     assert {path.name for path in folder.iterdir()} == {Path(made.folder).name, "mine.json"}
     assert Path(made.interpreter).is_relative_to(made.folder)
     assert environment("mine") == made
@@ -361,9 +361,9 @@ def test_versions_outside_of_what_an_adapter_supports_are_told(rockingcan: Comma
     (old / "METADATA").write_text("Metadata-Version: 2.1\nName: mujoco\nVersion: 3.1\n")
     text = path_of("old").read_text().replace(place.paths[0], str(environments_folder()))
     path_of("old").write_text(text)
-    assert registry.outside_range("old") == "mujoco 3.1, which is not >=3.4"
+    assert registry.outside_range("old") == "mujoco 3.1, which is not >=3.2"
     shown = json.loads(rockingcan("engines", "old", "--json").out)["engines"][0]
-    assert shown["unsupported"] == "mujoco 3.1, which is not >=3.4"
+    assert shown["unsupported"] == "mujoco 3.1, which is not >=3.2"
 
 
 @pytest.mark.slow
