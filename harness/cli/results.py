@@ -18,6 +18,7 @@ from harness.cli.study_command import run_with_progress
 from harness.core.case import Value
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.engines.registry import engine_version
+from harness.evaluation.case_cache import evaluation_cache
 from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
@@ -87,8 +88,9 @@ def with_spread(
     store : CacheFolder, optional
         Where perturbed runs are kept and found; nowhere if left out.
     """
+    kept = None if store is None else evaluation_cache(store)
     efforts = {
-        case.label(): expected_seconds(study.cases[number])
+        case.label(): 0.0 if kept and kept.has(case) else expected_seconds(study.cases[number])
         for number, case in planned_members(study.cases, result.cases)
     }
     with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
