@@ -24,7 +24,16 @@ TIMESTEPS = (1e-3, 1e-4)
 def designed(name: str) -> tuple[Case, ...]:
     """Return two cases of an engine."""
     scene = load("gentle-rock")
-    return tuple(Case(scene=scene, engine=name, profile="matched", timestep=t) for t in TIMESTEPS)
+    return tuple(
+        Case(
+            scene=scene,
+            engine=name,
+            profile="matched",
+            timestep=timestep,
+            options=(("softness", 1.0),),
+        )
+        for timestep in TIMESTEPS
+    )
 
 
 @dataclass
@@ -44,6 +53,7 @@ class ToyReleases:
             versions=versions,
             released=tuple(f"1.{number}" for number in range(9)),
             bisect=bisect,
+            settings=(("softness", 1.0),),
             design=designed,
             installing=Work(name="installing", call=self._install, lost=_lost, label=str),
             running=Work(name="running", call=self._run, lost=_lost, label=str),

@@ -1,6 +1,7 @@
 """The history of an engine as a study: install releases, run a suite in each, compare neighbours.
 
-The spread of the results is measured once, for the newest release. A quantity has changed from one
+The spread of the results is measured for the newest release, and of a change that is not clear in
+its own two releases too. A quantity has changed from one
 release to the next if it exceeds the tolerance that follows from the spread: the gate's own rule,
 `harness.gate.comparison.differences`.
 
@@ -10,7 +11,7 @@ a release between them, and again, until the two are neighbours: bisection, of a
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
 
@@ -32,13 +33,16 @@ from harness.gate.history.releases import (
 from harness.gate.history.runs import RUNNING, RunRow
 from harness.gate.history.tables import Change, ReleaseRow, history_report
 from harness.gate.report import changed
-from harness.gate.spread import SIZES, planned_members, spread
+from harness.gate.spread import SIZES, member, members, spread
 from harness.results.result import Result, input_digests, make_result
 from harness.results.scores import QUANTITIES, CaseIdentity, QuantityKind, Score, division_of
 from harness.results.scores import identity as name_of
 from harness.studies.comparison.study import plan_comparison
 from harness.studies.comparison.suite import SUITES
 from harness.studies.study import Job, Results, Work
+
+CLEAR = 10.0
+"""Tolerances beyond which a change is clear without the spread in its own two releases."""
 
 HistoryJob = Job[EngineRelease, Installation] | Job[Case, RunRow]
 
@@ -93,42 +97,41 @@ class HistoryStudy:
         yield from runs
         if any(job not in done for job in runs):
             return
-        members = [Job(self.running, case) for _, case in self._members(done)]
+        newest = self._known(self._newest(done), done)
+        members = [Job(self.running, one) for pair in newest for one in _members(*pair)]
         yield from members
-        if self.bisect and all(job in done for job in members):
+        if all(job in done for job in members):
             yield from dict.fromkeys(self._narrowing(done))
 
     def results(self, done: Results) -> dict[str, Result]:
-        """Return the result of each release that ran, the oldest first; of the newest with spread.
+        """Return the result of each release that ran, the oldest first, with spreads if measured.
 
         Of a release that bisects a change it has the cases that changed. A case is named by the
         engine's own name, whatever environment it ran in, so that the releases compare.
         """
         settings = {f"{self.engine}.{name}": str(value) for name, value in self.settings}
         found = {}
-        newest = self._newest(done)
         for version in sorted(self._installed(done), key=Version):
             known = self._known(version, done)
-            scores = self._with_spread(known, done) if version == newest else [s for _, s in known]
-            if not scores:
-                continue
-            named = [
-                score.model_copy(
+            scores = [
+                self._with_spread(case, score, done).model_copy(
                     update={
-                        "engine": self.engine,
-                        "division": division_of(self.engine, score.profile, settings),
+                        **asdict(self._name(case)),
+                        "division": division_of(self.engine, case.profile, settings),
                     }
                 )
-                for score in scores
+                for case, score in known
             ]
+            if not scores:
+                continue
             result = make_result(
                 self.suite,
-                named,
+                scores,
                 versions={self.engine: version},
                 inputs=input_digests(case.scene for case, _ in known),
                 settings=settings,
             )
-            sizes = SIZES if version == newest else ()
+            sizes = SIZES if any(score.members for score in scores) else ()
             result = result.model_copy(update={"perturbed_by": tuple(sizes)})
             found[version] = result.read_from(f"{self.engine} {version}")
         return found
@@ -186,11 +189,6 @@ class HistoryStudy:
                 return version
         return ""
 
-    def _members(self, done: Results) -> list[tuple[int, Case]]:
-        """Return the perturbed cases of the newest release, each with the place of its case."""
-        known = self._known(self._newest(done), done)
-        return list(planned_members([case for case, _ in known], [score for _, score in known]))
-
     def _known(self, version: str, done: Results) -> list[tuple[Case, Score]]:
         """Return the cases that ran in a release so far, with their scores; none without one."""
         runs = done.of(self.running)
@@ -198,16 +196,31 @@ class HistoryStudy:
         scores = ((case, runs[case].score(case)) for case in cases if case in runs)
         return [(case, score) for case, score in scores if score is not None]
 
-    def _with_spread(self, known: Sequence[tuple[Case, Score]], done: Results) -> list[Score]:
-        """Return the scores of the newest release with their spread, as far as it is measured."""
-        runs, by_case = done.of(self.running), [list[Score]() for _ in known]
-        for place, case in self._members(done):
-            score = runs[case].score(case) if case in runs else None
-            if score is not None:
-                by_case[place].append(score)
+    def _with_spread(self, case: Case, score: Score, done: Results) -> Score:
+        """Return the score of a case with its spread, as far as that is measured."""
+        runs = done.of(self.running)
+        scores = [runs[one].score(one) for one in _members(case, score) if one in runs]
+        known = [score for score in scores if score is not None]
+        return spread(score, known) if known else score
+
+    def _confirming(self, change: Change, done: Results) -> list[HistoryJob]:
+        """Return the jobs that measure the spread of a case in both releases of a doubtful change.
+
+        A spread of a few members is known to a factor of a few, and a release may have another.
+        """
+        own = change.difference
+        if own.first is None or own.second is None or own.tolerance is None:
+            return []
+        if abs(own.second - own.first) >= CLEAR * own.tolerance:
+            return []
+        known = (
+            pair for version in (change.before, change.after) for pair in self._known(version, done)
+        )
         return [
-            spread(score, members) if members else score
-            for (_, score), members in zip(known, by_case, strict=True)
+            Job(self.running, one)
+            for case, score in known
+            if self._name(case) == own.identity
+            for one in _members(case, score)
         ]
 
     def _between(
@@ -225,20 +238,28 @@ class HistoryStudy:
         return tuple(found)
 
     def _narrowing(self, done: Results) -> Iterator[HistoryJob]:
-        """Yield the job that halves the interval of each change: installing, then the case."""
+        """Yield what confirms each change, then halves its interval: installing, then the case."""
         installed = self._installed(done)
         for change in self.changes(done):
-            if change.between:
+            confirming = self._confirming(change, done)
+            yield from confirming
+            if self.bisect and change.between and all(job in done for job in confirming):
                 version = change.between[len(change.between) // 2]
                 case = None
                 if version in installed:
                     case = self._case_in(version, change.difference.identity, done)
                 yield self._install(version) if case is None else Job(self.running, case)
 
+    def _name(self, case: Case) -> CaseIdentity:
+        """Return what a case is called in every release: without its environment and settings."""
+        on_top = dict(self.settings)
+        of_suite = tuple(option for option in case.options if option[0] not in on_top)
+        return replace(name_of(replace(case, options=of_suite)), engine=self.engine)
+
     def _case_in(self, version: str, identity: CaseIdentity, done: Results) -> Case | None:
         """Return the case of an identity in a release; None if the release has none."""
         for case in self._cases(version, done):
-            if replace(name_of(case), engine=self.engine) == identity:
+            if self._name(case) == identity:
                 return case
         return None
 
@@ -263,6 +284,17 @@ class HistoryStudy:
                 )
             )
         return rows
+
+
+@cache
+def _perturbed(case: Case, steps: int) -> tuple[Case, ...]:
+    """Return the members of a case that takes so many steps."""
+    return tuple(member(case, number) for number in range(members(steps)))
+
+
+def _members(case: Case, score: Score) -> tuple[Case, ...]:
+    """Return the members of a case: the releases, slightly perturbed, that measure its spread."""
+    return _perturbed(case, int(score.values.get("steps", 0.0)))
 
 
 def _steps(

@@ -225,7 +225,10 @@ def _sentences(
     said = f"{len(cases)} cases were run in {len(ran)} of {len(releases)} releases"
     said += f", {ran[0].version} to {ran[-1].version}." if ran else "."
     if newest:
-        said += f" How far a result moves when nothing has changed was measured in {newest}."
+        said += (
+            f" How far a result moves when nothing has changed was measured in {newest}, and of a "
+            "change that was not clear in its own two releases."
+        )
     if absent:
         said += f" Without a result: {'; '.join(absent)}."
     paragraphs = [said]

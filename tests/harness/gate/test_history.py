@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 from packaging.version import Version
 
 from harness.core.case import Case
@@ -52,6 +53,8 @@ def test_a_change_is_named_with_its_releases_its_case_and_its_factor() -> None:
     assert "Between 1.4 and 1.5: 1 quantity of 1 case changed." in words.text
     assert "by a factor of 3, from 1e-06 m to 3e-06 m" in words.text
     (panel,) = figure.panels
+    assert panel.series[0].label == "gentle-rock matched at 0.001 s"
+    assert words.title.endswith("the history of toy with softness 1.0")
     assert panel.x_names == ("1.0", "1.4", "1.5", "1.8")
     assert panel.series[0].y.tolist() == [1.0, 1.0, 3.0, 3.0]
     assert versions.frame["outcome"].tolist() == ["ran"] * 4
@@ -104,7 +107,7 @@ def test_a_release_that_is_not_there_or_does_not_run_is_a_row_with_the_reason() 
     )
     assert changes.frame.empty
     assert "2 of 4 releases, 1.1 to 1.2" in words.text
-    assert "was measured in 1.2" in words.text
+    assert "was measured in 1.2, and" in words.text
     assert "1.0 (not installed: no wheel)" in words.text
     assert "No quantity of any case changed" in words.text
 
@@ -115,7 +118,7 @@ def test_nothing_that_runs_is_a_report_too() -> None:
     assert told(study).startswith("0 cases were run in 0 of 2 releases.")
 
 
-def test_what_moves_by_less_than_four_spreads_of_the_newest_is_no_change() -> None:
+def test_what_moves_by_less_than_four_spreads_is_no_change() -> None:
     def depth(version: Version, case: Case) -> float:
         if case.scene.name != "gentle-rock":
             return 1.5e-6  # of a perturbed release: half as much again
@@ -124,11 +127,24 @@ def test_what_moves_by_less_than_four_spreads_of_the_newest_is_no_change() -> No
     toys = ToyReleases(depth=depth)
     study = toys.study("1.0", "1.1", "1.2")
     assert study.changes(run_study(study)) == ()
-    toys.depth = lambda version, case: depth(version, case) * (1.1 if version.minor == 1 else 1.0)
-    assert [change.after for change in study.changes(run_study(study))] == [
-        *("1.1", "1.1"),
-        *("1.2", "1.2"),
-    ]
+
+
+def test_a_change_that_is_not_clear_is_measured_in_its_own_two_releases() -> None:
+    """The newest release has a small spread, the one with the change a large one."""
+
+    def depth(version: Version, case: Case) -> float:
+        if version == Version("1.1"):
+            return 3e-6 if case.scene.name == "gentle-rock" else 1e-6
+        return 1e-6 if case.scene.name == "gentle-rock" else 1.1e-6
+
+    toys = ToyReleases(depth=depth)
+    study = toys.study("1.0", "1.1", "1.2", bisect=True)
+    assert study.changes(run_study(study)) == ()
+    # one that is clear stays, and nothing more is run of it
+    toys.depth = lambda v, case: depth(v, case) * (10.0 if v == Version("1.1") else 1.0)
+    changes = study.changes(run_study(study))
+    assert [change.after for change in changes] == ["1.1", "1.1", "1.2", "1.2"]
+    assert all(change.difference.tolerance == pytest.approx(4e-7 + 1e-9) for change in changes)
 
 
 def test_changes_of_two_releases_are_one_point_with_the_largest() -> None:
