@@ -1,5 +1,9 @@
 """Settings of Sphinx for the site; `python -m docs.site` gathers its sources and builds it."""
 
+import re
+
+from sphinx.application import Sphinx
+
 from docs.site.sources import GALLERY
 from harness.core.provenance import version_of
 
@@ -55,3 +59,18 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "plot_gallery": True,
 }
+
+
+def plain_bars(*parts: object) -> None:
+    """Keep the bars of an absolute value in a docstring, which mean a substitution to docutils."""
+    lines = parts[-1]
+    assert isinstance(lines, list)
+    code = re.compile(r"(`[^`]*`)")
+    for n, line in enumerate(lines):
+        pieces = code.split(line)
+        lines[n] = "".join(p if k % 2 else p.replace("|", r"\|") for k, p in enumerate(pieces))
+
+
+def setup(app: Sphinx) -> None:
+    """Hear of each docstring."""
+    app.connect("autodoc-process-docstring", plain_bars)

@@ -66,16 +66,30 @@ def api_page() -> str:
         "and that path stays.",
         "",
     ]
+    told = set[int]()
     for path, title in PUBLIC.items():
         module = import_module(path)
+        public = {name: getattr(module, name) for name in module.__all__}
+        data = [name for name, value in public.items() if not _directive(value)]
         parts += [f"## {title}: `{path}`", "", "```{eval-rst}", f".. currentmodule:: {path}", ""]
-        for name in module.__all__:
-            parts += [f".. {_directive(getattr(module, name))}:: {name}", ""]
+        for name, value in public.items():
+            if id(value) not in told and (directive := _directive(value)):
+                parts += [f".. {directive}:: {name}", ""]
         parts += ["```", ""]
+        if again := [name for name, value in public.items() if id(value) in told]:
+            parts += [f"From here too, as above: {_listed(again)}.", ""]
+        if data:
+            parts += [f"Constants and types: {_listed(data)}.", ""]
+        told |= {id(value) for name, value in public.items() if name not in data}
     return "\n".join(parts)
 
 
+def _listed(names: list[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
 def _directive(value: object) -> str:
+    """Return the directive that documents a value; empty of one that has no docstring."""
     if inspect.isclass(value):
         return "autoclass"
-    return "autofunction" if inspect.isroutine(value) else "autodata"
+    return "autofunction" if inspect.isroutine(value) else ""

@@ -36,6 +36,11 @@ ELSEWHERE = {
 }
 """Places in the site of texts that are not below `docs`; that of README is the first page."""
 
+FOLDERS = ("docs/findings/README.md", "docs/field-guide/README.md")
+"""First pages of folders that lead to all others there, which the site's contents do too."""
+
+_CONTENTS = "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
+
 LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
 _CODE = re.compile(r"(^```.*?^```|^~~~.*?^~~~|^ {4}[^\n]*$|`[^`\n]+`)", re.MULTILINE | re.DOTALL)
 
@@ -121,6 +126,7 @@ def gather(into: Path, pages: Mapping[str, str]) -> None:
             text, folder = texts[origin]
         else:
             text, folder = (ROOT / origin).read_text(encoding="utf-8"), posixpath.dirname(origin)
+            text += _CONTENTS * (origin in FOLDERS)
         text, files = relinked(unmarked(text), folder, posixpath.dirname(place), known)
         written.add(_write(into / place, text.encode()))
         for file in files:
