@@ -104,6 +104,8 @@ COMMANDS = tuple(
         (UNDERSTAND, "paper", "gallery", "Every figure of the paper, from our own solutions."),
         (UNDERSTAND, "reports", "report", "One page from the reports of several studies."),
         (GUARD, "reports", "diff", "What differs between two reports, case by case."),
+        (GUARD, "results", "submit", "A file of what an engine reaches in a suite, to publish."),
+        (GUARD, "results", "results", "Files of results: verify them, compare two."),
         (GUARD, "checkout", "benchmark", "What the project claims about speed, measured."),
         (GUARD, "checkout", "faults", "What is lost when runs are killed, hang or fill the disk."),
         (GUARD, "catalogue", "store", "What is kept of runs: list it, verify it, prune it."),

@@ -16,7 +16,6 @@ from harness.cli.options import Figures, Json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.verdict import Status
-from harness.gate.baseline import read_baseline, read_scores
 from harness.gate.comparison import differences
 from harness.gate.errors import NoCommonCaseError
 from harness.gate.report import SIDES, changed, gate_report, regressions, sentences
@@ -25,6 +24,7 @@ from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.stored import read_report
 from harness.report.write import write_chapters
+from harness.results.files import read_baseline, read_scores
 
 _ROWS = 40
 """Of the table of changes in the terminal; the report has all."""

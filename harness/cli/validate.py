@@ -14,6 +14,7 @@ from rich.markup import escape
 from harness import api
 from harness.cli import options, run_options, terminal
 from harness.cli.reports import joined_sections, show_changes
+from harness.cli.results import result_of, with_spread
 from harness.cli.settings import engine_settings, settings_to_dict
 from harness.cli.study_command import not_installed, run_with_progress, shown
 from harness.core.environments import EVERY_ENGINE
@@ -23,23 +24,17 @@ from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
 from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
-from harness.gate.baseline import (
-    cases_of_absent,
-    check_place,
-    gate_keys,
-    read_scores,
-    required_cases,
-    write_baseline,
-)
+from harness.gate.baseline import PLACE, cases_of_absent, required_cases, write_baseline
 from harness.gate.comparison import Difference, differences
-from harness.gate.errors import FILE, BaselineError
 from harness.gate.report import GATE, gate_report, regressions
-from harness.gate.scores import CaseIdentity, Scores, scored
-from harness.gate.spread import measured, planned_members
-from harness.progress import ItemBar, report_progress
+from harness.progress import report_progress
 from harness.report.atomic_folder import check_writable
 from harness.report.layout import Section
 from harness.report.write import write_chapters
+from harness.results.errors import FILE, BaselineError
+from harness.results.files import check_place, manifest_keys, read_scores
+from harness.results.result import Result
+from harness.results.scores import CaseIdentity
 from harness.studies.attribution.study import AttributionStudy
 from harness.studies.comparison.headings import HeadingStudy
 from harness.studies.comparison.rim import RimStudy
@@ -136,14 +131,14 @@ def validate(  # noqa: PLR0917 - a parameter an option
     every = run_with_progress(StudyGroup(name=study.name, studies=(study, *further)), running)
     done = every.only(study.next_jobs(every))
     evaluations, artefacts = study.evaluations(done), (*study.report(done), *not_installed(absent))
-    scores = _scores(study, evaluations, settings)
+    scores = result_of(study, evaluations, settings)
     compared = gate.compare(scores) if gate else ()
     changes = gate_report(compared, gate.accepted, scores, GATE) if gate else ()
     comparison = Section(
         title=f"rockingcan, {study.name}",
         artefacts=(*changes, *artefacts),
         cases=tuple(
-            {**record, **gate_keys(case, suite, settings)}
+            {**record, **manifest_keys(case, suite, settings)}
             for record, case in zip(done.manifest(), study.designed, strict=True)
         ),
         provenance=provenance(),
@@ -163,7 +158,8 @@ def validate(  # noqa: PLR0917 - a parameter an option
     show_changes(changes)
     console = terminal.stdout_console()
     if place is not None:
-        console.print(escape(f"\nAccepted: {_accept(study, scores, running, place)}"))
+        accepted = write_baseline(with_spread(study, scores, running), place)
+        console.print(escape(f"\nAccepted: {accepted}"))
     console.print(escape(f"\nThe report: {page}"))
     wrong = [e for e in evaluations if e.simulation.outcome is Outcome.MISMATCH]
     for evaluation in wrong:
@@ -176,11 +172,11 @@ def validate(  # noqa: PLR0917 - a parameter an option
 class _Gate:
     """Accepted results, those of their cases that a run must have, and engines that are absent."""
 
-    accepted: Scores
+    accepted: Result
     owed: tuple[CaseIdentity, ...]
     absent: tuple[str, ...]
 
-    def compare(self, scores: Scores) -> tuple[Difference, ...]:
+    def compare(self, scores: Result) -> tuple[Difference, ...]:
         """Return the differences of a run from the accepted results."""
         return differences(self.accepted, scores, expected=self.owed, not_installed=self.absent)
 
@@ -214,7 +210,7 @@ def _open_gate(
     if folder is None:
         return None
     if accept:
-        check_place(folder)
+        check_place(folder, PLACE)
         if not (folder / FILE).is_file():
             return None
     try:
@@ -226,36 +222,6 @@ def _open_gate(
             raise
         return None  # what does not fit is what is to be replaced
     return _Gate(accepted=accepted, owed=tuple(dict.fromkeys(owed)), absent=absent)
-
-
-def _scores(
-    study: ComparisonStudy, evaluations: Sequence[Evaluation], settings: dict[str, str]
-) -> Scores:
-    """Return the scores of a run."""
-    now = provenance()
-    versions = {e.simulation.case.engine: e.simulation.engine_version for e in evaluations}
-    return Scores(
-        suite=study.suite,
-        scores={score.identity: score for score in scored(study.designed, evaluations)},
-        versions={"rockingcan": now.rockingcan, **versions},
-        made=now.to_dict(),
-        settings=settings,
-    )
-
-
-def _accept(
-    study: ComparisonStudy, scores: Scores, running: run_options.RunOptions, place: Path
-) -> Path:
-    """Measure how far each result is free to move, accept the run, and return the file."""
-    own = list(scores.scores.values())
-    efforts = {
-        case.label(): expected_seconds(study.designed[number])
-        for number, case in planned_members(study.designed, own)
-    }
-    with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
-        bar.label("measuring the spread")
-        with_spread = measured(study.designed, own, executor, bar.advance)
-    return write_baseline(replace(scores, scores={s.identity: s for s in with_spread}), place)
 
 
 def _causes(names: Sequence[str]) -> tuple[StudyGroup, ...]:

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from harness.core.errors import InvalidSettingError
@@ -75,12 +76,18 @@ class Case:
 
     def command(self) -> str:
         """Return the command line that runs this case again."""
-        words = ["rockingcan run", self.scene.name, f"--engine {self.engine}"]
-        words.append(f"--profile {self.profile}")
-        if self.timestep is not None:
-            words.append(f"--timestep {self.timestep!r}")
-        words += [f"--set {name}={_spell(value)}" for name, value in self.options]
-        return " ".join(words)
+        settings = [f"{name}={_spell(value)}" for name, value in self.options]
+        return run_command(self.scene.name, self.engine, self.profile, self.timestep, settings)
+
+
+def run_command(
+    scene: str, engine: str, profile: str, timestep: float | None, settings: Iterable[str]
+) -> str:
+    """Return the command line that runs a case; settings as `name=value`."""
+    words = ["rockingcan run", scene, f"--engine {engine}", f"--profile {profile}"]
+    if timestep is not None:
+        words.append(f"--timestep {timestep!r}")
+    return " ".join([*words, *(f"--set {setting}" for setting in settings)])
 
 
 _MOST_NUMBERS = 6

@@ -10,15 +10,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from harness.core.verdict import Status
-from harness.gate.scores import (
-    QUANTITIES,
-    CaseIdentity,
-    GatedQuantity,
-    QuantityKind,
-    Score,
-    Scores,
-)
 from harness.metrics.quantities import Number
+from harness.results.result import Result
+from harness.results.scores import QUANTITIES, CaseIdentity, GatedQuantity, QuantityKind, Score
 
 SPREADS = 4.0
 """Spreads in a tolerance: with few members the largest departure seen is not the largest there is.
@@ -81,36 +75,40 @@ class Difference:
 
 
 def differences(
-    first: Scores,
-    second: Scores,
+    first: Result,
+    second: Result,
     *,
     expected: Iterable[CaseIdentity] | None = None,
-    spreads: Scores | None = None,
+    spreads: Result | None = None,
     not_installed: Collection[str] = (),
 ) -> tuple[Difference, ...]:
     """Return all differences, case by case in the order of the second, then its missing cases.
 
     Parameters
     ----------
-    first, second : Scores
+    first, second : Result
     expected : iterable of CaseIdentity, optional
         Cases of the first that the second should have; all of them if left out.
-    spreads : Scores, optional
+    spreads : Result, optional
         Whose spreads count too, where the two were measured without.
     not_installed : collection of str
         Engines whose cases the second cannot have: they are not measured, and not missing.
     """
     compared: list[Difference] = []
-    for name, score in second.scores.items():
-        accepted = first.scores.get(name)
+    known, own, lent = first.scores, second.scores, spreads.scores if spreads else {}
+    for name, score in own.items():
+        accepted = known.get(name)
         if accepted is None:
             compared.append(_of_outcome(score, Status.NEW))
+        elif first.inputs[name.scene] != second.inputs[name.scene]:
+            note = "the scene has changed: they are two motions"
+            compared.append(_of_outcome(score, Status.NOT_JUDGED, note))
         else:
-            borrowed = None if spreads is None else spreads.scores.get(name)
+            borrowed = lent.get(name)
             sides = [accepted, score] if borrowed is None else [accepted, score, borrowed]
             compared += _case(accepted, score, sides)
-    due = first.scores if expected is None else expected
-    missing = [first.scores[name] for name in due if name not in second.scores]
+    due = known if expected is None else expected
+    missing = [known[name] for name in due if name not in own]
     return (*compared, *(_absent(score, not_installed) for score in missing))
 
 
@@ -131,10 +129,6 @@ def _of_outcome(score: Score, status: Status, note: str = "") -> Difference:
 
 def _case(first: Score, second: Score, sides: Sequence[Score]) -> Iterator[Difference]:
     """Yield the differences of a case that both have; `sides` are all whose members count."""
-    if first.scene_digest != second.scene_digest:
-        note = "the scene has changed: they are two motions"
-        yield _of_outcome(second, Status.NOT_JUDGED, note)
-        return
     yield _of_outcome(second, *_ending(first, second, sides))
     if not (first.finished and second.finished):
         return  # numbers of runs of other lengths

@@ -1,67 +1,9 @@
-"""Errors of accepted results and reports that cannot be read, or are of another run."""
+"""Errors of accepted results and reports that are of another run."""
 
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 
-from harness.core.errors import HarnessError
-
-FILE = "accepted.json"
-"""Of the accepted results of a folder."""
-
-
-class BaselineError(HarnessError, ValueError):
-    """Accepted results, or a report, cannot be read or do not fit what they are held against."""
-
-
-class Fault(Enum):
-    """Why there are no results to read, as a message says it of a place and for a reason."""
-
-    MISSING = (
-        f"'{{place}}' holds no accepted results ('{FILE}'); write some with: rockingcan validate "
-        "--accept --baseline {place}"
-    )
-    UNREADABLE = "accepted results '{place}' cannot be read: {reason}"
-    DAMAGED = "accepted results '{place}' are damaged ({reason})"
-    VERSION = (
-        "'{place}' is no file of accepted results of version {reason}; write it anew with --accept"
-    )
-    NO_FOLDER = (
-        "'{place}' is no folder; name one that rockingcan validate wrote, with --out or with "
-        "--accept"
-    )
-    NEITHER = (
-        "'{place}' is neither a report nor accepted results; name one that rockingcan validate "
-        "wrote, with --out or with --accept"
-    )
-    DAMAGED_REPORT = "the report in '{place}' cannot be read ({reason})"
-    FOREIGN_REPORT = "'{place}' is no report of rockingcan"
-    OTHER_REPORT = (
-        "'{place}' is a report, but not of rockingcan validate, or of a version that could not be "
-        "compared yet; write it again"
-    )
-
-
-@dataclass(eq=False, kw_only=True)
-class ResultsError(BaselineError):
-    """A folder holds no results that can be read.
-
-    Parameters
-    ----------
-    place : Path
-        The folder, or its file of accepted results.
-    fault : Fault
-    reason : str
-        What was found, where there is more to say than the fault.
-    """
-
-    place: Path
-    fault: Fault
-    reason: str = ""
-
-    def __str__(self) -> str:
-        """Return the sentence of the fault."""
-        return self.fault.value.format(place=self.place, reason=self.reason)
+from harness.results.errors import BaselineError
 
 
 @dataclass(eq=False, kw_only=True)

@@ -22,7 +22,8 @@ from harness.core.report_model import (
 )
 from harness.core.verdict import Status, Verdict
 from harness.gate.comparison import FACTOR, OUTCOME, SPREADS, Difference
-from harness.gate.scores import BY_COLUMN, QUANTITIES, CaseIdentity, QuantityKind, Scores
+from harness.results.result import Result
+from harness.results.scores import BY_COLUMN, QUANTITIES, CaseIdentity, QuantityKind
 from harness.studies.shared import run_columns
 
 _MOVED = (Status.WORSE, Status.MISSING, Status.BETTER, Status.NEW)
@@ -124,10 +125,10 @@ def regressions(differences: Iterable[Difference]) -> tuple[Difference, ...]:
 
 def sentences(
     differences: Sequence[Difference],
-    first: Scores,
-    second: Scores,
+    first: Result,
+    second: Result,
     wording: Wording,
-    spreads: Scores | None = None,
+    spreads: Result | None = None,
 ) -> tuple[str, ...]:
     """Return sentences: cases compared, counts by status, and the largest changes case by case."""
     absent = [d for d in differences if d.status is Status.NOT_MEASURED]
@@ -161,7 +162,7 @@ def _counts(differences: Sequence[Difference], wording: Wording) -> str:
     return f": of {counts.total()} quantities {', '.join(parts)}" if parts else ""
 
 
-def _versions(first: Scores, second: Scores, wording: Wording) -> tuple[str, ...]:
+def _versions(first: Result, second: Result, wording: Wording) -> tuple[str, ...]:
     """Return a sentence on versions and machines that differ, which may explain the rest."""
     both = sorted(set(first.versions) & set(second.versions))
     parts = [
@@ -169,14 +170,16 @@ def _versions(first: Scores, second: Scores, wording: Wording) -> tuple[str, ...
         for name in both
         if first.versions[name] != second.versions[name]
     ]
-    for key in ("platform", "processor", "python"):
-        then, now = first.made.get(key), second.made.get(key)
-        if then and now and then != now:
-            parts.append(f"{key} '{then}' {wording.first}, '{now}' {wording.second}")
+    then, now = first.machine.model_dump(), second.machine.model_dump()
+    parts += [
+        f"{key} '{then[key]}' {wording.first}, '{now[key]}' {wording.second}"
+        for key in ("platform", "processor", "python")
+        if then[key] != now[key]
+    ]
     return (f"They differ in: {'; '.join(parts)}.",) if parts else ()
 
 
-def _settings(first: Scores, second: Scores, wording: Wording) -> tuple[str, ...]:
+def _settings(first: Result, second: Result, wording: Wording) -> tuple[str, ...]:
     """Return a sentence for each side that was run with settings of its own."""
     return tuple(
         f"On top of the suite, {name} has set: "
@@ -213,10 +216,10 @@ def _change(change: Difference) -> str:
 
 def gate_report(
     differences: Sequence[Difference],
-    first: Scores,
-    second: Scores,
+    first: Result,
+    second: Result,
     wording: Wording,
-    spreads: Scores | None = None,
+    spreads: Result | None = None,
 ) -> tuple[Artefact, ...]:
     """Return the artefacts of a comparison; the text opens the report."""
     text = "\n\n".join(sentences(differences, first, second, wording, spreads))

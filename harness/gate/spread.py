@@ -17,7 +17,8 @@ from itertools import islice
 
 from harness.core.case import Case
 from harness.evaluation.run_cases import run_cases
-from harness.gate.scores import QUANTITIES, QuantityKind, Score, scored
+from harness.execution.cache import CacheFolder
+from harness.results.scores import QUANTITIES, QuantityKind, Score, scored
 from harness.studies.shared.perturbation import perturbed
 
 SIZES = (1e-9, 1e-13, 1e-11, 1e-12, 1e-10)
@@ -56,11 +57,9 @@ def spread(middle: Score, runs: Sequence[Score]) -> Score:
             spreads[quantity.column] = max((abs(value - own) for value in known), default=0.0)
         elif own is not None or known:
             spreads[quantity.column] = None
-    return replace(
-        middle,
-        members=len(runs),
-        spread=spreads,
-        endings=dict(Counter(run.outcome for run in (middle, *runs))),
+    endings = dict(Counter(run.outcome for run in (middle, *runs)))
+    return middle.model_copy(
+        update={"members": len(runs), "spread": spreads, "endings": endings}
     )
 
 
@@ -73,6 +72,8 @@ def measured(
     scores: Sequence[Score],
     executor: Executor,
     listener: Callable[[str], None] | None = None,
+    *,
+    store: CacheFolder | None = None,
 ) -> tuple[Score, ...]:
     """Return the scores with the spread of their members.
 
@@ -84,13 +85,15 @@ def measured(
     executor : Executor
     listener : callable, optional
         Called with the label of each member that is done.
+    store : CacheFolder, optional
+        Where members are kept and found; nowhere if left out.
     """
     by_case: list[list[Score]] = [[] for _ in scores]
     pending = planned_members(designed, scores)
     while batch := list(islice(pending, _AT_ONCE)):
         cases = [case for _, case in batch]
         on_done = None if listener is None else lambda e: listener(e.simulation.case.label())
-        evaluations = run_cases(cases, executor, on_done)
+        evaluations = run_cases(cases, executor, on_done, store=store)
         for (number, _), score in zip(batch, scored(cases, evaluations), strict=True):
             by_case[number].append(score)
     return tuple(map(spread, scores, by_case))

@@ -1,9 +1,8 @@
-"""The score of a run, against which a later one is held: its ending, numbers and their spread.
+"""The score of a case: how its run ended, its numbers and their spread, and its division.
 
-Which case a result belongs to, whatever version of an engine made it.
-
-A case's digest names a version of its engine, so that results of two versions never share one. Here
-they must meet: a case is what the suite designed, without the settings that a run put on top of it.
+Which case a score belongs to, whatever version of an engine made it: a case's digest names a
+version of its engine, so that results of two versions never share one. Here they must meet: a case
+is what the suite designed, without the settings that a run put on top of it.
 
 The quantities that are held against accepted ones; of each, smaller is better.
 
@@ -14,10 +13,12 @@ that each add 1e-16 of its scale, in no order. Below its floor nothing counts as
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WithJsonSchema
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
@@ -26,6 +27,34 @@ from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.metrics.quantities import Number
 from harness.studies.comparison.tables import results
 from models.scene import Scene
+
+
+class Division(Enum):
+    """What was asked of an engine; cases of two divisions are never compared or ranked together."""
+
+    AS_SHIPPED = "as shipped"
+    """The profile `default`, at the engine's own timestep."""
+
+    MATCHED = "matched"
+    """The profiles `matched` and `adaptive` with the settings of the suite."""
+
+    OPEN = "open"
+    """Any profile, with settings that the run put on top; the result has them."""
+
+
+def division_of(engine: str, profile: str, settings: Iterable[str]) -> Division:
+    """Return the division of a case.
+
+    Parameters
+    ----------
+    engine, profile : str
+    settings : iterable of str
+        What the run put on top of the suite's cases, as `engine.name`.
+    """
+    # an engine's name may have dots: those of a version
+    if any(setting.rpartition(".")[0] == engine for setting in settings):
+        return Division.OPEN
+    return Division.AS_SHIPPED if profile == "default" else Division.MATCHED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, order=True)
@@ -163,15 +192,53 @@ QUANTITIES = tuple(
 BY_COLUMN = {quantity.column: quantity for quantity in QUANTITIES}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Score:
-    """A run in numbers.
+class Part(BaseModel):
+    """A part of a result: frozen, of exactly the declared types and keys, finite numbers alone."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+
+def _columns(values: Mapping[str, Number]) -> Mapping[str, Number]:
+    if unknown := sorted(set(values) - set(BY_COLUMN)):
+        raise ValueError(f"no quantity is called {', '.join(unknown)}")
+    return values
+
+
+def _endings(endings: Mapping[str, int]) -> Mapping[str, int]:
+    if unknown := sorted(set(endings) - set(Outcome.__members__)):
+        raise ValueError(f"no outcome is called {', '.join(unknown)}")
+    return endings
+
+
+def _outcome(name: str) -> str:
+    return next(iter(_endings({name: 1})))
+
+
+def _object(names: Iterable[str], value: dict[str, object]) -> WithJsonSchema:
+    """Return the schema of an object whose keys are some names."""
+    keys = {"enum": list(names)}
+    return WithJsonSchema({"type": "object", "propertyNames": keys, "additionalProperties": value})
+
+
+_NUMBER: dict[str, object] = {"type": "number"}
+_NUMBER_OR_NULL: dict[str, object] = {"anyOf": [_NUMBER, {"type": "null"}]}
+_COUNT: dict[str, object] = {"type": "integer", "minimum": 1}
+
+Digest = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
+
+
+class Score(Part):
+    """A run in numbers; also a line of a file of results.
 
     Parameters
     ----------
-    identity : CaseIdentity
-    scene_digest : str
-        Names the motion that was asked for.
+    scene, engine : str
+    profile : str
+    timestep : float
+        s; zero for the profile's own.
+    options : str
+        See `CaseIdentity`.
+    division : Division
     digest : str
         Names the case in the version of its engine that ran.
     outcome : str
@@ -188,15 +255,40 @@ class Score:
         How often the run and its members ended with which outcome.
     """
 
-    identity: CaseIdentity
-    scene_digest: str
-    digest: str = ""
-    outcome: str
+    scene: str
+    engine: str
+    profile: Literal["default", "matched", "adaptive"]
+    timestep: Annotated[float, Field(ge=0.0)] = 0.0
+    options: str = ""
+    division: Division
+    digest: Digest
+    outcome: Annotated[
+        str,
+        AfterValidator(_outcome),
+        WithJsonSchema({"type": "string", "enum": list(Outcome.__members__)}),
+    ]
     truth_pulls: bool
-    values: Mapping[str, float]
-    members: int = 0
-    spread: Mapping[str, Number] = field(default_factory=dict)
-    endings: Mapping[str, int] = field(default_factory=dict)
+    values: Annotated[
+        Mapping[str, float], AfterValidator(_columns), _object(BY_COLUMN, _NUMBER)
+    ]
+    members: Annotated[int, Field(ge=0)] = 0
+    spread: Annotated[
+        Mapping[str, Number], AfterValidator(_columns), _object(BY_COLUMN, _NUMBER_OR_NULL)
+    ] = {}
+    endings: Annotated[
+        Mapping[str, int], AfterValidator(_endings), _object(Outcome.__members__, _COUNT)
+    ] = {}
+
+    @property
+    def identity(self) -> CaseIdentity:
+        """The case as it was asked for."""
+        return CaseIdentity(
+            scene=self.scene,
+            engine=self.engine,
+            profile=self.profile,
+            timestep=self.timestep,
+            options=self.options,
+        )
 
     @property
     def finished(self) -> bool:
@@ -214,33 +306,9 @@ class Score:
         return not self.finished or any(name != Outcome.FINISHED.name for name in self.endings)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scores:
-    """The scores of a whole run of a suite, and where they come from.
-
-    Parameters
-    ----------
-    suite : str
-    scores : mapping of CaseIdentity to Score
-    versions : mapping of str to str
-        Of rockingcan and of each engine that ran.
-    made : mapping
-        Provenance, as a manifest tells it.
-    settings : mapping of str to str
-        What the run set on top of the suite's cases, by `engine.name`.
-    place : str
-        What messages call them: the path that they were read from.
-    """
-
-    suite: str
-    scores: Mapping[CaseIdentity, Score]
-    versions: Mapping[str, str]
-    made: Mapping[str, Any] = field(default_factory=dict)
-    settings: Mapping[str, str] = field(default_factory=dict)
-    place: str = "this run"
-
-
-def scored(designed: Sequence[Case], evaluations: Sequence[Evaluation]) -> tuple[Score, ...]:
+def scored(
+    designed: Sequence[Case], evaluations: Sequence[Evaluation], settings: Iterable[str] = ()
+) -> tuple[Score, ...]:
     """Return the scores of evaluations.
 
     Parameters
@@ -248,29 +316,34 @@ def scored(designed: Sequence[Case], evaluations: Sequence[Evaluation]) -> tuple
     designed : sequence of Case
         As the suite has them, in the order of the evaluations: without settings on top.
     evaluations : sequence of Evaluation
+    settings : iterable of str
+        What the run put on top, as `engine.name`.
     """
-    rows = results(evaluations).frame.to_dict("records")
+    rows, on_top = results(evaluations).frame.to_dict("records"), tuple(settings)
     return tuple(
         score_of_row(
-            row,
-            identity=identity(case),
-            scene=scene_digest(case.scene),
-            outcome=e.simulation.outcome.name,
+            row, identity=identity(case), outcome=e.simulation.outcome.name, settings=on_top
         )
         for case, e, row in zip(designed, evaluations, rows, strict=True)
     )
 
 
 def score_of_row(
-    row: Mapping[Any, Any], *, identity: CaseIdentity, scene: str, outcome: str
+    row: Mapping[Any, Any], *, identity: CaseIdentity, outcome: str, settings: Iterable[str] = ()
 ) -> Score:
-    """Return the score that a row of the table of results tells."""
+    """Return the score that a row of the table of results tells.
+
+    Raises
+    ------
+    ValueError
+        If the row or the identity is of no case.
+    """
     known = {quantity.column: row.get(quantity.column) for quantity in QUANTITIES}
     if row.get("turn_resolved") is not True:
         del known["angle_of_turn_error_deg"]  # right up to whole turns only
     return Score(
-        identity=identity,
-        scene_digest=scene,
+        **asdict(identity),
+        division=division_of(identity.engine, identity.profile, settings),
         digest=str(row["digest"]),
         outcome=outcome,
         truth_pulls=bool(row["truth_pulls"]),
