@@ -3,6 +3,8 @@
 import inspect
 from importlib import import_module
 
+from docs.formatting import ROOT
+from docs.site.boards import cases_html, leaderboard_page, top
 from docs.site.engine_pages import engine_index, engine_names, engine_page, reference_page
 from docs.site.sources import ELSEWHERE
 
@@ -15,6 +17,9 @@ TRIALS = {
 }
 """Pages that programs of the tests wrote, with what they tried."""
 
+ROWS = 5
+"""Of the leaderboard, on the first page."""
+
 PUBLIC = {
     "harness": "The library",
     "harness.engines": "For adapters",
@@ -26,13 +31,20 @@ PUBLIC = {
 def pages() -> dict[str, str]:
     """Return the made pages by their place, with links as if from `docs`."""
     return {
+        "index.md": first_page(),
         "api.md": api_page(),
         "engines/README.md": engine_index(),
         "engines/reference.md": reference_page(),
-        **{f"engines/{name}.md": engine_page(name, "") for name in engine_names()},
-        "leaderboard.md": "# Leaderboard\n",
+        **{f"engines/{name}.md": engine_page(name, cases_html(name)) for name in engine_names()},
+        "leaderboard.md": leaderboard_page(),
         "trials/README.md": trials_page(),
     }
+
+
+def first_page() -> str:
+    """Return the first page, with the top of the leaderboard in its place."""
+    text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    return text.replace("<!-- leaderboard -->", top(ROWS))
 
 
 def trials_page() -> str:

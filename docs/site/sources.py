@@ -118,6 +118,7 @@ def gather(into: Path, pages: Mapping[str, str]) -> None:
     """
     known = places() | {f"docs/{page}": _index(page) for page in pages}
     texts = {f"docs/{page}": (text, "docs") for page, text in pages.items()}
+    linked = known | {"docs/gallery": "gallery/index.rst"}
     written = set[Path]()
     for origin, place in known.items():
         if origin == "README.md":
@@ -127,7 +128,7 @@ def gather(into: Path, pages: Mapping[str, str]) -> None:
         else:
             text, folder = (ROOT / origin).read_text(encoding="utf-8"), posixpath.dirname(origin)
             text += _CONTENTS * (origin in FOLDERS)
-        text, files = relinked(unmarked(text), folder, posixpath.dirname(place), known)
+        text, files = relinked(unmarked(text), folder, posixpath.dirname(place), linked)
         written.add(_write(into / place, text.encode()))
         for file in files:
             written.add(_write(into / FILES / file, (ROOT / file).read_bytes()))
