@@ -5,6 +5,7 @@ so does a table. Its source is a file that a command has written: see `docs/meas
 """
 
 import json
+import math
 import re
 import sys
 import tomllib
