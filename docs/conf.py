@@ -1,6 +1,7 @@
 """Settings of Sphinx for the site; `python -m docs.site` gathers its sources and builds it."""
 
 import re
+from importlib.resources import files
 
 from sphinx.application import Sphinx
 
@@ -33,7 +34,10 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 
 html_theme = "furo"
-html_static_path = ["site/static"]
+html_static_path = [
+    "site/static",
+    str(files("ziamath") / "fonts" / "STIXTwoMath-Regular.ttf"),  # under the SIL Open Font License
+]
 html_css_files = ["site.css"]
 html_js_files = ["site.js"]
 html_math_renderer = "mathml"
@@ -54,17 +58,17 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,
-    "min_reported_time": 3600,
+    "write_computation_times": False,  # the same sources give the same pages
     "show_signature": False,
     "remove_config_comments": True,
     "plot_gallery": True,
 }
 
 
-def plain_bars(*parts: object) -> None:
+def plain_bars(
+    _app: object, _what: str, _name: str, _value: object, _options: object, lines: list[str]
+) -> None:
     """Keep the bars of an absolute value in a docstring, which mean a substitution to docutils."""
-    lines = parts[-1]
-    assert isinstance(lines, list)
     code = re.compile(r"(`[^`]*`)")
     for n, line in enumerate(lines):
         pieces = code.split(line)

@@ -1,4 +1,4 @@
-"""The promises of README and the first pages: examples run, commands exist, links lead somewhere."""
+"""The promises of README and the first pages: examples run, commands exist, pictures are there."""
 
 import re
 from pathlib import Path

@@ -23,7 +23,9 @@ circle = scene.can.radius * np.stack([np.cos(around), np.sin(around), 0.0 * arou
 half = scene.can.half_height
 
 
-def side_view(quaternion, position, height):
+def side_view(
+    quaternion: np.ndarray, position: np.ndarray, height: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the outline of a rim in the plane of the picture, x and z in m."""
     axes = to_body(quaternion, np.eye(3))  # rows: the world's axes in the body
     rim = position[:, None] + axes @ (circle + np.array([[0.0], [0.0], [height]]))

@@ -2,9 +2,8 @@
 A sweep, as a map
 =================
 
-How far a can turns, over 101 x 101 releases: the exact bounce of each. The command is
-``rockingcan sweep paper-release --over release.psi_dot=-1:1:101 --over release.theta_dot=-1:1:101``;
-here its plan is made and computed in Python.
+How far a can turns, over 101 x 101 releases: the exact bounce of each. What the command
+``rockingcan sweep`` does in partitions is done here in one: a plan is made, and its rows computed.
 """
 
 import matplotlib.pyplot as plt

@@ -6,13 +6,14 @@ What friction that lets go, resistance and damping do to the turn of *gentle-roc
 motion and in MuJoCo, which gets what the scene declares and nothing else.
 """
 
+import math
 from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from harness import load_scene, simulate
-from models import Damping, Drilling, Effects, RollingResistance, Slip
+from models import Damping, Drilling, Effects, RollingResistance, Scene, Slip
 
 ideal = load_scene("gentle-rock")
 EFFECTS = {
@@ -23,10 +24,10 @@ EFFECTS = {
 }
 
 
-def turn(scene, engine, profile="adaptive"):
+def turn(scene: Scene, engine: str) -> float:
     """Return the angle of turn, degrees."""
-    run = simulate(scene, engine, profile=profile if engine != "reference" else "matched")
-    return np.degrees(run.bounces[0].angle_of_turn)
+    run = simulate(scene, engine, profile="matched" if engine == "reference" else "adaptive")
+    return math.degrees(run.bounces[0].angle_of_turn)
 
 
 changes = {}

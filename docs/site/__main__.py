@@ -6,6 +6,7 @@ from sphinx.application import Sphinx
 
 from docs.formatting import ROOT
 from docs.numbers import BUILT
+from docs.site.mending import mend
 from docs.site.pages import pages
 from docs.site.sources import SITE, SOURCE, gather
 from harness.core.errors import HarnessError
@@ -23,7 +24,9 @@ def main() -> int:
         warningiserror=True,
     )
     app.build()
-    return app.statuscode
+    if app.statuscode == 0:
+        mend(SITE)
+    return int(app.statuscode)
 
 
 if __name__ == "__main__":

@@ -13,10 +13,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from docs.formatting import BASELINE, ROOT, adapter_of, digits
+from docs.site.rendering import render
 from harness.core.report_model import Figure, Panel, Series
 from harness.metrics.quantities import QUANTITIES
 from harness.report.style import entries, palette
@@ -79,7 +79,7 @@ def leaderboard_page() -> str:
         }
         for suite in sorted(suites, key=_suite_order)
     ]
-    return _environment().get_template("leaderboard.md").render(boards=boards)
+    return render("leaderboard.md", boards=boards)
 
 
 def top(count: int) -> str:
@@ -216,7 +216,8 @@ def figure_html(figure: Figure) -> str:
     legend = entries(figure)
     inks = palette(entry.kind for entry in legend)
     colours = {kind: f"--kind-{kind}" for kind in inks}
-    return _environment().get_template("figure.html").render(
+    return render(
+        "figure.html",
         figure=figure,
         legend=legend,
         inks=inks,
@@ -242,7 +243,7 @@ def cases_html(engine: str) -> str:
                     "cases": [_case(result, score) for score in own],
                 }
             )
-    return _environment().get_template("cases.html").render(groups=groups) if groups else ""
+    return render("cases.html", groups=groups) if groups else ""
 
 
 def _file_of(result: Result) -> str:
@@ -265,17 +266,4 @@ def _case(result: Result, score: Score) -> Mapping[str, object]:
 
 
 def _table(rows: Sequence[Row], heads: Sequence[str]) -> str:
-    return _environment().get_template("board.html").render(rows=rows, heads=heads)
-
-
-@cache
-def _environment() -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        undefined=StrictUndefined,
-        autoescape=lambda name: name is not None and name.endswith(".html"),
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["exactly"] = lambda value: "" if value is None else f"{value:.6g}"
-    return environment
+    return render("board.html", rows=rows, heads=heads)

@@ -9,17 +9,15 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import pandas as pd
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from docs.field_guide import PAGES
 from docs.formatting import BASELINE, ROOT, adapter_of, csv, digits, error_words, markdown
+from docs.site.rendering import render
 from harness.engines.description import Description, Method
 from harness.engines.registry import description_of, our_names
 
-TEMPLATES = Path(__file__).parent / "templates"
 SETTINGS = ROOT / "harness" / "engines" / "SETTINGS.md"
 FINDINGS = ROOT / "docs" / "findings"
 
@@ -78,7 +76,7 @@ def engine_page(name: str, cases: str) -> str:
         Every case of it in the files of results, as HTML; empty if there are none.
     """
     description = description_of(name)
-    return _render(
+    return render(
         "engine.md",
         label=label_of(name),
         name=name,
@@ -103,35 +101,38 @@ def engine_page(name: str, cases: str) -> str:
 
 def engine_index() -> str:
     """Return the page that leads to the pages of all engines."""
-    rows = []
     best, shipped = (_errors(side) for side in ("best", "shipped"))
-    for name in engine_names():
-        rows.append(
-            [
-                f"[{label_of(name)}](engines/{name}.md)",
-                description_of(name).method.value,
-                description_of(name).precision.value,
-                _cell(shipped, name, "gentle-rock_deg"),
-                _cell(best, name, "gentle-rock_deg"),
-                str(len(findings_of(name))),
-                str(len(guide_of(name))),
-            ]
-        )
+    rows = [
+        [
+            f"[{label_of(name)}](engines/{name}.md)",
+            description_of(name).method.value,
+            description_of(name).precision.value,
+            _cell(shipped, name, "gentle-rock_deg"),
+            _cell(best, name, "gentle-rock_deg"),
+            str(len(findings_of(name))),
+            str(len(guide_of(name))),
+        ]
+        for name in engine_names()
+    ]
     head = (
         *("engine", "steps by", "precision", "gentle-rock as it ships, degrees"),
         *("at its best, degrees", "findings", "in the field guide"),
     )
-    return _render("engines.md", table=markdown(head, rows, words=3), names=engine_names())
+    return render("engines.md", table=markdown(head, rows, words=3), names=engine_names())
 
 
 def reference_page() -> str:
     """Return the page of the exact motion, which is an engine like the others."""
     hard = csv("stability/hard-cases.csv")
     rows = [
-        (str(one.scene), str(one.reference), "" if pd.isna(one.disagreement) else f"{one.disagreement:.1e}")
+        (
+            str(one.scene),
+            str(one.reference),
+            "" if pd.isna(one.disagreement) else f"{one.disagreement:.1e}",
+        )
         for one in hard.itertuples()
     ]
-    return _render(
+    return render(
         "reference.md",
         hard=markdown(("scene", "the exact motion", "two methods differ by"), rows, words=2),
         settings=settings_table("reference", changed=False),
@@ -383,15 +384,3 @@ def _signed(value: float) -> str:
 def _with_text_last(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table whose first and last columns hold words, those between numbers."""
     return markdown(head, rows, words=1).replace("---:", "---")
-
-
-def _render(template: str, **parts: object) -> str:
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        undefined=StrictUndefined,
-        autoescape=False,  # noqa: S701 - Markdown; texts are this repository's own
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template(template).render(parts)

@@ -74,8 +74,8 @@ def api_page() -> str:
     parts = [
         "# API",
         "",
-        "The public names of the library. An adapter imports all that it needs from `harness.engines`,",
-        "and that path stays.",
+        "The public names of the library. An adapter imports all that it needs from",
+        "`harness.engines`, and that path stays.",
         "",
     ]
     told = set[int]()

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from docs.field_guide import GUIDE, PAGES
-from docs.formatting import ROOT
 from harness.engines.reference.to_reference_problem import problem
 from models.catalogue import field_names, load
 from reference import solve
