@@ -10,7 +10,7 @@ ENGINES_VENV ?= .venv-engines
 ENGINES ?= $(shell $(PYTHON) -c 'import tomllib; of = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
 	print(*sorted({*of["optional-dependencies"]} & {*of["entry-points"]["rockingcan.engines"]}))')
 
-.PHONY: validate engines test test-all test-engines explore mutants docs numbers measure lint types contracts models clean
+.PHONY: validate engines test test-all test-engines explore mutants docs numbers measure lint types contracts models schema clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
@@ -64,6 +64,10 @@ numbers: $(VENV)/ready
 # these files, measured again: some forty minutes, or ONLY=cost; docs/measured.toml says how
 measure: $(VENV)/ready-to-test
 	$(BIN)/python -m docs.measure $(ONLY)
+
+# the published schema of results, from its models
+schema: $(VENV)/ready
+	$(BIN)/python -m harness.results.schema
 
 # the openable model files, from the scenes
 models: $(VENV)/ready

@@ -134,7 +134,10 @@ def test_a_wheel_has_the_packages_and_nothing_else(wheel: Path) -> None:
         f"{'-'.join(wheel.name.split('-')[:2])}.dist-info"
     }
     assert own <= {name.partition("/")[0] for name in names}
-    for kept in ("models/scenes/gentle-rock.toml", "harness/report/templates/index.html"):
+    for kept in (
+        *("models/scenes/gentle-rock.toml", "harness/report/templates/index.html"),
+        "harness/report/schema/result-2.json",
+    ):
         assert kept in names
 
 

@@ -27,15 +27,8 @@ from harness.execution.dask_cluster import (
     UnknownWorkersError,
 )
 from harness.execution.worker import Loss, LostTaskError
-from harness.gate.errors import (
-    ChangedScenesError,
-    Fault,
-    NoCommonCaseError,
-    OtherEnginesError,
-    OtherSuiteError,
-    ResultsError,
-)
 from harness.report.stored import ReportVersionError, UnreadableReportError
+from harness.results.errors import Fault, ResultsError
 from harness.studies.comparison.quantity_figures import (
     NothingToDrawError,
     NotRunsError,
@@ -50,9 +43,11 @@ from harness.sweep.folder import (
     UnreadablePlanError,
 )
 from tests.support.engine_wordings import OF_ENGINES
+from tests.support.result_wordings import OF_RESULTS
 
 MADE: list[tuple[Exception, str]] = [
     *OF_ENGINES,
+    *OF_RESULTS,
     (
         errors.UnknownEngineError("ode", ["pybullet", "mujoco"]),
         "unknown engine 'ode'; there are: mujoco, pybullet",
@@ -308,56 +303,6 @@ MADE: list[tuple[Exception, str]] = [
     (
         NothingToDrawError(scenes=("wobble",), endings=("killed", "flat")),
         "the runs have no figure; killed; flat",
-    ),
-    *(
-        (ResultsError(place=Path("a"), fault=fault, reason="why"), message)
-        for fault, message in {
-            Fault.MISSING: (
-                "'a' holds no accepted results ('accepted.json'); write some with: rockingcan "
-                "validate --accept --baseline a"
-            ),
-            Fault.UNREADABLE: "accepted results 'a' cannot be read: why",
-            Fault.DAMAGED: "accepted results 'a' are damaged (why)",
-            Fault.VERSION: (
-                "'a' is no file of accepted results of version why; write it anew with --accept"
-            ),
-            Fault.NO_FOLDER: (
-                "'a' is no folder; name one that rockingcan validate wrote, with --out or with "
-                "--accept"
-            ),
-            Fault.NEITHER: (
-                "'a' is neither a report nor accepted results; name one that rockingcan validate "
-                "wrote, with --out or with --accept"
-            ),
-            Fault.DAMAGED_REPORT: "the report in 'a' cannot be read (why)",
-            Fault.FOREIGN_REPORT: "'a' is no report of rockingcan",
-            Fault.OTHER_REPORT: (
-                "'a' is a report, but not of rockingcan validate, or of a version that could not "
-                "be compared yet; write it again"
-            ),
-        }.items()
-    ),
-    (
-        OtherEnginesError(place="a", engines=("mujoco",), accepted=()),
-        "'a' holds no accepted results of mujoco, only of none; accept some first, with --accept",
-    ),
-    (
-        OtherSuiteError(place="a", suite="full", accepted="quick", cases=26, common=20),
-        (
-            "'a' holds the quick suite, which has 20 of the 26 cases of the full suite; run "
-            "--suite quick, or accept the full suite with --accept"
-        ),
-    ),
-    (
-        ChangedScenesError(place="a", scenes=("petals", "wobble")),
-        (
-            "'a' was accepted for other scenes: since then petals, wobble changed, and errors of "
-            "two motions cannot be compared; accept anew with --accept"
-        ),
-    ),
-    (
-        NoCommonCaseError(a=Path("a"), b=Path("b")),
-        "'a' and 'b' have no case in common: there is nothing to compare",
     ),
     (
         errors.CacheWarning(Path("a"), "it is cut", Path("aside")),

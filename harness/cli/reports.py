@@ -6,7 +6,7 @@ Two reports are of two versions of an engine, two machines or two settings; noth
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
@@ -16,7 +16,7 @@ from harness.cli.options import Figures, Json
 from harness.core.provenance import provenance
 from harness.core.report_model import Artefact, Prose, Table, rows_of
 from harness.core.verdict import Status
-from harness.gate.comparison import differences
+from harness.gate.comparison import Difference, differences
 from harness.gate.errors import NoCommonCaseError
 from harness.gate.report import SIDES, changed, gate_report, regressions, sentences
 from harness.progress import report_progress
@@ -25,6 +25,7 @@ from harness.report.layout import Section
 from harness.report.stored import read_report
 from harness.report.write import write_chapters
 from harness.results.files import read_baseline, read_scores
+from harness.results.result import Result
 
 _ROWS = 40
 """Of the table of changes in the terminal; the report has all."""
@@ -90,6 +91,16 @@ def show_changes(artefacts: Sequence[Artefact]) -> None:
             console.print(escape(artefact.text))
 
 
+def changes_record(
+    compared: Sequence[Difference], first: Result, second: Result, spreads: Result | None = None
+) -> dict[str, Any]:
+    """Return what `--json` prints of a comparison: its changes, and its sentences."""
+    return {
+        "differences": rows_of(SIDES.columns(), changed(compared)),
+        "sentences": sentences(compared, first, second, SIDES, spreads),
+    }
+
+
 def diff(
     a: Annotated[
         Path, typer.Argument(metavar="A", help="Folder of a report, or of accepted results.")
@@ -120,9 +131,7 @@ def diff(
         raise NoCommonCaseError(a=a, b=b)
     compared = differences(first, second, spreads=spreads)
     if json:
-        words = sentences(compared, first, second, SIDES, spreads)
-        rows = rows_of(SIDES.columns(), changed(compared))
-        typer.echo(terminal.to_json({"differences": rows, "sentences": words}))
+        typer.echo(terminal.to_json(changes_record(compared, first, second, spreads)))
     else:
         show_changes(gate_report(compared, first, second, SIDES, spreads))
     if gate and regressions(compared):

@@ -1,26 +1,42 @@
 """Commands on files of results: write one, verify some, compare two."""
 
+import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
 
 from harness import api
 from harness.cli import options, run_options, terminal
+from harness.cli.reports import changes_record, show_changes
 from harness.cli.settings import engine_settings, settings_to_dict
 from harness.cli.study_command import run_with_progress
+from harness.core.case import Value
+from harness.core.errors import HarnessError, InvalidSettingError
 from harness.engines.registry import engine_version
 from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
+from harness.gate.comparison import differences
+from harness.gate.errors import NoCommonCaseError
+from harness.gate.report import SIDES, gate_report
+from harness.gate.reruns import not_run_again, rerun_objections, sample
 from harness.gate.spread import SIZES, measured, planned_members
 from harness.progress import ItemBar
-from harness.results.files import check_place, write_result
+from harness.results.errors import MixedSuitesError, ResultsError
+from harness.results.files import (
+    check_place,
+    read_result,
+    read_scores,
+    result_files,
+    write_result,
+)
+from harness.results.plausibility import Objection, Rule, objections
 from harness.results.result import Result, input_digests, make_result
-from harness.results.scores import scored
+from harness.results.scores import Division, scored
 from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 
 _FOLDER = Path("reports/results")
@@ -148,3 +164,134 @@ def _file_name(engine: str, suite: str) -> str:
     # an engine in an environment of its own often has its version in its name
     release = engine if engine.endswith(f"-{version}") else f"{engine}-{version}"
     return f"{release}-{suite}.json"
+
+
+@results.command()
+def verify(  # noqa: PLR0917 - a parameter an option
+    place: Annotated[
+        list[Path],
+        typer.Argument(metavar="FOLDER_OR_FILE...", help="Files of results, or folders of them."),
+    ],
+    rerun: Annotated[
+        str,
+        typer.Option(
+            metavar="N", help="Cases of each file that are run again, or 'all'; 0 for none."
+        ),
+    ] = "3",
+    jobs: options.Jobs = None,
+    time_limit: options.TimeLimit = None,
+    memory_limit: options.MemoryLimit = None,
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """Check files of results, and run some cases again. Leaves with 1 if one does not hold.
+
+    Schema, scenes, digests and what no run can have are checked of every file; cases are run again
+    where the engine is installed in the version of the file.
+
+    For example: rockingcan results verify reports/results --rerun 5
+    """
+    count = _rerun_count(rerun)
+    workers = jobs or len(os.sched_getaffinity(0))
+    limits = run_options.limits_of(workers, time_limit, memory_limit)
+    running = run_options.RunOptions(jobs=workers, on=None, limits=limits, store=None)
+    reports = [_verified(path, count, running) for path in result_files(place)]
+    failed = sum(bool(report["objections"]) for report in reports)
+    if json:
+        typer.echo(terminal.to_json({"files": reports, "failed": failed}))
+    else:
+        for report in reports:
+            terminal.stdout_console().print(escape("\n".join(_verdict_lines(report))))
+    if failed:
+        raise typer.Exit(1)
+
+
+def _rerun_count(words: str) -> int | None:
+    """Return how many cases are run again; None for all."""
+    if words == "all":
+        return None
+    if not words.isdecimal():
+        raise InvalidSettingError("--rerun", words, "a number of cases, or 'all'")
+    return int(words)
+
+
+def _verified(path: Path, count: int | None, running: run_options.RunOptions) -> dict[str, Any]:
+    """Return what `--json` prints of a file."""
+    report: dict[str, Any] = {"file": str(path), "cases": 0, "rerun": [], "not_rerun": {}}
+    try:
+        result = read_result(path)
+    except ResultsError as error:
+        objection = Objection(rule=Rule.FILE, text=str(error))
+        return report | {"objections": [_objection_record(objection)]}
+    on_top, unknown = _settings_on_top(result)
+    found = list(objections(result, on_top))
+    again = sample(result, on_top, count)
+    if again:
+        efforts = {case.label(): expected_seconds(case) for _, case in again}
+        with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
+            bar.label("running again")
+            found += rerun_objections(result, again, executor, bar.advance)
+    return report | {
+        "cases": len(result.cases),
+        "rerun": [score.identity.label() for score, _ in again],
+        "not_rerun": not_run_again(result, on_top) | unknown,
+        "objections": [_objection_record(objection) for objection in found],
+    }
+
+
+def _settings_on_top(result: Result) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
+    """Return the settings of a result by engine and name, and why others are unknown."""
+    settings: dict[str, dict[str, Value]] = {}
+    unknown: dict[str, str] = {}
+    for name in result.engines:
+        pairs = [f"{k}={v}" for k, v in result.settings.items() if k.rpartition(".")[0] == name]
+        try:
+            settings |= engine_settings(pairs, [name])
+        except HarnessError as error:  # what an engine takes, it says itself
+            unknown[name] = str(error)
+    return settings, unknown
+
+
+def _objection_record(objection: Objection) -> dict[str, str]:
+    return {"rule": objection.rule.value, "case": objection.case, "text": objection.text}
+
+
+def _verdict_lines(report: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines on a file: a summary, what was not run again, and what is wrong."""
+    again, wrong = len(report["rerun"]), report["objections"]
+    head = f"{report['file']}: {report['cases']} cases, {again} of them run again"
+    yield f"{head}: {len(wrong)} do not hold" if wrong else f"{head}: nothing found"
+    for engine, reason in report["not_rerun"].items():
+        yield f"  not run again: {engine}: {reason}"
+    for one in wrong:
+        yield f"  not {one['rule']}: {one['case'] and one['case'] + ': '}{one['text']}"
+
+
+@results.command()
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="A", help="A file of results.")],
+    b: Annotated[Path, typer.Argument(metavar="B", help="The same, to hold against it.")],
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
+) -> None:
+    """What differs between two results of one suite, division by division.
+
+    The rule is that of `diff`. Cases as shipped, matched and with settings of the submitter's own
+    are never held against each other.
+
+    For example: rockingcan results compare before.json after.json
+    """
+    first, second = read_scores(a), read_scores(b)
+    if first.suite != second.suite:
+        raise MixedSuitesError(suites=(first.suite, second.suite))
+    pairs = {each: (first.of_division(each), second.of_division(each)) for each in Division}
+    both = {each: pair for each, pair in pairs.items() if set(pair[0].scores) & set(pair[1].scores)}
+    if not both:
+        raise NoCommonCaseError(a=a, b=b)
+    records = {}
+    for division, (one, other) in both.items():
+        compared = differences(one, other)
+        records[division.value] = changes_record(compared, one, other)
+        if not json:
+            terminal.stdout_console().print(f"\n[bold]Division: {division.value}[/]")
+            show_changes(gate_report(compared, one, other, SIDES))
+    if json:
+        typer.echo(terminal.to_json({"divisions": records}))

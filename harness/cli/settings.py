@@ -90,9 +90,7 @@ def engine_settings(pairs: Sequence[str], engines: Sequence[str]) -> dict[str, d
 def settings_to_dict(chosen: Mapping[str, Mapping[str, Value]]) -> dict[str, str]:
     """Return settings as a manifest tells them, by `engine.name`."""
     return {
-        f"{one}.{name}": ",".join(f"{part:g}" for part in value)
-        if isinstance(value, tuple)
-        else str(value)
+        f"{one}.{name}": ",".join(map(repr, value)) if isinstance(value, tuple) else str(value)
         for one, own in chosen.items()
         for name, value in own.items()
     }

@@ -22,8 +22,6 @@ from harness.core.errors import InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Prose
 from harness.core.simulation import Outcome
-from harness.evaluation.effort import expected_seconds
-from harness.evaluation.evaluation import Evaluation
 from harness.gate.baseline import PLACE, cases_of_absent, required_cases, write_baseline
 from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, gate_report, regressions

@@ -198,11 +198,11 @@ def _not_measured(absent: Sequence[Difference]) -> Iterator[str]:
 def _case(own: Sequence[Difference]) -> str:
     """Return the largest change of a case, and how many others there are."""
     worst = own[0]
-    words = f"{worst.identity.label()}{_change(worst)}"
+    words = f"{worst.identity.label()}{change_words(worst)}"
     return words + (f" and {len(own) - 1} more" if len(own) > 1 else "")
 
 
-def _change(change: Difference) -> str:
+def change_words(change: Difference) -> str:
     """Return a change in words, with the factor where it is a number."""
     if change.quantity == OUTCOME:
         return f", {change.note}" if change.note else ""

@@ -58,9 +58,7 @@ def spread(middle: Score, runs: Sequence[Score]) -> Score:
         elif own is not None or known:
             spreads[quantity.column] = None
     endings = dict(Counter(run.outcome for run in (middle, *runs)))
-    return middle.model_copy(
-        update={"members": len(runs), "spread": spreads, "endings": endings}
-    )
+    return middle.model_copy(update={"members": len(runs), "spread": spreads, "endings": endings})
 
 
 _AT_ONCE = 48

@@ -246,5 +246,5 @@ def _of_report(
         versions=versions,
         inputs=inputs,
         settings=settings,
-        origin=manifest["provenance"],
+        origin=dict(manifest["provenance"]),
     )

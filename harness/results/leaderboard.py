@@ -150,9 +150,7 @@ def cost_points(results: Sequence[Result], division: Division) -> tuple[CostPoin
     return tuple(point for point in points if point is not None)
 
 
-def frontier(
-    points: Sequence[CostPoint], cost: Literal["cpu_s", "steps"]
-) -> tuple[CostPoint, ...]:
+def frontier(points: Sequence[CostPoint], cost: Literal["cpu_s", "steps"]) -> tuple[CostPoint, ...]:
     """Return the points of one scene that no cheaper one is as exact as, the cheapest first."""
 
     def price(point: CostPoint) -> float:

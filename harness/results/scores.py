@@ -268,9 +268,7 @@ class Score(Part):
         WithJsonSchema({"type": "string", "enum": list(Outcome.__members__)}),
     ]
     truth_pulls: bool
-    values: Annotated[
-        Mapping[str, float], AfterValidator(_columns), _object(BY_COLUMN, _NUMBER)
-    ]
+    values: Annotated[Mapping[str, float], AfterValidator(_columns), _object(BY_COLUMN, _NUMBER)]
     members: Annotated[int, Field(ge=0)] = 0
     spread: Annotated[
         Mapping[str, Number], AfterValidator(_columns), _object(BY_COLUMN, _NUMBER_OR_NULL)

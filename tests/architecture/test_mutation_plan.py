@@ -9,7 +9,7 @@ from tests.mutation.plan import PACKAGES, Package, targets
 ROOT = Path(__file__).parents[2]
 
 JUDGES = (
-    *("harness/metrics", "harness/gate", "harness/engines/stepping/schedule.py"),
+    *("harness/metrics", "harness/gate", "harness/results", "harness/engines/stepping/schedule.py"),
     *("reference/integrable/brackets.py", "reference/integrable/turning_points.py"),
 )
 

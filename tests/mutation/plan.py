@@ -56,6 +56,11 @@ PACKAGES = (
         left_out=("test_commands.py", "test_runs.py"),
     ),
     Package(
+        modules="harness/results/**/*.py",
+        tests="tests/harness/results",
+        left_out=("test_commands.py",),
+    ),
+    Package(
         modules="reference/integrable/turning_points.py",
         tests="tests/reference",
         only=("tests/reference/test_turning_points.py", *map(_EXACT.format, _OF_MANY)),

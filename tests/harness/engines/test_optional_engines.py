@@ -3,7 +3,6 @@
 import json
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -25,10 +24,12 @@ from harness.engines import plugin_probe, registry
 from harness.engines.description import Description
 from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.execution.limits import Limits
-from harness.gate.baseline import cases_of_absent, read_scores, write_baseline
+from harness.gate.baseline import cases_of_absent, write_baseline
 from harness.gate.comparison import differences
 from harness.gate.report import GATE, regressions, sentences
-from harness.gate.scores import CaseIdentity, Score, Scores
+from harness.results.files import read_scores
+from harness.results.result import Result
+from tests.support.gate_scores import make_score, make_scores
 
 Register = Callable[..., None]
 
@@ -278,28 +279,18 @@ def test_the_command_is_that_of_this_environment(
     assert install_command(["numpy", "a[b]"]) == f"{starts[named]} install numpy 'a[b]'"
 
 
-def accepted(*engines: str) -> Scores:
+def accepted(*engines: str, place: str = "there") -> Result:
     """Return accepted results of two cases of each engine."""
     scores = [
-        Score(
-            identity=CaseIdentity(
-                scene="gentle-rock", engine=engine, profile="matched", timestep=timestep
-            ),
-            scene_digest="0",
-            outcome="FINISHED",
-            truth_pulls=False,
-            values={"phi_rms_rad": 1e-3},
-        )
+        make_score({"phi_rms_rad": 1e-3}, engine=engine, timestep=timestep)
         for engine in engines
         for timestep in (1e-4, 0.5)  # the suite has the first of them
     ]
-    return Scores(
-        suite="full", scores={one.identity: one for one in scores}, versions={}, place="there"
-    )
+    return make_scores(*scores, place=place)
 
 
 def test_its_accepted_results_are_not_measured_and_fail_nothing() -> None:
-    both, run = accepted("mujoco", "glider"), replace(accepted("mujoco"), place="here")
+    both, run = accepted("mujoco", "glider"), accepted("mujoco", place="here")
     expected = (*run.scores, *cases_of_absent(both, "quick", ["glider"]))
     found = differences(both, run, expected=expected, not_installed=["glider"])
     (absent,) = (d for d in found if d.identity.engine == "glider")
@@ -331,12 +322,11 @@ def test_a_gate_goes_on_without_it_and_every_page_says_so(
     assert code_of(["validate", "--engine", "mujoco", "--no-store", "--out", str(before)]) == 0
     assert "left out" not in capsys.readouterr().out  # of an engine that was not asked for
     own = read_scores(before)
-    theirs = [
-        replace(score, identity=replace(score.identity, engine="glider"))
-        for score in own.scores.values()
-    ]
-    both = {score.identity: score for score in (*own.scores.values(), *theirs)}
-    write_baseline(replace(own, scores=both), tmp_path)
+    theirs = [score.model_copy(update={"engine": "glider"}) for score in own.cases]
+    engines = dict.fromkeys(("mujoco", "glider"), own.engines["mujoco"])
+    write_baseline(
+        own.of_cases((*own.cases, *theirs)).model_copy(update={"engines": engines}), tmp_path
+    )
     register(OPTIONAL)
     words = ["validate", "--no-store", "--out", str(after), "--baseline", str(tmp_path)]
     assert code_of(words) == 0

@@ -2,17 +2,16 @@
 
 import json
 import shutil
-import sys
 from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from harness.gate import spread
-from harness.gate.baseline import read_scores
-from harness.gate.errors import FILE
+from harness.results.errors import FILE
+from harness.results.files import read_scores
 from tests.support.command_line import Answer, Command
+from tests.support.suites import shorten_suites
 
 
 @pytest.fixture
@@ -30,12 +29,7 @@ def told(rockingcan: Command, monkeypatch: pytest.MonkeyPatch) -> Command:
 @pytest.fixture
 def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the quick suite three runs, with few members each."""
-    ladders = {"quick": {"gentle-rock": (1e-3,)}, "full": {"gentle-rock": (1e-3, 3e-4)}}
-    # by their full names: the package has a function of the same name as one
-    for name in ("study", "suite"):
-        module = sys.modules[f"harness.studies.comparison.{name}"]
-        monkeypatch.setattr(module, "SUITES", ladders)
-    monkeypatch.setattr(spread, "MOST", 4)
+    shorten_suites(monkeypatch)
 
 
 QUICK = ("validate", "--engine", "mujoco", "--no-store", "--jobs", 2)
@@ -92,7 +86,7 @@ def test_accept_then_pass_then_catch_then_compare(told: Command, tmp_path: Path)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--baseline", "nowhere"), "'nowhere' is no folder"),
+        (("--baseline", "nowhere"), "'nowhere' is not there"),
         (("--baseline", "."), "neither a report nor accepted results"),
         (("--set", "impratio"), "KEY=VALUE"),
         (("--set", "pybullet.contactERP=0.1"), "a setting of an engine that runs: mujoco"),

@@ -6,10 +6,11 @@ import pytest
 
 from harness import api
 from harness.engines.registry import left_out
-from harness.gate.baseline import read_baseline, required_cases
-from harness.gate.errors import FILE
-from harness.gate.scores import QUANTITIES, QuantityKind, identity
+from harness.gate.baseline import required_cases
 from harness.gate.spread import FEWEST
+from harness.results.errors import FILE
+from harness.results.files import read_baseline
+from harness.results.scores import QUANTITIES, QuantityKind, identity
 
 BASELINE = Path(__file__).parents[3] / "reports" / "baseline"
 

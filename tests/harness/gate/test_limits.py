@@ -6,28 +6,22 @@ changes one in the code is told which sentence no longer holds.
 
 import math
 from dataclasses import replace
-from types import MappingProxyType
 
 import pytest
 
 from harness.core.case import Case
 from harness.core.verdict import Status
-from harness.gate.baseline import read_baseline, required_cases, write_baseline
+from harness.gate.baseline import required_cases, write_baseline
 from harness.gate.comparison import Difference, differences, judge
 from harness.gate.errors import ChangedScenesError, OtherSuiteError
 from harness.gate.report import GATE, sentences
-from harness.gate.scores import (
-    CaseIdentity,
-    Score,
-    Scores,
-    identity,
-    scene_digest,
-    score_of_row,
-)
 from harness.gate.spread import member, members
 from harness.metrics.quantities import Number
+from harness.results.files import read_baseline
+from harness.results.result import Result
+from harness.results.scores import CaseIdentity, identity, scene_digest, score_of_row
 from models import Scene, load
-from tests.support.gate_scores import make_score, make_scores
+from tests.support.gate_scores import make_score, make_scores, scores_of
 
 PHI = "phi_rms_rad"
 
@@ -182,22 +176,8 @@ def test_members_differ_by_1e_13_to_1e_9() -> None:
     assert member(case, 5).scene.release.psi == 1e-9
 
 
-def known(cases: list[Case]) -> Scores:
-    scores = [
-        Score(
-            identity=identity(case),
-            scene_digest="",
-            outcome="FINISHED",
-            truth_pulls=False,
-            values={},
-        )
-        for case in cases
-    ]
-    return Scores(
-        suite="full",
-        scores=MappingProxyType({one.identity: one for one in scores}),
-        versions={},
-    )
+def known(cases: list[Case]) -> Result:
+    return make_scores(*scores_of(cases))
 
 
 def test_a_suite_may_have_grown_by_a_quarter() -> None:
@@ -241,7 +221,7 @@ def test_a_spread_is_kept_in_three_digits_rounded_up(
 def test_a_score_holds_the_numbers_that_are_known(resolved: object, turn: object) -> None:
     row = {
         "truth_pulls": True,
-        "digest": "abc",
+        "digest": "abc0" * 4,
         "turn_resolved": resolved,
         "angle_of_turn_error_deg": 2.0,
         "phi_rms_rad": math.nan,
@@ -250,11 +230,11 @@ def test_a_score_holds_the_numbers_that_are_known(resolved: object, turn: object
         "steps": 5,
         "not a quantity": 1.0,
     }
-    name = CaseIdentity(scene="s", engine="e", profile="p")
-    found = score_of_row(row, identity=name, scene="0", outcome="FLAT")
+    name = CaseIdentity(scene="s", engine="e", profile="matched")
+    found = score_of_row(row, identity=name, outcome="FLAT")
     expected = {"steps": 5.0} | ({"angle_of_turn_error_deg": 2.0} if turn else {})
     assert dict(found.values) == expected
-    assert (found.truth_pulls, found.digest, found.members) == (True, "abc", 0)
+    assert (found.truth_pulls, found.digest, found.members) == (True, "abc0" * 4, 0)
 
 
 @pytest.mark.parametrize(

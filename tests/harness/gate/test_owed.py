@@ -1,7 +1,6 @@
 """Which accepted cases a run owes, and which accepted results do not fit it."""
 
 from dataclasses import replace
-from types import MappingProxyType
 
 import pytest
 
@@ -11,26 +10,18 @@ from harness.engines.description import Description
 from harness.gate import baseline
 from harness.gate.baseline import required_cases
 from harness.gate.errors import ChangedScenesError, OtherEnginesError, OtherSuiteError
-from harness.gate.scores import Score, Scores, identity, scene_digest
+from harness.results.result import Result, input_digests
+from harness.results.scores import identity, scene_digest
 from models import load
+from tests.support.gate_scores import make_scores, scores_of
 
 
-def accepted(suite: str, cases: tuple[Case, ...]) -> Scores:
+def accepted(suite: str, cases: tuple[Case, ...]) -> Result:
     """Return scores of cases, as if they had been accepted."""
-    found = [
-        Score(
-            identity=identity(case),
-            scene_digest=scene_digest(case.scene),
-            outcome="FINISHED",
-            truth_pulls=False,
-            values={},
-        )
-        for case in cases
-    ]
-    return Scores(
+    return make_scores(
+        *scores_of(cases),
         suite=suite,
-        scores=MappingProxyType({one.identity: one for one in found}),
-        versions={},
+        inputs=input_digests(case.scene for case in cases),
         place="reports/baseline",
     )
 

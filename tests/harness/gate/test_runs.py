@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 
 import pytest
 
@@ -11,20 +10,21 @@ from harness.evaluation.run_cases import run_cases
 from harness.execution.isolated_pool import SerialExecutor
 from harness.gate.comparison import Difference, differences
 from harness.gate.report import GATE, regressions, sentences
-from harness.gate.scores import Score, Scores, scored
 from harness.gate.spread import MOST, SIZES, measured, member
+from harness.results.result import Result
+from harness.results.scores import Score, scored
 from models import load
 from tests.support.examples import examples
+from tests.support.gate_scores import make_scores
 
 Held = Callable[[Sequence[Case]], tuple[Difference, ...]]
 
 REPEATS = 10
 
 
-def gathered(own: Sequence[Score]) -> Scores:
+def gathered(own: Sequence[Score]) -> Result:
     """Return scores as a run of a suite has them."""
-    by_identity = {one.identity: one for one in own}
-    return Scores(suite="coarse", scores=MappingProxyType(by_identity), versions={})
+    return make_scores(*own, suite="coarse")
 
 
 @pytest.fixture(scope="module")
@@ -41,28 +41,24 @@ def coarse() -> tuple[Case, ...]:
 
 
 @pytest.fixture(scope="module")
-def accepted(coarse: tuple[Case, ...]) -> Scores:
+def accepted(coarse: tuple[Case, ...]) -> Result:
     """Return the coarse cases with their spread."""
     return gathered(measured(coarse, scored(coarse, run_cases(coarse)), SerialExecutor()))
 
 
 @pytest.fixture
-def held(accepted: Scores, coarse: tuple[Case, ...]) -> Held:
+def held(accepted: Result, coarse: tuple[Case, ...]) -> Held:
     """Return a function that runs cases and holds them against the accepted ones."""
 
     def hold(cases: Sequence[Case]) -> tuple[Difference, ...]:
-        found = [
-            replace(one, scene_digest=accepted.scores[one.identity].scene_digest)
-            for one in scored(coarse, run_cases(cases))
-        ]
-        return differences(accepted, gathered(found))
+        return differences(accepted, gathered(scored(coarse, run_cases(cases))))
 
     return hold
 
 
 @pytest.mark.slow
 def test_a_repeat_is_equal_to_the_last_bit(
-    accepted: Scores, held: Held, coarse: tuple[Case, ...]
+    accepted: Result, held: Held, coarse: tuple[Case, ...]
 ) -> None:
     for _ in range(examples(REPEATS / 100)):
         found = held(coarse)
@@ -80,7 +76,7 @@ def test_what_no_one_can_tell_apart_raises_no_alarm(held: Held, coarse: tuple[Ca
 
 
 @pytest.mark.slow
-def test_the_spread_is_that_of_an_amplifier(accepted: Scores) -> None:
+def test_the_spread_is_that_of_an_amplifier(accepted: Result) -> None:
     # a run that follows its bounce passes a perturbation on; one that steps over it scrambles it
     for one in accepted.scores.values():
         phi, spread = one.values["phi_rms_rad"], one.spread["phi_rms_rad"]
@@ -101,7 +97,7 @@ def test_the_spread_is_that_of_an_amplifier(accepted: Scores) -> None:
     ],
 )
 def test_a_worsened_engine_is_caught_and_named(
-    worsened: tuple[str, str, Value, str], held: Held, accepted: Scores, coarse: tuple[Case, ...]
+    worsened: tuple[str, str, Value, str], held: Held, accepted: Result, coarse: tuple[Case, ...]
 ) -> None:
     engine, setting, value, quantity = worsened
     worse = [

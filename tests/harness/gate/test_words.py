@@ -3,7 +3,7 @@
 from harness.core.report_model import Figure, Prose, Table
 from harness.gate.comparison import differences
 from harness.gate.report import GATE, SIDES, gate_report, regressions, sentences
-from harness.gate.scores import QUANTITIES, QuantityKind
+from harness.results.scores import QUANTITIES, QuantityKind
 from tests.support.gate_scores import make_score, make_scores
 
 PHI, SLIP, SUNK = "phi_rms_rad", "max_slip_m_s", "max_penetration_m"
@@ -78,11 +78,10 @@ def test_machines_that_differ_are_named_and_what_one_side_does_not_know_is_left_
     there = make_scores(
         make_score({PHI: 1e-4}),
         versions={"mujoco": "4.0.0", "pybullet": "3.2.7"},
-        made={"platform": "Linux A", "processor": "X", "python": "3.11"},
+        platform="Linux A",
+        processor="X",
     )
-    here = make_scores(
-        make_score({PHI: 1e-4}), made={"platform": "Linux B", "processor": "X", "python": ""}
-    )
+    here = make_scores(make_score({PHI: 1e-4}), platform="Linux B", processor="X")
     text = " ".join(sentences(differences(there, here), there, here, GATE))
     assert "They differ in: platform 'Linux A' accepted, 'Linux B' found." in text
     same = " ".join(sentences(differences(here, here), here, here, GATE))
