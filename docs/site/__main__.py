@@ -1,5 +1,6 @@
 """Build the site: ``make docs``. It opens from disk: ``docs/_build/site/index.html``."""
 
+import shutil
 import sys
 
 from sphinx.application import Sphinx
@@ -15,12 +16,14 @@ from harness.core.errors import HarnessError
 def main() -> int:
     """Gather the sources and build the pages; return 0, or 1 where Sphinx warned of something."""
     gather(SOURCE, pages())
+    shutil.rmtree(SITE, ignore_errors=True)  # whose pages have the contents of the last build
     app = Sphinx(
         srcdir=SOURCE,
         confdir=ROOT / "docs",
         outdir=SITE,
         doctreedir=BUILT / "doctrees",
         buildername="html",
+        freshenv=True,
         warningiserror=True,
     )
     app.build()

@@ -148,8 +148,9 @@ def _cell(standing: Standing, *, turns: bool) -> Cell:
     """Return what an engine reaches in a scene, in degrees, or in words why it has no number."""
     best = standing.best
     if best is None:
-        told = "the plane pulls" if standing.truth_pulls else _endings(standing.endings)
-        return Cell(text=told, order=math.inf)
+        if standing.truth_pulls:
+            return Cell(text="pulls", order=math.inf, title=_PULLS)
+        return Cell(text=_endings(standing.endings), order=math.inf)
     error = math.degrees(best.error_rad)
     uncounted = turns and best.turn_error_deg is None
     return Cell(
@@ -158,6 +159,9 @@ def _cell(standing: Standing, *, turns: bool) -> Cell:
         link=f"engines/{adapter_of(best.engine)}.html#{anchor(best.place, best.digest)}",
         title=best.case,
     )
+
+
+_PULLS = "The exact motion asks the plane to pull, which no contact does."
 
 
 def _endings(endings: Iterable[str]) -> str:
@@ -195,7 +199,7 @@ def _panel(scene: str, points: Sequence[CostPoint]) -> Panel:
         title=scene,
         x_label="processor time [s]",
         y_label="error [degrees]",
-        series=(*drawn, _series("frontier", "reference", best, "line")),
+        series=(*drawn, _series("frontier", "reference", best, "both")),
         log_x=True,
         log_y=True,
     )
@@ -207,7 +211,7 @@ def _series(label: str, kind: str, points: Sequence[CostPoint], mark: str) -> Se
         kind=kind,
         x=np.array([p.cpu_s for p in points]),
         y=np.degrees([p.error_rad for p in points]),
-        mark="line" if mark == "line" else "points",
+        mark="both" if mark == "both" else "points",
     )
 
 

@@ -5,6 +5,7 @@ of settings, findings and field guide. What was not measured of an engine is nam
 that measures it.
 """
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -126,11 +127,11 @@ def reference_page() -> str:
     hard = csv("stability/hard-cases.csv")
     rows = [
         (
-            str(one.scene),
-            str(one.reference),
-            "" if pd.isna(one.disagreement) else f"{one.disagreement:.1e}",
+            str(one["scene"]),
+            str(one["reference"]),
+            "" if pd.isna(one["disagreement"]) else f"{one['disagreement']:.1e}",
         )
-        for one in hard.itertuples()
+        for one in hard.to_dict("records")
     ]
     return render(
         "reference.md",
@@ -177,7 +178,8 @@ def rim(name: str) -> Study:
     if not (BASELINE / file).is_file():
         return Study(title=title, command=command)
     rows = [
-        (str(one.variant), str(one.finding), str(one.verdict)) for one in csv(file).itertuples()
+        (str(one["variant"]), str(one["finding"]), str(one["verdict"]))
+        for one in csv(file).to_dict("records")
     ]
     picture = f"reports/baseline/rim-{name}/rim.png"
     words = f"{label_of(name)}: distance of the contact from the rim, by tilt and collider"
@@ -231,13 +233,15 @@ def price_list(name: str) -> Study:
         return Study(title=title, command=f"{command} --engine {name}")
     rows = [
         (
-            str(one.choice),
-            f"{one.target_deg:g}",
-            digits(one.cost_s_s, 2) if not str(one.verdict).startswith("not") else str(one.verdict),
-            digits(one.error_deg, 2),
-            f"`{one.command}`",
+            str(one["choice"]),
+            f"{one['target_deg']:g}",
+            str(one["verdict"])
+            if str(one["verdict"]).startswith("not")
+            else digits(one["cost_s_s"], 2),
+            digits(one["error_deg"], 2),
+            f"`{one['command']}`",
         )
-        for one in own.itertuples()
+        for one in own.to_dict("records")
     ]
     head = ("choice", "to an error of, degrees", "processor s per s", "error, degrees", "run it")
     return Study(
@@ -283,13 +287,13 @@ def effects(name: str) -> Study:
     exact = table[table["engine"] == "reference"].set_index("effect")["change_turn_deg"]
     rows = [
         (
-            str(one.effect).replace("_", " "),
-            str(one.strength) if pd.notna(one.strength) else "",
-            _signed(one.change_turn_deg),
-            _signed(exact[one.effect]),
-            str(one.why),
+            str(one["effect"]).replace("_", " "),
+            str(one["strength"]) if pd.notna(one["strength"]) else "",
+            _signed(one["change_turn_deg"]),
+            _signed(exact[one["effect"]]),
+            str(one["why"]),
         )
-        for one in own.itertuples()
+        for one in own.to_dict("records")
     ]
     head = ("effect", "strength", "turn, degrees", "exact, degrees", "what is said of it")
     return Study(
@@ -374,11 +378,12 @@ def _errors(side: str, suite: str = "engines") -> pd.DataFrame:
 
 
 def _cell(table: pd.DataFrame, name: str, column: str) -> str:
-    return error_words(table.loc[name], column) if name in table.index else "not run"
+    rows = table.to_dict("index")
+    return error_words(rows[name], column) if name in rows else "not run"
 
 
 def _signed(value: float) -> str:
-    return "" if pd.isna(value) else f"{value:+.4f}"
+    return "" if math.isnan(value) else f"{value:+.4f}"
 
 
 def _with_text_last(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

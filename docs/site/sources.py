@@ -5,10 +5,8 @@ lose their marks, and links are written anew. What is linked and is no page, suc
 results, comes with the site as a file.
 """
 
-import os
 import posixpath
 import re
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -144,9 +142,3 @@ def _write(path: Path, content: bytes) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
     return path
-
-
-def clear() -> None:
-    """Remove what was built, so that nothing of an earlier site is left."""
-    if os.path.lexists(BUILT):
-        shutil.rmtree(BUILT)
