@@ -54,8 +54,6 @@ AXE = Path(
     or Path(__file__).parents[1] / ".cache/axe/node_modules/axe-core/axe.min.js"
 )
 
-SITE = Path(__file__).parents[1] / "docs" / "_build" / "site"
-
 MakeOnce = Callable[[str, Callable[[Path], Path]], Path]
 
 # a busy machine fails neither of them
@@ -107,8 +105,8 @@ def _left_out() -> dict[str, str]:
     if not AXE.is_file():
         get = "npm install --no-save --prefix .cache/axe axe-core"
         reasons["axe"] = f"no axe-core is there: no test of accessibility; to get it: {get}"
-    if not SITE.is_dir():
-        reasons["site"] = "no site is built: no test of its pages; to build it: make docs"
+    if not (Path(__file__).parents[1] / "docs/_build/site").is_dir():
+        reasons["site"] = "no site is built: no test of its pages; make docs"
     return reasons
 
 
@@ -383,14 +381,6 @@ def chromium() -> Iterator[Any]:
         pytest.fail("a browser is required, and no chromium is on the path", pytrace=False)
     with running_chromium(CHROMIUM) as browser:
         yield browser
-
-
-@pytest.fixture(scope="session")
-def site() -> Path:
-    """Return the folder of the site that `make docs` built."""
-    if not (SITE / "index.html").is_file():
-        pytest.fail("the site is required, and it is not built: run `make docs`", pytrace=False)
-    return SITE
 
 
 @pytest.fixture

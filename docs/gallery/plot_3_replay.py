@@ -17,7 +17,7 @@ runs = {
     "exact": simulate(scene),
     "MuJoCo as it ships": simulate(scene, "mujoco", profile="default"),
 }
-INSTANTS = np.linspace(0.0, 0.26, 7)  # s
+INSTANTS = np.linspace(0.0, 0.26, 6)  # s
 around = np.linspace(0.0, 2.0 * np.pi, 60)
 circle = scene.can.radius * np.stack([np.cos(around), np.sin(around), 0.0 * around])
 half = scene.can.half_height
@@ -32,20 +32,29 @@ def side_view(
     return rim[0], rim[2]
 
 
-figure, rows = plt.subplots(2, len(INSTANTS), figsize=(11, 4.6), sharey=True, layout="constrained")
+figure, rows = plt.subplots(2, len(INSTANTS), figsize=(10, 5.2), sharey=True)
 for (name, run), row in zip(runs.items(), rows, strict=True):
     track = run.motion.trajectory
     for instant, axes in zip(INSTANTS, row, strict=True):
         at = int(np.abs(track.time - instant).argmin())
-        for height in (-half, half):
-            x, z = side_view(track.quaternion[at], track.position[at], height)
-            axes.plot(x * 1e3, z * 1e3, linewidth=1.2)
-        axes.axhline(0.0, color="0.5", linewidth=0.8)
+        rims = [
+            1e3 * np.array(side_view(track.quaternion[at], track.position[at], height))
+            for height in (-half, half)
+        ]
+        for rim in rims:
+            axes.plot(*rim, color="C0", linewidth=1.4)
+        for side in (np.argmin, np.argmax):  # the walls, from rim to rim
+            ends = [rim[:, side(rim[0])] for rim in rims]
+            axes.plot(*np.transpose(ends), color="C0", linewidth=1.4)
+        axes.axhline(0.0, color="0.4", linewidth=1.0)
         axes.set_aspect("equal")
-        axes.set_xlim(-75, 75)
+        middle = 1e3 * track.position[at, 0]
+        axes.set_xlim(middle - 62, middle + 62)
+        axes.set_ylim(-10, 145)
         axes.set_title(f"{track.time[at] * 1e3:.0f} ms", fontsize=9)
         axes.set_xticks([])
     row[0].set_ylabel(f"{name}\nz (mm)")
+figure.tight_layout()
 plt.show()
 
 # %%

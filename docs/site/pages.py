@@ -44,6 +44,8 @@ def pages() -> dict[str, str]:
 def first_page() -> str:
     """Return the first page, with the top of the leaderboard in its place."""
     text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    if not (ROOT / "docs" / "history.md").is_file():
+        text = text.replace("\nhistory\n", "\n")
     return text.replace("<!-- leaderboard -->", top(ROWS))
 
 
