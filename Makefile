@@ -10,7 +10,7 @@ ENGINES_VENV ?= .venv-engines
 ENGINES ?= $(shell $(PYTHON) -c 'import tomllib; of = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
 	print(*sorted({*of["optional-dependencies"]} & {*of["entry-points"]["rockingcan.engines"]}))')
 
-.PHONY: validate engines test test-all test-engines explore mutants numbers measure lint types contracts models schema clean
+.PHONY: validate engines test test-all test-engines explore mutants docs numbers measure lint types contracts models schema clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
@@ -53,6 +53,10 @@ types: $(VENV)/ready-to-develop
 contracts: $(VENV)/ready-to-develop
 	$(BIN)/lint-imports
 
+# the site, in docs/_build/site: it opens from disk
+docs: $(VENV)/ready-to-document
+	$(BIN)/python -m docs.site
+
 # the numbers in README, CONTRIBUTING and the docs, from the files that were measured
 numbers: $(VENV)/ready
 	$(BIN)/python -m docs.numbers
@@ -70,7 +74,7 @@ models: $(VENV)/ready
 	$(BIN)/python -m models.export
 
 clean:
-	rm -rf $(VENV) $(ENGINES_VENV) build dist
+	rm -rf $(VENV) $(ENGINES_VENV) build dist docs/_build
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -86,6 +90,10 @@ $(VENV)/ready-to-test: $(VENV)/ready
 
 $(VENV)/ready-to-mutate: $(VENV)/ready-to-test
 	$(BIN)/python -m pip install --quiet --group mutation -c constraints.txt
+	touch $@
+
+$(VENV)/ready-to-document: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --group docs -c constraints.txt
 	touch $@
 
 $(VENV)/ready-to-develop: $(VENV)/ready-to-test

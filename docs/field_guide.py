@@ -10,20 +10,22 @@ PAGES = tuple(sorted(page for page in GUIDE.glob("*.md") if page.name != "README
 
 def guide() -> dict[str, str]:
     """Return the complaints of the field guide, from what its pages say in short."""
-    rows, still = [], []
+    still, others = [], []
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         engine, _, complaint = text.splitlines()[0].removeprefix("# ").partition(": ")
         short = dict(re.findall(r"^- (status|exact|happens|cure): (.*)$", text, flags=re.MULTILINE))
+        linked = f"[{complaint}]({page.name})"
         told = [short[part] for part in ("exact", "happens", "cure")]
-        rows.append((f"[{complaint}]({page.name})", engine, short["status"], *told))
         if short["status"] == "happens":
-            still.append((f"[{complaint}](docs/field-guide/{page.name})", engine, *told))
+            still.append((linked, engine, *told))
+        else:
+            others.append((linked, engine, short["status"], *told))
     parts = ("what is exact", "what happens", "what cures it")
-    head, short_head = ("complaint", "engine", "status", *parts), ("complaint", "engine", *parts)
+    head, others_head = ("complaint", "engine", *parts), ("complaint", "engine", "status", *parts)
     return {
-        "index": markdown(head, rows, words=len(head)),
-        "table": markdown(short_head, still, words=len(short_head)),
+        "table": markdown(head, still, words=len(head)),
+        "others": markdown(others_head, others, words=len(others_head)),
         "pages": str(len(PAGES)),
         "still": str(len(still)),
     }

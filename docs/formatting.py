@@ -1,10 +1,13 @@
 """Tables and digits as the texts have them, of the files that were measured."""
 
+import math
 from collections.abc import Hashable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+
+from harness.engines.registry import our_names
 
 ROOT = Path(__file__).parents[1]
 BASELINE = ROOT / "reports" / "baseline"
@@ -31,3 +34,21 @@ def digits(value: float, count: int = 3) -> str:
         return f"{value:,.0f}"
     mantissa, power, exponent = f"{value:.{count}g}".partition("e")
     return mantissa + (power and f"e{int(exponent)}")
+
+
+def adapter_of(name: str) -> str:
+    """Return the adapter of an engine: one in an environment of its own has a version behind it."""
+    return max((own for own in our_names() if f"{name}-".startswith(f"{own}-")), key=len)
+
+
+def error_words(row: Row, column: str) -> str:
+    """Return the error of a run, or in words why it has none."""
+    kind, _, why = str(row[f"{column}_verdict"]).partition(": ")
+    error = float(row[column])
+    if kind == "not decidable":
+        return kind
+    if kind in {"failed", "unsupported"} or math.isnan(error):
+        return {"flat": "falls flat", "overturned": "overturns", "diverged": "diverges"}.get(
+            why, why.removesuffix(" the turns") or kind
+        )
+    return digits(error)

@@ -15,19 +15,35 @@ from functools import cache
 
 import pandas as pd
 
-from docs.field_guide import PAGES, guide
-from docs.formatting import BASELINE, ROOT, Row, csv, digits, markdown
+from docs.field_guide import guide
+from docs.formatting import (
+    BASELINE,
+    ROOT,
+    Row,
+    adapter_of,
+    csv,
+    digits,
+    error_words,
+    markdown,
+)
 from docs.history import history
 from harness.core.errors import HarnessError
-from harness.engines.registry import description_of, is_constraint, our_names
+from harness.engines.registry import description_of, is_constraint
 from harness.execution.atomic_write import write_atomically
 from harness.gate.comparison import FACTOR, SPREADS
 from harness.gate.spread import FEWEST, MOST, SIZES
 from models.effects import Effects
 
+BUILT = ROOT / "docs" / "_build"
+"""Where the site is built: copies, whose numbers have no marks."""
+
 TEXTS = (
-    *("README.md", "CONTRIBUTING.md", "docs/history.md", "docs/field-guide/README.md"),
-    *(f"docs/field-guide/{page.name}" for page in PAGES),
+    *("README.md", "CONTRIBUTING.md"),
+    *(
+        path.relative_to(ROOT).as_posix()
+        for path in sorted((ROOT / "docs").rglob("*.md"))
+        if not path.is_relative_to(BUILT) and not path.is_relative_to(ROOT / "docs" / "site")
+    ),
 )
 
 MARKED = re.compile(r"(<!-- = ([\w.-]+) -->)(.*?)(<!-- / -->)", flags=re.DOTALL)
@@ -67,9 +83,9 @@ def engines() -> dict[str, str]:
     names = [scene.rpartition("_")[0] for scene in scenes]
     order = best[f"{HEADLINE}_deg"].abs().sort_values(kind="stable").index
     rows = [
-        [description_of(_adapter(name)).label or name, _error(shipped.loc[name], scenes[0])]
-        + [_error(best.loc[name], scene) for scene in scenes]
-        for name in sorted(order, key=lambda name: is_constraint(_adapter(name)))
+        [description_of(adapter_of(name)).label or name, error_words(shipped.loc[name], scenes[0])]
+        + [error_words(best.loc[name], scene) for scene in scenes]
+        for name in sorted(order, key=lambda name: is_constraint(adapter_of(name)))
     ]
     heads = [
         f"{name}, {_UNITS[c.rpartition('_')[2]]}" for name, c in zip(names, scenes, strict=True)
@@ -88,8 +104,8 @@ def field() -> dict[str, str]:
         scene, _, unit = column.rpartition("_")
         rows = [
             [
-                description_of(_adapter(name)).label or name,
-                *(_error(table.loc[name], column) for table in (shipped, best)),
+                description_of(adapter_of(name)).label or name,
+                *(error_words(table.loc[name], column) for table in (shipped, best)),
             ]
             for name in best.index
             if not str(best.loc[name, f"{column}_verdict"]).startswith("unsupported")
@@ -97,11 +113,6 @@ def field() -> dict[str, str]:
         head = ("engine", f"as it ships, {_UNITS[unit]}", f"at its best, {_UNITS[unit]}")
         facts[scene] = markdown(head, rows)
     return facts
-
-
-def _adapter(name: str) -> str:
-    """Return the adapter of an engine: one in an environment of its own has a version behind it."""
-    return max((own for own in our_names() if f"{name}-".startswith(f"{own}-")), key=len)
 
 
 _UNITS = {"deg": "degrees", "rad": "rad of phi"}
@@ -112,19 +123,6 @@ HEADLINE = "paper-release"
 
 _SHOWN = 6
 """Scenes in the table of README: those in which engines are not asked to pull."""
-
-
-def _error(row: Row, column: str) -> str:
-    """Return the error of a run, or in words why it has none."""
-    kind, _, why = str(row[f"{column}_verdict"]).partition(": ")
-    error = float(row[column])
-    if kind == "not decidable":
-        return kind
-    if kind in {"failed", "unsupported"} or math.isnan(error):
-        return {"flat": "falls flat", "overturned": "overturns", "diverged": "diverges"}.get(
-            why, why.removesuffix(" the turns") or kind
-        )
-    return digits(error)
 
 
 def attribution() -> dict[str, str]:

@@ -105,6 +105,8 @@ def _left_out() -> dict[str, str]:
     if not AXE.is_file():
         get = "npm install --no-save --prefix .cache/axe axe-core"
         reasons["axe"] = f"no axe-core is there: no test of accessibility; to get it: {get}"
+    if not (Path(__file__).parents[1] / "docs/_build/site").is_dir():
+        reasons["site"] = "no site is built: no test of its pages; make docs"
     return reasons
 
 

@@ -14,7 +14,7 @@ PACKAGES = ("harness", "models", "reference")
 LONGEST = 400
 """Lines of a file; past it there is more than one idea in it."""
 
-FOLDERS_OF_OTHERS = {".git", "__pycache__", "node_modules", "dist", "build", "latest"}
+FOLDERS_OF_OTHERS = {".git", "__pycache__", "node_modules", "dist", "build", "_build", "latest"}
 
 
 def files(*folders: str, suffixes: tuple[str, ...]) -> Iterator[Path]:

@@ -51,9 +51,9 @@ def results(executed: Recorded) -> list[dict[str, Any]]:
     ]
 
 
-def test_the_first_cell_is_the_example_of_the_readme() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
+def test_the_first_cell_is_the_example_of_the_first_page() -> None:
+    page = (ROOT / "docs" / "start.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     first = codes(nbformat.read(PAGE, as_version=4))[0]  # type: ignore[no-untyped-call]
     assert first.source == example.rstrip("\n")
 

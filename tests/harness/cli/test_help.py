@@ -95,8 +95,8 @@ def test_every_command_of_the_store_teaches(rockingcan: Command, folder: str) ->
     assert f"Usage: rockingcan store {folder} [OPTIONS]" in sentences(answer.out)
 
 
-def test_the_commands_of_the_readme_parse() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_commands_of_the_page_on_use_parse() -> None:
+    text = (ROOT / "docs" / "how-to" / "use.md").read_text(encoding="utf-8")
     blocks = "\n".join(re.findall(r"```\n(.*?)```", text, flags=re.DOTALL))
     # what a command is for stands two spaces or more behind it
     lines = re.findall(r"^(rockingcan \w+.*?)(?=  |$| >)", blocks, flags=re.MULTILINE)

@@ -1,4 +1,4 @@
-"""The engine that CONTRIBUTING.md shows: taken from there, built, installed, run all the way."""
+"""The engine that docs/how-to shows: taken from there, built, installed, run all the way."""
 
 import importlib.util
 import json
@@ -14,7 +14,7 @@ import pytest
 
 pytestmark = pytest.mark.slow  # it builds a package and runs seven cases of it
 
-DOCUMENT = Path(__file__).parents[3] / "CONTRIBUTING.md"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "how-to" / "engine-of-your-own.md"
 
 SCRIPT = """
 import json, math, sys

@@ -1,0 +1,60 @@
+"""The leaderboard: divisions apart, and each cell leads to its case."""
+
+import re
+
+import pytest
+
+from docs.formatting import BASELINE
+from docs.site import boards
+from docs.site.boards import anchor, cases_html, leaderboard_page, top
+from harness.results.files import read_baseline
+from harness.results.result import Result
+
+
+@pytest.fixture
+def accepted(monkeypatch: pytest.MonkeyPatch) -> Result:
+    """Return the accepted results, as the only ones."""
+    result = read_baseline(BASELINE)
+    monkeypatch.setattr(boards, "results", lambda: (result,))
+    return result
+
+
+def test_each_cell_leads_to_a_case_on_the_page_of_its_engine(accepted: Result) -> None:
+    page = leaderboard_page()
+    links = re.findall(r'href="engines/([\w-]+)\.html#([\w.-]+)"', page)
+    assert len(links) > 20
+    engines = {engine for engine, _ in links}
+    cases = {engine: cases_html(engine) for engine in engines}
+    assert engines == set(accepted.engines)
+    assert all(f'id="{case}"' in cases[engine] for engine, case in links)
+
+
+def test_every_case_stands_there_with_its_command(accepted: Result) -> None:
+    page = cases_html("mujoco")
+    own = [score for score in accepted.cases if score.engine == "mujoco"]
+    assert page.count("<details") == len(own)
+    assert all(f'id="{anchor(accepted.place, score.digest)}"' in page for score in own)
+    assert page.count("rockingcan run ") == len(own)
+
+
+def test_a_result_of_another_engine_says_nothing_of_this(accepted: Result) -> None:
+    assert "drake" not in accepted.engines
+    assert cases_html("drake") == ""
+
+
+def test_divisions_have_tables_of_their_own(accepted: Result) -> None:
+    page = leaderboard_page()
+    heads = re.findall(r"^### (.*)$", page, flags=re.MULTILINE)
+    assert heads == [f"{name} ({accepted.suite})" for name in ("As shipped", "Matched", "Open")]
+    shipped, matched, opened = re.split(r"^### .*$", page, flags=re.MULTILINE)[1:]
+    assert "(default, " in shipped
+    assert "(default, " not in matched
+    assert "No file of results" in opened
+
+
+def test_words_of_a_submitter_are_text(accepted: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    hostile = accepted.model_copy(update={"name": "<script>alert(1)</script>"})
+    monkeypatch.setattr(boards, "results", lambda: (hostile,))
+    for text in (leaderboard_page(), cases_html("mujoco"), top(3)):
+        assert "<script>" not in text
+        assert "&lt;script&gt;" in text
