@@ -103,7 +103,8 @@ def changes_record(
 
 def diff(
     a: Annotated[
-        Path, typer.Argument(metavar="A", help="Folder of a report, or of accepted results.")
+        Path,
+        typer.Argument(metavar="A", help="Folder of a report or of accepted results, or a result."),
     ],
     b: Annotated[Path, typer.Argument(metavar="B", help="The same, to hold against it.")],
     baseline: Annotated[

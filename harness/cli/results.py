@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from pydantic import TypeAdapter, ValidationError
 from rich.markup import escape
 
 from harness import api
@@ -17,6 +18,7 @@ from harness.cli.study_command import run_with_progress
 from harness.core.case import Value
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.engines.registry import engine_version
+from harness.evaluation.case_cache import evaluation_cache
 from harness.evaluation.effort import expected_seconds
 from harness.evaluation.evaluation import Evaluation
 from harness.execution.cache import CacheFolder
@@ -36,7 +38,7 @@ from harness.results.files import (
 )
 from harness.results.plausibility import Objection, Rule, objections
 from harness.results.result import Result, input_digests, make_result
-from harness.results.scores import Division, scored
+from harness.results.scores import Division, Line, scored
 from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 
 _FOLDER = Path("reports/results")
@@ -86,8 +88,9 @@ def with_spread(
     store : CacheFolder, optional
         Where perturbed runs are kept and found; nowhere if left out.
     """
+    kept = None if store is None else evaluation_cache(store)
     efforts = {
-        case.label(): expected_seconds(study.cases[number])
+        case.label(): 0.0 if kept and kept.has(case) else expected_seconds(study.cases[number])
         for number, case in planned_members(study.cases, result.cases)
     }
     with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
@@ -130,6 +133,8 @@ def submit(  # noqa: PLR0917 - a parameter an option
     (engine,) = engines = api.stepping_engines([engine])
     chosen = engine_settings(set_ or [], engines)
     study = plan_comparison(suite, engines, chosen)
+    for option, words in (("--name", name), ("--note", note)):
+        _check_line(option, words)
     path = out or _FOLDER / _file_name(engine, suite)
     check_place(path.parent, _PLACE)
     done = run_with_progress(study, running)
@@ -156,6 +161,14 @@ def submit(  # noqa: PLR0917 - a parameter an option
             f"{', '.join(divisions)}.\nThe result: {path}"
         )
     )
+
+
+def _check_line(option: str, words: str) -> None:
+    """Refuse words that a result cannot have before anything runs."""
+    try:
+        TypeAdapter(Line).validate_python(words)
+    except ValidationError as error:
+        raise InvalidSettingError(option, words, "words on one line") from error
 
 
 def _file_name(engine: str, suite: str) -> str:

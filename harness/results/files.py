@@ -169,7 +169,7 @@ def _reading(place: Path, fault: Fault) -> Iterator[None]:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         key = ".".join(map(str, first["loc"]))
-        reason = f"{key}: {first['msg']}" if key else first["msg"]
+        reason = " ".join((f"{key}: {first['msg']}" if key else first["msg"]).split())
         raise ResultsError(place=place, fault=fault, reason=reason) from error
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())

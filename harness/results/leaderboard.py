@@ -4,17 +4,21 @@ Pure functions of results of one suite, and of one division at a time. The case 
 engine in a scene is the one with the smallest error, and the error of a case is one angle: the
 larger of the size of the error of the turn, where the can turns, and of the root mean square error
 of phi. An error of the turn alone can be zero by chance, where it changes its sign between two
-timesteps; both angles together cannot.
+timesteps; both angles together cannot. A run that bounced and whose turn could not be counted has
+no error, however near its phi is.
+
+Engines that impose rolling as a constraint solve another problem, and stand after the others.
 
 For example: frontier(cost_points(results, Division.MATCHED), "cpu_s").
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from harness.core.case import run_command
+from harness.engines.registry import is_constraint
 from harness.metrics.quantities import Number
 from harness.results.errors import MixedSuitesError
 from harness.results.result import Result
@@ -39,13 +43,14 @@ class CostPoint:
         See the module.
     turn_error_deg : float or None
         Error of the first turn, signed; None where nothing turns.
-    phi_rms_rad : float or None
-        None in a scene whose motion the reference does not have.
+    phi_rms_rad : float
     steps : int
     cpu_s : float
         Time of the processor on the machine of the result: `machine`, which no other is like.
     machine : str
         Processor, in the words of its maker.
+    imposes_rolling : bool
+        Whether rolling is a constraint of the engine, which is ranked with none that has contacts.
     case : str
         The case in a few words.
     digest : str
@@ -64,10 +69,11 @@ class CostPoint:
     division: Division
     error_rad: float
     turn_error_deg: Number
-    phi_rms_rad: Number
+    phi_rms_rad: float
     steps: int
     cpu_s: float
     machine: str
+    imposes_rolling: bool
     case: str
     digest: str
     command: str
@@ -80,7 +86,7 @@ class Standing:
 
     Parameters
     ----------
-    scene, engine, label, version, submitter, division, place
+    scene, engine, label, version, submitter, division, imposes_rolling, place
         As in `CostPoint`.
     best : CostPoint or None
         The case with the smallest error; None where no case reached its horizon with an error.
@@ -97,6 +103,7 @@ class Standing:
     version: str
     submitter: str
     division: Division
+    imposes_rolling: bool
     best: CostPoint | None
     endings: tuple[str, ...]
     truth_pulls: bool
@@ -106,8 +113,8 @@ class Standing:
 def leaderboard(results: Sequence[Result], division: Division) -> tuple[Standing, ...]:
     """Return the standings of each engine in each scene of a suite, the best of a scene first.
 
-    Scenes are in the order of the results, and engines that have no error stand last. An engine
-    without a case in the division has no standing.
+    Scenes are in the order of the results; of each those that have no error stand last, and then
+    the engines that impose rolling. An engine without a case in the division has no standing.
 
     Parameters
     ----------
@@ -121,8 +128,9 @@ def leaderboard(results: Sequence[Result], division: Division) -> tuple[Standing
         If the results are of several suites.
     """
     scenes = {score.scene: None for result in results for score in result.cases}
+    turning = _turning(results)
     standings = [
-        _standing(result, scene, engine, division)
+        _standing(result, scene, engine, division, turning)
         for scene in scenes
         for result in _of_one_suite(results)
         for engine in dict.fromkeys(
@@ -141,8 +149,9 @@ def cost_points(results: Sequence[Result], division: Division) -> tuple[CostPoin
     MixedSuitesError
         If the results are of several suites.
     """
+    turning = _turning(results)
     points = (
-        _point(result, score)
+        _point(result, score, turning)
         for result in _of_one_suite(results)
         for score in result.cases
         if score.division is division
@@ -151,13 +160,17 @@ def cost_points(results: Sequence[Result], division: Division) -> tuple[CostPoin
 
 
 def frontier(points: Sequence[CostPoint], cost: Literal["cpu_s", "steps"]) -> tuple[CostPoint, ...]:
-    """Return the points of one scene that no cheaper one is as exact as, the cheapest first."""
+    """Return the points of one scene that no cheaper one is as exact as, the cheapest first.
+
+    Engines that impose rolling are on the frontier of their own: where there are others, on none.
+    """
 
     def price(point: CostPoint) -> float:
         return point.cpu_s if cost == "cpu_s" else point.steps
 
     best: list[CostPoint] = []
-    for point in sorted(points, key=lambda p: (price(p), p.error_rad)):
+    ranked = [point for point in points if not point.imposes_rolling] or points
+    for point in sorted(ranked, key=lambda p: (price(p), p.error_rad)):
         if not best or point.error_rad < best[-1].error_rad:
             best.append(point)
     return tuple(best)
@@ -170,18 +183,30 @@ def _of_one_suite(results: Sequence[Result]) -> Sequence[Result]:
     return results
 
 
-def _rank(standing: Standing) -> tuple[float, str, str]:
+def _turning(results: Sequence[Result]) -> frozenset[str]:
+    """Return the scenes in which a can bounces: some run has a bounce to be held to the truth."""
+    return frozenset(
+        score.scene
+        for result in results
+        for score in result.cases
+        if {_TURN, "bounce_time_error_s"} & set(score.values)
+    )
+
+
+def _rank(standing: Standing) -> tuple[bool, float, str, str]:
     error = math.inf if standing.best is None else standing.best.error_rad
-    return error, standing.engine, standing.version
+    return standing.imposes_rolling, error, standing.engine, standing.version
 
 
-def _standing(result: Result, scene: str, engine: str, division: Division) -> Standing:
+def _standing(
+    result: Result, scene: str, engine: str, division: Division, turning: Collection[str]
+) -> Standing:
     own = [
         score
         for score in result.cases
         if (score.scene, score.engine, score.division) == (scene, engine, division)
     ]
-    points = [point for point in (_point(result, score) for score in own) if point is not None]
+    points = [p for p in (_point(result, score, turning) for score in own) if p is not None]
     return Standing(
         scene=scene,
         engine=engine,
@@ -189,6 +214,7 @@ def _standing(result: Result, scene: str, engine: str, division: Division) -> St
         version=result.engines[engine].version,
         submitter=result.name,
         division=division,
+        imposes_rolling=is_constraint(engine),
         best=min(points, key=lambda point: point.error_rad, default=None),
         endings=tuple(dict.fromkeys(score.outcome for score in own)),
         truth_pulls=any(score.truth_pulls for score in own),
@@ -196,9 +222,9 @@ def _standing(result: Result, scene: str, engine: str, division: Division) -> St
     )
 
 
-def _point(result: Result, score: Score) -> CostPoint | None:
+def _point(result: Result, score: Score, turning: Collection[str]) -> CostPoint | None:
     """Return the point of a case; None if it has no error that could be ranked."""
-    error = error_rad(score)
+    error = error_rad(score, turns=score.scene in turning)
     if error is None:
         return None
     engine = result.engines[score.engine]
@@ -211,10 +237,11 @@ def _point(result: Result, score: Score) -> CostPoint | None:
         division=score.division,
         error_rad=error,
         turn_error_deg=score.values.get(_TURN),
-        phi_rms_rad=score.values.get(_PHI),
+        phi_rms_rad=score.values[_PHI],
         steps=int(score.values["steps"]),
         cpu_s=score.values["cpu_s"],
         machine=result.machine.processor,
+        imposes_rolling=is_constraint(score.engine),
         case=score.identity.label(),
         digest=score.digest,
         command=command(result, score),
@@ -222,12 +249,19 @@ def _point(result: Result, score: Score) -> CostPoint | None:
     )
 
 
-def error_rad(score: Score) -> Number:
-    """Return the error of a case, rad; None if it ended early, or cannot be held to the truth."""
-    turn, phi = score.values.get(_TURN), score.values.get(_PHI)
-    known = [abs(value) for value in (turn and math.radians(turn), phi) if value is not None]
-    costs = {"steps", "cpu_s"} <= set(score.values)
-    return max(known) if known and costs and score.finished and not score.truth_pulls else None
+def error_rad(score: Score, *, turns: bool) -> Number:
+    """Return the error of a case, rad; None if it ended early, or cannot be held to the truth.
+
+    Parameters
+    ----------
+    score : Score
+    turns : bool
+        Whether the can bounces in the scene of the case.
+    """
+    needed = {_PHI, "steps", "cpu_s", *((_TURN,) if turns else ())}
+    if not needed <= set(score.values) or not score.finished or score.truth_pulls:
+        return None
+    return max(abs(math.radians(score.values.get(_TURN, 0.0))), score.values[_PHI])
 
 
 def command(result: Result, score: Score) -> str:

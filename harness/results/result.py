@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from harness.core.provenance import provenance
 from harness.engines.registry import description_of
 from harness.execution.source_fingerprint import sources_fingerprint
-from harness.results.scores import CaseIdentity, Digest, Division, Part, Score, scene_digest
+from harness.results.scores import CaseIdentity, Digest, Division, Line, Part, Score, scene_digest
 from models.scene import Scene
 
 FORMAT: Literal["rockingcan-result"] = "rockingcan-result"
@@ -24,14 +24,14 @@ VERSION: Literal[2] = 2
 class EngineRelease(Part):
     """An engine: its name for people, and its version as the engine or its package tells it."""
 
-    label: str
-    version: str
+    label: Line
+    version: Line
 
 
 class Program(Part):
     """The version of rockingcan; and of a run the digest of its sources, None where unknown."""
 
-    version: str
+    version: Line
     fingerprint: Digest | None = None
 
 
@@ -42,19 +42,19 @@ class Machine(Part):
     of its own the versions there.
     """
 
-    platform: str
-    processor: str
+    platform: Line
+    processor: Line
     cores: Annotated[int, Field(ge=1)]
-    python: str
-    packages: Mapping[str, str]
-    environments: Mapping[str, str] = {}
+    python: Line
+    packages: Mapping[Line, Line]
+    environments: Mapping[Line, Line] = {}
 
 
 class Made(Part):
     """When a result was written (UTC, ISO 8601), and from which commit, None where unknown."""
 
-    written: str
-    commit: str | None = None
+    written: Line
+    commit: Line | None = None
     changed_since_commit: bool | None = None
 
 
@@ -85,15 +85,15 @@ class Result(Part):
 
     format: Literal["rockingcan-result"]
     version: Literal[2]
-    suite: str
-    name: str = ""
-    note: str = ""
-    engines: Mapping[str, EngineRelease]
+    suite: Line
+    name: Line = ""
+    note: Line = ""
+    engines: Mapping[Line, EngineRelease]
     program: Program
     machine: Machine
     made: Made
-    settings: Mapping[str, str] = {}
-    inputs: Mapping[str, Digest]
+    settings: Mapping[Line, Line] = {}
+    inputs: Mapping[Line, Digest]
     perturbed_by: tuple[float, ...] = ()
     cases: tuple[Score, ...]
     _place: str = PrivateAttr("this run")

@@ -226,6 +226,9 @@ _COUNT: dict[str, object] = {"type": "integer", "minimum": 1}
 
 Digest = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
 
+Line = Annotated[str, Field(max_length=10_000, pattern=r"^[^\u0000-\u001f\u007f]*$")]
+"""Words on one line: they are shown in a terminal and on a page."""
+
 
 class Score(Part):
     """A run in numbers; also a line of a file of results.
@@ -255,11 +258,11 @@ class Score(Part):
         How often the run and its members ended with which outcome.
     """
 
-    scene: str
-    engine: str
+    scene: Line
+    engine: Line
     profile: Literal["default", "matched", "adaptive"]
     timestep: Annotated[float, Field(ge=0.0)] = 0.0
-    options: str = ""
+    options: Line = ""
     division: Division
     digest: Digest
     outcome: Annotated[

@@ -9,7 +9,7 @@ from harness.engines.registry import left_out
 from harness.gate.baseline import required_cases
 from harness.gate.spread import FEWEST
 from harness.results.errors import FILE
-from harness.results.files import read_baseline
+from harness.results.files import read_baseline, read_result
 from harness.results.scores import QUANTITIES, QuantityKind, identity
 
 BASELINE = Path(__file__).parents[3] / "reports" / "baseline"
@@ -36,8 +36,12 @@ def test_it_covers_both_suites_as_their_scenes_are_now() -> None:
         assert here == {identity(case) for case in cases}
 
 
-def test_every_case_has_its_spread() -> None:
-    for name, one in read_baseline(BASELINE).scores.items():
+SUBMITTED = sorted((BASELINE.parent / "results").glob("*.json"))
+
+
+@pytest.mark.parametrize("path", [BASELINE / FILE, *SUBMITTED], ids=lambda path: path.name)
+def test_every_case_has_its_spread(path: Path) -> None:
+    for name, one in read_result(path).scores.items():
         assert one.members >= FEWEST, name
         assert sum(one.endings.values()) == one.members + 1
         assert not one.finished or set(one.values) - TIMES <= set(one.spread), name

@@ -132,6 +132,7 @@ def test_a_file_that_is_no_result_fails_and_the_others_are_checked(
         (("submit", "--engine", "mujoco", "--out", "file/a.json"), "may write to with --out"),
         (("submit", "--engine", "mujoco", "--suite", "slow"), "'slow'"),
         (("submit", "--engine", "mujoco", "--set", "pybullet.contactERP=1"), "that runs: mujoco"),
+        (("submit", "--engine", "mujoco", "--name", "two\nlines"), "words on one line"),
         (("submit", "--engine", "none"), "unknown engine 'none'"),
     ],
 )

@@ -38,7 +38,7 @@ def test_an_error_of_the_turn_that_is_zero_by_chance_does_not_win() -> None:
     assert only.best is not None
     assert only.best.turn_error_deg == 0.01
     assert only.best.error_rad == pytest.approx(math.radians(0.01))
-    assert error_rad(lucky) == 1e-2
+    assert error_rad(lucky, turns=True) == 1e-2
 
 
 def test_divisions_never_meet() -> None:
@@ -60,10 +60,11 @@ def test_divisions_never_meet() -> None:
         cell(1e-3, truth_pulls=True),
         make_score({"steps": 1.0, "cpu_s": 1.0}),
         make_score({PHI: 1e-3}),
+        make_score({PHI: 1e-3, "steps": 1.0, "cpu_s": 1.0, "bounce_time_error_s": 0.1}),
     ],
 )
 def test_what_cannot_be_ranked_stands_last_with_its_endings(score: Score) -> None:
-    fine = cell(1.0, engine="pybullet")
+    fine = cell(1.0, engine="pybullet", turn=1.0)
     first, last = leaderboard([make_scores(score), make_scores(fine)], Division.MATCHED)
     assert first.engine == "pybullet"
     assert (last.best, last.endings) == (None, (score.outcome,))
@@ -102,3 +103,21 @@ def test_the_command_runs_the_case_with_the_settings_of_its_file() -> None:
         *("rockingcan", "run", "gentle-rock", "--engine", "mujoco", "--profile", "matched"),
         *("--timestep", "0.001", "--set", "impratio=2"),
     ]
+
+
+def test_engines_that_impose_rolling_stand_apart() -> None:
+    imposed, contact = cell(1e-9, engine="exudyn"), cell(1e-3)
+    results = [make_scores(imposed), make_scores(contact)]
+    last = leaderboard(results, Division.MATCHED)[-1]
+    assert (last.engine, last.imposes_rolling) == ("exudyn", True)
+    points = cost_points(results, Division.MATCHED)
+    assert [point.engine for point in frontier(points, "steps")] == ["mujoco"]
+    alone = [point for point in points if point.imposes_rolling]
+    assert [point.engine for point in frontier(alone, "steps")] == ["exudyn"]
+
+
+def test_a_turn_that_nobody_could_count_is_no_small_error() -> None:
+    coarse = cell(1e-3, timestep=1e-2)
+    (only,) = leaderboard([make_scores(coarse, cell(1e-2, turn=0.1))], Division.MATCHED)
+    assert only.best is not None
+    assert only.best.phi_rms_rad == 1e-2

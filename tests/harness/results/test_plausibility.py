@@ -1,15 +1,18 @@
 """What a result cannot claim is named; what is honest is not."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from harness import api
 from harness.core.case import Value
-from harness.results.errors import FILE
-from harness.results.files import read_result
+from harness.results.errors import FILE, ResultsError
+from harness.results.files import read_result, to_text
 from harness.results.plausibility import Rule, changed_scenes, designed_cases, objections
 from harness.results.result import Result, input_digests, make_result
 from harness.results.scores import Division, Score, score_of_row
@@ -175,3 +178,49 @@ def test_settings_on_top_are_part_of_the_digest_where_they_are_known(honest: Res
     ).model_copy(update={"settings": {"mujoco.impratio": "3"}})
     assert rules(opened) == []  # what was set is not known here
     assert set(rules(opened, mujoco={"impratio": 3})) == {Rule.DIGEST}
+
+
+def leaves(told: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Return the paths of all values in what a file holds, inner ones too."""
+    inner = told.items() if isinstance(told, dict) else enumerate(told)
+    found = [(*path, key) for key, _ in inner]
+    nested = told.items() if isinstance(told, dict) else enumerate(told)
+    return found + [
+        each
+        for key, value in nested
+        if isinstance(value, dict | list)
+        for each in leaves(value, (*path, key))
+    ]
+
+
+def said_of(path: Path) -> list[str]:
+    """Return why a file is refused, or what there is to object to in it."""
+    try:
+        return [objection.text for objection in objections(read_result(path), {})]
+    except ResultsError as error:
+        return [str(error)]
+
+
+@given(
+    place=st.integers(0, 10**6),
+    value=st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text(max_size=5)
+    | st.lists(st.integers(), max_size=2)
+    | st.dictionaries(st.text(max_size=3), st.integers(), max_size=2),
+)
+def test_a_damaged_file_is_refused_in_a_sentence_or_judged(
+    honest: Result, tmp_path_factory: pytest.TempPathFactory, place: int, value: object
+) -> None:
+    told = json.loads(to_text(honest.of_cases(honest.cases[:2])))
+    paths = leaves(told)
+    *outer, last = paths[place % len(paths)]
+    inner = told
+    for key in outer:
+        inner = inner[key]
+    inner[last] = value
+    path = tmp_path_factory.getbasetemp() / "damaged.json"
+    path.write_text(json.dumps(told), encoding="utf-8")
+    assert all("\n" not in text for text in said_of(path))

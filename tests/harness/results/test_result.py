@@ -70,6 +70,8 @@ def test_an_engine_or_a_scene_that_is_not_declared_is_refused(key: str, said: st
         ("timestep", -1.0),
         ("digest", "xyz"),
         ("another", 1),
+        ("options", "two\nlines"),
+        ("scene", "\x1b[2J"),
     ],
 )
 def test_what_no_score_has_is_refused(key: str, value: object) -> None:

@@ -54,6 +54,7 @@ def test_a_result_made_by_hand_keeps_to_it() -> None:
         {"inputs": {"gentle-rock": "short"}},
         {"settings": {"mujoco.cone": 1}},
         {"perturbed_by": ["1e-9"]},
+        {"note": "two\nlines"},
     ],
 )
 def test_what_is_no_result_breaks_it(wrong: dict[str, object]) -> None:
