@@ -58,6 +58,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,
+    "min_reported_time": 3600,  # s
     "write_computation_times": False,  # the same sources give the same pages
     "show_signature": False,
     "remove_config_comments": True,

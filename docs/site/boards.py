@@ -18,14 +18,14 @@ from markupsafe import Markup
 from docs.formatting import BASELINE, ROOT, adapter_of, digits
 from docs.site.rendering import render
 from harness.core.report_model import Figure, Panel, Series
-from harness.metrics.quantities import QUANTITIES
+from harness.engines.description import APART
 from harness.report.style import entries, palette
 from harness.report.svg_renderer import stills
 from harness.results.files import read_baseline, read_result, result_files
 from harness.results.leaderboard import CostPoint, Standing, cost_points, frontier, leaderboard
 from harness.results.leaderboard import command as command_of
 from harness.results.result import Result
-from harness.results.scores import Division, Score
+from harness.results.scores import BY_COLUMN, Division, Score
 
 SUBMITTED = ROOT / "reports" / "results"
 FRONTIER = ("gentle-rock", "paper-release")
@@ -51,12 +51,13 @@ class Cell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """An engine of one version, as one file of results has it."""
+    """An engine of one version, as one file of results has it; a constraint stands apart."""
 
     label: str
     version: str
     submitter: str
     page: str
+    apart: bool
     cells: tuple[Cell, ...]
 
 
@@ -87,7 +88,7 @@ def top(count: int) -> str:
     own = [result for result in results() if result.suite == "quick"] or results()[-1:]
     standings = leaderboard(own, Division.MATCHED)
     scenes = list(dict.fromkeys(standing.scene for standing in standings))
-    table = _table(_rows(standings, scenes)[:count], [*scenes, *_COSTS])
+    table = _table(rows_of(standings, scenes)[:count], [*scenes, *_COSTS])
     told = (
         f"Suite {own[0].suite}, division *{Division.MATCHED.value}*: the error of the best case of "
         "each scene, in degrees. Press a column's head to sort by it."
@@ -106,7 +107,7 @@ def _suite_order(suite: str) -> tuple[bool, str]:
 def _division(own: Sequence[Result], division: Division) -> dict[str, object]:
     standings = leaderboard(own, division)
     scenes = list(dict.fromkeys(standing.scene for standing in standings))
-    rows = _rows(standings, scenes)
+    rows = rows_of(standings, scenes)
     drawn = _frontier(cost_points(own, division)) if division is Division.MATCHED else None
     return {
         "title": division.value,
@@ -116,16 +117,16 @@ def _division(own: Sequence[Result], division: Division) -> dict[str, object]:
     }
 
 
-def _rows(standings: Sequence[Standing], scenes: Sequence[str]) -> list[Row]:
+def rows_of(standings: Sequence[Standing], scenes: Sequence[str]) -> list[Row]:
+    """Return a row for each engine and version, best first; constraints after all contacts."""
     by_engine = defaultdict[tuple[str, str, str], dict[str, Standing]](dict)
     for standing in standings:
         key = (standing.engine, standing.version, standing.place)
         by_engine[key][standing.scene] = standing
-    turning = {s.scene for s in standings if s.best and s.best.turn_error_deg is not None}
     rows = []
     for own in by_engine.values():
         first = next(iter(own.values()))
-        cells = tuple(_cell(own[scene], turns=scene in turning) for scene in scenes)
+        cells = tuple(_cell(own[scene]) for scene in scenes)
         costs = [s.best for s in own.values() if s.best is not None]
         steps, seconds = (sum(getattr(p, name) for p in costs) for name in ("steps", "cpu_s"))
         rows.append(
@@ -134,6 +135,7 @@ def _rows(standings: Sequence[Standing], scenes: Sequence[str]) -> list[Row]:
                 version=first.version,
                 submitter=first.submitter,
                 page=f"engines/{adapter_of(first.engine)}.html",
+                apart=first.imposes_rolling,
                 cells=(
                     *cells,
                     Cell(text=f"{steps:,}", order=steps),
@@ -141,10 +143,10 @@ def _rows(standings: Sequence[Standing], scenes: Sequence[str]) -> list[Row]:
                 ),
             )
         )
-    return sorted(rows, key=lambda row: (row.cells[0].order, row.label, row.version))
+    return sorted(rows, key=lambda row: (row.apart, row.cells[0].order, row.label, row.version))
 
 
-def _cell(standing: Standing, *, turns: bool) -> Cell:
+def _cell(standing: Standing) -> Cell:
     """Return what an engine reaches in a scene, in degrees, or in words why it has no number."""
     best = standing.best
     if best is None:
@@ -152,10 +154,9 @@ def _cell(standing: Standing, *, turns: bool) -> Cell:
             return Cell(text="pulls", order=math.inf, title=_PULLS)
         return Cell(text=_endings(standing.endings), order=math.inf)
     error = math.degrees(best.error_rad)
-    uncounted = turns and best.turn_error_deg is None
     return Cell(
-        text="turns not counted" if uncounted else digits(error),
-        order=math.inf if uncounted else error,
+        text=digits(error),
+        order=error,
         link=f"engines/{adapter_of(best.engine)}.html#{anchor(best.place, best.digest)}",
         title=best.case,
     )
@@ -166,7 +167,7 @@ _PULLS = "The exact motion asks the plane to pull, which no contact does."
 
 def _endings(endings: Iterable[str]) -> str:
     words = [name.lower().replace("_", " ") for name in endings if name != "FINISHED"]
-    return ", ".join(words) or "no error"
+    return ", ".join(words) or "turns not counted"
 
 
 def anchor(place: str, digest: str) -> str:
@@ -176,7 +177,8 @@ def anchor(place: str, digest: str) -> str:
 
 def _frontier(points: Sequence[CostPoint]) -> Figure | None:
     """Return the errors of all cases against their costs, with the frontier; None without any."""
-    by_scene = {scene: [p for p in points if p.scene == scene] for scene in FRONTIER}
+    contacts = [point for point in points if not point.imposes_rolling]
+    by_scene = {scene: [p for p in contacts if p.scene == scene] for scene in FRONTIER}
     panels = tuple(_panel(scene, own) for scene, own in by_scene.items() if own)
     if not panels:
         return None
@@ -263,11 +265,12 @@ def _case(result: Result, score: Score) -> Mapping[str, object]:
         "command": command_of(result, score),
         "ended": score.outcome.lower().replace("_", " "),
         "values": [
-            (QUANTITIES[column].label, QUANTITIES[column].unit, value, score.spread.get(column))
+            (BY_COLUMN[column].words, BY_COLUMN[column].unit, value, score.spread.get(column))
             for column, value in score.values.items()
         ],
     }
 
 
 def _table(rows: Sequence[Row], heads: Sequence[str]) -> str:
-    return render("board.html", rows=rows, heads=heads)
+    groups = [[row for row in rows if row.apart is apart] for apart in (False, True)]
+    return render("board.html", groups=groups, heads=heads, apart=APART)

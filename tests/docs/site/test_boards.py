@@ -6,9 +6,11 @@ import pytest
 
 from docs.formatting import BASELINE
 from docs.site import boards
-from docs.site.boards import anchor, cases_html, leaderboard_page, top
+from docs.site.boards import Row, anchor, cases_html, leaderboard_page, top
 from harness.results.files import read_baseline
+from harness.results.leaderboard import leaderboard
 from harness.results.result import Result
+from harness.results.scores import Division
 
 
 @pytest.fixture
@@ -17,6 +19,12 @@ def accepted(monkeypatch: pytest.MonkeyPatch) -> Result:
     result = read_baseline(BASELINE)
     monkeypatch.setattr(boards, "results", lambda: (result,))
     return result
+
+
+def ranked(suite: str) -> list[Row]:
+    own = [result for result in boards.results() if result.suite == suite]
+    standings = leaderboard(own, Division.MATCHED)
+    return boards.rows_of(standings, list(dict.fromkeys(s.scene for s in standings)))
 
 
 def test_each_cell_leads_to_a_case_on_the_page_of_its_engine(accepted: Result) -> None:
@@ -50,6 +58,12 @@ def test_divisions_have_tables_of_their_own(accepted: Result) -> None:
     assert "(default, " in shipped
     assert "(default, " not in matched
     assert "No file of results" in opened
+
+
+def test_a_constraint_is_ranked_with_no_contact() -> None:
+    rows = [row for row in ranked("quick") if row.label in {"Exudyn", "MuJoCo"}]
+    assert [row.label for row in rows] == ["MuJoCo", "Exudyn"]  # whatever their errors
+    assert [row.apart for row in rows] == [False, True]
 
 
 def test_words_of_a_submitter_are_text(accepted: Result, monkeypatch: pytest.MonkeyPatch) -> None:

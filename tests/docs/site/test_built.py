@@ -154,5 +154,5 @@ def test_a_column_sorts_and_a_cell_opens_its_case(browse: Any, site: Path) -> No
     table.locator("td a").first.click()
     page.wait_for_function("location.hash.startsWith('#case-')")
     case = page.locator("details.case[open]")
-    assert case.count() == 1
+    case.wait_for()
     assert "rockingcan run" in case.inner_text()
