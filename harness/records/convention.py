@@ -13,7 +13,7 @@ components x and z change their signs, as those of an angular velocity do.
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from types import MappingProxyType
 
@@ -62,17 +62,18 @@ class Convention:
     origin: str = "centre"
     spin: str = "world"
 
+    def parts(self) -> dict[str, str]:
+        """Return the word of each part."""
+        return {name: getattr(self, name) for name in CHOICES}
+
     def words(self) -> str:
         """Return what differs from ours, as `--convention` takes it; empty if nothing does."""
-        return " ".join(
-            f"{part.name}={getattr(self, part.name)}"
-            for part in fields(self)
-            if getattr(self, part.name) != part.default
-        )
+        ours = Convention().parts()
+        return " ".join(f"{k}={word}" for k, word in self.parts().items() if word != ours[k])
 
     def sentence(self) -> str:
         """Return the convention in words."""
-        return ", ".join(f"{name} {getattr(self, name)}" for name in CHOICES)
+        return ", ".join(f"{name} {word}" for name, word in self.parts().items())
 
 
 def chosen_parts(pairs: Iterable[str]) -> dict[str, str]:

@@ -16,6 +16,9 @@ from models.kinematics import angles as angles_of
 from models.rim import released
 from models.scene import Scene
 
+CONJUGATE = np.array((1.0, -1.0, -1.0, -1.0))
+"""Signs of the inverse of a unit quaternion."""
+
 ALIKE = 1e-6
 """rad, and radii: motions that differ by less are one."""
 

@@ -1,63 +1,41 @@
 """What a record says, in the harness's terms: a convention that the scene confirms, or none.
 
-Columns that are written by our convention need no option. Otherwise every convention is tried that
-the user has not ruled out: one is taken if the record then starts as the scene's release does, and
-goes on as its exact motion up to the first bounce; what was understood is told. If none fits, or
-several that differ, the record is refused.
+The convention is that which the scene confirms (`harness.records.confirming`); what was understood
+is told. A record that is no motion of the scene is refused.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from harness.core.trajectory import Floats, Trajectory
-from harness.engines.reference.to_reference_problem import refusal
-from harness.engines.reference.truth import truth
 from harness.engines.stepping.horizon import natural_time
-from harness.metrics.error import rotation_between
 from harness.records.columns import (
     ANGLES,
     CONTACT,
     DEPTH,
     FORCE,
-    POSITION,
     QUATERNION,
     SPIN,
     VELOCITY,
     Columns,
     RecordFileError,
 )
+from harness.records.confirming import confirmed, poses_of, spins
 from harness.records.convention import (
     Convention,
-    body_vector_from,
-    continuous,
-    conventions,
     multiplied,
-    quaternion_from,
     turned,
     vector_from,
 )
-from harness.records.placing import ALIKE, Placed, Poses
-from models.kinematics import angles as angles_of
-from models.kinematics import quaternion as quaternion_of
+from harness.records.placing import CONJUGATE, Placed, Poses
 from models.rim import contact_point, released
 from models.scene import Scene
 
-_TILT_OFF, _HEIGHT_OFF, _SPIN_OFF = 0.02, 0.02, 0.05
-"""Of the tilt of the release, of the radius, and of the natural rate: a start that is farther from
-the scene's is another."""
-
-_MOTION_OFF = 0.1
-"""rad, and radii: a motion that is farther from the exact one before its first bounce is another,
-where a convention is sought."""
-
-_CLEARLY = 0.3
-"""rad, radii, and share of the next best: a whole motion that is nearer decides between several."""
-
-_CONJUGATE = np.array((1.0, -1.0, -1.0, -1.0))
+_SPIN_OFF = 0.05
+"""Of the natural rate: an angular velocity that is farther from the release's is another."""
 
 _SPLINE = 4
 """Samples that a cubic spline needs."""
@@ -67,9 +45,6 @@ _UNIT = 1e-3
 
 _TOUCHING = 1e-3
 """Of the radius: a can that is nearer to the plane touches it, where no force is recorded."""
-
-_SAMPLES = 400
-"""Of the start of a record, in which conventions are tried."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -108,60 +83,14 @@ def understand(columns: Columns, scene: Scene, given: dict[str, str]) -> Underst
     RecordFileError
         If the record does not start as the scene's release does, or no convention is found.
     """
-    chosen, why = _confirmed(columns, scene, given)
-    poses = _poses(columns, scene, chosen)
+    if not columns.has(ANGLES):
+        _check_lengths(columns)
+    chosen, why = confirmed(columns, scene, given)
+    poses = poses_of(columns, scene, chosen)
     placed = Placed.of(poses, scene)
     spin, chosen, spin_said = _spin(columns, placed, chosen, given)
     said = f"convention, {why}: {chosen.sentence()}"
     return _assembled(columns, scene, placed, chosen, spin, (said, *placed.said, spin_said))
-
-
-def _poses(columns: Columns, scene: Scene, convention: Convention) -> Poses:
-    """Return the poses of a record by a convention, the time from its first sample on."""
-    time = columns.quantities["time"]
-    if columns.has(ANGLES):
-        q = continuous(quaternion_of(*(columns.quantities[name] for name in ANGLES)))
-    else:
-        q = quaternion_from(convention, columns.stacked(QUATERNION))
-    position = vector_from(convention, columns.stacked(POSITION))
-    if convention.origin == "base":
-        position = position + turned(q, np.array((0.0, 0.0, scene.can.half_height)))
-    return Poses(time=time - time[0], position=position, quaternion=q)
-
-
-_CONFIRMED = "confirmed by the motion up to the bounce"
-_TOLD_APART = "confirmed by the whole motion"
-_ASSUMED = "assumed, since others fit as well"
-_STARTS = "assumed, since the start is the release's, but no convention comes near the exact motion"
-_NO_MOTION = "confirmed by the release alone: the scene has no exact motion"
-
-
-def _confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> tuple[Convention, str]:
-    """Return the convention that the scene confirms, and what confirms it."""
-    if not columns.has(ANGLES):
-        _check_lengths(columns)
-    every = tuple(conventions(given, angles=columns.has(ANGLES)))
-    ours, few = every[0], _few(columns)
-    wrong = {one: _wrong_start(_poses(few, scene, one), scene) for one in every}
-    starting = [one for one in every if not wrong[one]]
-    fitting = [one for one in starting if _strays(columns, scene, one) <= _MOTION_OFF]
-    fitting = list(_different(columns, scene, fitting))
-    if len(fitting) > 1:  # alike up to the bounce: the whole motion tells, if it is near to any
-        off = {one: _strays(columns, scene, one, whole=True) for one in fitting}
-        best, second = sorted(fitting, key=lambda one: off[one])[:2]
-        if off[best] <= _CLEARLY and off[best] <= _CLEARLY * off[second]:
-            return best, _TOLD_APART
-        if ours not in fitting:
-            words = "; or ".join(one.words() or "ours" for one in fitting)
-            reason = f"several conventions fit and differ: choose one by --convention: {words}"
-            raise RecordFileError(columns.path, reason)
-        return ours, _ASSUMED
-    if fitting:
-        return fitting[0], _NO_MOTION if refusal(scene) else _CONFIRMED
-    if ours in starting:  # it starts well: what it does later is its program's
-        return ours, _STARTS
-    reason = f"is no motion of scene '{scene.name}' by any convention that is left: {wrong[ours]}"
-    raise RecordFileError(columns.path, reason)
 
 
 def _check_lengths(columns: Columns) -> None:
@@ -171,71 +100,6 @@ def _check_lengths(columns: Columns) -> None:
         first = int(np.argmax(off > _UNIT))
         reason = f"the quaternion in sample {first + 1} has length {lengths[first]:.4g}, not 1"
         raise RecordFileError(columns.path, reason)
-
-
-def _few(columns: Columns) -> Columns:
-    """Return the first sample, and those that are needed to know a start."""
-    return replace(columns, quantities={k: v[:1] for k, v in columns.quantities.items()})
-
-
-def _wrong_start(poses: Poses, scene: Scene) -> str:
-    """Return how the first sample differs from the release; empty if it does not."""
-    can, release = scene.can, scene.release
-    phi, _, _ = (float(each) for each in angles_of(poses.quaternion[0]))
-    if abs(phi - release.phi) > _TILT_OFF * release.phi:
-        return f"it starts at a tilt of {phi:.6g} rad, and the release is at {release.phi:.6g} rad"
-    pose, _ = released(scene)
-    height, expected = float(poses.position[0, 2]), float(pose.position[2])
-    if abs(height - expected) > _HEIGHT_OFF * can.radius:
-        return (
-            f"its centre starts at a height of {height:.6g} m, and the release is at "
-            f"{expected:.6g} m"
-        )
-    return ""
-
-
-def _strays(
-    columns: Columns, scene: Scene, convention: Convention, *, whole: bool = False
-) -> float:
-    """Return how far a record is from the exact motion, rad or radii, whichever is more.
-
-    Before its first bounce the farthest, and over the whole record the median. Zero where there is
-    no exact motion.
-    """
-    if refusal(scene):
-        return 0.0
-    exact = truth(scene)
-    until = exact.bounces[0].time if exact.bounces else exact.ends
-    time = columns.quantities["time"] - columns.quantities["time"][0]
-    count = len(time) if whole else max(int(np.searchsorted(time, 0.9 * until)), 2)
-    keep = np.unique(np.linspace(0, count - 1, min(count, _SAMPLES)).astype(np.int64))
-    some = replace(columns, quantities={k: v[keep] for k, v in columns.quantities.items()})
-    poses = Placed.of(_poses(some, scene, convention), scene).poses
-    inside = poses.time <= exact.ends
-    if not inside.any():
-        return math.inf
-    true = exact.at(poses.time[inside])
-    angle = rotation_between(poses.quaternion[inside], true.quaternion)
-    distance = np.linalg.norm(poses.position[inside] - true.position, axis=1) / scene.can.radius
-    off = np.maximum(angle, distance)
-    return float(np.median(off) if whole else off.max())
-
-
-def _different(columns: Columns, scene: Scene, fitting: list[Convention]) -> Iterator[Convention]:
-    """Yield the first of all conventions by which a record is the same motion."""
-    seen: list[Poses] = []
-    for one in fitting:
-        own = Placed.of(_poses(columns, scene, one), scene).poses
-        apart = (
-            max(
-                float(rotation_between(own.quaternion, other.quaternion).max()),
-                float(np.abs(own.position - other.position).max()) / scene.can.radius,
-            )
-            for other in seen
-        )
-        if all(distance > ALIKE for distance in apart):
-            seen.append(own)
-            yield one
 
 
 def _spin(
@@ -248,14 +112,7 @@ def _spin(
     derived = _turning(placed.poses)
     if not columns.has(SPIN):
         return derived, convention, "the angular velocity is from the orientations, by splines"
-    own = columns.stacked(SPIN)
-    found = {
-        "world": turned(placed.heading, vector_from(convention, own, axial=True)),
-        "body": turned(
-            placed.poses.quaternion,
-            turned(placed.roll * _CONJUGATE, body_vector_from(convention, own)),
-        ),
-    }
+    found = spins(columns, placed, convention)
     # the median: at a bounce samples are too coarse for a spline
     off = {
         axes: float(np.median(np.linalg.norm(vectors - derived, axis=1)))
@@ -270,7 +127,7 @@ def _turning(poses: Poses) -> Floats:
     """Return the angular velocity of orientations, shape (n, 3), rad/s, by cubic splines."""
     q = poses.quaternion / np.linalg.norm(poses.quaternion, axis=1)[:, None]
     rate = CubicSpline(poses.time, q)(poses.time, 1)
-    spin: Floats = 2.0 * multiplied(rate, q * _CONJUGATE)[:, 1:]
+    spin: Floats = 2.0 * multiplied(rate, q * CONJUGATE)[:, 1:]
     return spin
 
 
@@ -289,6 +146,13 @@ def _assembled(  # noqa: PLR0917 - what was found so far
     force = np.full_like(poses.position, math.nan)
     if columns.has(FORCE):
         force = turned(placed.heading, vector_from(convention, columns.stacked(FORCE)))
+        load = _mean_load(poses, force, scene)
+        if load < 0.0:
+            reason = (
+                "forces pull at the can: they are to be those of the ground on the can, upwards"
+            )
+            raise RecordFileError(columns.path, reason)
+        said.append(f"the mean load is {load:.4g} of the weight")
     else:
         unknown.append("friction and load: the record has no forces (force_x_n, ...)")
     if columns.has(VELOCITY):
@@ -300,8 +164,14 @@ def _assembled(  # noqa: PLR0917 - what was found so far
         velocity = CubicSpline(poses.time, poses.position)(poses.time, 1)
         said.append("the velocity is from the positions, by splines")
     depth = columns.quantities["depth"] if columns.has(DEPTH) else -lowest[:, 2]
-    if not columns.has(DEPTH):
+    if columns.has(DEPTH):
+        said.append(_sentence_of_depth(depth, -lowest[:, 2], can.radius))
+    else:
         said.append("the depth is that of the lowest point of the exact rim")
+    height = float(lowest[0, 2])
+    if abs(height) > _TOUCHING * can.radius:
+        where = "above" if height > 0.0 else "below"
+        said.append(f"at the release the exact rim is {abs(height):.3g} m {where} the plane")
     touching = force[:, 2] > 0.0 if columns.has(FORCE) else depth > -_TOUCHING * can.radius
     point = lowest * (1.0, 1.0, 0.0)
     if columns.has(CONTACT) and convention.up == "z":
@@ -331,6 +201,23 @@ def _assembled(  # noqa: PLR0917 - what was found so far
     )
 
 
+def _mean_load(poses: Poses, force: Floats, scene: Scene) -> float:
+    """Return the mean in time of the vertical force over the weight."""
+    weight = scene.can.mass * scene.gravity
+    if weight == 0.0:
+        return 0.0
+    span = poses.time[-1] - poses.time[0]
+    return float(np.trapezoid(force[:, 2], poses.time) / (span * weight))
+
+
+def _sentence_of_depth(depth: Floats, exact: Floats, radius: float) -> str:
+    """Return how the recorded depth lies beside that of the exact rim."""
+    off = float(np.nanmax(np.abs(depth - exact), initial=0.0))
+    if off <= _TOUCHING * radius:
+        return "the depth is that of the exact rim"
+    return f"the depth is up to {off:.3g} m off that of the exact rim, and is taken as recorded"
+
+
 def _spline_error(poses: Poses) -> float:
     """Return how far a spline through every other sample starts from one through all, rad/s."""
     few = replace(poses, time=poses.time[::2], quaternion=poses.quaternion[::2])
@@ -352,7 +239,8 @@ def _wrong_rates(trajectory: Trajectory, scene: Scene, known: float) -> str:
     spelled = [", ".join(f"{part:.4g}" for part in one) for one in (own, expected)]
     return (
         f"it starts with an angular velocity of ({spelled[0]}) rad/s, and the release of scene "
-        f"'{scene.name}' has ({spelled[1]}) rad/s"
+        f"'{scene.name}' has ({spelled[1]}) rad/s: the first sample must be the release, so cut "
+        "what is before it"
     )
 
 
