@@ -110,8 +110,8 @@ def confirmed(columns: Columns, scene: Scene, given: dict[str, str]) -> tuple[Co
     wrong = {one: _wrong_start(poses_of(first, scene, one), scene) for one in every}
     starting = [one for one in every if not wrong[one]]
     if not starting:
-        left = "by any convention that is left"
-        reason = f"is no motion of scene '{scene.name}' {left}: {wrong[every[0]]}"
+        among = "by any convention that is left"
+        reason = f"is no motion of scene '{scene.name}' {among}: {wrong[every[0]]}"
         raise RecordFileError(columns.path, reason)
     different = _different(columns, scene, starting)
     if len(different) == 1:
