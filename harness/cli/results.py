@@ -246,7 +246,7 @@ def _verified(
     except ResultsError as error:
         objection = Objection(rule=Rule.FILE, text=str(error))
         return report | {"objections": [_objection_record(objection)]}
-    on_top, unknown = _settings_on_top(result)
+    on_top, unknown = settings_on_top(result)
     found = list(objections(result, on_top))
     again = sample(result, on_top, count, seed=seed)
     if again:
@@ -262,8 +262,8 @@ def _verified(
     }
 
 
-def _settings_on_top(result: Result) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
-    """Return the settings of a result by engine and name, and why others are unknown."""
+def settings_on_top(result: Result) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
+    """Return the settings of a result by engine and name, and why those of others are unknown."""
     settings: dict[str, dict[str, Value]] = {}
     unknown: dict[str, str] = {}
     for name in result.engines:

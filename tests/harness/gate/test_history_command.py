@@ -38,8 +38,8 @@ def test_a_release_that_cannot_be_installed_is_a_row_of_the_report(
     described("mine", registry.entry_of("mujoco").value, sys.executable, command="add mujoco")
     out = tmp_path / "history"
     words = ("history", "mujoco", "--versions", f"0.0.1,{version}", "--out", str(out))
-    words += ("--results", str(tmp_path / "results"), "--set", "impratio=10")
-    done = rockingcan(*words, "--jobs", "1", "--store", str(tmp_path / "store"), "--json")
+    published = ("--results", str(tmp_path / "results"), "--set", "impratio=10", "--json")
+    done = rockingcan(*words, "--jobs", "1", "--store", str(tmp_path / "store"), *published)
     assert done.code == 0, done.err
     absent, ran = json.loads(done.out)["versions"]
     assert (absent["version"], absent["outcome"]) == ("0.0.1", "not installed")
