@@ -37,8 +37,12 @@ def digits(value: float, count: int = 3) -> str:
 
 
 def adapter_of(name: str) -> str:
-    """Return the adapter of an engine: one in an environment of its own has a version behind it."""
-    return max((own for own in our_names() if f"{name}-".startswith(f"{own}-")), key=len)
+    """Return the adapter of an engine; empty of one that is not of this project.
+
+    An engine in an environment of its own has a version behind the name of its adapter.
+    """
+    own = (own for own in our_names() if f"{name}-".startswith(f"{own}-"))
+    return max(own, key=len, default="")
 
 
 def error_words(row: Row, column: str) -> str:

@@ -2,14 +2,19 @@
 
 The three divisions, as shipped, matched and open, have tables of their own and are never mixed, and
 neither are two suites. Each cell leads to its case on the page of its engine, where the command
-that runs it again stands with its settings and all its numbers.
+that runs it again stands with its settings and all its numbers. An engine that is not of this
+project has no page, and no links.
+
+A file that claims what cannot be is not shown: the site is not built.
 """
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +22,16 @@ from markupsafe import Markup
 
 from docs.formatting import BASELINE, ROOT, adapter_of, digits
 from docs.site.rendering import render
+from harness.cli.results import settings_on_top
 from harness.core.report_model import Figure, Panel, Series
 from harness.engines.description import APART
 from harness.report.style import entries, palette
 from harness.report.svg_renderer import stills
+from harness.results.errors import Fault, ResultsError
 from harness.results.files import read_baseline, read_result, result_files
 from harness.results.leaderboard import CostPoint, Standing, cost_points, frontier, leaderboard
 from harness.results.leaderboard import command as command_of
+from harness.results.plausibility import objections
 from harness.results.result import Result
 from harness.results.scores import BY_COLUMN, Division, Score
 
@@ -63,9 +71,24 @@ class Row:
 
 @cache
 def results() -> tuple[Result, ...]:
-    """Return all results: those handed in, and the accepted ones."""
+    """Return all results: those handed in, and the accepted ones.
+
+    Raises
+    ------
+    ResultsError
+        If one claims what cannot be.
+    """
     files = result_files([SUBMITTED]) if any(SUBMITTED.glob("*.json")) else ()
-    return (*(read_result(path) for path in files), read_baseline(BASELINE))
+    return tuple(map(_holding, (*map(read_result, files), read_baseline(BASELINE))))
+
+
+def _holding(result: Result) -> Result:
+    """Return a result to which there is nothing to object without running anything."""
+    on_top, _ = settings_on_top(result)
+    for one in objections(result, on_top):
+        reason = f"not {one.rule.value}: {one.case and one.case + ': '}{one.text}"
+        raise ResultsError(place=Path(result.place), fault=Fault.OBJECTION, reason=reason)
+    return result
 
 
 def leaderboard_page() -> str:
@@ -134,7 +157,7 @@ def rows_of(standings: Sequence[Standing], scenes: Sequence[str]) -> list[Row]:
                 label=first.label,
                 version=first.version,
                 submitter=first.submitter,
-                page=f"engines/{adapter_of(first.engine)}.html",
+                page=_page(first.engine),
                 apart=first.imposes_rolling,
                 cells=(
                     *cells,
@@ -153,11 +176,11 @@ def _cell(standing: Standing) -> Cell:
         if standing.truth_pulls:
             return Cell(text="pulls", order=math.inf, title=_PULLS)
         return Cell(text=_endings(standing.endings), order=math.inf)
-    error = math.degrees(best.error_rad)
+    error, page = math.degrees(best.error_rad), _page(best.engine)
     return Cell(
         text=digits(error),
         order=error,
-        link=f"engines/{adapter_of(best.engine)}.html#{anchor(best.place, best.digest)}",
+        link=page and f"{page}#{anchor(best.place, best.digest)}",
         title=best.case,
     )
 
@@ -172,7 +195,23 @@ def _endings(endings: Iterable[str]) -> str:
 
 def anchor(place: str, digest: str) -> str:
     """Return the anchor of a case: of one file of results, for a case may be in several."""
-    return f"case-{Path(place).stem}-{digest}"
+    return f"case-{_slug(Path(place).stem)}-{digest}"
+
+
+def _page(engine: str) -> str:
+    """Return the page of an engine; empty if it has none."""
+    return f"engines/{adapter}.html" if (adapter := adapter_of(engine)) else ""
+
+
+def _kind(engine: str) -> str:
+    """Return what the colour of an engine is called: its adapter, as in every report."""
+    return adapter_of(engine) or _slug(engine)
+
+
+def _slug(name: str) -> str:
+    """Return a name as an address and a style sheet can have it; another for each."""
+    slug = re.sub(r"[^\w.-]", "-", name, flags=re.ASCII)
+    return slug if slug == name else f"{slug}-{sha256(name.encode()).hexdigest()[:8]}"
 
 
 def _frontier(points: Sequence[CostPoint]) -> Figure | None:
@@ -194,7 +233,9 @@ def _frontier(points: Sequence[CostPoint]) -> Figure | None:
 def _panel(scene: str, points: Sequence[CostPoint]) -> Panel:
     drawn = [
         _series(label, kind, [p for p in points if p.label == label], "points")
-        for label, kind in dict.fromkeys((p.label, adapter_of(p.engine)) for p in points)
+        for label, kind in dict.fromkeys(
+            (p.label, adapter_of(p.engine) or _slug(p.engine)) for p in points
+        )
     ]
     best = frontier(points, "cpu_s")
     return Panel(

@@ -1,5 +1,6 @@
 """The command that runs releases of an engine, and says at which of them contact changed."""
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -8,9 +9,15 @@ import typer
 from harness.cli import options, run_options
 from harness.cli.settings import parse_settings
 from harness.cli.study_command import run_command, shown
+from harness.core.errors import InvalidSettingError
 from harness.engines.new_environment import remove_environment
 from harness.gate.history.study import plan_history
-from harness.results.files import write_result
+from harness.results.files import check_place, write_result
+
+_PLACE = "name a folder that you may write to with --results"
+
+_LONGEST = 100
+"""Letters of the settings in the name of a file: a name has 255 at most."""
 
 
 @run_options.with_run_options
@@ -47,7 +54,8 @@ def history(  # noqa: PLR0917 - a parameter an option
     results: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="Write the result of each release there, as `submit` writes them."
+            metavar="DIR",
+            help="Write the result of each release that ran the whole suite there, to publish.",
         ),
     ] = None,
     figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
@@ -63,6 +71,11 @@ def history(  # noqa: PLR0917 - a parameter an option
 
     For example: rockingcan history mujoco --versions 3.4.0,4.0.0 --bisect
     """
+    if results is not None:
+        if scene:
+            allowed = "no scene beside --results, whose files are of the whole suite"
+            raise InvalidSettingError("--scene", scene[0], allowed)
+        check_place(results, _PLACE)
     study = plan_history(
         engine, versions, suite, parse_settings(set_ or []), scenes=scene or (), bisect=bisect
     )
@@ -75,8 +88,10 @@ def history(  # noqa: PLR0917 - a parameter an option
         show=shown({"change-points": (), "versions": (), "summary": ()}),
     )
     if results is not None:
-        for version, result in study.results(done).items():
-            write_result(result, results / f"{engine}-{version}-{suite}.json")
+        settings = "".join(f"-{name}-{value}" for name, value in study.settings)
+        words = re.sub(r"[^\w.+-]", "-", settings)[:_LONGEST]
+        for version, result in study.whole_results(done).items():
+            write_result(result, results / f"{engine}-{version}-{suite}{words}.json", _PLACE)
     if not keep:
         for name in study.made(done):
             remove_environment(name)

@@ -1,6 +1,7 @@
 """Commands on files of results: write one, verify some, compare two."""
 
 import os
+import random
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -191,6 +192,10 @@ def verify(  # noqa: PLR0917 - a parameter an option
             metavar="N", help="Cases of each file that are run again, or 'all'; 0 for none."
         ),
     ] = "3",
+    seed: Annotated[
+        int | None,
+        typer.Option(min=0, help="Of the draw of these cases; a new one each time if left out."),
+    ] = None,
     jobs: options.Jobs = None,
     time_limit: options.TimeLimit = None,
     memory_limit: options.MemoryLimit = None,
@@ -199,7 +204,7 @@ def verify(  # noqa: PLR0917 - a parameter an option
     """Check files of results, and run some cases again. Leaves with 1 if one does not hold.
 
     Schema, scenes, digests and what no run can have are checked of every file; cases are run again
-    where the engine is installed in the version of the file.
+    where the engine is installed in the version of the file. Which cases, is drawn anew each time.
 
     For example: rockingcan results verify reports/results --rerun 5
     """
@@ -207,13 +212,17 @@ def verify(  # noqa: PLR0917 - a parameter an option
     workers = jobs or len(os.sched_getaffinity(0))
     limits = run_options.limits_of(workers, time_limit, memory_limit)
     running = run_options.RunOptions(jobs=workers, on=None, limits=limits, store=None)
-    reports = [_verified(path, count, running) for path in result_files(place)]
+    # of the system: whoever knew the seed could know the cases
+    seed = random.SystemRandom().randrange(2**32) if seed is None else seed
+    reports = [_verified(path, count, seed, running) for path in result_files(place)]
     failed = sum(bool(report["objections"]) for report in reports)
     if json:
-        typer.echo(terminal.to_json({"files": reports, "failed": failed}))
+        typer.echo(terminal.to_json({"files": reports, "failed": failed, "seed": seed}))
     else:
         for report in reports:
             terminal.stdout_console().print(escape("\n".join(_verdict_lines(report))))
+        if any(report["rerun"] for report in reports):
+            terminal.stdout_console().print(f"the same cases again: --rerun {rerun} --seed {seed}")
     if failed:
         raise typer.Exit(1)
 
@@ -227,7 +236,9 @@ def _rerun_count(words: str) -> int | None:
     return int(words)
 
 
-def _verified(path: Path, count: int | None, running: run_options.RunOptions) -> dict[str, Any]:
+def _verified(
+    path: Path, count: int | None, seed: int, running: run_options.RunOptions
+) -> dict[str, Any]:
     """Return what `--json` prints of a file."""
     report: dict[str, Any] = {"file": str(path), "cases": 0, "rerun": [], "not_rerun": {}}
     try:
@@ -235,9 +246,9 @@ def _verified(path: Path, count: int | None, running: run_options.RunOptions) ->
     except ResultsError as error:
         objection = Objection(rule=Rule.FILE, text=str(error))
         return report | {"objections": [_objection_record(objection)]}
-    on_top, unknown = _settings_on_top(result)
+    on_top, unknown = settings_on_top(result)
     found = list(objections(result, on_top))
-    again = sample(result, on_top, count)
+    again = sample(result, on_top, count, seed=seed)
     if again:
         efforts = {case.label(): expected_seconds(case) for _, case in again}
         with running.executor() as executor, ItemBar(efforts, "run", executor) as bar:
@@ -251,8 +262,8 @@ def _verified(path: Path, count: int | None, running: run_options.RunOptions) ->
     }
 
 
-def _settings_on_top(result: Result) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
-    """Return the settings of a result by engine and name, and why others are unknown."""
+def settings_on_top(result: Result) -> tuple[dict[str, dict[str, Value]], dict[str, str]]:
+    """Return the settings of a result by engine and name, and why those of others are unknown."""
     settings: dict[str, dict[str, Value]] = {}
     unknown: dict[str, str] = {}
     for name in result.engines:

@@ -27,6 +27,10 @@ class Fault(Enum):
         "'{place}' is no result of version {reason}; write it anew with: rockingcan validate "
         "--accept, or: rockingcan submit"
     )
+    OBJECTION = (
+        "the result '{place}' does not hold ({reason}); see all of it with: rockingcan results "
+        "verify {place}"
+    )
     NO_FOLDER = (
         "'{place}' is not there; name a file that rockingcan submit wrote, or a folder that "
         "rockingcan validate wrote, with --out or with --accept"

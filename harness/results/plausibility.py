@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from harness.core.case import Case, Value
+from harness.core.simulation import Outcome
 from harness.engines.description import Precision
 from harness.engines.registry import description_of, installed, missing_effects, names
 from harness.results.result import Result
@@ -223,6 +224,37 @@ def _steps(score: Score, scene: Scene) -> Iterator[str]:
             yield f"{steps:g} steps of {score.timestep:g} s are {reached:g} s, not {seconds:g} s"
 
 
+_MOST_SPREADS = 1e4
+"""Times its value that a spread may be. A run has all errors of its members, and is nearer to the
+exact motion than they are by luck alone: by so much once in ten thousand."""
+
+_LEAST = {QuantityKind.ERROR: 1e-9, QuantityKind.CONTACT: 1e-3, QuantityKind.COST: 1.0}
+"""Sizes that stand for smaller values. Of an error: what the perturbation itself moves. Of a
+contact: one that opens in one member alone; 10 m/s of slip are more than a can of these scenes has.
+"""
+
+_OF_EVERY_RUN = frozenset(
+    column for column, quantity in BY_COLUMN.items() if quantity.kind is not QuantityKind.TIME
+) - {"angle_of_turn_error_deg", "bounce_time_error_s", "peak_friction_ratio_error", "energy_drift"}
+"""Quantities that each run has which ends as this one; others need a bounce that was recorded."""
+
+
+def _widths(score: Score) -> Iterator[str]:
+    """Yield the spreads that no members have about the value."""
+    for column, width in score.spread.items():
+        value, kind = score.values.get(column), BY_COLUMN[column].kind
+        if value is None:
+            continue
+        if width is None:
+            if set(score.endings) == {Outcome.FINISHED.name} and column in _OF_EVERY_RUN:
+                yield f"the spread of {column} is unknown, and every member reached its horizon"
+        elif column.endswith("_fraction") and width > 1.0:
+            yield f"the spread of {column} is {width:g}, and it is a share of the time"
+        elif kind in _LEAST and width > (most := _MOST_SPREADS * max(abs(value), _LEAST[kind])):
+            text = f"the spread of {column} is {width:g}, of a value of {value:g}"
+            yield f"{text}: it can be {most:.2g}"
+
+
 def _spread(score: Score, result: Result) -> Iterator[str]:
     total = sum(score.endings.values())
     if score.members == 0 and (score.spread or score.endings):
@@ -236,6 +268,7 @@ def _spread(score: Score, result: Result) -> Iterator[str]:
     for column, width in score.spread.items():
         if width is not None and (width < 0.0 or column not in score.values):
             yield f"the spread of {column} is {width:g}, and its value {score.values.get(column)}"
+    yield from _widths(score)
     errors = [
         width
         for column, width in score.spread.items()

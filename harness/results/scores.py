@@ -226,8 +226,11 @@ _COUNT: dict[str, object] = {"type": "integer", "minimum": 1}
 
 Digest = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
 
-Line = Annotated[str, Field(max_length=10_000, pattern=r"^[^\u0000-\u001f\u007f]*$")]
-"""Words on one line: they are shown in a terminal and on a page."""
+_CONTROLS = r"\u0000-\u001f\u007f-\u009f"
+_LINES_AND_DIRECTIONS = r"\u2028\u2029\u202a-\u202e\u2066-\u2069"
+
+Line = Annotated[str, Field(max_length=10_000, pattern=f"^[^{_CONTROLS}{_LINES_AND_DIRECTIONS}]*$")]
+"""Words on one line: they are shown in a terminal and on a page, which they cannot turn about."""
 
 
 class Score(Part):

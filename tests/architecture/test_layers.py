@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -59,6 +60,15 @@ def test_every_module_says_what_it_is(folder: str) -> None:
     for path in files(folder, suffixes=(".py",)):
         text = path.read_text(encoding="utf-8")
         assert text.startswith(('"""', "# ")), path
+
+
+def test_no_two_classes_of_the_harness_share_a_name() -> None:
+    places = defaultdict[str, list[str]](list)
+    for path in files("harness", suffixes=(".py",)):
+        for name in re.findall(r"^class (\w+)", path.read_text(encoding="utf-8"), re.MULTILINE):
+            places[name].append(str(path.relative_to(ROOT)))
+    assert len(places) > 100
+    assert {name: own for name, own in places.items() if len(own) > 1} == {}
 
 
 # spelt in two parts so that this file does not find itself

@@ -24,6 +24,10 @@ OF_RESULTS: list[tuple[Exception, str]] = [
                 "'a' is no result of version why; write it anew with: rockingcan validate "
                 "--accept, or: rockingcan submit"
             ),
+            Fault.OBJECTION: (
+                "the result 'a' does not hold (why); see all of it with: rockingcan results verify "
+                "a"
+            ),
             Fault.NO_FOLDER: (
                 "'a' is not there; name a file that rockingcan submit wrote, or a folder that "
                 "rockingcan validate wrote, with --out or with --accept"

@@ -9,7 +9,7 @@ from packaging.version import Version
 from harness.core.case import Case
 from harness.core.errors import HarnessError
 from harness.execution.worker import LostTaskError
-from harness.gate.history.releases import EngineRelease, Installation
+from harness.gate.history.releases import Installation, PackageRelease
 from harness.gate.history.runs import RunRow
 from harness.gate.history.study import HistoryStudy
 from harness.studies.study import Work
@@ -55,11 +55,11 @@ class ToyReleases:
             bisect=bisect,
             settings=(("softness", 1.0),),
             design=designed,
-            installing=Work(name="installing", call=self._install, lost=_lost, label=str),
-            running=Work(name="running", call=self._run, lost=_lost, label=str),
+            installing=Work(name="installing", call=self._install, lost=lost, label=str),
+            running=Work(name="running", call=self._run, lost=lost, label=str),
         )
 
-    def _install(self, release: EngineRelease) -> Installation:
+    def _install(self, release: PackageRelease) -> Installation:
         if reason := self.absent.get(release.version):
             return Installation(reason=reason)
         return Installation(name=f"toy-{release.version}", made=True)
@@ -77,5 +77,6 @@ class ToyReleases:
         return RunRow(outcome="FINISHED", row=row, reason=reason, record={"engine": case.engine})
 
 
-def _lost(task: object, error: LostTaskError) -> NoReturn:
+def lost(task: object, error: LostTaskError) -> NoReturn:
+    """Raise what was lost: nothing is, in this process."""
     raise HarnessError(task, error)

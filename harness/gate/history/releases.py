@@ -22,7 +22,7 @@ ALL = "all"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EngineRelease:
+class PackageRelease:
     """A version of an engine's package, which may have no wheel for the Python here.
 
     Parameters
@@ -58,7 +58,7 @@ class Installation:
     made: bool = False
 
 
-def install(release: EngineRelease) -> Installation:
+def install(release: PackageRelease) -> Installation:
     """Install a release in an environment of its own, unless there is one with it.
 
     A release of which there is no wheel is not built from its sources, which may take hours.
@@ -77,7 +77,7 @@ def install(release: EngineRelease) -> Installation:
         return Installation(reason=str(error))
 
 
-def _environment_of(release: EngineRelease) -> str:
+def _environment_of(release: PackageRelease) -> str:
     """Return the name of the environment that has a release from the index; empty if none has."""
     packages = packages_for(entry_of(release.engine))
     for name, place in environments().items():
@@ -89,12 +89,12 @@ def _environment_of(release: EngineRelease) -> str:
     return ""
 
 
-def _lost(_: EngineRelease, error: LostTaskError) -> Installation:
+def _lost(_: PackageRelease, error: LostTaskError) -> Installation:
     """Return the installation whose process was lost."""
     return Installation(reason=error.reason)
 
 
-INSTALLING: Work[EngineRelease, Installation] = Work(
+INSTALLING: Work[PackageRelease, Installation] = Work(
     name="installing",
     call=install,
     lost=_lost,

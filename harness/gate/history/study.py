@@ -26,8 +26,8 @@ from harness.gate.comparison import differences
 from harness.gate.history.releases import (
     ALL,
     INSTALLING,
-    EngineRelease,
     Installation,
+    PackageRelease,
     parse_versions,
 )
 from harness.gate.history.runs import RUNNING, RunRow
@@ -44,7 +44,7 @@ from harness.studies.study import Job, Results, Work
 CLEAR = 10.0
 """Tolerances beyond which a change is clear without the spread in its own two releases."""
 
-HistoryJob = Job[EngineRelease, Installation] | Job[Case, RunRow]
+HistoryJob = Job[PackageRelease, Installation] | Job[Case, RunRow]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,7 +77,7 @@ class HistoryStudy:
     bisect: bool = False
     settings: tuple[tuple[str, Value], ...] = ()
     design: Callable[[str], tuple[Case, ...]]
-    installing: Work[EngineRelease, Installation] = INSTALLING
+    installing: Work[PackageRelease, Installation] = INSTALLING
     running: Work[Case, RunRow] = RUNNING
 
     @property
@@ -136,6 +136,25 @@ class HistoryStudy:
             found[version] = result.read_from(f"{self.engine} {version}")
         return found
 
+    def whole_results(self, done: Results) -> dict[str, Result]:
+        """Return the results to publish, of releases that ran every case of the suite.
+
+        Their digests are those of the engine's own name, as of any other file of results.
+        """
+        found = {}
+        for version, result in self.results(done).items():
+            cases = {self._name(case): case for case in self._cases(version, done)}
+            if len(result.cases) == len(cases):
+                digests = {
+                    name: replace(case, engine=self.engine).digest(version)
+                    for name, case in cases.items()
+                }
+                found[version] = result.of_cases(
+                    score.model_copy(update={"digest": digests[score.identity]})
+                    for score in result.cases
+                )
+        return found
+
     def changes(self, done: Results) -> tuple[Change, ...]:
         """Return the quantities that changed from one release that ran a case to the next."""
         known, newest = self.results(done), self._newest(done)
@@ -167,8 +186,8 @@ class HistoryStudy:
         """Return the names of the environments that were made for this run."""
         return tuple(one.name for one in done.of(self.installing).values() if one.made)
 
-    def _install(self, version: str) -> Job[EngineRelease, Installation]:
-        release = EngineRelease(engine=self.engine, version=version, released=self.released)
+    def _install(self, version: str) -> Job[PackageRelease, Installation]:
+        release = PackageRelease(engine=self.engine, version=version, released=self.released)
         return Job(self.installing, release)
 
     def _installed(self, done: Results) -> dict[str, Installation]:

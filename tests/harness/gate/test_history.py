@@ -5,14 +5,16 @@ from dataclasses import replace
 import pytest
 from packaging.version import Version
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.report_model import Figure, Prose, Table
-from harness.gate.history.runs import run_case
+from harness.gate.history.runs import RunRow, run_case
 from harness.gate.history.study import HistoryStudy
 from harness.gate.history.tables import change_points
-from harness.studies.study import run_study
+from harness.results.plausibility import objections
+from harness.studies.comparison.study import plan_comparison
+from harness.studies.study import Work, run_study
 from models import load
-from tests.support.toy_releases import TIMESTEPS, ToyReleases
+from tests.support.toy_releases import TIMESTEPS, ToyReleases, lost
 
 COARSE, FINE = TIMESTEPS
 
@@ -158,6 +160,39 @@ def test_changes_of_two_releases_are_one_point_with_the_largest() -> None:
     assert (point.cases, point.quantities) == (2, 2)
     assert point.largest.identity.timestep == FINE
     assert point.largest.factor == 5.0
+
+
+@pytest.mark.engine("mujoco")
+@pytest.mark.parametrize("settings", [{}, {"impratio": 10.0}], ids=["as planned", "open"])
+def test_what_is_published_holds_and_is_of_releases_that_ran_the_whole_suite(
+    settings: dict[str, Value],
+) -> None:
+    cases = plan_comparison("quick", ("mujoco",), {"mujoco": settings}).cases
+
+    def run(case: Case) -> RunRow:
+        error = 1e-4 + abs(case.scene.release.psi)  # which moves from member to member
+        row = {"digest": case.digest("1.0"), "truth_pulls": False, "phi_rms_rad": error}
+        row |= {"max_slip_m_s": 1e-6, "steps": 1e6, "cpu_s": 1.0}
+        reason = "no sensor" if (case.engine, case.profile) == ("mujoco-1.1", "default") else ""
+        return RunRow(outcome="FINISHED", row=row, reason=reason, record={})
+
+    toys = ToyReleases(depth=lambda *_: 1e-6)
+    study = replace(
+        toys.study("1.0", "1.1", "1.2"),
+        engine="mujoco",
+        settings=tuple(settings.items()),
+        design=lambda name: tuple(
+            replace(case, engine=name.replace("toy", "mujoco")) for case in cases
+        ),
+        running=Work(name="running", call=run, lost=lost, label=str),
+    )
+    done = run_study(study)
+    assert list(study.results(done)) == ["1.0", "1.1", "1.2"]
+    published = study.whole_results(done)
+    assert list(published) == ["1.0", "1.2"]
+    for result in published.values():
+        assert len(result.cases) == len(cases)
+        assert list(objections(result, {"mujoco": settings})) == []
 
 
 def test_a_run_is_kept_as_its_row_or_as_the_reason_why_there_is_none() -> None:

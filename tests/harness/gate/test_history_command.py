@@ -10,6 +10,7 @@ import pytest
 from harness.core.environments import VARIABLE, environment_names
 from harness.engines import registry
 from harness.gate.history import study
+from harness.results import plausibility
 from harness.studies.comparison import study as comparison
 from harness.studies.comparison import suite
 from tests.support.command_line import Command
@@ -31,13 +32,14 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_a_release_that_cannot_be_installed_is_a_row_of_the_report(
     rockingcan: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in (study, comparison, suite):
+    for module in (study, comparison, suite, plausibility):
         monkeypatch.setattr(module, "SUITES", {"quick": {"gentle-rock": (1e-3,)}})
     version = registry.engine("mujoco").version
     described("mine", registry.entry_of("mujoco").value, sys.executable, command="add mujoco")
     out = tmp_path / "history"
     words = ("history", "mujoco", "--versions", f"0.0.1,{version}", "--out", str(out))
-    done = rockingcan(*words, "--jobs", "1", "--store", str(tmp_path / "store"), "--json")
+    published = ("--results", str(tmp_path / "results"), "--set", "impratio=10", "--json")
+    done = rockingcan(*words, "--jobs", "1", "--store", str(tmp_path / "store"), *published)
     assert done.code == 0, done.err
     absent, ran = json.loads(done.out)["versions"]
     assert (absent["version"], absent["outcome"]) == ("0.0.1", "not installed")
@@ -46,6 +48,10 @@ def test_a_release_that_cannot_be_installed_is_a_row_of_the_report(
     assert json.loads(done.out)["changes"] == []
     assert (out / "index.html").is_file()
     assert (out / "tables" / "versions.csv").is_file()
+    (file,) = (tmp_path / "results").iterdir()
+    assert file.name == f"mujoco-{version}-quick-impratio-10.json"
+    checked = rockingcan("results", "verify", file, "--rerun", "all", "--json").json()["files"][0]
+    assert (checked["objections"], len(checked["rerun"])) == ([], 3)
     assert environment_names() == ("mine",)  # which was there before, and stays
 
 
@@ -61,6 +67,14 @@ def test_a_release_that_cannot_be_installed_is_a_row_of_the_report(
         (["mujoco", "--versions", "1,2", "--scene", "nope"], "one of gentle-rock, paper-release"),
         (["mujoco", "--versions", "1,2", "--set", "cone"], "KEY=VALUE"),
         (["mujoco"], "--versions"),
+        (
+            ["mujoco", "--versions", "1,2", "--scene", "cusps", "--results", "."],
+            "no scene beside --results",
+        ),
+        (
+            ["mujoco", "--versions", "1,2", "--results", f"{__file__}/results"],
+            "may write to with --results",
+        ),
     ],
     ids=lambda words: " ".join(words) if isinstance(words, list) else "",
 )

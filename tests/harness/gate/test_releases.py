@@ -11,7 +11,7 @@ from harness.core.environments import VARIABLE
 from harness.core.errors import InvalidSettingError
 from harness.engines import make_environment, registry
 from harness.engines.make_environment import Interpreter, released_versions
-from harness.gate.history.releases import EngineRelease, Installation, install, parse_versions
+from harness.gate.history.releases import Installation, PackageRelease, install, parse_versions
 from tests.support.environments import described
 
 pytestmark = pytest.mark.engine("mujoco")
@@ -28,7 +28,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 def test_an_environment_with_the_release_is_taken_as_it_is() -> None:
     version = registry.engine("mujoco").version
-    release = EngineRelease(engine="mujoco", version=version, released=("9.9",))
+    release = PackageRelease(engine="mujoco", version=version, released=("9.9",))
     entry = registry.entry_of("mujoco").value
     described("built", entry, sys.executable, command="engines add mujoco --wheel x.whl")
     assert install(release).reason == "the package index has no wheel of it for this Python"
@@ -40,14 +40,14 @@ def test_a_release_without_a_wheel_is_not_built_from_its_sources(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(make_environment, "_run", None)
-    one = install(EngineRelease(engine="mujoco", version="1.0", released=("9.9",)))
+    one = install(PackageRelease(engine="mujoco", version="1.0", released=("9.9",)))
     assert one == Installation(reason="the package index has no wheel of it for this Python")
 
 
 def test_an_environment_that_is_broken_is_a_reason() -> None:
     version = registry.engine("mujoco").version
     described("broken", "nothing_of_the_kind:Engine", sys.executable, command="add")
-    one = install(EngineRelease(engine="mujoco", version=version))
+    one = install(PackageRelease(engine="mujoco", version=version))
     assert one.name == ""
     assert "nothing_of_the_kind" in one.reason
 

@@ -28,11 +28,13 @@ def result() -> Result:
     )
 
 
-def test_the_sample_is_what_the_digests_say(result: Result) -> None:
+def test_the_sample_is_drawn_with_the_seed(result: Result) -> None:
     every = [score.digest for score, _ in sample(result, {})]
-    assert every == sorted(every)
     assert len(every) == len(result.cases) == 3
-    assert [score.digest for score, _ in sample(result, {}, 2)] == every[:2]
+    drawn = [tuple(score.digest for score, _ in sample(result, {}, 1, seed=n)) for n in range(30)]
+    assert {name for (name,) in drawn} == set(every)  # no case is out of reach
+    assert sample(result, {}, 2, seed=7) == sample(result, {}, 2, seed=7)
+    assert sample(result, {}, 9) == sample(result, {})
     assert sample(result, {}, 0) == ()
     cases = {score.digest: case for score, case in sample(result, {})}
     assert all(case.digest(result.versions["mujoco"]) == name for name, case in cases.items())
@@ -58,6 +60,34 @@ def test_a_forged_number_and_a_forged_ending_are_named(result: Result) -> None:
     claims = result.of_cases((fallen, *others))
     (found,) = rerun_objections(claims, sample(claims, {}), SERIAL)
     assert found.text == "b is better, flat, then finished"
+
+
+@pytest.mark.parametrize("width", [1e9, None])
+def test_no_spread_of_the_file_excuses_a_forged_number(result: Result, width: float | None) -> None:
+    first = result.cases[0]
+    values = {**first.values, "phi_rms_rad": first.values["phi_rms_rad"] / 1000.0}
+    excuse = {"members": 4, "endings": {"FINISHED": 3, "FLAT": 2}}
+    told = {**excuse, "values": values, "spread": dict.fromkeys(values, width)}
+    claims = result.of_cases([first.model_copy(update=told)])
+    (found,) = rerun_objections(claims, sample(claims, {}), SERIAL)
+    assert found.text.startswith("a is better, error of the nutation phi")
+
+    claims = result.of_cases([first.model_copy(update={**excuse, "outcome": "FLAT"})])
+    (found,) = rerun_objections(claims, sample(claims, {}), SERIAL)
+    assert found.text == "b is better, flat, then finished"
+
+
+def test_what_perturbed_runs_here_move_is_no_forgery(
+    result: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = result.cases[0]
+    phi = first.values["phi_rms_rad"]
+    claims = result.of_cases(
+        [first.model_copy(update={"values": {**first.values, "phi_rms_rad": 3.0 * phi}})]
+    )
+    spread = [first.model_copy(update={"members": 4, "spread": {"phi_rms_rad": phi}})]
+    monkeypatch.setattr(reruns, "measured", lambda *_: spread)
+    assert list(rerun_objections(claims, sample(claims, {}), SERIAL)) == []
 
 
 def test_two_ways_to_end_early_are_a_difference(

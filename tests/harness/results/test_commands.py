@@ -65,6 +65,11 @@ def test_submit_then_verify_then_compare(
     assert {score.division for score in settings.cases} == {Division.OPEN}
     checked = rockingcan("results", "verify", "open.json", "--rerun", "all", "--json").json()
     assert (checked["failed"], len(checked["files"][0]["rerun"])) == (0, 3)
+    one = rockingcan("results", "verify", "open.json", "--rerun", "1")
+    words = one.out.split("the same cases again: ")[1].split()
+    assert [words[0], words[2]] == ["--rerun", "--seed"]
+    drawn = rockingcan("results", "verify", "open.json", "--json", *words).json()
+    assert (drawn["seed"], len(drawn["files"][0]["rerun"])) == (int(words[3]), 1)
 
     none = rockingcan("results", "compare", "again.json", "open.json")
     assert (none.code, "have no case in common" in none.err) == (2, True)
@@ -114,6 +119,11 @@ def test_a_file_that_is_no_result_fails_and_the_others_are_checked(
     theirs = make_score({PHI: 1e-3, "steps": 1.0, "cpu_s": 1.0}, engine="theirs", outcome="FLAT")
     write_result(make_scores(theirs, suite="quick"), tmp_path / "b.json")
     answer = rockingcan("results", "verify", tmp_path, "--json")
+    again = rockingcan("results", "verify", tmp_path, "--json", "--seed", 7).json()
+    assert again.pop("seed") == 7
+    seeds = {rockingcan("results", "verify", tmp_path, "--json").json()["seed"] for _ in range(3)}
+    assert len(seeds) > 1  # drawn anew
+    assert again.items() < answer.json().items()
     assert answer.code == 1
     first, second = answer.json()["files"]
     assert first["objections"][0]["rule"] == "a file of the published schema"

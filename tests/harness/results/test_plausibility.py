@@ -116,7 +116,7 @@ def test_what_can_be_is_not_named(honest: Result, changed: dict[str, Any]) -> No
     assert rules(with_first(honest, **changed)) == []
 
 
-def spread_over(honest: Result, width: float, engine: str = "mujoco") -> Result:
+def spread_over(honest: Result, width: float | None, engine: str = "mujoco") -> Result:
     endings, spread = {"FINISHED": 5}, {"phi_rms_rad": width}
     own = with_first(honest, members=4, endings=endings, spread=spread)
     score = next(score for score in own.cases if score.members)
@@ -130,6 +130,42 @@ def test_errors_that_no_release_moves_are_of_one_run(honest: Result) -> None:
     assert Rule.SPREAD not in rules(spread_over(honest, 1e-20))
     # 1e-9 of a number is less than the last digit that single precision has
     assert Rule.SPREAD not in rules(spread_over(honest, 0.0, "mujoco-warp"))
+
+
+@pytest.mark.parametrize("width", [1e9, 1.1, None])
+def test_a_spread_that_no_members_have_is_named(honest: Result, width: float | None) -> None:
+    assert Rule.SPREAD in rules(spread_over(honest, width))
+
+
+@pytest.mark.parametrize(
+    ("column", "width", "named"),
+    [
+        ("angle_of_turn_error_deg", None, False),  # of a member that shows no bounce
+        ("rotation_rms_rad", 0.9, False),
+        ("max_slip_m_s", 9.0, False),
+        ("max_slip_m_s", 11.0, True),
+        ("lift_off_fraction", 1.0, False),
+        ("lift_off_fraction", 1.1, True),
+        ("steps", 1e11, True),
+    ],
+)
+def test_what_a_spread_can_be_depends_on_its_quantity(
+    honest: Result, column: str, width: float | None, *, named: bool
+) -> None:
+    own = spread_over(honest, 1e-9)
+    (score,) = own.cases
+    values = {**score.values, "lift_off_fraction": 0.0}
+    told = score.model_copy(
+        update={"values": values, "spread": {"phi_rms_rad": 1e-9, column: width}}
+    )
+    assert (Rule.SPREAD in rules(own.of_cases([told]))) is named
+
+
+def test_an_unknown_spread_is_of_members_that_ended_early(honest: Result) -> None:
+    own = spread_over(honest, None)
+    (score,) = own.cases
+    early = score.model_copy(update={"endings": {"FINISHED": 3, "FLAT": 2}})
+    assert Rule.SPREAD not in rules(own.of_cases([early]))
 
 
 def test_single_precision_rounds_more(honest: Result) -> None:

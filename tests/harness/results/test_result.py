@@ -72,6 +72,7 @@ def test_an_engine_or_a_scene_that_is_not_declared_is_refused(key: str, said: st
         ("another", 1),
         ("options", "two\nlines"),
         ("scene", "\x1b[2J"),
+        *(("scene", f"a{chr(mark)}b") for mark in (0x85, 0x9B, 0x2028, 0x2029, 0x202E, 0x2066)),
     ],
 )
 def test_what_no_score_has_is_refused(key: str, value: object) -> None:
