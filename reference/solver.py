@@ -211,7 +211,11 @@ def solve(
             problem, model=model, method=method, rtol=rtol, locus=locus
         )
         bounces = measure_bounces(
-            run.path, run.track, problem.parameters, sliding=solved_by == "frictionless"
+            run.path,
+            run.track,
+            problem.parameters,
+            sliding=solved_by == "frictionless",
+            symmetric=not problem.effects.declared(),
         )
     phases = run.phases
     if solved_by in WITHOUT_SLIP:

@@ -137,8 +137,8 @@ def reference_json(e: Evaluation, bounces: Sequence[Bounce]) -> Answer:
         "scene": simulation.case.scene.name,
         "engine": simulation.model,
         "outcome": simulation.ending,
-        "wall_s": simulation.wall_s,
-        "steps": simulation.steps,
+        "wall_s": QUANTITIES["wall_s"].of_run(e),
+        "steps": QUANTITIES["steps"].of_run(e),
         "period_s": bounces[0].end - bounces[0].start if bounces else None,
         "energy_drift": e.energy_drift,
         "bounces": [
@@ -155,8 +155,8 @@ def run_json(e: Evaluation) -> Answer:
         ((), ()) if e.errors is None else (e.errors.angle_of_turn, e.errors.peak_friction_ratio)
     )
     return reference_json(e, e.bounces) | {
-        "compile_s": e.simulation.compile_s,
-        "setup_s": e.simulation.setup_s,
+        "compile_s": QUANTITIES["compile_s"].of_run(e),
+        "setup_s": QUANTITIES["setup_s"].of_run(e),
         "errors": {
             "phi_rms_rad": QUANTITIES["phi_rms_rad"].of_run(e),
             "angle_of_turn_deg": [math.degrees(turn) for turn in turns],

@@ -17,7 +17,7 @@ from harness.progress import report_progress
 from harness.records import score as records
 from harness.records.columns import mapping
 from harness.records.convention import CHOICES, chosen_parts
-from harness.records.score import Labels, Scored, understood_table
+from harness.records.score import UNKNOWN, Labels, Scored, understood_table
 from harness.report.atomic_folder import check_writable
 from harness.report.write import write_report
 from harness.studies.comparison.study import comparison_report
@@ -110,7 +110,7 @@ def _labels(
     words: dict[str, list[Any]] = {}
     usual: dict[str, list[Any]] = {
         "--name": [path.stem for path in files],
-        "--version": ["unknown"] * len(files),
+        "--version": [UNKNOWN] * len(files),
         "--timestep": [None] * len(files),
     }
     for option, given in (("--name", names), ("--version", versions), ("--timestep", timesteps)):
@@ -119,10 +119,27 @@ def _labels(
             allowed = f"one, or one for each of the {len(files)} files"
             raise InvalidSettingError(option, ", ".join(map(str, given)), allowed)
         words[option] = many
-    return [
+    labels = [
         Labels(name=name, version=version, timestep=step, settings=settings)
         for name, version, step in zip(*words.values(), strict=True)
     ]
+    _check_different(labels)
+    return labels
+
+
+def _check_different(labels: Sequence[Labels]) -> None:
+    """Refuse files that a report could not tell apart."""
+    seen = set()
+    for each in labels:
+        if (each.name, each.timestep) in seen:
+            step = "no timestep" if each.timestep is None else f"the timestep {each.timestep:g}"
+            raise InvalidSettingError(
+                "--name",
+                each.name,
+                f"a name of its own for each file, or a --timestep of its own for each file of one "
+                f"name: two files have this name and {step}",
+            )
+        seen.add((each.name, each.timestep))
 
 
 def _answer(scored: Scored) -> dict[str, Any]:

@@ -35,7 +35,9 @@ class Case:
     timestep : float, optional
         s; left out, the profile's own.
     options : tuple of (str, Value)
-        Settings that replace the profile's, under the engine's own names, sorted by name.
+        Settings that replace the profile's, under the engine's own names, sorted by name. Of a
+        record also its `file`, and how it is read: `--version`, `--column OURS`,
+        `--convention PART`.
 
     Raises
     ------
@@ -72,23 +74,37 @@ class Case:
         text = json.dumps(fields, sort_keys=True, default=repr)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
+    @property
+    def shown_options(self) -> tuple[tuple[str, Value], ...]:
+        """Options that a label shows: without how a record is read, whose names begin with `--`."""
+        return tuple(option for option in self.options if not option[0].startswith("--"))
+
     def label(self) -> str:
         """Return the case in a few words, for progress bars and tables."""
         step = "" if self.timestep is None else f" dt={self.timestep:g}"
-        options = "".join(f" {name}={_shortened(value)}" for name, value in self.options)
+        options = "".join(f" {name}={_shortened(value)}" for name, value in self.shown_options)
         return f"{self.scene.name} {self.engine} {self.profile}{step}{options}"
 
     def command(self) -> str:
         """Return the command line that runs this case again."""
         options = dict(self.options)
         if self.profile == RECORDED:
-            words = ["rockingcan score", self.scene.name, _spell(options.pop("file", "FILE"))]
+            file = shlex.quote(_spell(options.pop("file", "FILE")))
+            words = ["rockingcan score", self.scene.name, file]
             words.append(f"--name {shlex.quote(self.engine)}")
-            own = [f"--settings {name}={_spell(value)}" for name, value in options.items()]
+            own = [_score_option(name, _spell(value)) for name, value in options.items()]
             step = [] if self.timestep is None else [f"--timestep {self.timestep!r}"]
             return " ".join([*words, *step, *own])
         settings = [f"{name}={_spell(value)}" for name, value in options.items()]
         return run_command(self.scene.name, self.engine, self.profile, self.timestep, settings)
+
+
+def _score_option(name: str, value: str) -> str:
+    """Return an option of `score`: how the record is read, or a setting of its program."""
+    if not name.startswith("--"):
+        return f"--settings {shlex.quote(f'{name}={value}')}"
+    option, _, key = name.partition(" ")
+    return f"{option} {shlex.quote(f'{key}={value}' if key else value)}"
 
 
 def run_command(

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.core.case import PROFILES, Case
+from harness.core.case import PROFILES, RECORDED, Case
 from harness.core.errors import (
     BrokenEngineError,
     HarnessError,
@@ -224,6 +224,8 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     compared = motion(take(trajectory, common), scene)
     true = motion(exact.at(compared.time), scene)
     dense = sample_truth(exact)
+    if simulation.case.profile == RECORDED:  # which may be nearer to the locus than a chord of it
+        dense = exact.at(np.union1d(dense.time, compared.time))
     before = dense.time < compared.time[-1]
     # to the very end of what is compared: cut at a sample, the curve would be too short
     locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))

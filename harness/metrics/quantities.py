@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from harness.core.bounce import Bounce
+from harness.core.case import RECORDED
 from harness.core.simulation import Simulation
 from harness.metrics.error import Errors
 from harness.metrics.motion import ContactQuality, Motion
@@ -160,6 +161,9 @@ def _of_part(part: str, key: str, label: str, meaning: str, name: str = "") -> Q
     of_key, unit = _unit(key)
 
     def of_run(e: Measured) -> Number:
+        untold = part == "simulation" or key == "multi_contact_fraction"
+        if untold and e.simulation.case.profile == RECORDED:
+            return None  # a record has no steps, times or counts
         value = getattr(getattr(e, part), name or of_key, None)
         if isinstance(value, tuple):
             value = value[0] if value else None

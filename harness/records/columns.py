@@ -5,7 +5,8 @@ other names are mapped by the user; what is not understood is left out, and told
 """
 
 import math
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -160,8 +161,8 @@ def read_columns(path: Path, mapped: Mapping[str, str] | None = None) -> Columns
     Parameters
     ----------
     path : Path
-        `.parquet`, or text with a line of names: separated by commas, semicolons (with a comma or
-        a point in its numbers), tabulators or blanks.
+        `.parquet`, or text with a line of names, which may be a comment (`#`): separated by commas,
+        semicolons (with a comma or a point in its numbers), tabulators or blanks.
     mapped : mapping of str to str, optional
         Name in the file of a column by its name here.
 
@@ -170,14 +171,14 @@ def read_columns(path: Path, mapped: Mapping[str, str] | None = None) -> Columns
     RecordFileError
         If the file cannot be read, has no such columns, or a cell of them is no finite number.
     """
-    frame = _frame(path)
     theirs = dict(mapped or {})
-    missing = [column for column in theirs.values() if column not in frame.columns]
-    if missing:
-        hint = did_you_mean(missing[0], map(str, frame.columns))
-        raise RecordFileError(path, f"has no column '{missing[0]}'{hint} {_there(frame)}")
     taken = set(theirs.values())
-    theirs |= {name: name for name in map(str, frame.columns) if name not in taken and _named(name)}
+    there, frame = _frame(path, lambda name: name in taken or _named(name) is not None)
+    missing = [column for column in theirs.values() if column not in there]
+    if missing:
+        hint = did_you_mean(missing[0], there)
+        raise RecordFileError(path, f"has no column '{missing[0]}'{hint} {_there(there)}")
+    theirs |= {name: name for name in there if name not in taken and _named(name)}
     values: dict[str, Floats] = {}
     names: dict[str, str] = {}
     for ours, column in theirs.items():
@@ -190,13 +191,13 @@ def read_columns(path: Path, mapped: Mapping[str, str] | None = None) -> Columns
         numbers = _numbers(path, frame, column, gaps=named.quantity in (*CONTACT, *DEPTH))
         values[named.quantity] = numbers if named.factor == 1.0 else numbers * named.factor
         names[named.quantity] = column if named.factor == 1.0 else f"{column} in {named.unit}"
-    left_out = tuple(name for name in map(str, frame.columns) if name not in theirs.values())
+    left_out = tuple(name for name in there if name not in theirs.values())
     found = Columns(path=path, quantities=values, names=names, left_out=left_out)
-    _check(found, frame)
+    _check(found, there)
     return found
 
 
-def _check(found: Columns, frame: "pd.DataFrame") -> None:
+def _check(found: Columns, every: Iterable[str]) -> None:
     """Refuse columns that make no motion."""
     path = found.path
 
@@ -205,14 +206,13 @@ def _check(found: Columns, frame: "pd.DataFrame") -> None:
 
     needed = [one for one in ("time", *POSITION) if one not in found.quantities]
     if needed:
-        raise RecordFileError(
-            path, f"has no column {lacks(needed)}: map it by --column; {_there(frame)}"
-        )
+        words = f"has no column {lacks(needed)}: map it by --column; "
+        raise RecordFileError(path, f"{words}{_there(every)}")
     turned = [group for group in (QUATERNION, ANGLES) if found.has(group)]
     if len(turned) != 1:
         many = "both" if turned else "neither"
         words = f"has {many} of {lacks(QUATERNION)} and {lacks(ANGLES)}: one is needed; "
-        raise RecordFileError(path, f"{words}{_there(frame)}")
+        raise RecordFileError(path, f"{words}{_there(every)}")
     for group in OPTIONAL:
         there = [one for one in group if one in found.quantities]
         absent = [one for one in group if one not in found.quantities]
@@ -227,9 +227,9 @@ def _check(found: Columns, frame: "pd.DataFrame") -> None:
         raise RecordFileError(path, f"time does not increase at its sample {line}")
 
 
-def _there(frame: "pd.DataFrame") -> str:
+def _there(names: Iterable[str]) -> str:
     """Return the columns of a file in words."""
-    return f"its columns are {shown(', '.join(map(str, frame.columns)))}"
+    return f"its columns are {shown(', '.join(names))}"
 
 
 def _numbers(path: Path, frame: "pd.DataFrame", column: str, *, gaps: bool) -> Floats:
@@ -243,6 +243,9 @@ def _numbers(path: Path, frame: "pd.DataFrame", column: str, *, gaps: bool) -> F
     cells = frame[column]
     if cells.dtype.kind in "biuf":
         numbers: Floats = cells.to_numpy(dtype=np.float64)
+    elif cells.dtype.name == "category":  # each text once, and never as often as it stands there
+        texts = [*map(_number, cells.cat.categories.tolist()), math.nan]  # the last of no text: -1
+        numbers = np.array(texts, dtype=np.float64)[cells.cat.codes]
     else:
         numbers = np.array([_number(cell) for cell in cells.tolist()], dtype=np.float64)
     bad = ~(np.abs(numbers) < _LARGEST_NUMBER)
@@ -251,9 +254,8 @@ def _numbers(path: Path, frame: "pd.DataFrame", column: str, *, gaps: bool) -> F
     if bad.any():
         first = int(np.argmax(bad))
         cell = shown(cells.iloc[first])
-        raise RecordFileError(
-            path, f"column '{column}' has {cell} in sample {first + 1}: no number"
-        )
+        words = f"column '{column}' has {cell} in sample {first + 1}: no number"
+        raise RecordFileError(path, words)
     return numbers
 
 
@@ -267,56 +269,75 @@ def _number(cell: object) -> float:
         return math.inf
 
 
-def _frame(path: Path) -> "pd.DataFrame":
-    """Return the table of a file.
+def _frame(path: Path, known: Callable[[str], bool]) -> tuple[list[str], "pd.DataFrame"]:
+    """Return the names of all columns of a file, and a table that has those that are known.
 
     Raises
     ------
     RecordFileError
-        If there is none.
+        If there is none, or it is too large.
     """
     try:
-        _check_size(path)
-        frame = _parquet_frame(path) if path.suffix == ".parquet" else _text_frame(path)
+        _check_size(path, path.stat().st_size, LARGEST_FILE, "bytes")
+        read = _parquet_frame if path.suffix == ".parquet" else _text_frame
+        names, frame = read(path, known)
     except RecordFileError:
         raise
     except OSError as error:
         raise RecordFileError(path, f"cannot be read: {error.strerror or error}") from error
     except Exception as error:  # a parser raises what it likes on what is no table
         raise RecordFileError(path, f"is no table: {error}") from error
-    frame.columns = [str(name).strip() for name in frame.columns]
-    if len(frame) > MOST_SAMPLES:
-        raise RecordFileError(path, f"has more than {MOST_SAMPLES} samples")
-    if len(frame.columns) > MOST_COLUMNS:
-        raise RecordFileError(path, f"has {len(frame.columns)} columns, of {MOST_COLUMNS} at most")
-    if len(set(frame.columns)) < len(frame.columns):
+    _check_size(path, len(frame), MOST_SAMPLES, "samples")
+    _check_names(path, names)
+    return names, frame
+
+
+def _check_size(path: Path, size: int, most: int, of_what: str) -> None:
+    """Refuse a file that has too much of something."""
+    if size > most:
+        raise RecordFileError(path, f"has more than {most} {of_what}")
+
+
+def _check_names(path: Path, names: list[str]) -> None:
+    """Refuse a file with too many columns, or with two of one name."""
+    _check_size(path, len(names), MOST_COLUMNS, "columns")
+    if len(set(names)) < len(names):
         raise RecordFileError(path, "has two columns of one name")
-    return frame
 
 
-def _check_size(path: Path) -> None:
-    """Refuse a file that is too large to be read."""
-    if (size := path.stat().st_size) > LARGEST_FILE:
-        raise RecordFileError(path, f"has {size} bytes, of {LARGEST_FILE} at most")
-
-
-def _parquet_frame(path: Path) -> "pd.DataFrame":
-    """Return the table of a Parquet file, unless it says that it has too many samples."""
+def _parquet_frame(path: Path, known: Callable[[str], bool]) -> tuple[list[str], "pd.DataFrame"]:
+    """Return the names in a Parquet file, and its known columns; its sizes are checked before."""
+    import pyarrow as pa  # noqa: PLC0415
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     # in this thread alone: one of Arrow's own that outlives the interpreter can abort the program
     with pq.ParquetFile(path, pre_buffer=False) as file:
-        if file.metadata.num_rows > MOST_SAMPLES:  # a small file may hold billions
-            raise RecordFileError(path, f"has more than {MOST_SAMPLES} samples")
-        frame: pd.DataFrame = file.read(use_threads=False).to_pandas(use_threads=False)
-    return frame
+        samples, schema = file.metadata.num_rows, file.schema_arrow
+    _check_size(path, samples, MOST_SAMPLES, "samples")  # a small file may hold billions
+    names = [name.strip() for name in schema.names if not name.startswith("__index_level_")]
+    _check_names(path, names)
+    wanted = [name for name in schema.names if known(name.strip())]
+    for name in wanted:
+        if pa.types.is_nested(schema.field(name).type):
+            raise RecordFileError(path, f"column '{name}' has {schema.field(name).type}: no number")
+    unpacked = samples * len(wanted) * np.dtype(np.float64).itemsize
+    _check_size(path, unpacked, LARGEST_FILE, "bytes once it is unpacked")
+    # a text stays in its dictionary: a short file may repeat a long one in every sample
+    with pq.ParquetFile(path, pre_buffer=False, read_dictionary=wanted) as file:
+        table = file.read(columns=wanted, use_threads=False)
+    frame: pd.DataFrame = table.to_pandas(use_threads=False, ignore_metadata=True)
+    return names, frame.rename(columns=str.strip)
 
 
-def _text_frame(path: Path) -> "pd.DataFrame":
-    """Return the table of a text, its cells as they are written."""
+_PACKED = (b"\x1f\x8b", b"BZh", b"PK\x03\x04", b"\xfd7zXZ", b"(\xb5/\xfd")
+"""First bytes of files that gzip, bzip2, zip, xz and zstd wrote."""
+
+
+def _text_frame(path: Path, known: Callable[[str], bool]) -> tuple[list[str], "pd.DataFrame"]:
+    """Return the table of a text with the names of its columns, its cells as they are written."""
     import pandas as pd  # noqa: PLC0415
 
-    separator, decimal = _dialect(path)
+    encoding, separator, decimal, names = _dialect(path, known)
     frame = pd.read_csv(
         path,
         sep=separator,
@@ -326,22 +347,53 @@ def _text_frame(path: Path) -> "pd.DataFrame":
         index_col=False,
         dtype=str,
         keep_default_na=False,
-        encoding="utf-8-sig",
+        encoding=encoding,
         encoding_errors="replace",
+        compression=None,  # a file of a few bytes may unpack to any size
         nrows=MOST_SAMPLES + 2,
     )
-    frame.columns = frame.iloc[0]
-    frame = frame.iloc[1:]
-    if decimal == ".":
-        return frame
-    pointed: pd.DataFrame = frame.apply(lambda cells: cells.str.replace(decimal, ".", regex=False))
-    return pointed
+    if not names:
+        names, frame = [str(name).strip() for name in frame.iloc[0]], frame.iloc[1:]
+    if len(names) != len(frame.columns):
+        many = f"names {len(names)} columns in a comment, and has {len(frame.columns)}"
+        raise RecordFileError(path, many)
+    frame.columns = names
+    if decimal != ".":
+        frame = frame.apply(lambda cells: cells.str.replace(decimal, ".", regex=False))
+    return names, frame
 
 
-def _dialect(path: Path) -> tuple[str, str]:
-    """Return what separates the cells of a text, as pandas writes it, and its decimal point."""
-    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        lines = (line for line in file if line.strip() and not line.startswith("#"))
-        header, first = next(lines, "")[:100_000], next(lines, "")[:100_000]
-    separator = next((one for one in (";", "\t", ",") if one in header), r"\s+")
-    return separator, "," if separator != "," and "," in first else "."
+def _dialect(path: Path, known: Callable[[str], bool]) -> tuple[str, str, str, list[str]]:
+    """Return encoding, separator (as pandas takes it), decimal point, and names in a comment.
+
+    Where the first line of data has the names, as it usually does, there are none in a comment, in
+    which numpy.savetxt writes them.
+    """
+    with path.open("rb") as binary:
+        start = binary.read(8)
+    if start.startswith(_PACKED):
+        raise RecordFileError(path, "is compressed: unpack it first")
+    encoding = "utf-16" if start[:2] in {b"\xff\xfe", b"\xfe\xff"} else "utf-8-sig"
+    comments: list[str] = []
+    with path.open(encoding=encoding, errors="replace", newline="") as file:
+        lines = (line[:100_000] for line in file if line.strip())
+        header = next(lines, "")
+        while header.startswith("#"):
+            comments.append(header.lstrip("# "))
+            header = next(lines, "")
+        first = next((line for line in lines if not line.startswith("#")), "")
+    lines_of_names = [] if any(map(known, _cells(header))) else map(_cells, comments)
+    names = next((cells for cells in lines_of_names if sum(map(known, cells)) > 1), [])
+    separator = _separator(header)
+    points = separator == "," or "," not in (header if names else first)
+    return encoding, separator, "." if points else ",", names
+
+
+def _separator(line: str) -> str:
+    """Return what separates the cells of a line, as pandas takes it."""
+    return next((one for one in (";", "\t", ",") if one in line), r"\s+")
+
+
+def _cells(line: str) -> list[str]:
+    """Return the cells of a line of names."""
+    return [cell.strip().strip('"') for cell in re.split(_separator(line), line.strip())]

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.core.errors import InvalidSettingError
+from harness.core.trajectory import Floats
 from harness.engines.reference.to_reference_problem import refusal
-from harness.engines.reference.truth import sample_truth, truth
+from harness.engines.reference.truth import Truth, truth
+from harness.metrics.motion import motion
 from harness.metrics.quantities import QUANTITIES
 from harness.records.columns import CONTACT, FORCE, POSITION, QUATERNION, SPIN, UNITS, VELOCITY
 from models.kinematics import angles_of_record
@@ -21,6 +23,8 @@ _BOUNCE = ("phi_min_rad", "angle_of_turn_deg", "rotation_turn_deg", "peak_psi_do
 def exact_frame(scene: Scene) -> "pd.DataFrame":
     """Return the exact motion as the columns of a record, on a grid that resolves its bounces.
 
+    The grid holds the instants of the largest friction, so that a score of the record has no error.
+
     Raises
     ------
     InvalidSettingError
@@ -30,7 +34,8 @@ def exact_frame(scene: Scene) -> "pd.DataFrame":
 
     if why := refusal(scene):
         raise InvalidSettingError("scene", scene.name, f"one with an exact motion: {why}")
-    t = sample_truth(truth(scene))
+    exact = truth(scene)
+    t = exact.at(np.union1d(exact.grid(), _peaks_of_friction(exact)))
     columns = {"time": t.time}
     for group, values in (
         (POSITION, t.position),
@@ -43,6 +48,52 @@ def exact_frame(scene: Scene) -> "pd.DataFrame":
         columns |= dict(zip(group, values.T, strict=True))
     columns["depth"] = t.penetration
     return pd.DataFrame({_si(name): values for name, values in columns.items()})
+
+
+_SAMPLES = 17
+"""Between the neighbours of the best sample, of which the best is sought again."""
+
+_ROUNDS = 8
+"""Each narrows an instant down to an eighth of its interval: a ten millionth of it in the end, in
+which the ratio, level at its peak, changes by the square."""
+
+_LEVEL = 1e-14
+"""A peak that is higher than the best sample of the grid by less than this share is that sample."""
+
+
+def _peaks_of_friction(exact: Truth) -> Floats:
+    """Return when |F|/N is largest in each bounce, shape (k,), s.
+
+    Without the peaks that are samples of the grid, and those of a ratio that grows without bound.
+    """
+    grid = exact.grid()
+    bounces = [bounce for bounce in exact.bounces if np.isfinite(bounce.peak_friction_ratio)]
+    if not bounces:
+        return grid[:0]
+    ratio = _friction(exact, grid)
+    low, high, known = [], [], []
+    for bounce in bounces:
+        inside = np.flatnonzero((grid >= bounce.start) & (grid <= bounce.end))
+        best = int(inside[np.argmax(ratio[inside])])
+        low.append(grid[max(best - 1, inside[0])])
+        high.append(grid[min(best + 1, inside[-1])])
+        known.append(ratio[best])
+    left, right, rows = np.array(low), np.array(high), np.arange(len(low))
+    for _ in range(_ROUNDS):
+        times = np.linspace(left, right, _SAMPLES, axis=1)
+        ratio = _friction(exact, times.ravel()).reshape(times.shape)
+        peak = ratio.argmax(axis=1)
+        left = times[rows, np.maximum(peak - 1, 0)]
+        right = times[rows, np.minimum(peak + 1, _SAMPLES - 1)]
+    higher = ratio[rows, peak] > np.array(known) * (1.0 + _LEVEL)
+    peaks: Floats = times[rows, peak][higher]
+    return peaks
+
+
+def _friction(exact: Truth, times: Floats) -> Floats:
+    """Return |F|/N at the given times, shape (n,); negative where nothing bears."""
+    ratio = motion(exact.at(times), exact.scene).friction_ratio
+    return np.where(np.isfinite(ratio), ratio, -1.0)
 
 
 def _si(quantity: str) -> str:

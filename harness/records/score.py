@@ -16,6 +16,9 @@ from harness.records.evidence import evidence
 from harness.records.understanding import Understood, understand
 from models.scene import Scene
 
+UNKNOWN = "unknown"
+"""Version of a program that nobody said."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Labels:
@@ -32,7 +35,7 @@ class Labels:
     """
 
     name: str
-    version: str = "unknown"
+    version: str = UNKNOWN
     timestep: float | None = None
     settings: Mapping[str, Value] = field(default_factory=dict)
 
@@ -88,7 +91,13 @@ def score(
         engine=labels.name,
         profile=RECORDED,
         timestep=labels.timestep,
-        options=(*labels.settings.items(), ("file", str(path))),
+        options=(
+            *labels.settings.items(),
+            *([("--version", labels.version)] if labels.version != UNKNOWN else []),
+            *((f"--column {ours}", theirs) for ours, theirs in (columns or {}).items()),
+            *((f"--convention {part}", word) for part, word in (convention or {}).items()),
+            ("file", str(path)),
+        ),
     )
     simulation = Simulation(
         case=case,

@@ -24,7 +24,12 @@ SHOULDER = 1e-12
 
 
 def measure_bounces(
-    path: Path, track: Extrema, parameters: Parameters, *, sliding: bool = False
+    path: Path,
+    track: Extrema,
+    parameters: Parameters,
+    *,
+    sliding: bool = False,
+    symmetric: bool = True,
 ) -> tuple[Bounce, ...]:
     """Return a `Bounce` for each minimum of phi that has a maximum on either side.
 
@@ -35,6 +40,8 @@ def measure_bounces(
     parameters : Parameters
     sliding : bool
         Whether the plane is without friction, so that there is no force to ask for.
+    symmetric : bool
+        Whether each extremum of phi mirrors the motion, so that a peak that is no sample is there.
     """
     tops = np.flatnonzero(track.maximum)
     if tops.size < 2:  # noqa: PLR2004 - a bounce has a maximum on either side
@@ -47,7 +54,7 @@ def measure_bounces(
     edges = track.times[tops]
     slices = [slice(*np.searchsorted(times, pair)) for pair in pairwise(edges)]
     peaks = [
-        _peaks(path, track, (times, quantity(states)), slices, quantity)
+        _peaks(path, track, (times, quantity(states)), slices, quantity, symmetric=symmetric)
         for quantity in (_precession, ratio)
     ]
     bounces = []
@@ -75,6 +82,8 @@ def _peaks(
     sampled: tuple[Floats, Floats],
     slices: list[slice],
     quantity: Quantity,
+    *,
+    symmetric: bool,
 ) -> Floats:
     """Return the value of largest magnitude in each bounce, with its sign."""
     times, values = sampled
@@ -94,6 +103,11 @@ def _peaks(
         if np.abs(values[best]) > np.abs(peak[i]) * (1 + SHOULDER):
             peak[i] = values[best]
             left[i], right[i] = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
+            open_.append(i)
+        elif not symmetric:  # the peak is beside the extremum
+            there = np.searchsorted(times, track.times[tops[i] + int(np.abs(own).argmax())])
+            left[i] = times[max(there - 1, part.start)]
+            right[i] = times[min(there + 1, part.stop - 1)]
             open_.append(i)
     refine = np.array([i for i in open_ if np.isfinite(peak[i])], dtype=np.intp)
     if refine.size:

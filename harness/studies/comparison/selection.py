@@ -93,7 +93,7 @@ def label(e: Evaluation) -> str:
     case, setting = e.simulation.case, finer_by(e.simulation.case.engine)
     if case.engine == "reference":
         return EXACT
-    settings = "".join(f", {name}={v}" for name, v in case.options if name != setting)
+    settings = "".join(f", {name}={v}" for name, v in case.shown_options if name != setting)
     if case.profile == "adaptive":
         return f"{case.engine}, adaptive{settings}"
     step = rung_words(e.simulation)

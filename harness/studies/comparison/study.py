@@ -184,7 +184,7 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
             chosen = [ranked[0], ranked[-1], *(one for one in chosen if one not in ranked)]
         sentences += [
             f"{engine} {words} misses the angle of turn by at {extreme} {error:.2g} degrees "
-            f"({e.simulation.case.scene.name}, {_step(e)})."
+            f"({', '.join(filter(None, (e.simulation.case.scene.name, _step(e))))})."
             for engine, error, e in chosen
         ]
     paragraphs = (" ".join(sentences), f"{_uncounted(evaluations)} {_endings(evaluations)}")
@@ -192,9 +192,9 @@ def _summary(evaluations: Sequence[Evaluation]) -> Prose:
 
 
 def _step(e: Evaluation) -> str:
-    """Return the timestep or the accuracy of a run in words."""
+    """Return the timestep or the accuracy of a run in words; empty where it has neither."""
     case, words = e.simulation.case, rung_words(e.simulation)
-    if not takes_timestep(case.engine):
+    if not words or not takes_timestep(case.engine):
         return words
     return f"timestep {'up to ' if case.profile == 'adaptive' else ''}{words}"
 
@@ -296,7 +296,7 @@ _BEST = ("adaptive", "matched", RECORDED)
 
 
 def _two_each(drawn: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return of each engine the run as shipped and the best other run; of many, those nearest."""
+    """Return of each engine the run as shipped and the best other; `drawn` has one a profile."""
     chosen: list[Evaluation | None] = []
     for runs in by_case(drawn, "engine").values():
         own = {e.simulation.case.profile: e for e in runs}

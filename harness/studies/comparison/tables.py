@@ -16,6 +16,12 @@ from harness.studies.comparison.selection import by_case
 from harness.studies.comparison.suite import Unsupported
 from harness.studies.shared import run_columns
 
+
+def _recorded(e: Evaluation) -> bool:
+    """Whether a program outside wrote the motion of a run."""
+    return e.simulation.case.profile == RECORDED
+
+
 _SCORECARD = (
     run_columns.SCENE,
     run_columns.ENGINE,
@@ -41,7 +47,7 @@ def scorecards(
     Two matrices of engines by scenes, and a table with a row for each scene and engine.
     """
     rows = _verdicts(evaluations, unsupported)
-    recorded = all(e.simulation.case.profile == RECORDED for e in evaluations)
+    recorded = all(map(_recorded, evaluations))
     shipped = _matrix("shipped", "Engines as they ship, by scene", rows)
     return (
         _matrix("best", "Engines at their best, by scene", rows),
@@ -70,7 +76,7 @@ def _verdicts(
                 }
         if best is not None:
             run = best.simulation
-            row |= {"best_run": f"{run.case.profile}, {rung_words(run)}"}
+            row |= {"best_run": ", ".join(filter(None, (run.case.profile, rung_words(run))))}
         rows.append(row)
     rows += [
         {
@@ -173,8 +179,8 @@ _RESULTS = (
     run_columns.quantity_column("multi_contact_fraction", shown=False),
     Column(
         "static_penetration_m",
-        "Depth at which the can was released.",
-        "simulation.static_penetration",
+        "Depth at which the can was released; empty of a record.",
+        lambda e: None if _recorded(e) else e.simulation.static_penetration,
     ),
     Column("simulated_s", "Length of the run.", lambda e: e.motion and float(e.motion.time[-1])),
     run_columns.quantity_column("steps"),

@@ -1,9 +1,13 @@
 """Files that hold records: their dialects, their faults, and ten thousand broken ones."""
 
+import gzip
 import random
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from harness.core.errors import InvalidSettingError
@@ -97,6 +101,82 @@ def test_sizes_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
             patch.setattr(under_test, limit, 3)
             with pytest.raises(RecordFileError, match=why):
                 read_columns(path)
+
+
+def repeated(word: str, samples: int) -> pa.DictionaryArray:
+    """Return a column of one word, which takes little memory as long as it is packed."""
+    return pa.DictionaryArray.from_arrays(pa.repeat(pa.scalar(0, pa.int8()), samples), [word])
+
+
+@pytest.mark.parametrize(
+    ("names", "word", "why"),
+    [
+        ([f"c{n}" for n in range(1001)], "word", "more than 1000 columns"),
+        (["x_m", "note"], "no number" * 1000, "no number"),
+    ],
+)
+def test_parquet_is_refused_in_little_memory(
+    tmp_path: Path, names: list[str], word: str, why: str
+) -> None:
+    path, pool = tmp_path / "a.parquet", pa.default_memory_pool()
+    pq.write_table(pa.table(dict.fromkeys(names, repeated(word, 20_000))), path, store_schema=False)
+    before = pool.max_memory() or 0
+    with pytest.raises(RecordFileError, match=why):
+        read_columns(path)
+    assert (pool.max_memory() or 0) - before < 1e7  # one column of the second takes 1.8e8 bytes
+
+
+def test_numbers_as_texts_are_read_from_parquet(tmp_path: Path) -> None:
+    frame = pd.DataFrame([line.split(",") for line in LINES[1:]], columns=LINES[0].split(","))
+    frame.set_index("time_s").to_parquet(tmp_path / "a.parquet")
+    found = read_columns(tmp_path / "a.parquet")
+    assert found.quantities["time"] == pytest.approx(np.arange(5) / 10.0, abs=0.0)
+    frame.loc[3, "x_m"] = None
+    frame.to_parquet(tmp_path / "a.parquet")
+    with pytest.raises(RecordFileError, match="'x_m' has nan in sample 4"):
+        read_columns(tmp_path / "a.parquet")
+
+
+def test_what_parquet_unpacks_to_is_limited(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.table({name: np.zeros(5000) for name in ("time_s", "x_m", "y_m")}), path)
+    monkeypatch.setattr(under_test, "LARGEST_FILE", 100_000)
+    with pytest.raises(RecordFileError, match="more than 100000 bytes once it is unpacked"):
+        read_columns(path)
+
+
+def test_a_compressed_text_is_to_be_unpacked(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv.gz"
+    path.write_bytes(gzip.compress("\n".join(LINES).encode()))
+    with pytest.raises(RecordFileError, match="is compressed: unpack it first"):
+        read_columns(path)
+
+
+@pytest.mark.parametrize("delimiter", [",", " ", ";"])
+@pytest.mark.parametrize(
+    "names", ["time_s,x_m,y_m,z_m,qw,qx,qy,qz", "Time,x_m,y_m,z_m,qw,qx,qy,qz"]
+)
+def test_names_in_a_comment_are_read_as_numpy_writes_them(
+    tmp_path: Path, delimiter: str, names: str
+) -> None:
+    path, rows = tmp_path / "a.csv", np.tile((0.0, 1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0), (5, 1))
+    rows[:, 0] = np.arange(5) / 10.0
+    np.savetxt(path, rows, delimiter=delimiter, header=f"a run, made today\n{names}")
+    found = read_columns(path, {"time_s": "Time"} if "Time" in names else None)
+    assert (found.quantities["time"] == rows[:, 0]).all()
+    assert found.left_out == ()
+    np.savetxt(path, rows, delimiter=delimiter, header=names.removesuffix(",qz"))
+    with pytest.raises(RecordFileError, match="names 7 columns in a comment, and has 8"):
+        read_columns(path)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "utf-8"])
+def test_encodings_are_known_by_their_mark(tmp_path: Path, encoding: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("\r\n".join(LINES), encoding=encoding, newline="")
+    assert len(read_columns(path).quantities["time"]) == 5
 
 
 @pytest.mark.parametrize("pair", ["time_s", "time_s=", "t_s=Time", "x_km=x"])

@@ -1,6 +1,9 @@
 """The command that scores records: exact to round-off, and plain about what a record lacks."""
 
+import csv
 import json
+import math
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,13 +12,17 @@ import pytest
 
 from harness.core.simulation import Outcome
 from harness.core.trajectory import Trajectory
+from harness.engines.reference.to_reference_problem import refusal
 from harness.records.evidence import NOT_CHECKED, evidence
 from harness.records.export import exact_frame
 from harness.records.score import Labels, score
 from models import Scene, load
+from models.catalogue import names
 from models.scene import Horizon
-from tests.harness.records.written import saved
+from tests.harness.records.written import EVERY, frame_of, saved
 from tests.support.command_line import Command
+
+EXACT = [name for name in names() if not refusal(load(name))]
 
 
 @pytest.fixture
@@ -35,6 +42,29 @@ def test_the_exact_motion_scores_no_error(rockingcan: Command, motion: Path) -> 
     assert abs(errors["peak_friction_ratio"][0]) < 1e-13
     assert answer["unknown"] == []
     assert run.keys() <= answer.keys()
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_every_exact_motion_scores_to_round_off(name: str, tmp_path: Path) -> None:
+    scene = load(name)
+    e = score(scene, saved(exact_frame(scene), tmp_path / "m.csv"), Labels(name="p")).evaluation
+    if e.divergence is not None and e.divergence.chaotic:
+        assert e.parts_at is None
+        return
+    errors = e.errors
+    assert errors is not None
+    assert len(errors.angle_of_turn) == len(e.true_bounces)
+    several = (errors.angle_of_turn, errors.rotation_turn, errors.time_of_bounce, errors.phi_min)
+    ratios = [
+        own.peak_friction_ratio - true.peak_friction_ratio
+        for own, true in zip(e.bounces, e.true_bounces, strict=False)
+        if math.isfinite(true.peak_friction_ratio)  # of cusps it is not
+    ]
+    # of a plane that has to pull, the record has no contact points
+    locus = errors.contact_locus_rms if e.truth_pulls else errors.contact_locus_hausdorff
+    single = (errors.phi_max, errors.rotation_rms, locus)
+    # the reference takes a peak from a parabola through samples that are level to 1e-8
+    assert max(abs(error) for error in (*single, *ratios, *sum(several, ()))) < 1e-11
 
 
 def test_parquet_is_read_as_text_is(gentle: Scene, tmp_path: Path) -> None:
@@ -59,6 +89,53 @@ def test_several_records_make_one_report(rockingcan: Command, motion: Path, tmp_
     assert "--settings solver=PGS" in page
     manifest = json.loads((out / "manifest.json").read_text(encoding="utf-8"))
     assert {case["engine_version"] for case in manifest["cases"]} == {"9"}
+
+
+def test_what_a_record_does_not_tell_is_null(
+    rockingcan: Command, motion: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "report"
+    answer = rockingcan("score", "gentle-rock", str(motion), "--out", str(out), "--json").json()
+    untold = ("steps", "wall_s", "compile_s", "setup_s")
+    assert {answer[key] for key in untold} == {None}
+    assert answer["contact"]["multi_contact_fraction"] is None
+    (row,) = csv.DictReader((out / "tables/results.csv").read_text(encoding="utf-8").splitlines())
+    empty = (*untold, "cpu_s", "constraint_rows", "multi_contact_fraction", "static_penetration_m")
+    assert {row[key] for key in empty} == {""}
+    (row,) = csv.DictReader((out / "tables/scorecard.csv").read_text(encoding="utf-8").splitlines())
+    assert row["best_run"] == "recorded"
+    assert "timestep" not in (out / "summary.md").read_text(encoding="utf-8")
+
+
+def test_the_command_that_is_shown_repeats_the_score(rockingcan: Command, tmp_path: Path) -> None:
+    scene, path = load("gentle-rock"), tmp_path / "my motion.csv"
+    theirs = frame_of(scene, replace(EVERY[0], up="y")).rename(columns={"time_s": "my time"})
+    saved(theirs, path)
+    first = rockingcan(
+        *("score", "gentle-rock", str(path), "--name", "a b", "--version", "9 beta"),
+        *("--timestep", "1e-3", "--column", "time_s=my time", "--convention", "up=y"),
+        *("--settings", "note=two words", "--out", str(tmp_path / "report"), "--json"),
+    )
+    assert first.code == 0, first.err
+    manifest = json.loads((tmp_path / "report/manifest.json").read_text(encoding="utf-8"))
+    program, *words = shlex.split(manifest["cases"][0]["command"])
+    again = rockingcan(*words, "--out", str(tmp_path / "again"), "--json")
+    assert program == "rockingcan"
+    assert again.json() == first.json()
+    repeated = json.loads((tmp_path / "again/manifest.json").read_text(encoding="utf-8"))
+    assert repeated["cases"] == manifest["cases"]
+    assert "--" not in manifest["cases"][0]["label"]
+
+
+def test_files_of_one_name_and_timestep_are_refused(rockingcan: Command, motion: Path) -> None:
+    twice = ("score", "gentle-rock", str(motion), str(motion))
+    answer = rockingcan(*twice)
+    assert answer.code == 2
+    assert "--name" in answer.err
+    assert "--timestep" in answer.err
+    assert "did you mean" not in answer.err
+    assert rockingcan(*twice, "--timestep", "1e-3").code == 2
+    assert rockingcan(*twice, "--timestep", "1e-3", "--timestep", "1e-4").code == 0
 
 
 def test_labels_are_one_or_one_for_each(rockingcan: Command, motion: Path) -> None:
