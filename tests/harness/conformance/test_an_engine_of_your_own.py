@@ -56,9 +56,9 @@ if __name__ == "__main__":
 
 
 def block(language: str) -> str:
-    """Return the block of a language in the section on engines."""
-    section = DOCUMENT.read_text(encoding="utf-8").split("## An engine of your own")[1]
-    found = re.search(rf"```{language}\n(.*?)```", section, re.DOTALL)
+    """Return the first block of a language in the document."""
+    text = DOCUMENT.read_text(encoding="utf-8")
+    found = re.search(rf"```{language}\n(.*?)```", text, re.DOTALL)
     assert found is not None
     return found.group(1)
 
