@@ -1,6 +1,5 @@
 """The command that runs releases of an engine, and says at which of them contact changed."""
 
-import re
 from pathlib import Path
 from typing import Annotated
 
@@ -12,12 +11,9 @@ from harness.cli.study_command import run_command, shown
 from harness.core.errors import InvalidSettingError
 from harness.engines.new_environment import remove_environment
 from harness.gate.history.study import plan_history
-from harness.results.files import check_place, write_result
+from harness.results.files import check_place, result_name, write_result
 
 _PLACE = "name a folder that you may write to with --results"
-
-_LONGEST = 100
-"""Letters of the settings in the name of a file: a name has 255 at most."""
 
 
 @run_options.with_run_options
@@ -88,10 +84,9 @@ def history(  # noqa: PLR0917 - a parameter an option
         show=shown({"change-points": (), "versions": (), "summary": ()}),
     )
     if results is not None:
-        settings = "".join(f"-{name}-{value}" for name, value in study.settings)
-        words = re.sub(r"[^\w.+-]", "-", settings)[:_LONGEST]
         for version, result in study.whole_results(done).items():
-            write_result(result, results / f"{engine}-{version}-{suite}{words}.json", _PLACE)
+            name = result_name(engine, version, suite, result.settings)
+            write_result(result, results / name, _PLACE)
     if not keep:
         for name in study.made(done):
             remove_environment(name)

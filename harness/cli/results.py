@@ -2,7 +2,6 @@
 
 import os
 import random
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -35,6 +34,7 @@ from harness.results.files import (
     read_result,
     read_scores,
     result_files,
+    result_name,
     write_result,
 )
 from harness.results.plausibility import Objection, Rule, objections
@@ -136,10 +136,11 @@ def submit(  # noqa: PLR0917 - a parameter an option
     study = plan_comparison(suite, engines, chosen)
     for option, words in (("--name", name), ("--note", note)):
         _check_line(option, words)
-    path = out or _FOLDER / _file_name(engine, suite)
+    settings = settings_to_dict(chosen)
+    path = out or _FOLDER / result_name(engine, engine_version(engine), suite, settings)
     check_place(path.parent, _PLACE)
     done = run_with_progress(study, running)
-    result = result_of(study, study.evaluations(done), settings_to_dict(chosen))
+    result = result_of(study, study.evaluations(done), settings)
     result = with_spread(study, result, running, running.store)
     write_result(result.model_copy(update={"name": name, "note": note}), path, _PLACE)
     divisions = sorted({score.division.value for score in result.cases})
@@ -170,14 +171,6 @@ def _check_line(option: str, words: str) -> None:
         TypeAdapter(Line).validate_python(words)
     except ValidationError as error:
         raise InvalidSettingError(option, words, "words on one line") from error
-
-
-def _file_name(engine: str, suite: str) -> str:
-    """Return the name of the file of a result."""
-    version = re.sub(r"[^\w.+-]", "-", engine_version(engine))
-    # an engine in an environment of its own often has its version in its name
-    release = engine if engine.endswith(f"-{version}") else f"{engine}-{version}"
-    return f"{release}-{suite}.json"
 
 
 @results.command()

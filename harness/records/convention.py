@@ -66,11 +66,6 @@ class Convention:
         """Return the word of each part."""
         return {name: getattr(self, name) for name in CHOICES}
 
-    def words(self) -> str:
-        """Return what differs from ours, as `--convention` takes it; empty if nothing does."""
-        ours = Convention().parts()
-        return " ".join(f"{k}={word}" for k, word in self.parts().items() if word != ours[k])
-
     def sentence(self) -> str:
         """Return the convention in words."""
         return ", ".join(f"{name} {word}" for name, word in self.parts().items())

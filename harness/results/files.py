@@ -7,6 +7,7 @@ whatever a place holds.
 import json
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -62,6 +63,27 @@ def write_result(result: Result, path: Path, fix: str = "") -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path.absolute(), to_text(result).encode())
     return path
+
+
+_LONGEST = 100
+"""Characters of settings in the name of a file."""
+
+
+def result_name(engine: str, version: str, suite: str, settings: Mapping[str, str]) -> str:
+    """Return the name of the file of a result of an engine: with the settings on top, if any.
+
+    Parameters
+    ----------
+    engine, version, suite : str
+    settings : mapping of str to str
+        By `engine.name`.
+    """
+    plain = re.sub(r"[^\w.+-]", "-", version)
+    # an engine in an environment of its own often has its version in its name
+    release = engine if engine.endswith(f"-{plain}") else f"{engine}-{plain}"
+    words = "".join(f"-{k.removeprefix(f'{engine}.')}-{value}" for k, value in settings.items())
+    on_top = re.sub(r"[^\w.+-]", "-", words)[:_LONGEST]
+    return f"{release}-{suite}{on_top}.json"
 
 
 def check_place(folder: Path, fix: str) -> None:

@@ -271,8 +271,7 @@ class HistoryStudy:
 
     def _name(self, case: Case) -> CaseIdentity:
         """Return what a case is called in every release: without its environment and settings."""
-        on_top = dict(self.settings)
-        of_suite = tuple(option for option in case.options if option[0] not in on_top)
+        of_suite = tuple(one for one in case.options if one[0] not in dict(self.settings))
         return replace(name_of(replace(case, options=of_suite)), engine=self.engine)
 
     def _case_in(self, version: str, identity: CaseIdentity, done: Results) -> Case | None:
@@ -395,5 +394,7 @@ def _designed(
     suite: str, scenes: Sequence[str], settings: Mapping[str, Value], name: str
 ) -> tuple[Case, ...]:
     """Return the cases of a suite that the engine in an environment can represent."""
-    cases = plan_comparison(suite, (name,), {name: settings}).cases
-    return tuple(case for case in cases if not scenes or case.scene.name in scenes)
+    plan = plan_comparison(suite, (name,), {name: settings})
+    if own := sorted(settings.keys() & {name for c in plan.designed for name, _ in c.options}):
+        raise InvalidSettingError("--set", own[0], f"what suite {suite} does not vary itself")
+    return tuple(case for case in plan.cases if not scenes or case.scene.name in scenes)

@@ -6,12 +6,14 @@ import pytest
 from packaging.version import Version
 
 from harness.core.case import Case, Value
+from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Figure, Prose, Table
+from harness.gate.history import study as history_study
 from harness.gate.history.runs import RunRow, run_case
-from harness.gate.history.study import HistoryStudy
+from harness.gate.history.study import HistoryStudy, _designed
 from harness.gate.history.tables import change_points
 from harness.results.plausibility import objections
-from harness.studies.comparison.study import plan_comparison
+from harness.studies.comparison.study import ComparisonStudy, plan_comparison
 from harness.studies.study import Work, run_study
 from models import load
 from tests.support.toy_releases import TIMESTEPS, ToyReleases, lost
@@ -207,3 +209,12 @@ def test_a_run_is_kept_as_its_row_or_as_the_reason_why_there_is_none() -> None:
     assert refused.score(case) is None
     assert "nonsense" in refused.reason
     assert refused.record["outcome"].startswith("broken")
+
+
+def test_a_setting_that_the_suite_varies_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = Case(scene=load("gentle-rock"), engine="toy", options=(("accuracy", 1e-3),))
+    plan = ComparisonStudy(suite="quick", designed=(own,), unsupported=(), settings={})
+    monkeypatch.setattr(history_study, "plan_comparison", lambda *_: plan)
+    assert _designed("quick", (), {"other": 1.0}, "toy") == plan.cases
+    with pytest.raises(InvalidSettingError, match="what suite quick does not vary itself"):
+        _designed("quick", (), {"accuracy": 1e-6}, "toy")

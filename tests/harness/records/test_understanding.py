@@ -51,7 +51,7 @@ def off(found: Understood, scene: Scene) -> tuple[float, ...]:
     )
 
 
-@pytest.mark.parametrize("convention", CHOSEN, ids=lambda one: one.words() or "ours")
+@pytest.mark.parametrize("convention", CHOSEN, ids=Convention.sentence)
 def test_a_convention_is_found_by_itself(
     gentle: Scene, understood: Reader, convention: Convention
 ) -> None:
@@ -62,7 +62,7 @@ def test_a_convention_is_found_by_itself(
     assert found.convention.origin == convention.origin
 
 
-@pytest.mark.parametrize("convention", CHOSEN[:6], ids=lambda one: one.words() or "ours")
+@pytest.mark.parametrize("convention", CHOSEN[:6], ids=Convention.sentence)
 def test_the_bounce_tells_where_the_fall_is_alike(
     understood: Reader, convention: Convention
 ) -> None:

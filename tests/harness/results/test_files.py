@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from harness.core.writing import WriteError
 from harness.gate.baseline import write_baseline
 from harness.results.errors import FILE, Fault, ResultsError
-from harness.results.files import _rounded_up, check_place, read_baseline
+from harness.results.files import _rounded_up, check_place, read_baseline, result_name
 from harness.results.result import Result
 from tests.support.gate_scores import make_score, make_scores
 
@@ -135,3 +135,18 @@ def test_what_lacks_a_part_is_damaged(some: Result, key: str, tmp_path: Path) ->
     with pytest.raises(ResultsError) as caught:
         read_baseline(tmp_path)
     assert (caught.value.fault, caught.value.reason) == (Fault.DAMAGED, f"{key}: Field required")
+
+
+@pytest.mark.parametrize(
+    ("engine", "settings", "name"),
+    [
+        ("mujoco", {}, "mujoco-4.0.0-quick.json"),
+        ("mujoco-4.0.0", {}, "mujoco-4.0.0-quick.json"),
+        ("mujoco", {"mujoco.cone": "elliptic"}, "mujoco-4.0.0-quick-cone-elliptic.json"),
+        ("mujoco", {"mujoco.x": "../../a b"}, "mujoco-4.0.0-quick-x-..-..-a-b.json"),
+    ],
+)
+def test_settings_on_top_have_a_file_of_their_own(
+    engine: str, settings: dict[str, str], name: str
+) -> None:
+    assert result_name(engine, "4.0.0", "quick", settings) == name
