@@ -78,10 +78,20 @@ def half_angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
         opposite quaternion, the same rotation, moves sigma and delta by 2 pi each.
     """
     w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
-    phi = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+    phi = _nutation(w, x, y, z)
     sigma = 2.0 * np.arctan2(z, w)
     delta = 2.0 * np.arctan2(x, 0.0 - y)  # not -y: arctan2(0, -0.0) is pi, and flat means zero
     return phi, sigma, delta
+
+
+def nutation(quaternion: ArrayLike) -> Floats:
+    """Return nutation alone, rad, shape (...); see `half_angles`."""
+    return _nutation(*np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0))
+
+
+def _nutation(w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
+    phi: Floats = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+    return phi
 
 
 def angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:

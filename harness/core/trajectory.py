@@ -116,10 +116,14 @@ class Trajectory:
         return partial(Trajectory, **{name: getattr(self, name) for name in _WIDTHS}), ()
 
 
-def join(parts: list[Trajectory]) -> Trajectory:
-    """Return the concatenation of trajectories."""
+def join(parts: list[Trajectory], until: float = np.inf) -> Trajectory:
+    """Return the concatenation of trajectories, up to an instant in s."""
+    count = int(sum(np.searchsorted(part.time, until, side="right") for part in parts))
     return Trajectory(
-        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in _WIDTHS}
+        **{
+            name: np.concatenate([getattr(part, name) for part in parts])[:count]
+            for name in _WIDTHS
+        }
     )
 
 

@@ -128,6 +128,7 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
     """PyBullet: sequential impulses on contacts that are kept from step to step."""
 
     name = "pybullet"
+    fewest_steps = 128
     description = DESCRIPTION
     settings = declared.SETTINGS
     default_timestep = declared.DEFAULT_TIMESTEP

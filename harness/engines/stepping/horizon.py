@@ -11,8 +11,7 @@ import numpy as np
 from harness.core.bounce import PROMINENCE
 from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome
-from harness.core.trajectory import Trajectory
-from models.kinematics import half_angles
+from harness.core.trajectory import Floats, Trajectory
 from models.scene import Scene
 
 BOUNCE_ALLOWANCE = 100.0
@@ -73,38 +72,61 @@ class Watch:
         self._scale = spin * size**2 + scene.gravity * size
         self._patience = FLAT_ALLOWANCE * natural_time(scene)
 
-    def over(self, samples: Trajectory) -> Outcome | None:
-        """Return how the run ended if these samples end it (at `ended_at`, s), else None."""
+    def over(self, samples: Trajectory, phi: Floats) -> Outcome | None:
+        """Return how the run ended if these samples end it (at `ended_at`, s), else None.
+
+        Parameters
+        ----------
+        samples : Trajectory
+            That follow those before.
+        phi : ndarray, shape (n,)
+            Their nutation, rad.
+        """
+        time = samples.time
         speed = np.sum(samples.velocity**2, axis=1)
         sound = speed <= _LARGEST_GAIN * self._scale  # false for what is no number
-        phi = half_angles(samples.quaternion)[0]
-        columns = (samples.time.tolist(), phi.tolist(), sound.tolist())
-        for time, tilt, good in zip(*columns, strict=True):
-            outcome = self._see(time, tilt) if good else Outcome.DIVERGED
-            if outcome is not None:
-                self.ended_at = time
-                return outcome
+        largest = np.fmax(np.fmax.accumulate(phi), self._largest)
+        margin = PROMINENCE * largest
+        up = np.fmax(np.fmax.accumulate(np.where(phi > margin, time, 0.0)), self._last_up)
+        overturned = phi >= math.pi / 2.0
+        ends = ~sound | overturned | (time - up > self._patience)
+        stop = int(np.argmax(ends)) if ends.any() else len(phi)
+        closed = self._closed(phi[:stop], margin[:stop])
+        if closed is not None:
+            self.ended_at = float(time[closed])
+            return Outcome.FINISHED
+        if stop < len(phi):
+            self.ended_at = float(time[stop])
+            if not sound[stop]:
+                return Outcome.DIVERGED
+            return Outcome.OVERTURNED if overturned[stop] else Outcome.FLAT
+        self._largest, self._last_up = float(largest[-1]), float(up[-1])
         return None
 
-    def _see(self, time: float, phi: float) -> Outcome | None:
-        """Take one sample into account."""
-        if phi >= math.pi / 2.0:
-            return Outcome.OVERTURNED
-        self._largest = max(self._largest, phi)
-        margin = PROMINENCE * self._largest
-        if phi > margin:
-            self._last_up = time
-        elif time - self._last_up > self._patience:
-            return Outcome.FLAT
-        if self._falling:
-            self._valley = min(self._valley, phi)
-            if phi > self._valley + margin:
-                self._bounces += self._peak > self._valley + margin
-                self._falling, self._peak = False, phi
-            return None
-        self._peak = max(self._peak, phi)
-        if phi < self._peak - margin:
-            self._falling, self._valley = True, phi
-            if self._bounces == self._scene.horizon.bounces:
-                return Outcome.FINISHED
+    def _closed(self, phi: Floats, margin: Floats) -> int | None:
+        """Follow falls and rises; return which sample shows the last bounce closed, if one does."""
+        start = 0
+        while start < len(phi):
+            left, around = phi[start:], margin[start:]
+            if self._falling:
+                extreme = np.fmin(np.fmin.accumulate(left), self._valley)
+                turned = left > extreme + around
+            else:
+                extreme = np.fmax(np.fmax.accumulate(left), self._peak)
+                turned = left < extreme - around
+            at = int(np.argmax(turned)) if turned.any() else -1
+            if self._falling:
+                self._valley = float(extreme[at])
+            else:
+                self._peak = float(extreme[at])
+            if at < 0:
+                return None
+            start += at + 1
+            if self._falling:
+                self._bounces += self._peak > self._valley + float(around[at])
+                self._falling, self._peak = False, float(left[at])
+            else:
+                self._falling, self._valley = True, float(left[at])
+                if self._bounces == self._scene.horizon.bounces:
+                    return start - 1
         return None

@@ -20,11 +20,12 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from harness.core.bounce import PROMINENCE
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Outcome, ParityRow, Simulation
-from harness.core.trajectory import Trajectory
+from harness.core.trajectory import Floats
 from harness.engines.base import Capabilities, ModelDifference, Setting, SolverEffort, resolve
 from harness.engines.description import Description, Precision
 from harness.engines.parity.checks import parity
@@ -42,14 +43,14 @@ from harness.engines.stepping.settling import ALOFT, AT_REST, above_origin, sett
 from harness.engines.world import World, signed_distance
 from harness.execution.worker_main import compiling
 from models import InvalidValueError, Scene
-from models.kinematics import half_angles
 from models.rim import released
 
 SHORTEST = 0.05
 """Natural times sqrt(R/g) between two looks where the end is near, or nothing is known yet."""
 
-_MARGIN = 1.02
-"""Share of the fall that the rise is given: past its end, so that it is seen to be over."""
+_MARGIN = 1.01
+"""Share of the fall that the rise is given, and what shows that it is over: an engine's bounce is
+symmetric but for its own errors."""
 
 
 class HorizonPrediction:
@@ -64,19 +65,28 @@ class HorizonPrediction:
         self._shortest = SHORTEST * natural_time(scene)
         self._timed = scene.horizon.seconds is not None
         self._rising = False
-        self._turned = self._now = self._fall = 0.0
-        self._extreme = -scene.release.phi
+        self._turned = self._now = self._fall = self._seen_falling = 0.0
+        self._extreme, self._highest = -scene.release.phi, scene.release.phi
 
-    def see(self, samples: Trajectory) -> None:
-        """Take samples into account that follow those before; one turn of the tilt is enough."""
-        self._now = float(samples.time[-1])
-        phi = half_angles(samples.quaternion)[0]
+    def see(self, time: Floats, phi: Floats) -> None:
+        """Take samples into account that follow those before; one turn of the tilt is enough.
+
+        Parameters
+        ----------
+        time, phi : ndarray, shape (n,)
+            s, and nutation in rad.
+        """
+        self._now = float(time[-1])
+        if not self._seen_falling:
+            # what shows at the end that a rise is over takes as long as it took at the release
+            falls = phi < (1.0 - PROMINENCE) * self._highest
+            self._seen_falling = float(time[int(np.argmax(falls))]) if falls.any() else 0.0
         height = phi if self._rising else -phi
         at = int(np.argmax(height))
         if height[at] >= self._extreme:
-            self._extreme, extreme = float(height[at]), float(samples.time[at])
+            self._extreme, extreme = float(height[at]), float(time[at])
         else:
-            extreme = float(samples.time[0])
+            extreme = float(time[0])
         if at < len(phi) - 1:
             self._fall, self._turned = extreme - self._turned, extreme
             self._rising, self._extreme = not self._rising, -float(height[-1])
@@ -87,7 +97,8 @@ class HorizonPrediction:
             return np.inf
         since = self._now - self._turned
         if self._rising:
-            left = _MARGIN * self._fall - since  # a rise takes as long as the fall
+            # a rise takes as long as the fall
+            left = _MARGIN * (self._fall + self._seen_falling) - since
         else:
             # as long as the fall has taken; half of it where the run may end soon after a rise
             left = since if self._turned == 0.0 else since / 2.0
@@ -96,7 +107,6 @@ class HorizonPrediction:
 
 W = TypeVar("W", bound=World)
 
-_FEWEST = 16
 MOST = 16384
 """Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
@@ -131,6 +141,9 @@ class WorldEngine(ABC, Generic[W]):
     """By profile, the rows of parity in which the engine goes its own way; see `imposed_in`."""
     model_differences: tuple[ModelDifference, ...] = ()
     solver_efforts: tuple[SolverEffort, ...] = ()
+    fewest_steps = 16
+    """Steps between two looks, at least: more where a step takes microseconds, as a look takes a
+    hundred."""
 
     @property
     @abstractmethod
@@ -276,10 +289,10 @@ class WorldEngine(ABC, Generic[W]):
         schedule, size = self.schedule(prepared)
         prediction = HorizonPrediction(prepared.case.scene)
 
-        def seen(samples: Trajectory) -> None:
-            prediction.see(samples)
+        def seen(time: Floats, phi: Floats) -> None:
+            prediction.see(time, phi)
             if isinstance(schedule, Fixed):
-                schedule.size = _size(prediction, schedule.largest)
+                schedule.size = _size(prediction, schedule.largest, self.fewest_steps)
 
         wall, cpu = time.perf_counter(), time.process_time()
         done = record(prepared, self.chunks(world, schedule, size), seen)
@@ -315,7 +328,7 @@ class PhysicsEngine(WorldEngine[W]):
 
     def schedule(self, prepared: Simulation) -> tuple[Schedule, int]:
         """Return the schedule of a case that steps, and the steps between two looks."""
-        return schedule_of(prepared)
+        return schedule_of(prepared, self.fewest_steps)
 
 
 class ErrorControlledEngine(WorldEngine[W]):
@@ -349,7 +362,7 @@ class ErrorControlledEngine(WorldEngine[W]):
         return Fixed(limit, limit, 1), _OWN_LOOK
 
 
-def schedule_of(prepared: Simulation) -> tuple[Schedule, int]:
+def schedule_of(prepared: Simulation, fewest: int = 1) -> tuple[Schedule, int]:
     """Return the schedule of a case that steps, and how many steps to take between two looks.
 
     Of what was prepared the case, the timestep and the settings count.
@@ -364,12 +377,12 @@ def schedule_of(prepared: Simulation) -> tuple[Schedule, int]:
         )
         size = _ADAPTIVE_LOOK
     else:
-        first = _size(HorizonPrediction(scene), timestep)
+        first = _size(HorizonPrediction(scene), timestep, fewest)
         schedule, size = Fixed(timestep, limit, first, _FIRST), 1  # a stage is a chunk
     schedule.sampling = SamplingInterval(unit / SAMPLES_IN_TIME)
     return schedule, size
 
 
-def _size(prediction: HorizonPrediction, timestep: float) -> int:
+def _size(prediction: HorizonPrediction, timestep: float, fewest: int) -> int:
     """Return the steps to take before looking at the horizon."""
-    return int(min(max(prediction.ahead() / timestep, _FEWEST), MOST))
+    return int(min(max(prediction.ahead() / timestep, fewest), MOST))

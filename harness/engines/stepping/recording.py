@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.core.simulation import Outcome, Simulation
-from harness.core.trajectory import Floats, Integers, Trajectory, join, take
+from harness.core.trajectory import Floats, Integers, Trajectory, join
 from harness.engines.stepping.horizon import Watch, natural_time
+from models.kinematics import nutation
 from models.scene import Scene
 
 
@@ -122,11 +123,14 @@ class Recorder:
         if self._last is not None:
             time = np.concatenate(([self._last[0]], time))
             quaternion = np.vstack((self._last[1], quaternion))
-        growth = _path(quaternion) / ANGLE_STEP + np.diff(time) / self._time_step
+        path = np.empty(len(time))
+        path[0] = self._path
+        path[1:] = _path(quaternion) / ANGLE_STEP + (time[1:] - time[:-1]) / self._time_step
         # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
-        path = np.cumsum(np.concatenate((np.array([self._path]), growth)))
+        path.cumsum(out=path)
         self._path = float(path[-1])
-        keep = np.diff(np.floor(path)) > 0.0
+        whole = np.floor(path)
+        keep = whole[1:] > whole[:-1]
         return np.concatenate((np.ones(1, dtype=np.bool_), keep)) if first else keep
 
     def trajectory(self, until: float) -> Trajectory | None:
@@ -136,8 +140,7 @@ class Recorder:
             return None
         if parts[-1].time[-1] < self._last[0]:
             parts = [*parts, self._chunk.read(np.array([len(self._chunk.quaternions) - 1]))]
-        joined = join(parts)
-        return take(joined, joined.time <= until)
+        return join(parts, until)
 
 
 def _path(quaternion: Floats) -> Floats:
@@ -155,7 +158,7 @@ def _path(quaternion: Floats) -> Floats:
     turned = np.abs(w[:-1] * z[1:] - z[:-1] * w[1:])
     raced = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:])
     square = x * x + y * y
-    rocked = np.abs(np.diff(square))
+    rocked = np.abs(square[1:] - square[:-1])
     size = np.sqrt(square[1:] * (1.0 - square[1:]))
     path: Floats = _over(rocked, size) + 2.0 * (_over(turned, upright) + _over(raced, tilted))
     return path
@@ -175,7 +178,7 @@ _MOST_STEPS = 100_000_000
 def record(
     prepared: Simulation,
     chunks: Iterable[Chunk],
-    seen: Callable[[Trajectory], object] = lambda _: None,
+    seen: Callable[[Floats, Floats], object] = lambda _time, _phi: None,
 ) -> Simulation:
     """Take chunks until the watch or the horizon ends the run; return what was prepared, completed.
 
@@ -186,7 +189,7 @@ def record(
     chunks : iterable of Chunk
         Of consecutive steps, up to the horizon in time.
     seen : callable
-        Called with the recorded samples of each chunk, before the next chunk is stepped.
+        Called with time and nutation of the samples of each chunk, before the next is stepped.
     """
     scene = prepared.case.scene
     recorder, watch = Recorder(scene), Watch(scene)
@@ -194,7 +197,11 @@ def record(
     steps = rows = 0
     for chunk in chunks:
         samples = recorder.add(chunk)
-        outcome = None if samples is None else watch.over(samples)
+        if samples is None:
+            outcome, phi = None, np.zeros(0)
+        else:
+            phi = nutation(samples.quaternion)
+            outcome = watch.over(samples, phi)
         if outcome is None and not chunk.sound:
             outcome = Outcome.DIVERGED
         taken = int(np.searchsorted(chunk.times, watch.ended_at, side="right"))
@@ -208,7 +215,7 @@ def record(
         if outcome is not None:
             break
         if samples is not None:
-            seen(samples)
+            seen(samples.time, phi)
     if outcome is None:
         outcome = Outcome.FINISHED if scene.horizon.seconds else Outcome.TIMED_OUT
     return replace(
