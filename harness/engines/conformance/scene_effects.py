@@ -38,6 +38,7 @@ from harness.engines.reference.truth import truth
 from harness.engines.registry import check_effects, names
 from harness.engines.stepping.horizon import Watch
 from models import IDEAL, KINDS, Effects, Horizon, Scene, contact_point
+from models.kinematics import nutation
 
 SLIPPERY = 0.05
 """Coefficient of friction below what the suite's release needs from the first instant on, 0.15."""
@@ -263,7 +264,10 @@ def divergence(fixture: Fixture) -> ClauseResult:
 def _exploded(simulation: Simulation) -> bool:
     """Whether the record reaches a speed that no fall gives."""
     path = simulation.trajectory
-    return path is not None and Watch(simulation.case.scene).over(path) is Outcome.DIVERGED
+    if path is None:
+        return False
+    watch = Watch(simulation.case.scene)
+    return watch.over(path, nutation(path.quaternion)) is Outcome.DIVERGED
 
 
 @clause("Where nothing touches there is no contact point and no force.", contact=True)

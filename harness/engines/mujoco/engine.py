@@ -130,6 +130,9 @@ Readings: TypeAlias = tuple[Floats, ...]
 """Times (n,) before steps, the states (n, 14) then, and the sensors (n, 8) of these states."""
 
 
+_NOTHING, _ROOM = np.empty((1, 0, 0)), 16384  # steps
+
+
 class MujocoSteps:
     """Steps a world in C; holds the states before the steps that it reads, with their sensors.
 
@@ -143,6 +146,8 @@ class MujocoSteps:
     def __init__(self, world: MujocoWorld, sampling: SamplingInterval | None) -> None:
         self._world, self._sampling = world, sampling
         self._state = state_of(world)
+        self._times: list[Floats] = []
+        self._states = self._sensors = _NOTHING
         self._parts: list[Readings] = []
         self._spans: list[int] = []
 
@@ -154,23 +159,21 @@ class MujocoSteps:
 
     def take(self, stage: Stage) -> bool:
         """Take the steps of a stage."""
-        if self._sampling is None:
-            self._parts.append(self._roll(stage))
-        else:
+        if self._sampling is not None:
             self._parts += self._take_sparsely(stage, self._sampling)
+        else:
+            self._roll(stage)
         return True
 
-    def _roll(self, stage: Stage) -> Readings:
-        """Step through a stage in one call of MuJoCo; return a reading of every step."""
-        world, state, count = self._world, self._state, len(stage.times)
-        states = np.empty((1, count + 1, len(state)))
-        states[0, 0] = state
-        sensors = np.empty((1, count, world.model.nsensordata))
+    def _roll(self, stage: Stage) -> None:
+        """Step through a stage in one call of MuJoCo, which writes a reading of every step."""
+        world, count = self._world, len(stage.times)
+        states, sensors = self._room(count)
         world.set_timestep(stage.timestep)
         rollout.rollout(
             [world.model],
             [world.data],
-            state[None],
+            self._state[None],
             **{"nstep": count} | control(world, stage.times),
             initial_warmstart=world.data.qacc_warmstart.copy()[None],
             state=states[:, 1:],
@@ -178,7 +181,20 @@ class MujocoSteps:
             skip_checks=True,  # they and their copies cost what twenty steps do
         )
         self._state = states[0, -1]
-        return stage.times, states[0, :-1], sensors[0]
+        self._times.append(stage.times)
+
+    def _room(self, count: int) -> tuple[Floats, Floats]:
+        """Return where to write states, after the one from which they go on, and sensors."""
+        held = sum(map(len, self._times))
+        if held + count >= self._states.shape[1]:
+            states = np.empty((1, max(held + count, _ROOM) + 1, len(self._state)))
+            sensors = np.empty((1, states.shape[1], self._world.model.nsensordata))
+            if held:
+                states[:, :held] = self._states[:, :held]
+                sensors[:, :held] = self._sensors[:, :held]
+            self._states, self._sensors = states, sensors
+        self._states[0, held] = self._state
+        return self._states[:, held : held + count + 1], self._sensors[:, held : held + count]
 
     def _take_sparsely(self, stage: Stage, sampling: SamplingInterval) -> list[Readings]:
         """Step through a stage with sensors in the steps that are read; return these, if any."""
@@ -206,13 +222,18 @@ class MujocoSteps:
 
     def chunk(self) -> Chunk | None:
         """Return the readings since the last chunk; None without any."""
-        if not self._parts:
+        spans = None
+        if self._sampling is None and self._times:
+            times, held = np.concatenate(self._times), sum(map(len, self._times))
+            states, sensors = self._states[0, :held], self._sensors[0, :held]
+            # they belong to the chunk now
+            self._times, self._states, self._sensors = [], _NOTHING, _NOTHING
+        elif self._parts:
+            times, states, sensors = map(np.concatenate, zip(*self._parts, strict=True))
+            spans = np.array(self._spans)
+            self._parts, self._spans = [], []
+        else:
             return None
-        if len(self._parts) > 1:  # a single part is not copied
-            self._parts = [tuple(map(np.concatenate, zip(*self._parts, strict=True)))]
-        times, states, sensors = self._parts[0]
-        spans = None if self._sampling is None else np.array(self._spans)
-        self._parts, self._spans = [], []
         return chunk_of_states(self._world, times, states, sensors, spans)
 
 
@@ -221,7 +242,6 @@ MOST_STEPS = 4096
 
 LARGEST = 256
 """Cases in a batch: two hundred megabytes at the most steps."""
-
 _MARGIN = 1.25  # share of the first run's steps that the others get
 
 

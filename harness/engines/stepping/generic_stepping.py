@@ -34,7 +34,10 @@ class StageReader(Protocol):
 
 
 def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterator[Chunk]:
-    """Step by a schedule from where a world is, yielding after `size` steps or more."""
+    """Step by a schedule from where a world is, yielding after `size` steps or more.
+
+    While a schedule says that the can falls, stage follows stage without a look between.
+    """
     # the schedule is asked after a chunk was seen: what is seen may change what comes
     sound = True
     while sound and (stage := schedule.next(*reader.state())) is not None:
@@ -42,7 +45,9 @@ def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterat
         while stage is not None:
             sound = reader.take(stage)
             taken += len(stage.times)
-            stage = schedule.next(*reader.state()) if sound and taken < size else None
+            state = reader.state()
+            on = sound and (taken < size or schedule.falls(*state))
+            stage = schedule.next(*state) if on else None
         if (chunk := reader.chunk()) is not None:
             yield chunk
 

@@ -378,7 +378,7 @@ def schedule_of(prepared: Simulation, fewest: int = 1) -> tuple[Schedule, int]:
         size = _ADAPTIVE_LOOK
     else:
         first = _size(HorizonPrediction(scene), timestep, fewest)
-        schedule, size = Fixed(timestep, limit, first, _FIRST), 1  # a stage is a chunk
+        schedule, size = Fixed(timestep, limit, first, _FIRST, MOST), 1  # a stage is a chunk
     schedule.sampling = SamplingInterval(unit / SAMPLES_IN_TIME)
     return schedule, size
 

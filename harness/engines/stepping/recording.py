@@ -138,7 +138,7 @@ class Recorder:
         parts = self._parts
         if self._chunk is None or self._last is None:
             return None
-        if parts[-1].time[-1] < self._last[0]:
+        if parts[-1].time[-1] < self._last[0] <= until:
             parts = [*parts, self._chunk.read(np.array([len(self._chunk.quaternions) - 1]))]
         return join(parts, until)
 

@@ -108,6 +108,11 @@ class Schedule(ABC):
             In world coordinates, rad/s.
         """
 
+    def falls(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> bool:
+        """Whether a run cannot be over before the next stage is: a look before it would be idle."""
+        del quaternion, angular_velocity
+        return False
+
 
 class Fixed(Schedule):
     """Every step alike.
@@ -123,11 +128,17 @@ class Fixed(Schedule):
     first : int, optional
         Most steps in the first stage, and four times as many in each that follows, so that what
         breaks at once is seen at once.
+    fall : int, optional
+        Most steps from the release on for which `falls` may hold. A rise takes as long as the fall
+        before it, so that a can that has done nothing but fall goes on for as long again.
     """
 
-    def __init__(self, timestep: float, limit: float, size: int, first: int | None = None) -> None:
+    def __init__(
+        self, timestep: float, limit: float, size: int, first: int | None = None, fall: int = 0
+    ) -> None:
         self.largest = timestep
         self.size = size
+        self._fall = fall
         self._grown = math.inf if first is None else first
         self._done = 0
         # both ends are recorded; the share absorbs the round-off of the division
@@ -138,13 +149,23 @@ class Fixed(Schedule):
         del quaternion, angular_velocity
         if self._done >= self._total:
             return None
-        count = int(min(self.size, self._grown, self._total - self._done))
+        size = max(self.size, self._done) if 0 < self._done <= self._fall else self.size
+        count = int(min(size, self._grown, self._total - self._done))
         self._grown *= 4
         # counted, not summed: an engine's own clock drifts by round-off
         times = np.arange(self._done, self._done + count) * np.float64(self.largest)
         ahead = self._total - self._done
         self._done += count
         return Stage(timestep=self.largest, times=times, ahead=ahead)
+
+    def falls(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> bool:
+        """Whether the can has done nothing but fall, and may for as many steps again."""
+        w, x, y, z = quaternion
+        o_x, o_y, _ = angular_velocity
+        rising = (x * o_x + y * o_y) * w + (x * o_y - y * o_x) * z  # 2 d(sin(phi/2)^2)/dt
+        if not rising < 0.0 or 2 * self._done > self._fall:
+            self._fall = 0
+        return self._fall > 0
 
 
 class Adaptive(Schedule):

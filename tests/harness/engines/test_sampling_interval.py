@@ -147,7 +147,7 @@ def test_the_looks_do_not_depend_on_how_the_run_is_cut(
 ) -> None:
     case = Case(scene=brief, engine="pybullet", timestep=1e-5)
     whole = engine("pybullet").simulate(case)
-    monkeypatch.setattr("harness.engines.stepping.physics_engine._FEWEST", size)
+    monkeypatch.setattr(engine("pybullet"), "fewest_steps", size)
     monkeypatch.setattr("harness.engines.stepping.physics_engine.MOST", size)
     cut = engine("pybullet").simulate(case)
     assert whole.trajectory is not None

@@ -9,15 +9,21 @@ import pytest
 from harness.core.bounce import PROMINENCE
 from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome
-from harness.core.trajectory import take
+from harness.core.trajectory import Trajectory, take
 from harness.engines.stepping.horizon import Watch, countable, longest_time, natural_time
 from models import Horizon, Scene, quaternion
+from models.kinematics import nutation
 from tests.support.trajectories import make_trajectory
 
 TIME = np.linspace(0.0, 1.0, 4001)
 
 FLAT_ALLOWANCE = 20.0
 """As the docstring has it, and not imported: whoever changes it is told."""
+
+
+def over(watch: Watch, samples: Trajectory) -> Outcome | None:
+    """Show a watch these samples, with their nutation."""
+    return watch.over(samples, nutation(samples.quaternion))
 
 
 def told(
@@ -29,8 +35,9 @@ def told(
         inside = slice(left, left + part)
         n = len(time[inside])
         zero = np.zeros(n)
-        outcome = watch.over(
-            make_trajectory(n, time=time[inside], quaternion=quaternion(phi[inside], zero, zero))
+        outcome = over(
+            watch,
+            make_trajectory(n, time=time[inside], quaternion=quaternion(phi[inside], zero, zero)),
         )
         if outcome is not None:
             return outcome, watch.ended_at
@@ -132,7 +139,7 @@ def test_speeds_that_are_none_or_huge_have_diverged(gentle: Scene, speed: float)
     velocity = np.zeros((3, 3))
     velocity[1, 2] = speed
     watch = Watch(gentle)
-    assert watch.over(make_trajectory(3, velocity=velocity)) is Outcome.DIVERGED
+    assert over(watch, make_trajectory(3, velocity=velocity)) is Outcome.DIVERGED
 
 
 @pytest.mark.parametrize("part", [1, 100, 4001])
@@ -145,7 +152,7 @@ def test_a_run_ends_where_its_speed_is_first_too_large(gentle: Scene, part: int)
         len(TIME), time=TIME, velocity=velocity, quaternion=quaternion(phi, zero, zero)
     )
     outcomes = [
-        watch.over(take(whole, np.arange(left, min(left + part, len(TIME)))))
+        over(watch, take(whole, np.arange(left, min(left + part, len(TIME)))))
         for left in range(0, int(0.3 * 4000) + 1, part)
     ]
     assert outcomes[-1] is Outcome.DIVERGED
@@ -154,14 +161,14 @@ def test_a_run_ends_where_its_speed_is_first_too_large(gentle: Scene, part: int)
 
 
 def test_what_comes_after_the_end_does_not_change_how_a_run_ended(gentle: Scene) -> None:
-    over = np.array((0.4, 2.0, 0.4))
+    tilt = np.array((0.4, 2.0, 0.4))
     velocity = np.zeros((3, 3))
     velocity[2, 2] = 1e3
     watch = Watch(gentle)
     told_at_once = make_trajectory(
-        3, velocity=velocity, quaternion=quaternion(over, np.zeros(3), np.zeros(3))
+        3, velocity=velocity, quaternion=quaternion(tilt, np.zeros(3), np.zeros(3))
     )
-    assert watch.over(told_at_once) is Outcome.OVERTURNED
+    assert over(watch, told_at_once) is Outcome.OVERTURNED
 
 
 def test_a_fast_release_has_not_diverged(gentle: Scene) -> None:
@@ -169,7 +176,7 @@ def test_a_fast_release_has_not_diverged(gentle: Scene) -> None:
     velocity = np.zeros((3, 3))
     velocity[:, 0] = 3000.0 * gentle.can.radius  # rolling at that rate
     flat = quaternion(np.full(3, 0.4), np.zeros(3), np.zeros(3))
-    assert Watch(fast).over(make_trajectory(3, velocity=velocity, quaternion=flat)) is None
+    assert over(Watch(fast), make_trajectory(3, velocity=velocity, quaternion=flat)) is None
 
 
 def test_the_longest_time_goes_with_the_horizon(gentle: Scene) -> None:
@@ -201,4 +208,4 @@ def test_a_thousand_times_the_energy_of_the_release_has_diverged(
     velocity[1, 2] = np.sqrt(share * 1e3 * weight)
     flat = quaternion(np.full(3, 0.4), np.zeros(3), np.zeros(3))
     watch = Watch(replace(gentle, release=still, horizon=Horizon(seconds=1.0)))
-    assert watch.over(make_trajectory(3, velocity=velocity, quaternion=flat)) is outcome
+    assert over(watch, make_trajectory(3, velocity=velocity, quaternion=flat)) is outcome
