@@ -77,8 +77,11 @@ class Description:
         Whether the engine compiles its own program on first use, which may take minutes.
     step_s : float
         Processor time of a step on a usual machine, s, for estimates.
-    overhead : float
-        Largest ratio that is claimed of a long run's time to that of a loop that only steps.
+    overhead, overhead_of_short : float
+        Largest ratios that are claimed of a run's time to that of a loop that only steps: at a
+        timestep of 1e-6 s, where most steps are not read, and at 1e-4 s, where most are.
+    overhead_of_reading : float
+        Likewise at 1e-4 s, to the leanest loop that keeps each state and its contact.
     adaptive_gain : float
         Least ratio that is claimed of the time of a fixed timestep to that of profile `adaptive`,
         at the same error.
@@ -98,4 +101,6 @@ class Description:
     compiles: bool = False
     step_s: float = 1e-5
     overhead: float = math.inf
+    overhead_of_short: float = math.inf
+    overhead_of_reading: float = math.inf
     adaptive_gain: float = 1.0

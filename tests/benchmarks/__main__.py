@@ -18,7 +18,7 @@ from tests.benchmarks.start_up import start_up_ratios
 
 app = typer.Typer(add_completion=False)
 
-_RATIO = ("what", "ratio", "claim", "holds", "first_s", "second_s", "note")
+_RATIO = ("what", "ratio", "interval", "claim", "holds", "first_s", "second_s", "note")
 
 _LEAN = (
     *("scene", "who", "model", "ratio", "claim", "holds"),

@@ -15,7 +15,8 @@ DESCRIPTION = Description(
     light="#0a6fb0",
     dark="#5cb8f0",
     step_s=6e-6,
-    overhead=1.10,
+    overhead=1.05,
+    overhead_of_short=1.15,
     adaptive_gain=100.0,
 )
 

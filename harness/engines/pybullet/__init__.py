@@ -15,7 +15,8 @@ DESCRIPTION = Description(
     light="#d2560a",
     dark="#ff9d5c",
     step_s=1.2e-5,
-    overhead=1.15,
+    overhead=1.10,
+    overhead_of_reading=1.10,
     adaptive_gain=10.0,
 )
 
