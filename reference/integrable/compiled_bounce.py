@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from reference.equations.balancing_angle import balancing_angle
 from reference.equations.nonholonomic import ROUND_OFFS
+from reference.integrable.brackets import LAST
+from reference.integrable.brackets import TAIL as OMITTED
 from reference.integrable.compiled_potential import (
     CAN,
     EPS,
@@ -40,18 +42,16 @@ FIELDS = ("period", "angle_of_turn", "rotation_turn", "phi_min", "phi_max", "pea
 
 _NODES = 64
 """Releases that need more nodes are left to the arrays."""
-_MOST_TERMS = MOST_TERMS
 _PLACES = 8
 """Trial nutations evaluated together, in search of a change of sign."""
+# A sign is sure beyond four times the round-off of what is added up.
 _UNSURE = 4.0 * ROUND_OFFS * EPS
-_POISED, _NEARBY, _SMALLEST, _LOST = POISED, NEARBY, SMALLEST, LOST
-_DECADES, _TAIL = DECADES, TAIL
 
 
 @cache
 def _waves() -> tuple[Floats, ...]:
-    """Return the matrices of `to_cosines` of 8, 16, 24, ... nodes."""
-    return tuple(to_cosines(n) for n in range(8, _NODES + 1, 8))
+    """Return the matrices of `to_cosines` of 8, 16, 24, ... nodes, transposed."""
+    return tuple(np.ascontiguousarray(to_cosines(n).T) for n in range(8, _NODES + 1, 8))
 
 
 def solve_each(
@@ -87,7 +87,7 @@ def _all(  # type: ignore[no-untyped-def]
 ):
     """Solve releases one after another; the series of a can last until another can comes."""
     can, well = np.zeros(CAN), np.empty(WELL)
-    series, polynomials = np.empty((4, _MOST_TERMS)), np.empty((5, _MOST_TERMS))
+    series, polynomials = np.empty((4, MOST_TERMS)), np.empty((5, MOST_TERMS))
     state, work = np.empty((4, _NODES + 1)), np.empty((6, _NODES + 1))
     nodes = np.empty((3, _NODES + 1))
     known = 0
@@ -122,7 +122,7 @@ def _one(  # type: ignore[no-untyped-def]
     phi, below, rise = nodes[0], nodes[1], nodes[2]
     release, at_rest = well[0], well[7] == 0.0
     refer(series, terms, well, True, polynomials)
-    if not (abs(well[3]) > _SMALLEST and _decided(can, well, at_rest)):
+    if not (abs(well[3]) > SMALLEST and _decided(can, well, at_rest)):
         return False
     climb = 0.0
     if not falls:
@@ -144,7 +144,7 @@ def _one(  # type: ignore[no-untyped-def]
         low = _turning(can, well, polynomials, terms, False, state, work, phi, below)
     swing = climb if low == release else high - low
     # nearer to the maximum phi_min needs a search of its own
-    if not (low > 0.0 and swing >= _NEARBY * high):
+    if not (low > 0.0 and swing >= NEARBY * high):
         return False
     # the fourth root of the quartic, from the slope and its change at the maximum
     aside = min(1e-3 * high, 0.5 * swing)
@@ -162,7 +162,7 @@ def _one(  # type: ignore[no-untyped-def]
     K = 0.5 * math.pi / _mean(1.0, math.sqrt(complementary))
     K1 = 0.5 * math.pi / _mean(1.0, math.sqrt(1.0 - complementary))
     strip = min(math.atan(math.sqrt((high + low) / swing)), K1)
-    count = 8 * int(math.ceil((_DECADES * K / (2.0 * math.pi * strip) + 4.0) / 8.0))
+    count = 8 * int(math.ceil((DECADES * K / (2.0 * math.pi * strip) + 4.0) / 8.0))
     if count > _NODES:
         return False
     _clock(low, high, swing, K, K1, complementary, count, phi, rise, below)
@@ -185,11 +185,11 @@ def _one(  # type: ignore[no-untyped-def]
         period += work[1, j]
         turn += work[2, j]
         total += work[3, j]
-    if not _positive(work[0], count, waves[count // 8 - 1], smallest):
+    if not _positive(work, count, waves[count // 8 - 1], smallest):
         return False
     for j in (0, least):
         lost = noise(can, well, phi[j], below[j], state[0, j], state[1, j])
-        if lost > _LOST * abs(state[3, j] * below[j]):
+        if lost > LOST * abs(state[3, j] * below[j]):
             return False
     if _rough(work, count, waves[count // 8 - 1]):
         return False
@@ -216,7 +216,7 @@ def _decided(can, well, at_rest):  # type: ignore[no-untyped-def]
     size = 1.0 + (q * q * (1.0 + can[4]) + abs(q * s)) / well[4]
     if at_rest and not abs(pull) > _UNSURE * size:
         return False
-    return abs(pull) >= _POISED * (s * s + q * q)
+    return abs(pull) >= POISED * (s * s + q * q)
 
 
 @jit
@@ -342,19 +342,22 @@ def _clock(low, high, swing, K, K1, complementary, nodes, phi, rise, gap):  # ty
 
 
 @jit
-def _positive(room, nodes, waves, smallest):  # type: ignore[no-untyped-def]
+def _positive(work, nodes, waves, smallest):  # type: ignore[no-untyped-def]
     """Return whether g is shown to be positive between the nodes, as `brackets.stays_positive`."""
+    for m in range(nodes):
+        work[4, m] = 0.0
+    for j in range(nodes):
+        room = work[0, j]
+        for m in range(nodes):
+            work[4, m] += waves[j, m] * room
     bend = largest = last = 0.0
     for m in range(nodes):
-        value = 0.0
-        for j in range(nodes):
-            value += waves[m, j] * room[j]
-        value = abs(value)
+        value = abs(work[4, m])
         bend += m * m * value
         largest = max(largest, value)
-        if m >= nodes - 3:
+        if m >= nodes - LAST:
             last = max(last, value)
-    tail = 8.0 * last + nodes * EPS * largest
+    tail = OMITTED * last + nodes * EPS * largest
     return smallest > tail + (math.pi / (nodes - 1)) ** 2 / 8.0 * bend
 
 
@@ -365,10 +368,10 @@ def _rough(work, nodes, waves):  # type: ignore[no-untyped-def]
         size = high = higher = 0.0
         for j in range(nodes):
             size += abs(work[row, j])
-            high += waves[nodes - 2, j] * work[row, j]
-            higher += waves[nodes - 1, j] * work[row, j]
+            high += waves[j, nodes - 2] * work[row, j]
+            higher += waves[j, nodes - 1] * work[row, j]
         # waves have the weight 2/n of a coefficient
-        if max(abs(high), abs(higher)) * 0.5 * nodes > _TAIL * size:
+        if max(abs(high), abs(higher)) * 0.5 * nodes > TAIL * size:
             return True
     return False
 

@@ -22,7 +22,6 @@ from reference.problem.states import Floats
 
 CAN, WELL = 8, 8
 EPS = 2.0**-52
-_MOST_TERMS = MOST_TERMS
 _NOISE = UNCERTAIN * EPS
 _SINES = np.array([(-1.0) ** n / math.factorial(2 * n + 1) for n in range(12)][::-1])
 """Of (sin x)/x in powers of x^2, highest first: to 1e-19 up to pi/2."""
@@ -41,7 +40,7 @@ def sine(x: float) -> float:
 @jit
 def terms_for(phi: float) -> int:
     """Return as many terms as `reference.integrable.frobenius.terms_needed`."""
-    return min(_MOST_TERMS, int(6.0 + 40.0 / math.log(math.pi / phi)))
+    return min(MOST_TERMS, int(6.0 + 40.0 / math.log(math.pi / phi)))
 
 
 @jit
