@@ -125,7 +125,7 @@ def exact_bounces(
     code = np.zeros(n, dtype=np.int8)
     order = np.argsort(flat[-4], kind="stable")
     if compiled:
-        from reference.integrable.compiled_bounce import solve_each  # noqa: PLC0415 - imports numba
+        from reference.integrable.bounce_kernels import solve_each
 
         owners = flat[:3] if many else [value.reshape(1) for value in cans]
         numbers, solved = solve_each(tuple(owners), tuple(flat[-4:]))

@@ -45,15 +45,16 @@ def jit(function: F) -> F:
     if not available():
         message = "compiled kernels need numba: pip install 'rockingcan[fast]'"
         raise ModuleNotFoundError(message, name="numba")
-    import numba  # noqa: PLC0415 - see above
+    import numba
 
-    own = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = own or _folder()
+    config: Any = numba.config
+    own = config.CACHE_DIR
+    config.CACHE_DIR = own or _folder()
     compile_first = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=False)
     try:
         return cast("F", compile_first(function))
     finally:
-        numba.config.CACHE_DIR = own
+        config.CACHE_DIR = own
 
 
 @cache

@@ -93,7 +93,11 @@ def _batch_against_scipy() -> Ratio:
 
 
 _UNIT = math.sqrt(0.037 / 9.81)  # s
-_PAPER = {"phi": math.pi / 100, "psi_dot": 0.1001 * _UNIT, "theta_dot": -0.1 * _UNIT}
+_PAPER: dict[str, Any] = {
+    "phi": math.pi / 100,
+    "psi_dot": 0.1001 * _UNIT,
+    "theta_dot": -0.1 * _UNIT,
+}
 
 _INTEGRATOR: dict[str, Any] = {}
 """Options of the default integrator beside the model."""

@@ -17,7 +17,7 @@ from tests.support.examples import evenly, examples
 TABLES = Path(__file__).parent / "golden"
 GOLDEN = json.loads((TABLES / "golden.json").read_text())
 MEASURES = ("period", "angle_of_turn", "rotation_turn", "phi_min", "phi_max", "peak_psi_dot")
-CAN = {"a": PAPER_CAN.a, "c": PAPER_CAN.c, "h": PAPER_CAN.h}
+CAN: dict[str, Any] = {"a": PAPER_CAN.a, "c": PAPER_CAN.c, "h": PAPER_CAN.h}
 ARGUMENTS = ("a", "c", "h", "phi", "phi_dot", "psi_dot", "theta_dot")
 
 

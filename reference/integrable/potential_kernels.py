@@ -5,27 +5,58 @@ in scalars, but for what hard releases need there: the mean force beside an equi
 are evaluated at all nutations together, which the compiler turns into vector instructions; sine is
 a series for the same reason.
 
-A can is an array of `CAN` numbers: a, c, h, k, a_p, c_p, the residue and sqrt(1 + h^2). A well is one of `WELL` numbers: the reference nutation r,
-b, s, B, sin r, cos r, phi* - r, and g at r.
-
 Needs numba (`reference.numerics.compiled`).
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from reference.integrable.effective_potential import UNCERTAIN
+from reference.integrable.effective_potential import NEARLY_ALL, UNCERTAIN
 from reference.integrable.frobenius import MOST_TERMS, trigonometric_series
 from reference.numerics.compiled import jit
 from reference.problem.states import Floats
 
-CAN, WELL = 8, 8
 EPS = 2.0**-52
+MOST_NODES = 64
+"""Releases that need more nodes are left to the arrays."""
 _NOISE = UNCERTAIN * EPS
 _SINES = np.array([(-1.0) ** n / math.factorial(2 * n + 1) for n in range(12)][::-1])
 """Of (sin x)/x in powers of x^2, highest first: to 1e-19 up to pi/2."""
 _TRIGONOMETRIC = np.array(trigonometric_series(MOST_TERMS))
+
+
+class Space(NamedTuple):
+    """The numbers of one release, and room to work in.
+
+    Attributes
+    ----------
+    can : ndarray, shape (8,)
+        a, c, h, k, a_p, c_p, the residue and sqrt(1 + h^2).
+    well : ndarray, shape (8,)
+        The reference nutation r, b, s, B, sin r, cos r, phi* - r, and g at r.
+    series : ndarray, shape (4, MOST_TERMS)
+        b1, s1, b2, s2 of the can.
+    polynomials : ndarray, shape (5, MOST_TERMS)
+        b1, s1, the divided differences at r of the parts of b and of s that have no logarithm, and
+        that part of b.
+    phi, below, rise : ndarray, shape (MOST_NODES + 1,)
+        Nutations, r - phi, and phi - phi_min.
+    state : ndarray, shape (4, MOST_NODES + 1)
+        b, the spin, sin phi and g/(r - phi) there.
+    work : ndarray, shape (6, MOST_NODES + 1)
+    """
+
+    can: Floats
+    well: Floats
+    series: Floats
+    polynomials: Floats
+    phi: Floats
+    below: Floats
+    rise: Floats
+    state: Floats
+    work: Floats
 
 
 @jit
@@ -34,7 +65,7 @@ def sine(x: float) -> float:
     square, value = x * x, _SINES[0]
     for n in range(1, _SINES.size):
         value = value * square + _SINES[n]
-    return x * value
+    return float(x * value)
 
 
 @jit
@@ -44,8 +75,9 @@ def terms_for(phi: float) -> int:
 
 
 @jit
-def extend_series(can: Floats, known: int, terms: int, series: Floats) -> None:
-    """Continue b1, s1, b2, s2, rows of `series`, by the recurrence of `frobenius_series`."""
+def extend_series(space: Space, known: int, terms: int) -> None:
+    """Continue the series of the can by the recurrence of `frobenius_series`."""
+    can, series = space.can, space.series
     k, L = can[3], can[6]
     kc, hk, ka = k * can[5], can[2] * k, k * can[4]
     for n in range(known, terms):
@@ -71,32 +103,36 @@ def extend_series(can: Floats, known: int, terms: int, series: Floats) -> None:
 
 
 @jit
-def force(can: Floats, well: Floats) -> float:
+def force(space: Space) -> float:
     """Return dg/dphi at the reference, as `effective_potential.nutation_force`."""
+    can, well = space.can, space.well
     S, C = well[4], well[5]
     T, q = S / (1.0 + C), well[1] / S
     bend = can[4] * C + can[5] * T * S + can[2] * T * (1.0 + 2.0 * C)
     kinetic = q * (q * bend - (can[5] * S + can[2] * C) * well[2]) / S
-    return kinetic - can[7] * math.sin(well[6])
+    return float(kinetic - can[7] * math.sin(well[6]))
 
 
 @jit
-def refer(series: Floats, terms: int, well: Floats, released: bool, polynomials: Floats) -> None:
-    """Fill the polynomials of a well in which r, b, s, the sine and cosine of r are set.
-
-    The rows are b1, s1, the divided differences at r of the parts of b and of s that have no
-    logarithm, and that part of b. B is set from b and s at the release, and is kept elsewhere.
-    """
-    r, b, s = well[0], well[1], well[2]
-    b1 = s1 = b2 = s2 = 0.0
+def first_integral(space: Space, terms: int) -> float:
+    """Return B from b and s at the reference."""
+    well, series = space.well, space.series
+    b1 = s1 = 0.0
     for n in range(terms - 1, -1, -1):
-        b1 = b1 * r + series[0, n]
-        s1 = s1 * r + series[1, n]
-        b2 = b2 * r + series[2, n]
-        s2 = s2 * r + series[3, n]
-    if released:
-        well[3] = b * s1 - s * b1
-    B, branch = well[3], s * b2 - b * s2
+        b1 = b1 * well[0] + series[0, n]
+        s1 = s1 * well[0] + series[1, n]
+    return float(well[1] * s1 - well[2] * b1)
+
+
+@jit
+def refer(space: Space, terms: int) -> None:
+    """Fill the polynomials of a well of which all else is known."""
+    well, series, polynomials = space.well, space.series, space.polynomials
+    b2 = s2 = 0.0
+    for n in range(terms - 1, -1, -1):
+        b2 = b2 * well[0] + series[2, n]
+        s2 = s2 * well[0] + series[3, n]
+    r, B, branch = well[0], well[3], well[2] * b2 - well[1] * s2
     carry_b = carry_s = 0.0
     for n in range(terms - 1, -1, -1):
         part_b = branch * series[0, n] + B * series[2, n]
@@ -108,18 +144,10 @@ def refer(series: Floats, terms: int, well: Floats, released: bool, polynomials:
 
 
 @jit
-def evaluate(
-    can: Floats,
-    well: Floats,
-    polynomials: Floats,
-    terms: int,
-    phi: Floats,
-    below: Floats,
-    count: int,
-    state: Floats,
-    work: Floats,
-) -> None:
-    """Fill rows of `state` with b, spin, sin phi and g/(r - phi) at `count` nutations."""
+def evaluate(space: Space, terms: int, count: int) -> None:
+    """Fill the state at the first `count` nutations."""
+    can, well, polynomials = space.can, space.well, space.polynomials
+    phi, below, state, work = space.phi, space.below, space.state, space.work
     a, c, h, residue, balance = can[0], can[1], can[2], can[6], can[7]
     r, b_r, s_r, B = well[0], well[1], well[2], well[3]
     S_r, C_r, short, excess = well[4], well[5], well[6], well[7]
@@ -138,7 +166,7 @@ def evaluate(
             work[4, j] = work[4, j] * x + p4
     for j in range(count):
         share = below[j] / r
-        work[5, j] = math.log(phi[j] / r) if share > 0.75 else math.log1p(-share)
+        work[5, j] = math.log(phi[j] / r) if share > NEARLY_ALL else math.log1p(-share)
     q_r, tilt_r = b_r / S_r, b_r / (1.0 + C_r)
     w_r = s_r - tilt_r
     v_r = w_r - h * q_r
@@ -146,7 +174,7 @@ def evaluate(
         down, x = below[j], phi[j]
         log = work[5, j] * B * residue
         log_b = log * work[0, j]
-        deep = down > 0.75 * r
+        deep = down > NEARLY_ALL * r
         near = log_b - down * work[2, j]
         far = log_b + work[4, j]
         b = far if deep else b_r + near
@@ -171,8 +199,10 @@ def evaluate(
 
 
 @jit
-def noise(can: Floats, well: Floats, phi: float, below: float, b: float, s: float) -> float:
-    """Return the round-off of g at one nutation, as `effective_potential.energy_noise` has it."""
+def noise(space: Space, j: int) -> float:
+    """Return the round-off of g at a node, as `effective_potential.energy_noise` has it."""
+    can, well, phi, below = space.can, space.well, space.phi[j], space.below[j]
+    b, s = space.state[0, j], space.state[1, j]
     a, c, h = can[0], can[1], can[2]
     r, b_r, s_r = well[0], abs(well[1]), abs(well[2])
     b_size = b_r + s_r * min(r, phi) * r
@@ -186,4 +216,4 @@ def noise(can: Floats, well: Floats, phi: float, below: float, b: float, s: floa
         dw = w + s_size + b_size
         sums += a * q * dq + c * w * dw + (w + h * q) * (dw + h * dq)
     lean = can[7] * abs(well[6] + 0.5 * below)
-    return _NOISE * (sums * min(1.0, below / phi) + lean * below)
+    return float(_NOISE * (sums * min(1.0, below / phi) + lean * below))

@@ -19,19 +19,20 @@ from reference.equations.balancing_angle import balancing_angle
 from reference.equations.nonholonomic import ROUND_OFFS
 from reference.integrable.brackets import LAST
 from reference.integrable.brackets import TAIL as OMITTED
-from reference.integrable.compiled_potential import (
-    CAN,
+from reference.integrable.effective_potential import POISED
+from reference.integrable.frobenius import MOST_TERMS
+from reference.integrable.potential_kernels import (
     EPS,
-    WELL,
+    MOST_NODES,
+    Space,
     evaluate,
     extend_series,
+    first_integral,
     force,
     noise,
     refer,
     terms_for,
 )
-from reference.integrable.effective_potential import POISED
-from reference.integrable.frobenius import MOST_TERMS
 from reference.integrable.quadrature import DECADES, LOST, TAIL, to_cosines
 from reference.integrable.turning_points import NEARBY, SMALLEST
 from reference.numerics.compiled import jit
@@ -40,8 +41,8 @@ from reference.problem.states import Floats
 FIELDS = ("period", "angle_of_turn", "rotation_turn", "phi_min", "phi_max", "peak_psi_dot")
 """Columns of the results of `solve_each`."""
 
-_NODES = 64
-"""Releases that need more nodes are left to the arrays."""
+# The theta series converge fastest up to here, where the two nomes are equal.
+_DEEP = 0.5
 _PLACES = 8
 """Trial nutations evaluated together, in search of a change of sign."""
 # A sign is sure beyond four times the round-off of what is added up.
@@ -51,7 +52,7 @@ _UNSURE = 4.0 * ROUND_OFFS * EPS
 @cache
 def _waves() -> tuple[Floats, ...]:
     """Return the matrices of `to_cosines` of 8, 16, 24, ... nodes, transposed."""
-    return tuple(np.ascontiguousarray(to_cosines(n).T) for n in range(8, _NODES + 1, 8))
+    return tuple(np.ascontiguousarray(to_cosines(n).T) for n in range(8, MOST_NODES + 1, 8))
 
 
 def solve_each(
@@ -77,71 +78,88 @@ def solve_each(
     parts = [np.ascontiguousarray(part) for part in (*cans, *balance)]
     numbers = np.zeros((releases[0].size, len(FIELDS)))
     solved = np.zeros(releases[0].size, dtype=np.bool_)
-    _all(*parts, *releases, _waves(), numbers, solved)
+    _all(np.stack(releases), np.stack(parts), _waves(), numbers, solved)
     return numbers, solved
 
 
 @jit
-def _all(  # type: ignore[no-untyped-def]
-    a, c, h, balance, rest, phi, phi_dot, psi_dot, theta_dot, waves, numbers, solved
-):
+def _all(
+    releases: Floats,
+    cans: Floats,
+    waves: tuple[Floats, ...],
+    numbers: Floats,
+    solved: NDArray[np.bool_],
+) -> None:
     """Solve releases one after another; the series of a can last until another can comes."""
-    can, well = np.zeros(CAN), np.empty(WELL)
-    series, polynomials = np.empty((4, MOST_TERMS)), np.empty((5, MOST_TERMS))
-    state, work = np.empty((4, _NODES + 1)), np.empty((6, _NODES + 1))
-    nodes = np.empty((3, _NODES + 1))
+    space = Space(
+        np.zeros(8),
+        np.empty(8),
+        np.empty((4, MOST_TERMS)),
+        np.empty((5, MOST_TERMS)),
+        np.empty(MOST_NODES + 1),
+        np.empty(MOST_NODES + 1),
+        np.empty(MOST_NODES + 1),
+        np.empty((4, MOST_NODES + 1)),
+        np.empty((6, MOST_NODES + 1)),
+    )
+    can, well = space.can, space.well
     known = 0
-    for i in range(phi.size):
-        j = i if a.size > 1 else 0
-        if not (a[j] == can[0] and c[j] == can[1] and h[j] == can[2]):
-            a_p = a[j] + h[j] ** 2
-            whole = a[j] + c[j] * a_p
-            can[0], can[1], can[2], can[3], can[4] = a[j], c[j], h[j], c[j] / whole, a_p
-            can[5], can[6], can[7] = c[j] + 1.0, a[j] / whole, math.sqrt(1.0 + h[j] ** 2)
+    for i in range(solved.size):
+        j = i if cans.shape[1] > 1 else 0
+        a, c, h = cans[0, j], cans[1, j], cans[2, j]
+        if not (a == can[0] and c == can[1] and h == can[2]):
+            a_p = a + h * h
+            whole = a + c * a_p
+            can[0], can[1], can[2], can[3], can[4] = a, c, h, c / whole, a_p
+            can[5], can[6], can[7] = c + 1.0, a / whole, math.sqrt(1.0 + h * h)
             known = 0
-        S = math.sin(phi[i])
-        well[0], well[1], well[2] = phi[i], S * S * psi_dot[i], psi_dot[i] + theta_dot[i]
-        well[4], well[5], well[6] = S, math.cos(phi[i]), (balance[j] - phi[i]) + rest[j]
-        well[7] = 0.5 * (can[4] + 1.0) * phi_dot[i] ** 2
-        falls = well[7] == 0.0 and force(can, well) < 0.0
+        phi, phi_dot, psi_dot = releases[0, i], releases[1, i], releases[2, i]
+        S = math.sin(phi)
+        well[0], well[1], well[2] = phi, S * S * psi_dot, psi_dot + releases[3, i]
+        well[4], well[5], well[6] = S, math.cos(phi), (cans[3, j] - phi) + cans[4, j]
+        well[7] = 0.5 * (can[4] + 1.0) * phi_dot * phi_dot
+        falls = phi_dot == 0.0 and force(space) < 0.0
         # a release that moves or rises has its maximum anywhere below pi/2
-        terms = terms_for(phi[i] if falls else 0.5 * math.pi)
+        terms = terms_for(phi if falls else 0.5 * math.pi)
         if terms > known:
-            extend_series(can, known, terms, series)
+            extend_series(space, known, terms)
             known = terms
-        solved[i] = _one(
-            can, well, series, terms, falls, polynomials, state, work, nodes, waves, numbers[i]
-        )
+        well[3] = first_integral(space, terms)
+        if abs(well[3]) > SMALLEST and _decided(space, at_rest=phi_dot == 0.0):
+            refer(space, terms)
+            solved[i] = _one(space, terms, falls, phi_dot == 0.0, waves, numbers[i])
 
 
 @jit
-def _one(  # type: ignore[no-untyped-def]
-    can, well, series, terms, falls, polynomials, state, work, nodes, waves, result
-):
+def _one(
+    space: Space,
+    terms: int,
+    falls: bool,
+    at_rest: bool,
+    waves: tuple[Floats, ...],
+    result: Floats,
+) -> bool:
     """Fill the numbers of a release, and return whether they are sure."""
-    phi, below, rise = nodes[0], nodes[1], nodes[2]
-    release, at_rest = well[0], well[7] == 0.0
-    refer(series, terms, well, True, polynomials)
-    if not (abs(well[3]) > SMALLEST and _decided(can, well, at_rest)):
-        return False
-    climb = 0.0
+    well, phi, below, rise = space.well, space.phi, space.below, space.rise
+    state, work = space.state, space.work
+    release, climb = well[0], 0.0
     if not falls:
-        climb = _turning(can, well, polynomials, terms, True, state, work, phi, below)
+        climb = _turning(space, terms, up=True)
         if not climb > 0.0:
             return False
         phi[0], below[0] = release + climb, -climb
-        evaluate(can, well, polynomials, terms, phi, below, 1, state, work)
+        evaluate(space, terms, 1)
         well[0], well[1], well[2] = phi[0], state[0, 0], state[1, 0]
         well[4], well[5], well[6] = math.sin(phi[0]), math.cos(phi[0]), well[6] - climb
         well[7] = 0.0
         terms = terms_for(phi[0])
-        refer(series, terms, well, False, polynomials)
-        if not _decided(can, well, False):
+        refer(space, terms)
+        if not _decided(space, at_rest=False):
             return False
     high = well[0]
     low = release
     if falls or not at_rest:
-        low = _turning(can, well, polynomials, terms, False, state, work, phi, below)
+        low = _turning(space, terms, up=False)
     swing = climb if low == release else high - low
     # nearer to the maximum phi_min needs a search of its own
     if not (low > 0.0 and swing >= NEARBY * high):
@@ -150,25 +168,25 @@ def _one(  # type: ignore[no-untyped-def]
     aside = min(1e-3 * high, 0.5 * swing)
     below[0], below[1] = 1e-20 * aside, aside
     phi[0], phi[1] = high - below[0], high - below[1]
-    evaluate(can, well, polynomials, terms, phi, below, 2, state, work)
+    evaluate(space, terms, 2)
     near, far = state[3, 0], state[3, 1]
     drop = far - near
     beyond = near * aside / drop if drop > 0.0 else math.inf
     beyond = min(max(beyond, 4.0 * EPS * high), math.pi - high)
     spread = (high - low + beyond) * (high + low)
     complementary = 2.0 * low * beyond / spread
-    if not complementary <= 0.5:
+    if not complementary <= _DEEP:
         return False
     K = 0.5 * math.pi / _mean(1.0, math.sqrt(complementary))
     K1 = 0.5 * math.pi / _mean(1.0, math.sqrt(1.0 - complementary))
     strip = min(math.atan(math.sqrt((high + low) / swing)), K1)
-    count = 8 * int(math.ceil((DECADES * K / (2.0 * math.pi * strip) + 4.0) / 8.0))
-    if count > _NODES:
+    count = 8 * math.ceil((DECADES * K / (2.0 * math.pi * strip) + 4.0) / 8.0)
+    if count > MOST_NODES:
         return False
-    _clock(low, high, swing, K, K1, complementary, count, phi, rise, below)
+    _clock(space, (low, high, swing), (K, K1, complementary), count)
     phi[count], below[count] = low, swing
-    evaluate(can, well, polynomials, terms, phi, below, count + 1, state, work)
-    factor = 2.0 * math.sqrt(0.5 * (can[4] + 1.0) / spread)
+    evaluate(space, terms, count + 1)
+    factor = 2.0 * math.sqrt(0.5 * (space.can[4] + 1.0) / spread)
     period = turn = total = 0.0
     smallest, least, best, peak = math.inf, 0, -1, 0.0
     for j in range(count):
@@ -188,7 +206,7 @@ def _one(  # type: ignore[no-untyped-def]
     if not _positive(work, count, waves[count // 8 - 1], smallest):
         return False
     for j in (0, least):
-        lost = noise(can, well, phi[j], below[j], state[0, j], state[1, j])
+        lost = noise(space, j)
         if lost > LOST * abs(state[3, j] * below[j]):
             return False
     if _rough(work, count, waves[count // 8 - 1]):
@@ -202,32 +220,33 @@ def _one(  # type: ignore[no-untyped-def]
     else:
         first = phi[best - 1] if best > 0 else low
         last = phi[best + 1] if best < count - 1 else high
-        peak = _peak(can, well, polynomials, terms, first, last, peak, state, work, phi, below)
+        peak = _peak(space, terms, first, last, peak)
     result[0], result[1], result[2] = weight * period, weight * turn, weight * (total - turn)
     result[3], result[4], result[5] = low, high, peak
     return True
 
 
 @jit
-def _decided(can, well, at_rest):  # type: ignore[no-untyped-def]
+def _decided(space: Space, at_rest: bool) -> bool:
     """Return whether the force at the reference has its digits, and at rest its sign."""
+    well = space.well
     q, s = well[1] / well[4], well[2]
-    pull = force(can, well)
-    size = 1.0 + (q * q * (1.0 + can[4]) + abs(q * s)) / well[4]
+    pull = force(space)
+    size = 1.0 + (q * q * (1.0 + space.can[4]) + abs(q * s)) / well[4]
     if at_rest and not abs(pull) > _UNSURE * size:
         return False
-    return abs(pull) >= POISED * (s * s + q * q)
+    return bool(abs(pull) >= POISED * (s * s + q * q))
 
 
 @jit
-def _turning(can, well, polynomials, terms, up, state, work, phi, below):  # type: ignore[no-untyped-def]
+def _turning(space: Space, terms: int, up: bool) -> float:
     """Return how far phi rises, or phi_min: the first root of g found, or zero.
 
     Upwards by a secant in the rise, downwards in phi^2, in which g sin^2 phi is all but linear. The
     root is the first if g is positive between the turning points, which the caller shows.
     """
-    r, moves = well[0], well[7] > 0.0
-    pull = force(can, well)
+    well, phi, below = space.well, space.phi, space.below
+    r, moves, pull = well[0], well[7] > 0.0, force(space)
     if up:
         positive, f_positive = 0.0, well[7] if moves else pull
         span = math.log(0.5 * math.pi / r)
@@ -246,9 +265,9 @@ def _turning(can, well, polynomials, terms, up, state, work, phi, below):  # typ
             else:
                 phi[j] = r * math.exp(before + (span - before) * share)
                 below[j] = r - phi[j]
-        evaluate(can, well, polynomials, terms, phi, below, _PLACES, state, work)
+        evaluate(space, terms, _PLACES)
         for j in range(_PLACES):
-            value = _value(up, moves, below[j], state, j)
+            value = _value(space, up, moves, j)
             place = -below[j] if up else phi[j] * phi[j]
             if value <= 0.0:
                 negative, f_negative = place, value
@@ -273,23 +292,24 @@ def _turning(can, well, polynomials, terms, up, state, work, phi, below):  # typ
         last, f_last, at = at, f_at, place
         below[0] = -at if up else r - math.sqrt(at)
         phi[0] = r + at if up else math.sqrt(at)
-        evaluate(can, well, polynomials, terms, phi, below, 1, state, work)
-        f_at = _value(up, moves, below[0], state, 0)
+        evaluate(space, terms, 1)
+        f_at = _value(space, up, moves, 0)
         if f_at > 0.0:
             positive = at
         else:
             negative = at
         if f_at == 0.0 or abs(positive - negative) <= EPS * at:
             break
-    return at if up else math.sqrt(at)
+    return float(at if up else math.sqrt(at))
 
 
 @jit
-def _value(up, moves, below, state, j):  # type: ignore[no-untyped-def]
+def _value(space: Space, up: bool, moves: bool, j: int) -> float:
     """Return what has the sign of g and is nearly linear, at a node."""
+    slope = space.state[3, j]
     if not up:
-        return state[3, j] * state[2, j] ** 2
-    return state[3, j] * below if moves else -state[3, j]
+        return float(slope * space.state[2, j] ** 2)
+    return float(slope * space.below[j] if moves else -slope)
 
 
 @jit
@@ -303,8 +323,19 @@ def _mean(x: float, y: float) -> float:
 
 
 @jit
-def _clock(low, high, swing, K, K1, complementary, nodes, phi, rise, gap):  # type: ignore[no-untyped-def]
-    """Fill the nutations of the nodes, and their distances from phi_min and phi_max."""
+def _clock(
+    space: Space,
+    ends: tuple[float, float, float],
+    periods: tuple[float, float, float],
+    nodes: int,
+) -> None:
+    """Fill the nutations of the nodes, and their distances from phi_min and phi_max.
+
+    The ends are phi_min, phi_max and their distance; the periods K, K' and k'^2.
+    """
+    low, high, swing = ends
+    K, K1, complementary = periods
+    phi, rise, gap = space.phi, space.rise, space.below
     q = math.exp(-math.pi * K / K1)
     z2, z3, z4 = 1.0, 1.0, 1.0
     sign = 1.0
@@ -342,7 +373,7 @@ def _clock(low, high, swing, K, K1, complementary, nodes, phi, rise, gap):  # ty
 
 
 @jit
-def _positive(work, nodes, waves, smallest):  # type: ignore[no-untyped-def]
+def _positive(work: Floats, nodes: int, waves: Floats, smallest: float) -> bool:
     """Return whether g is shown to be positive between the nodes, as `brackets.stays_positive`."""
     for m in range(nodes):
         work[4, m] = 0.0
@@ -358,11 +389,11 @@ def _positive(work, nodes, waves, smallest):  # type: ignore[no-untyped-def]
         if m >= nodes - LAST:
             last = max(last, value)
     tail = OMITTED * last + nodes * EPS * largest
-    return smallest > tail + (math.pi / (nodes - 1)) ** 2 / 8.0 * bend
+    return bool(smallest > tail + (math.pi / (nodes - 1)) ** 2 / 8.0 * bend)
 
 
 @jit
-def _rough(work, nodes, waves):  # type: ignore[no-untyped-def]
+def _rough(work: Floats, nodes: int, waves: Floats) -> bool:
     """Return whether the two highest harmonics of an integrand have not yet decayed."""
     for row in range(1, 4):
         size = high = higher = 0.0
@@ -377,14 +408,14 @@ def _rough(work, nodes, waves):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _peak(can, well, polynomials, terms, first, last, peak, state, work, phi, below):  # type: ignore[no-untyped-def]
+def _peak(space: Space, terms: int, first: float, last: float, peak: float) -> float:
     """Return the precession rate of largest magnitude between two nutations around a node."""
-    r = well[0]
+    r, phi, below, state = space.well[0], space.phi, space.below, space.state
     for _ in range(24):
         for j in range(_PLACES):
             phi[j] = first + (last - first) * j / (_PLACES - 1.0)
             below[j] = max(r - phi[j], 1e-20 * r)
-        evaluate(can, well, polynomials, terms, phi, below, _PLACES, state, work)
+        evaluate(space, terms, _PLACES)
         best = 0
         for j in range(_PLACES):
             rate = state[0, j] / state[2, j] ** 2

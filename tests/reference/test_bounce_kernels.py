@@ -3,20 +3,21 @@
 import json
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Outcome, exact_bounces
-from reference.integrable.compiled_bounce import FIELDS, solve_each
+from reference.integrable.bounce_kernels import FIELDS, solve_each
 from reference.integrable.turning_points import OUTCOMES
 from tests.reference.hostile.campaign import AGREED
 
 ROWS = 4000
-CAN = {name: np.array([getattr(PAPER_CAN, name)]) for name in "ach"}
+CAN: dict[str, Any] = {name: np.array([getattr(PAPER_CAN, name)]) for name in "ach"}
 
 
-def releases(n: int) -> dict[str, np.ndarray]:
+def releases(n: int) -> dict[str, Any]:
     """Return releases from gentle to hard, half of them at rest."""
     rng = np.random.default_rng(5)
     return {
@@ -27,7 +28,7 @@ def releases(n: int) -> dict[str, np.ndarray]:
     }
 
 
-def cans(n: int) -> dict[str, np.ndarray]:
+def cans(n: int) -> dict[str, Any]:
     """Return cans from flat to slender."""
     rng = np.random.default_rng(6)
     a = 10.0 ** rng.uniform(-0.7, 0.7, n)
@@ -74,7 +75,7 @@ def test_what_the_kernel_leaves_is_solved_by_the_arrays() -> None:
     """One release that the kernel solves, between ones that it leaves: bits of either path."""
     balance = PAPER_CAN.balancing_angle
     phi, psi_dot = [0.4, balance - 1e-9, 0.3, 0.8], [0.0, 1e-12, 0.02, 0.0]
-    given = {"phi": np.array(phi), "psi_dot": np.array(psi_dot)}
+    given: dict[str, Any] = {"phi": np.array(phi), "psi_dot": np.array(psi_dot)}
     found = exact_bounces(**CAN, **given, compiled=True)
     endings = (Outcome.FELL_FLAT, Outcome.FINISHED, Outcome.FINISHED, Outcome.OVERTURNED)
     assert [OUTCOMES[code] for code in found.code] == list(endings)
@@ -107,7 +108,7 @@ print(json.dumps(told, default=bool))
 
 
 def test_without_numba_the_arrays_solve_and_kernels_are_refused() -> None:
-    done = subprocess.run(
+    done = subprocess.run(  # noqa: S603 - our own program
         [sys.executable, "-c", WITHOUT], capture_output=True, text=True, check=True
     )
     available, imported, solved, message, missing = json.loads(done.stdout)
