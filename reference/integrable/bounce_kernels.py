@@ -6,6 +6,9 @@ Each value is checked as there; a release with a value in doubt is left to the a
 `reference.integrable.cycle`, which know what to do with it. No release knows of another, so that it
 has the same bits alone and in a batch.
 
+A constant as an argument is compiled for by itself: where that costs time and gains none, a
+variable stands for it.
+
 Needs numba (`reference.numerics.compiled`).
 """
 
@@ -103,7 +106,7 @@ def _all(
         np.empty((6, MOST_NODES + 1)),
     )
     can, well = space.can, space.well
-    known = 0
+    known = int(can[0])
     for i in range(solved.size):
         j = i if cans.shape[1] > 1 else 0
         a, c, h = cans[0, j], cans[1, j], cans[2, j]
@@ -125,7 +128,7 @@ def _all(
             extend_series(space, known, terms)
             known = terms
         well[3] = first_integral(space, terms)
-        if abs(well[3]) > SMALLEST and _decided(space, at_rest=phi_dot == 0.0):
+        if abs(well[3]) > SMALLEST and _decided(space, phi_dot == 0.0):
             refer(space, terms)
             solved[i] = _one(space, terms, falls, phi_dot == 0.0, waves, numbers[i])
 
@@ -144,7 +147,7 @@ def _one(
     state, work = space.state, space.work
     release, climb = well[0], 0.0
     if not falls:
-        climb = _turning(space, terms, up=True)
+        climb = _turning(space, terms, not falls)
         if not climb > 0.0:
             return False
         phi[0], below[0] = release + climb, -climb
@@ -154,22 +157,21 @@ def _one(
         well[7] = 0.0
         terms = terms_for(phi[0])
         refer(space, terms)
-        if not _decided(space, at_rest=False):
+        if not _decided(space, well[7] != 0.0):
             return False
     high = well[0]
     low = release
     if falls or not at_rest:
-        low = _turning(space, terms, up=False)
+        low = _turning(space, terms, climb < 0.0)
     swing = climb if low == release else high - low
     # nearer to the maximum phi_min needs a search of its own
     if not (low > 0.0 and swing >= NEARBY * high):
         return False
-    # the fourth root of the quartic, from the slope and its change at the maximum
+    # the fourth root of the quartic, from the slope of g at the maximum and its change
     aside = min(1e-3 * high, 0.5 * swing)
-    below[0], below[1] = 1e-20 * aside, aside
-    phi[0], phi[1] = high - below[0], high - below[1]
-    evaluate(space, terms, 2)
-    near, far = state[3, 0], state[3, 1]
+    below[0], phi[0] = aside, high - aside
+    evaluate(space, terms, 1)
+    near, far = -force(space), state[3, 0]
     drop = far - near
     beyond = near * aside / drop if drop > 0.0 else math.inf
     beyond = min(max(beyond, 4.0 * EPS * high), math.pi - high)
@@ -205,9 +207,9 @@ def _one(
         total += work[3, j]
     if not _positive(work, count, waves[count // 8 - 1], smallest):
         return False
-    for j in (0, least):
-        lost = noise(space, j)
-        if lost > LOST * abs(state[3, j] * below[j]):
+    for which in range(2):
+        j = least if which else count - count
+        if noise(space, j) > LOST * abs(state[3, j] * below[j]):
             return False
     if _rough(work, count, waves[count // 8 - 1]):
         return False
