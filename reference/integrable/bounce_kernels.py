@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from reference.equations.balancing_angle import balancing_angle
 from reference.equations.nonholonomic import ROUND_OFFS
-from reference.integrable.brackets import LAST
-from reference.integrable.brackets import TAIL as OMITTED
 from reference.integrable.effective_potential import POISED
 from reference.integrable.frobenius import MOST_TERMS
 from reference.integrable.potential_kernels import (
@@ -36,7 +34,13 @@ from reference.integrable.potential_kernels import (
     refer,
     terms_for,
 )
-from reference.integrable.quadrature import DECADES, LOST, TAIL, to_cosines
+from reference.integrable.quadrature import DECADES, LOST, to_cosines
+from reference.integrable.quadrature_kernels import (
+    arithmetic_geometric_mean,
+    place_nodes,
+    stays_positive,
+    unresolved,
+)
 from reference.integrable.turning_points import NEARBY, SMALLEST
 from reference.numerics.compiled import jit
 from reference.problem.states import Floats
@@ -179,13 +183,13 @@ def _one(
     complementary = 2.0 * low * beyond / spread
     if not complementary <= _DEEP:
         return False
-    K = 0.5 * math.pi / _mean(1.0, math.sqrt(complementary))
-    K1 = 0.5 * math.pi / _mean(1.0, math.sqrt(1.0 - complementary))
+    K = 0.5 * math.pi / arithmetic_geometric_mean(1.0, math.sqrt(complementary))
+    K1 = 0.5 * math.pi / arithmetic_geometric_mean(1.0, math.sqrt(1.0 - complementary))
     strip = min(math.atan(math.sqrt((high + low) / swing)), K1)
     count = 8 * math.ceil((DECADES * K / (2.0 * math.pi * strip) + 4.0) / 8.0)
     if count > MOST_NODES:
         return False
-    _clock(space, (low, high, swing), (K, K1, complementary), count)
+    place_nodes(space, (low, high, swing), (K, K1, complementary), count)
     phi[count], below[count] = low, swing
     evaluate(space, terms, count + 1)
     factor = 2.0 * math.sqrt(0.5 * (space.can[4] + 1.0) / spread)
@@ -205,13 +209,13 @@ def _one(
         period += work[1, j]
         turn += work[2, j]
         total += work[3, j]
-    if not _positive(work, count, waves[count // 8 - 1], smallest):
+    if not stays_positive(work, count, waves[count // 8 - 1], smallest):
         return False
     for which in range(2):
         j = least if which else count - count
         if noise(space, j) > LOST * abs(state[3, j] * below[j]):
             return False
-    if _rough(work, count, waves[count // 8 - 1]):
+    if unresolved(work, count, waves[count // 8 - 1]):
         return False
     weight = 2.0 * K / count
     bottom, top = state[0, count] / state[2, count] ** 2, well[1] / well[4] ** 2
@@ -312,101 +316,6 @@ def _value(space: Space, up: bool, moves: bool, j: int) -> float:
     if not up:
         return float(slope * space.state[2, j] ** 2)
     return float(slope * space.below[j] if moves else -slope)
-
-
-@jit
-def _mean(x: float, y: float) -> float:
-    """Return the arithmetic-geometric mean of two positive numbers."""
-    for _ in range(40):
-        if abs(x - y) <= 4.0 * EPS * x:
-            break
-        x, y = 0.5 * (x + y), math.sqrt(x * y)
-    return 0.5 * (x + y)
-
-
-@jit
-def _clock(
-    space: Space,
-    ends: tuple[float, float, float],
-    periods: tuple[float, float, float],
-    nodes: int,
-) -> None:
-    """Fill the nutations of the nodes, and their distances from phi_min and phi_max.
-
-    The ends are phi_min, phi_max and their distance; the periods K, K' and k'^2.
-    """
-    low, high, swing = ends
-    K, K1, complementary = periods
-    phi, rise, gap = space.phi, space.rise, space.below
-    q = math.exp(-math.pi * K / K1)
-    z2, z3, z4 = 1.0, 1.0, 1.0
-    sign = 1.0
-    for n in range(1, 4):
-        sign = -sign
-        weight, square = q ** (n * (n + 1)), q ** (n * n)
-        z2 += weight
-        z3 += 2.0 * square
-        z4 += 2.0 * sign * square
-    s_factor, c_factor, d_factor = (z3 / z4) ** 2, (z2 / z4) ** 2, (z2 / z3) ** 2
-    w1, w2, w3, w4, w6, w9 = q * q, q**6, q**12, q**4, q, q**9
-    for j in range((nodes + 1) // 2):
-        e = math.exp(math.pi * K / (2.0 * K1) * (j + 0.5) / nodes)
-        d = 1.0 / e
-        e2, d2 = e * e, d * d
-        e3, d3 = e * e2, d * d2
-        e5, d5 = e3 * e2, d3 * d2
-        e7, d7 = e5 * e2, d5 * d2
-        e4, d4 = e2 * e2, d2 * d2
-        e6, d6 = e4 * e2, d4 * d2
-        t1 = 0.5 * (e - d - w1 * (e3 - d3) + w2 * (e5 - d5) - w3 * (e7 - d7))
-        t2 = 0.5 * (e + d + w1 * (e3 + d3) + w2 * (e5 + d5) + w3 * (e7 + d7))
-        u1, u2, u3 = w6 * (e2 + d2), w4 * (e4 + d4), w9 * (e6 + d6)
-        t3, t4 = 1.0 + u1 + u2 + u3, 1.0 - u1 + u2 - u3
-        sn2, cn2 = s_factor * (t1 / t2) ** 2, c_factor * (t4 / t2) ** 2
-        dn2 = d_factor * (t3 / t2) ** 2
-        for mirrored in range(2):
-            i = nodes - 1 - j if mirrored else j
-            s = cn2 / dn2 if mirrored else sn2
-            k = complementary * sn2 / dn2 if mirrored else cn2
-            denominator = swing * k + 2.0 * low
-            rise[i] = 2.0 * low * swing * s / denominator
-            gap[i] = swing * (high + low) * k / denominator
-            phi[i] = low + rise[i] if rise[i] < gap[i] else high - gap[i]
-
-
-@jit
-def _positive(work: Floats, nodes: int, waves: Floats, smallest: float) -> bool:
-    """Return whether g is shown to be positive between the nodes, as `brackets.stays_positive`."""
-    for m in range(nodes):
-        work[4, m] = 0.0
-    for j in range(nodes):
-        room = work[0, j]
-        for m in range(nodes):
-            work[4, m] += waves[j, m] * room
-    bend = largest = last = 0.0
-    for m in range(nodes):
-        value = abs(work[4, m])
-        bend += m * m * value
-        largest = max(largest, value)
-        if m >= nodes - LAST:
-            last = max(last, value)
-    tail = OMITTED * last + nodes * EPS * largest
-    return bool(smallest > tail + (math.pi / (nodes - 1)) ** 2 / 8.0 * bend)
-
-
-@jit
-def _rough(work: Floats, nodes: int, waves: Floats) -> bool:
-    """Return whether the two highest harmonics of an integrand have not yet decayed."""
-    for row in range(1, 4):
-        size = high = higher = 0.0
-        for j in range(nodes):
-            size += abs(work[row, j])
-            high += waves[j, nodes - 2] * work[row, j]
-            higher += waves[j, nodes - 1] * work[row, j]
-        # waves have the weight 2/n of a coefficient
-        if max(abs(high), abs(higher)) * 0.5 * nodes > TAIL * size:
-            return True
-    return False
 
 
 @jit

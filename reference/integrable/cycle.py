@@ -123,7 +123,7 @@ def exact_bounces(
     n = flat[0].size
     fields = [np.zeros(n) for _ in range(6)]
     code = np.zeros(n, dtype=np.int8)
-    order = np.argsort(flat[-4], kind="stable")
+    left = np.arange(n)
     if compiled:
         from reference.integrable.bounce_kernels import solve_each
 
@@ -131,7 +131,8 @@ def exact_bounces(
         numbers, solved = solve_each(tuple(owners), tuple(flat[-4:]))
         fields = [np.ascontiguousarray(column) for column in numbers.T]
         code[solved] = OUTCOMES.index(Outcome.FINISHED)
-        order = order[~solved[order]]
+        left = np.flatnonzero(~solved)
+    order = left[np.argsort(flat[-4][left], kind="stable")]
     for start in range(0, order.size, CHUNK):
         pick = order[start : start + CHUNK]
         names = ("phi", "phi_dot", "psi_dot", "theta_dot")
