@@ -41,13 +41,25 @@ from reference.integrable.quadrature_kernels import (
     stays_positive,
     unresolved,
 )
-from reference.integrable.turning_points import NEARBY, SMALLEST
+from reference.integrable.turning_points import (
+    BESIDE,
+    GRID,
+    NEARBY,
+    OUTCOMES,
+    SMALLEST,
+    UPRIGHT,
+)
+from reference.numerics.chebyshev import to_coefficients
 from reference.numerics.compiled import jit
+from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
 FIELDS = ("period", "angle_of_turn", "rotation_turn", "phi_min", "phi_max", "peak_psi_dot")
 """Columns of the results of `solve_each`."""
 
+LEFT = -1
+"""Code of a release that is left to the arrays."""
+_FINISHED, _OVERTURNED = OUTCOMES.index(Outcome.FINISHED), OUTCOMES.index(Outcome.OVERTURNED)
 # The theta series converge fastest up to here, where the two nomes are equal.
 _DEEP = 0.5
 _PLACES = 8
@@ -58,14 +70,15 @@ _UNSURE = 4.0 * ROUND_OFFS * EPS
 
 @cache
 def _waves() -> tuple[Floats, ...]:
-    """Return the matrices of `to_cosines` of 8, 16, 24, ... nodes, transposed."""
-    return tuple(np.ascontiguousarray(to_cosines(n).T) for n in range(8, MOST_NODES + 1, 8))
+    """Return the matrices from values to cosines of 8, 16, ... nodes and of a grid, transposed."""
+    matrices = [to_cosines(n) for n in range(8, MOST_NODES + 1, 8)]
+    return tuple(np.ascontiguousarray(each.T) for each in (*matrices, to_coefficients(GRID + 1)))
 
 
 def solve_each(
     cans: tuple[Floats, ...], releases: tuple[Floats, ...]
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Solve the releases that are not hard.
+) -> tuple[Floats, NDArray[np.int8]]:
+    """Solve the releases that are not hard: those that bounce and those that overturn.
 
     Parameters
     ----------
@@ -78,15 +91,16 @@ def solve_each(
     -------
     numbers : ndarray, shape (n, 6)
         `FIELDS`, and 0 where a release is not solved.
-    solved : ndarray of bool, shape (n,)
+    code : ndarray of int8, shape (n,)
+        Index into `reference.integrable.turning_points.OUTCOMES`; `LEFT` where nothing is sure.
     """
     heights, places = np.unique(cans[2], return_inverse=True)
     balance = [part[places] for part in balancing_angle(heights)]
     parts = [np.ascontiguousarray(part) for part in (*cans, *balance)]
     numbers = np.zeros((releases[0].size, len(FIELDS)))
-    solved = np.zeros(releases[0].size, dtype=np.bool_)
-    _all(np.stack(releases), np.stack(parts), _waves(), numbers, solved)
-    return numbers, solved
+    code = np.full(releases[0].size, LEFT, dtype=np.int8)
+    _all(np.stack(releases), np.stack(parts), _waves(), numbers, code)
+    return numbers, code
 
 
 @jit
@@ -95,7 +109,7 @@ def _all(
     cans: Floats,
     waves: tuple[Floats, ...],
     numbers: Floats,
-    solved: NDArray[np.bool_],
+    code: NDArray[np.int8],
 ) -> None:
     """Solve releases one after another; the series of a can last until another can comes."""
     space = Space(
@@ -111,7 +125,7 @@ def _all(
     )
     can, well = space.can, space.well
     known = int(can[0])
-    for i in range(solved.size):
+    for i in range(code.size):
         j = i if cans.shape[1] > 1 else 0
         a, c, h = cans[0, j], cans[1, j], cans[2, j]
         if not (a == can[0] and c == can[1] and h == can[2]):
@@ -127,14 +141,14 @@ def _all(
         well[7] = 0.5 * (can[4] + 1.0) * phi_dot * phi_dot
         falls = phi_dot == 0.0 and force(space) < 0.0
         # a release that moves or rises has its maximum anywhere below pi/2
-        terms = terms_for(phi if falls else 0.5 * math.pi)
+        terms = terms_for(phi if falls else UPRIGHT)
         if terms > known:
             extend_series(space, known, terms)
             known = terms
         well[3] = first_integral(space, terms)
         if abs(well[3]) > SMALLEST and _decided(space, phi_dot == 0.0):
             refer(space, terms)
-            solved[i] = _one(space, terms, falls, phi_dot == 0.0, waves, numbers[i])
+            code[i] = _one(space, terms, falls, phi_dot == 0.0, waves, numbers[i])
 
 
 @jit
@@ -145,15 +159,17 @@ def _one(
     at_rest: bool,
     waves: tuple[Floats, ...],
     result: Floats,
-) -> bool:
-    """Fill the numbers of a release, and return whether they are sure."""
+) -> int:
+    """Fill the numbers of a release that bounces, and return the code of its outcome."""
     well, phi, below, rise = space.well, space.phi, space.below, space.rise
     state, work = space.state, space.work
     release, climb = well[0], 0.0
     if not falls:
         climb = _turning(space, terms, not falls)
+        if climb < 0.0 and _stays_above(space, terms, waves[MOST_NODES // 8]):
+            return _OVERTURNED
         if not climb > 0.0:
-            return False
+            return LEFT
         phi[0], below[0] = release + climb, -climb
         evaluate(space, terms, 1)
         well[0], well[1], well[2] = phi[0], state[0, 0], state[1, 0]
@@ -162,7 +178,7 @@ def _one(
         terms = terms_for(phi[0])
         refer(space, terms)
         if not _decided(space, well[7] != 0.0):
-            return False
+            return LEFT
     high = well[0]
     low = release
     if falls or not at_rest:
@@ -170,7 +186,7 @@ def _one(
     swing = climb if low == release else high - low
     # nearer to the maximum phi_min needs a search of its own
     if not (low > 0.0 and swing >= NEARBY * high):
-        return False
+        return LEFT
     # the fourth root of the quartic, from the slope of g at the maximum and its change
     aside = min(1e-3 * high, 0.5 * swing)
     below[0], phi[0] = aside, high - aside
@@ -182,13 +198,13 @@ def _one(
     spread = (high - low + beyond) * (high + low)
     complementary = 2.0 * low * beyond / spread
     if not complementary <= _DEEP:
-        return False
+        return LEFT
     K = 0.5 * math.pi / arithmetic_geometric_mean(1.0, math.sqrt(complementary))
     K1 = 0.5 * math.pi / arithmetic_geometric_mean(1.0, math.sqrt(1.0 - complementary))
     strip = min(math.atan(math.sqrt((high + low) / swing)), K1)
     count = 8 * math.ceil((DECADES * K / (2.0 * math.pi * strip) + 4.0) / 8.0)
     if count > MOST_NODES:
-        return False
+        return LEFT
     place_nodes(space, (low, high, swing), (K, K1, complementary), count)
     phi[count], below[count] = low, swing
     evaluate(space, terms, count + 1)
@@ -199,7 +215,7 @@ def _one(
         S = state[2, j]
         room = S * S * (state[3, j] / rise[j]) / ((phi[j] + low) * (beyond + below[j]))
         if not room > 0.0:
-            return False
+            return LEFT
         time, rate = factor * S / math.sqrt(room), state[0, j] / (S * S)
         work[0, j], work[1, j], work[2, j], work[3, j] = room, time, rate * time, state[1, j] * time
         if room < smallest:
@@ -210,13 +226,13 @@ def _one(
         turn += work[2, j]
         total += work[3, j]
     if not stays_positive(work, count, waves[count // 8 - 1], smallest):
-        return False
+        return LEFT
     for which in range(2):
         j = least if which else count - count
         if noise(space, j) > LOST * abs(state[3, j] * below[j]):
-            return False
+            return LEFT
     if unresolved(work, count, waves[count // 8 - 1]):
-        return False
+        return LEFT
     weight = 2.0 * K / count
     bottom, top = state[0, count] / state[2, count] ** 2, well[1] / well[4] ** 2
     if abs(bottom) >= abs(peak):
@@ -229,7 +245,7 @@ def _one(
         peak = _peak(space, terms, first, last, peak)
     result[0], result[1], result[2] = weight * period, weight * turn, weight * (total - turn)
     result[3], result[4], result[5] = low, high, peak
-    return True
+    return _FINISHED
 
 
 @jit
@@ -246,7 +262,7 @@ def _decided(space: Space, at_rest: bool) -> bool:
 
 @jit
 def _turning(space: Space, terms: int, up: bool) -> float:
-    """Return how far phi rises, or phi_min: the first root of g found, or zero.
+    """Return how far phi rises, or phi_min: the first root of g found, or -1 if none was.
 
     Upwards by a secant in the rise, downwards in phi^2, in which g sin^2 phi is all but linear. The
     root is the first if g is positive between the turning points, which the caller shows.
@@ -255,7 +271,7 @@ def _turning(space: Space, terms: int, up: bool) -> float:
     r, moves, pull = well[0], well[7] > 0.0, force(space)
     if up:
         positive, f_positive = 0.0, well[7] if moves else pull
-        span = math.log(0.5 * math.pi / r)
+        span = math.log(UPRIGHT / r)
     else:
         positive, f_positive = r * r, -pull * well[4] ** 2
         # from where precession alone would take all the energy
@@ -283,7 +299,7 @@ def _turning(space: Space, terms: int, up: bool) -> float:
             break
         before, span = span, span - math.log(8.0)
     if not f_negative <= 0.0:
-        return 0.0
+        return -1.0
     last, f_last, at, f_at = negative, f_negative, positive, f_positive
     if abs(f_negative) < abs(f_positive):
         last, f_last, at, f_at = positive, f_positive, negative, f_negative
@@ -307,6 +323,23 @@ def _turning(space: Space, terms: int, up: bool) -> float:
         if f_at == 0.0 or abs(positive - negative) <= EPS * at:
             break
     return float(at if up else math.sqrt(at))
+
+
+@jit
+def _stays_above(space: Space, terms: int, waves: Floats) -> bool:
+    """Return whether g is shown to be positive from the release up to pi/2."""
+    r, work, smallest = space.well[0], space.work, math.inf
+    moves, span = space.well[7] > 0.0, math.log(UPRIGHT / r)
+    for j in range(GRID + 1):
+        share = 0.5 * (1.0 - math.cos(math.pi * j / GRID))
+        space.below[j] = -r * math.expm1(span * share) if j else -BESIDE * r
+        space.phi[j] = r - space.below[j]
+    count = waves.shape[0]
+    evaluate(space, terms, count)
+    for j in range(count):
+        work[0, j] = _value(space, True, moves, j)
+        smallest = min(smallest, work[0, j])
+    return stays_positive(work, count, waves, smallest)
 
 
 @jit

@@ -125,13 +125,12 @@ def exact_bounces(
     code = np.zeros(n, dtype=np.int8)
     left = np.arange(n)
     if compiled:
-        from reference.integrable.bounce_kernels import solve_each
+        from reference.integrable.bounce_kernels import LEFT, solve_each
 
         owners = flat[:3] if many else [value.reshape(1) for value in cans]
-        numbers, solved = solve_each(tuple(owners), tuple(flat[-4:]))
+        numbers, code = solve_each(tuple(owners), tuple(flat[-4:]))
         fields = [np.ascontiguousarray(column) for column in numbers.T]
-        code[solved] = OUTCOMES.index(Outcome.FINISHED)
-        left = np.flatnonzero(~solved)
+        left = np.flatnonzero(code == LEFT)
     order = left[np.argsort(flat[-4][left], kind="stable")]
     for start in range(0, order.size, CHUNK):
         pick = order[start : start + CHUNK]
