@@ -63,6 +63,9 @@ class Provenance:
         None if the package does not run from a checkout.
     written : str
         UTC, ISO 8601, to the second.
+    reference : str
+        Code that solved releases by the exact bounce: "numpy", or "compiled" with the version of
+        numba. The two differ by round-off.
     """
 
     rockingcan: str
@@ -74,6 +77,7 @@ class Provenance:
     cores: int
     commit: Commit | None
     written: str
+    reference: str = "numpy"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the provenance as in a manifest: strings, numbers and None only."""
@@ -88,11 +92,12 @@ class Provenance:
             "commit": None if self.commit is None else self.commit.digest,
             "changed_since_commit": None if self.commit is None else self.commit.changed,
             "written": self.written,
+            "reference": self.reference,
         }
 
 
-def provenance() -> Provenance:
-    """Return the provenance of a result that is written now."""
+def provenance(*, reference: str = "numpy") -> Provenance:
+    """Return the provenance of a result that is written now, and whose reference was solved so."""
     versions = {name: version_of(name) for name in (*engine_packages(), *PACKAGES)}
     return Provenance(
         rockingcan=version_of("rockingcan"),
@@ -104,6 +109,7 @@ def provenance() -> Provenance:
         cores=_cores(),
         commit=commit_of(Path(__file__)),
         written=datetime.now(UTC).isoformat(timespec="seconds"),
+        reference=reference,
     )
 
 

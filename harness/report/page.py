@@ -157,6 +157,7 @@ def _terms(provenance: Provenance) -> Terms:
         *((f"engine {name}", words) for name, words in provenance.environments.items()),
         ("platform", provenance.platform),
         ("processor", f"{provenance.processor}, {provenance.cores} cores"),
+        ("exact bounce", provenance.reference),
     ]
 
 

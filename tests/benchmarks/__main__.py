@@ -12,6 +12,7 @@ from harness.cli.terminal import to_json
 from harness.engines import registry
 from harness.progress import ItemBar
 from tests.benchmarks.engines import engine_ratios
+from tests.benchmarks.heyoka_rows import missing
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios
 from tests.benchmarks.start_up import start_up_ratios
@@ -76,6 +77,8 @@ def benchmark(
         ):
             rows = [[getattr(one, column) for column in columns] for one in measured]
             terminal.stdout_console().print(terminal.table(title, columns, rows))
+    if left_out := missing():
+        typer.echo(left_out, err=True)
     if not (all(ratio.holds for ratio in ratios) and all(one.holds for one in lean)):
         raise typer.Exit(1)
 

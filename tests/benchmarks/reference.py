@@ -1,25 +1,38 @@
-"""The reference against scipy: the exact bounce in batches, and the time integrator."""
+"""The reference against scipy and heyoka: the exact bounce in batches, and the time integrator.
+
+Compiled kernels are asked for where numba is installed; compiling is not counted.
+"""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
-from reference import PAPER_CAN, Problem, exact_bounces, solve
+from reference import PAPER_CAN, PeriodicMotions, Problem, exact_bounces, solve
+from reference.numerics.compiled import available, path_taken
+from tests.benchmarks import heyoka_rows
 from tests.benchmarks.clock import Ratio, in_turns, seconds
 
 _BATCH = 100_000
+_HEYOKA_RELEASES = 20_000
 _SCIPY_RELEASES = 12  # DOP853 takes tens of milliseconds each
 _TURNS, _SHORT, _LONG = 5, 20, 3
 _TIGHT = 1e-12
 _SIDE = 400  # of the map
 _SEED = 20230222
+_SCIPY_FASTER, _COMPILED_FASTER, _HEYOKA_SLOWER = 20.0, 100.0, 5.0
+"""Claims: of the integrator over DOP853, of the compiled one, and of that one under heyoka."""
 
 
 def reference_ratios() -> Iterator[Ratio]:
     """Measure the claims about the reference, one by one."""
     yield _batch_against_scipy()
+    if not heyoka_rows.missing():
+        yield from heyoka_rows.batch_ratios(_releases(_BATCH), _solved, _HEYOKA_RELEASES)
     yield from (_integrator_against_scipy(bounces) for bounces in (1, 3))
+    if not heyoka_rows.missing():
+        yield _integrator_against_heyoka()
     yield _sign_map()
 
 
@@ -33,10 +46,15 @@ def _releases(count: int) -> dict[str, np.ndarray]:
     }
 
 
-def _batch(releases: dict[str, np.ndarray]) -> np.ndarray:
-    """Return the angles of turn of releases, rad."""
+def _solved(releases: Mapping[str, np.ndarray]) -> PeriodicMotions:
+    """Return the exact bounces of releases, by compiled kernels where there is numba."""
     can = {"a": PAPER_CAN.a, "c": PAPER_CAN.c, "h": PAPER_CAN.h}
-    return exact_bounces(**can, **releases).angle_of_turn
+    return exact_bounces(**can, **releases, compiled=available())
+
+
+def _batch(releases: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the angles of turn of releases, rad."""
+    return _solved(releases).angle_of_turn
 
 
 def _by_scipy(releases: dict[str, np.ndarray]) -> np.ndarray:
@@ -69,22 +87,27 @@ def _batch_against_scipy() -> Ratio:
         holds=ratio >= 1000.0,
         first_s=batch / _BATCH,
         second_s=scipy / _SCIPY_RELEASES,
-        note=f"DOP853 at rtol 1e-12 is within {difference:.1e} rad of the exact turn",
+        note=f"{path_taken(compiled=available())}; DOP853 at rtol 1e-12 is within "
+        f"{difference:.1e} rad of the exact turn",
     )
+
+
+_UNIT = math.sqrt(0.037 / 9.81)  # s
+_PAPER: dict[str, Any] = {
+    "phi": math.pi / 100,
+    "psi_dot": 0.1001 * _UNIT,
+    "theta_dot": -0.1 * _UNIT,
+}
+
+_INTEGRATOR: dict[str, Any] = {}
+"""Options of the default integrator beside the model."""
 
 
 def _paper_release(method: str | None, bounces: int) -> float:
     """Return the first angle of turn of the paper's release by time integration."""
-    seconds_per_unit = math.sqrt(0.037 / 9.81)
-    problem = Problem(
-        parameters=PAPER_CAN,
-        phi=math.pi / 100,
-        psi_dot=0.1001 * seconds_per_unit,
-        theta_dot=-0.1 * seconds_per_unit,
-        bounces=bounces,
-    )
-    chosen = {} if method is None else {"method": method, "rtol": _TIGHT}
-    solution = solve(problem, model="rolling", **chosen)  # type: ignore[arg-type]
+    problem = Problem(parameters=PAPER_CAN, **_PAPER, bounces=bounces)
+    chosen = _INTEGRATOR if method is None else {"method": method, "rtol": _TIGHT}
+    solution = solve(problem, model="rolling", **chosen)
     return solution.bounces[0].angle_of_turn
 
 
@@ -103,21 +126,34 @@ def _integrator_against_scipy(bounces: int) -> Ratio:
     once, scipy = min(turn[0] for turn in turns), min(turn[1] for turn in turns)
     own_error = abs(_paper_release(None, bounces) - _TRUE_TURN)
     scipy_error = abs(_paper_release("DOP853", bounces) - _TRUE_TURN)
+    least = _COMPILED_FASTER if _INTEGRATOR.get("compiled") else _SCIPY_FASTER
     named = "one bounce" if bounces == 1 else f"{bounces} bounces"
     return Ratio(
         what=f"default time integrator against DOP853 at rtol 1e-12, {named}",
         ratio=scipy / once,
-        claim="at least 20 times faster, and at least as accurate",
-        holds=scipy >= 20.0 * once and own_error <= scipy_error,
+        claim=f"at least {least:.0f} times faster, and at least as accurate",
+        holds=scipy >= least * once and own_error <= scipy_error,
         first_s=once,
         second_s=scipy,
         note=f"error of the turn {own_error:.1e} rad against {scipy_error:.1e} rad",
     )
 
 
+def _integrator_against_heyoka() -> Ratio:
+    """Time one bounce of the paper's release by the default integrator and by heyoka."""
+    release = {name: np.array([value]) for name, value in _PAPER.items()}
+    return heyoka_rows.single_ratio(
+        release,
+        _solved(release),
+        lambda: _paper_release(None, 1),
+        _TRUE_TURN,
+        _HEYOKA_SLOWER if _INTEGRATOR.get("compiled") else None,
+    )
+
+
 def _sign_map() -> Ratio:
     """Time the paper's sign map over a square of releases."""
-    side = np.linspace(-1.0, 1.0, _SIDE) * math.sqrt(0.037 / 9.81)
+    side = np.linspace(-1.0, 1.0, _SIDE) * _UNIT
     psi_dot, theta_dot = (grid.ravel() for grid in np.meshgrid(side, side))
     grid = {
         "phi": np.full(psi_dot.size, math.pi / 100),

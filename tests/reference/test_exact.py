@@ -17,8 +17,12 @@ from tests.support.examples import evenly, examples
 TABLES = Path(__file__).parent / "golden"
 GOLDEN = json.loads((TABLES / "golden.json").read_text())
 MEASURES = ("period", "angle_of_turn", "rotation_turn", "phi_min", "phi_max", "peak_psi_dot")
-CAN = {"a": PAPER_CAN.a, "c": PAPER_CAN.c, "h": PAPER_CAN.h}
+CAN: dict[str, Any] = {"a": PAPER_CAN.a, "c": PAPER_CAN.c, "h": PAPER_CAN.h}
 ARGUMENTS = ("a", "c", "h", "phi", "phi_dot", "psi_dot", "theta_dot")
+
+
+either = pytest.mark.parametrize("compiled", [False, True], ids=["arrays", "compiled"])
+"""By the arrays of numpy, and by compiled kernels first."""
 
 
 def near_balance(row: dict[str, Any]) -> bool:
@@ -35,9 +39,11 @@ def test_golden_table_is_as_wide_as_promised() -> None:
         assert any(near_balance(row) for row in rows)
 
 
-def test_forty_digits() -> None:
+@either
+def test_forty_digits(*, compiled: bool) -> None:
     """All rows in one batch of different cans, to 1e-12 as promised."""
-    cycles = exact_bounces(**{name: [row[name] for row in GOLDEN] for name in ARGUMENTS})
+    rows = {name: [row[name] for row in GOLDEN] for name in ARGUMENTS}
+    cycles = exact_bounces(**rows, compiled=compiled)
     assert cycles.bounced.all()
     for name in MEASURES:
         truth = np.array([float(row[name]) for row in GOLDEN])
@@ -107,26 +113,29 @@ def test_one_can_and_many_cans_agree() -> None:
         assert np.allclose(getattr(one, name), getattr(many, name), rtol=1e-14, atol=0)
 
 
-def test_mirror_turns_the_other_way() -> None:
+@either
+def test_mirror_turns_the_other_way(*, compiled: bool) -> None:
     """Reflection in a vertical plane: equal bits but for signs."""
     phi = np.linspace(0.01, 0.5, 40)
-    here = exact_bounces(**CAN, phi=phi, psi_dot=1e-3, theta_dot=-2e-3)
-    there = exact_bounces(**CAN, phi=phi, psi_dot=-1e-3, theta_dot=2e-3)
+    here = exact_bounces(**CAN, phi=phi, psi_dot=1e-3, theta_dot=-2e-3, compiled=compiled)
+    there = exact_bounces(**CAN, phi=phi, psi_dot=-1e-3, theta_dot=2e-3, compiled=compiled)
     assert (here.angle_of_turn == -there.angle_of_turn).all()
     assert (here.period == there.period).all()
 
 
-def test_cost_does_not_grow_with_the_hardness() -> None:
+@either
+def test_cost_does_not_grow_with_the_hardness(*, compiled: bool) -> None:
     """Bounces down to a nutation of 1e-100 still turn by the leading angle."""
     psi_dot = 10.0 ** -np.arange(10, 101, 10)
-    cycles = exact_bounces(**CAN, phi=0.3, psi_dot=psi_dot, theta_dot=0.0)
+    cycles = exact_bounces(**CAN, phi=0.3, psi_dot=psi_dot, theta_dot=0.0, compiled=compiled)
     assert cycles.bounced.all()
     # the correction is of the order of phi_min log phi_min
     assert np.allclose(cycles.angle_of_turn, np.pi * PAPER_CAN.turn_ratio, rtol=1e-7)
     assert (np.diff(np.log(cycles.phi_min)) < 0).all()
 
 
-def test_random_releases_leave_no_nan() -> None:
+@either
+def test_random_releases_leave_no_nan(*, compiled: bool) -> None:
     rng = np.random.default_rng(3)
     n = examples(40)
     cycles = exact_bounces(
@@ -135,6 +144,7 @@ def test_random_releases_leave_no_nan() -> None:
         phi_dot=rng.choice([0.0, 0.3, -0.3, 3.0], n),
         psi_dot=rng.normal(size=n) * 10.0 ** rng.uniform(-30, 2, n),
         theta_dot=rng.normal(size=n) * 10.0 ** rng.uniform(-30, 2, n),
+        compiled=compiled,
     )
     for name in MEASURES:
         values = getattr(cycles, name)
@@ -143,6 +153,7 @@ def test_random_releases_leave_no_nan() -> None:
     assert (cycles.period[cycles.bounced] > 0).all()
 
 
+@either
 @pytest.mark.parametrize(
     ("release", "outcome"),
     [
@@ -153,8 +164,10 @@ def test_random_releases_leave_no_nan() -> None:
         ({"phi": PAPER_CAN.balancing_angle, "theta_dot": 4.0}, Outcome.STEADY),
     ],
 )
-def test_releases_that_never_bounce(release: dict[str, Any], outcome: Outcome) -> None:
-    assert exact_bounces(**CAN, **release).outcome(0) is outcome
+def test_releases_that_never_bounce(
+    release: dict[str, Any], outcome: Outcome, *, compiled: bool
+) -> None:
+    assert exact_bounces(**CAN, **release, compiled=compiled).outcome(0) is outcome
     for model in ("exact", "rolling"):
         solution = solve(Problem(parameters=PAPER_CAN, bounces=1, **release), model=model)
         assert solution.outcome is outcome

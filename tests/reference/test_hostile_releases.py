@@ -23,7 +23,10 @@ def test_constructed_releases_are_solved_as_the_integrator_solves_them() -> None
     """Outcome, period and phi_min of the batch, to what the numbers given allow."""
     releases = [one for one in made(NUMBERS, SEED) if one.family != CLOSEST]
     refused = bounced = 0
-    for one, answer in zip(releases, in_a_batch(releases), strict=True):
+    compiled = in_a_batch(releases, compiled=True)
+    for one, answer, kernel in zip(releases, in_a_batch(releases), compiled, strict=True):
+        # held to the arrays, which are held to the integration
+        assert kernel.parts(answer) <= AGREED, one
         refused += answer.outcome is Outcome.UNRESOLVED
         bounced += answer.outcome is Outcome.FINISHED
         if answer.outcome is Outcome.UNRESOLVED:

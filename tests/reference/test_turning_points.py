@@ -1,5 +1,7 @@
 """The turning points are the first roots of the energy left, on either side of the release."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from reference.integrable.frobenius import CanConstants, frobenius_series, lift
 from reference.integrable.turning_points import OUTCOMES, turning_points
 from reference.problem.states import Floats
 
-UPPER_WELL = {
+UPPER_WELL: dict[str, Any] = {
     "a": 0.2919,
     "c": 0.3791,
     "h": 0.5575,
@@ -30,7 +32,7 @@ def test_a_release_in_an_upper_well_stays_in_it() -> None:
     assert cycles.period[0] == pytest.approx(46.30751957, rel=1e-8)
 
 
-BESIDE_A_BARRIER = {
+BESIDE_A_BARRIER: dict[str, Any] = {
     "a": 7.85944030336767,
     "c": 9.93054264703082,
     "h": 0.9529075306825475,
@@ -138,8 +140,12 @@ def test_a_function_that_is_all_round_off_is_not_decided() -> None:
 
 def test_a_release_that_leaves_a_steady_motion_overturns_in_any_company() -> None:
     # g is least at the release itself, where it is the energy of the release and not round-off
-    cans = {"a": 0.051641924872913275, "c": 0.03047555427588795, "h": 1.693891301575401}
-    release = {
+    cans: dict[str, Any] = {
+        "a": 0.051641924872913275,
+        "c": 0.03047555427588795,
+        "h": 1.693891301575401,
+    }
+    release: dict[str, Any] = {
         "phi": 0.6704213976242159,
         "phi_dot": 5.907536597786241e-10,
         "psi_dot": 0.19238364279213538,
@@ -155,7 +161,8 @@ def test_a_release_that_leaves_a_steady_motion_overturns_in_any_company() -> Non
         "theta_dot": -1.0356700623658022,
     }
     alone = exact_bounces(**cans, **release)
-    both = exact_bounces(**{name: [one, other[name]] for name, one in (cans | release).items()})
+    pairs: dict[str, Any] = {name: [one, other[name]] for name, one in (cans | release).items()}
+    both = exact_bounces(**pairs)
     assert alone.outcome(0) is both.outcome(0) is Outcome.OVERTURNED
 
 
@@ -163,7 +170,7 @@ def test_a_release_that_leaves_a_steady_motion_overturns_in_any_company() -> Non
 def test_a_swing_of_less_than_a_billionth_of_phi_is_steady(off: float, ending: Outcome) -> None:
     """Off the steady motion by a share of phi: the swing is 1.2 of it."""
     can, phi, psi_dot = Parameters(a=0.6, c=1.0, h=0.5), 0.3, 2.0
-    release = {"phi": phi * (1 + off), "psi_dot": psi_dot}
+    release: dict[str, Any] = {"phi": phi * (1 + off), "psi_dot": psi_dot}
     release["theta_dot"] = steady_rotation(can, phi, psi_dot)
     cycles = exact_bounces(a=can.a, c=can.c, h=can.h, **release)
     assert cycles.outcome(0) is ending

@@ -179,15 +179,24 @@ def representable(releases: Releases) -> NDArray[np.bool_]:
     return inside
 
 
-def bounces_of(releases: Releases) -> Batch:
+def bounces_of(releases: Releases, *, compiled: bool = False) -> Batch:
     """Solve releases exactly.
+
+    Parameters
+    ----------
+    releases : Releases
+    compiled : bool
+        By compiled kernels, whose numbers differ from those of the arrays by round-off: a caller
+        that keeps numbers tells which of the two computed them (`path_taken`), and mixes none.
 
     Raises
     ------
     ValueError
         If a can or a release is none or not representable.
+    ModuleNotFoundError
+        If compiled kernels are asked for and numba is not installed.
     """
-    time, cycles = releases.time, exact_bounces(**releases.numbers)
+    time, cycles = releases.time, exact_bounces(**releases.numbers, compiled=compiled)
     none = ~cycles.bounced
     numbers = {
         "period_s": cycles.period * time,

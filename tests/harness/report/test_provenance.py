@@ -4,12 +4,14 @@ import json
 import shutil
 import subprocess
 from datetime import UTC, datetime, timedelta
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.core.provenance import commit_of, provenance
+from reference.numerics.compiled import path_taken
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 
@@ -43,6 +45,12 @@ def test_what_it_tells_goes_into_a_manifest() -> None:
     written = datetime.fromisoformat(told["written"])
     # a test that takes a minute here hangs
     assert timedelta(0) <= datetime.now(UTC) - written < timedelta(minutes=1)
+
+
+def test_which_code_solved_releases_is_told() -> None:
+    assert provenance().to_dict()["reference"] == "numpy"
+    told = provenance(reference=path_taken(compiled=True)).to_dict()
+    assert told["reference"] == f"compiled, numba {version('numba')}"
 
 
 @needs_git

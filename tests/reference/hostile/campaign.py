@@ -266,11 +266,12 @@ def problem_of(release: Made) -> Problem:
     )
 
 
-def in_a_batch(releases: list[Made]) -> list[Answer]:
-    """Solve releases by `exact_bounces`."""
+def in_a_batch(releases: list[Made], *, compiled: bool = False) -> list[Answer]:
+    """Solve releases by `exact_bounces`, by compiled kernels first if asked."""
     cycles = exact_bounces(
         **{name: [getattr(one.parameters, name) for one in releases] for name in "ach"},
         **{name: [getattr(one, name) for one in releases] for name in RELEASED},
+        compiled=compiled,
     )
     return [_of_batch(cycles, number) for number in range(len(releases))]
 
