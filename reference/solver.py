@@ -26,6 +26,7 @@ from reference.analysis.bounces import measure_bounces
 from reference.analysis.confirmation import solve_twice
 from reference.equations.contact_laws import Kind, Mode, Phase
 from reference.integrable.exact_motion import solve_exactly
+from reference.numerics.compiled import available
 from reference.problem.problem import Problem
 from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Run
@@ -144,6 +145,7 @@ def solve(
     method: str = "half-period",
     rtol: float = 1e-12,
     outputs: AbstractSet[str] = frozenset(),
+    compiled: bool = False,
 ) -> Solution:
     """Solve a problem of the rocking can.
 
@@ -166,6 +168,11 @@ def solve(
         Relative tolerance of scipy's methods; the first two always work to round-off.
     outputs : set of str
         Further outputs besides the angles: "contact_locus" or none.
+    compiled : bool
+        Whether to integrate by compiled code (numba, the extra `fast`): the same equations and
+        method, other round-offs. It pays where many problems are solved, for it takes a second to
+        load, and at its first use on a machine some seconds to compile. `method` of the solution
+        says which ran; what has nothing to compile ignores it.
 
     Returns
     -------
@@ -175,7 +182,8 @@ def solve(
     Raises
     ------
     SolverError
-        If a choice does not exist, or the model is too small for the effects of the problem.
+        If a choice does not exist, the model is too small for the effects of the problem, or
+        compiled code is asked for without numba.
     """
     if method in RENAMED_METHODS:
         warnings.warn(renamed_method(method), DeprecationWarning, stacklevel=2)
@@ -188,6 +196,9 @@ def solve(
     if not 0 < rtol < 1:
         sentence = f"`rtol` must lie inside (0, 1), got {rtol!r}"
         raise SolverError("rtol", rtol, "inside (0, 1)", sentence)
+    if compiled and not available():
+        sentence = "`compiled` needs numba: install the extra `fast`, or leave `compiled` out"
+        raise SolverError("compiled", compiled, "False without numba", sentence)
     if unknown := set(outputs) - OUTPUTS:
         raise _unknown("outputs", sorted(unknown), str(sorted(OUTPUTS)))
     locus = "contact_locus" in outputs
@@ -208,7 +219,7 @@ def solve(
         bounces = confirmed.motion.bounces
     else:
         run, solved_by, used = _dispatch(
-            problem, model=model, method=method, rtol=rtol, locus=locus
+            problem, model=model, method=method, rtol=rtol, locus=locus, compiled=compiled
         )
         bounces = measure_bounces(
             run.path,
@@ -240,7 +251,7 @@ def solve(
 
 
 def _dispatch(
-    problem: Problem, *, model: str, method: str, rtol: float, locus: bool
+    problem: Problem, *, model: str, method: str, rtol: float, locus: bool, compiled: bool
 ) -> tuple[Run, str, str]:
     """Return the run, the model that was solved in the end, and how."""
     stepped = "DOP853" if method == "half-period" else method
@@ -269,10 +280,12 @@ def _dispatch(
         closed = solve_exactly(problem, locus=locus)
         if closed is not None:
             return closed, "exact", "quadrature"
+    named = f"{method}, compiled" if compiled else method
     if method == "half-period":
-        return integrate_by_symmetry(problem, locus=locus), "rolling", method
+        run = integrate_by_symmetry(problem, locus=locus, compiled=compiled)
+        return run, "rolling", named
     if method == "picard-chebyshev":
-        return integrate(problem, locus=locus), "rolling", method
+        return integrate(problem, locus=locus, compiled=compiled), "rolling", named
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
 
 

@@ -62,7 +62,13 @@ class _March:
     evaluations: int = 0
 
 
-def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None = None) -> Run:
+def integrate(
+    problem: Problem,
+    *,
+    locus: bool,
+    watch: ExtremumRecorder | None = None,
+    compiled: bool = False,
+) -> Run:
     """Integrate the rolling equations to the horizon or an ending.
 
     Parameters
@@ -72,6 +78,8 @@ def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None =
         Whether to integrate the contact point as well.
     watch : ExtremumRecorder or None
         Decides the ending; by default the horizon of the problem does.
+    compiled : bool
+        Whether to take the steps by compiled code.
 
     Returns
     -------
@@ -79,7 +87,7 @@ def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None =
     """
     p = problem.parameters
     S = sin(problem.phi)
-    equations = regular_equations(p, problem.phi)
+    equations = regular_equations(p, problem.phi, compiled=compiled)
     contact = None
     if locus:
         x, y = contact_from_centre(initial_states(problem), p)[0, :2].tolist()

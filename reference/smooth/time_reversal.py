@@ -150,7 +150,7 @@ class MirroredPath:
         return np.asarray(first + starts[cycle] + np.exp(1j * turn * cycle) * moved)
 
 
-def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
+def integrate_by_symmetry(problem: Problem, *, locus: bool, compiled: bool = False) -> Run:
     """Integrate the rolling equations to the horizon or an ending.
 
     Parameters
@@ -158,13 +158,15 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     problem : Problem
     locus : bool
         Whether to integrate the contact point as well.
+    compiled : bool
+        Whether to take the steps by compiled code.
 
     Returns
     -------
     Run
     """
     watch = FirstExtremum(problem)
-    ahead = integrate(problem, locus=locus, watch=watch)
+    ahead = integrate(problem, locus=locus, watch=watch, compiled=compiled)
     if not watch.met:
         # an ending or the horizon came first
         return ahead
@@ -172,7 +174,7 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     if problem.phi_dot != 0:
         back = replace(problem, phi_dot=-problem.phi_dot, bounces=1, duration=None)
         watch = FirstExtremum(back)
-        behind = integrate(back, locus=locus, watch=watch)
+        behind = integrate(back, locus=locus, watch=watch, compiled=compiled)
         if not watch.met:
             return _back_and_beyond(problem, ahead, behind)
         pieces.insert(0, _reversed(_values(behind)))
@@ -180,7 +182,7 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     edges = half.ends()
     low, high = edges.phi.min(), edges.phi.max()
     if high - low < PROMINENCE * high:
-        return integrate(problem, locus=locus)
+        return integrate(problem, locus=locus, compiled=compiled)
     path = MirroredPath(
         half=half,
         start=float(half.values[TIME, 0, 0]),
