@@ -182,3 +182,91 @@ def _stands_out(coefficients: Floats, scale: Floats) -> bool:
         if abs(coefficients[i]) > _RESOLVED * scale[i]:
             return True
     return False
+
+
+@jit
+def quadratures(values: Floats, length: float, origin: tuple[float, float, float]) -> Floats:
+    """Return a step with its time, precession, and precession plus rotation, shape (8, nodes).
+
+    Parameters
+    ----------
+    values : ndarray, shape (5, nodes)
+    length : float
+        In sigma.
+    origin : tuple of float
+        The three at the start.
+    """
+    n = values.shape[1]
+    rows, out = np.empty((3, n)), np.empty((8, n))
+    for j in range(n):
+        T = values[0, j]
+        S = 2 * T / (1 + T * T)
+        rows[0, j], rows[1, j], rows[2, j] = S, values[2, j] / S, S * values[3, j]
+    out[:5] = values
+    multiplied(rows, _WEIGHTS, out[5:])
+    for i in range(3):
+        for j in range(n):
+            out[5 + i, j] = out[5 + i, j] * (length / 2) + origin[i]
+    return out
+
+
+@jit
+def value_of(series: Floats, x: float) -> float:
+    """Return the value of a Chebyshev series at one place."""
+    b1 = b2 = 0.0
+    for k in range(series.size - 1, 0, -1):
+        b1, b2 = 2 * x * b1 - b2 + series[k], b1
+    return x * b1 - b2 + series[0]
+
+
+@jit
+def values_at(values: Floats, x: Floats) -> Floats:
+    """Return rows of values at the nodes, shape (m, nodes), at places in [-1, 1], shape (m, n)."""
+    series, out = np.empty_like(values), np.empty((values.shape[0], x.size))
+    multiplied(values, _TO_COEFFICIENTS, series)
+    for i in range(values.shape[0]):
+        for j in range(x.size):
+            out[i, j] = value_of(series[i], x[j])
+    return out
+
+
+@jit
+def root(values: Floats, level: float, node: int) -> float:
+    """Return where a quantity takes a value between two nodes, as `dense_output.Piece.root`."""
+    series, slopes = np.empty((1, values.size)), np.empty((1, values.size))
+    row = values.reshape((1, values.size))
+    multiplied(row, _TO_COEFFICIENTS, series)
+    multiplied(row, _TO_SLOPES, slopes)
+    noise = _EPS * np.abs(series).sum()
+    series[0, 0] -= level
+    low, high = _POINTS[node], _POINTS[node + 1]
+    left, right = value_of(series[0], low), value_of(series[0], high)
+    if left * right >= 0:
+        return low if abs(left) < abs(right) else high
+    x = low + (high - low) * left / (left - right)
+    for _ in range(_MOST_ROUNDS):
+        value, gradient = value_of(series[0], x), value_of(slopes[0], x)
+        if abs(value) <= noise:
+            break
+        if (value < 0) == (left < 0):
+            low = x
+        else:
+            high = x
+        new = x - value / gradient if gradient != 0 else low
+        if not low < new < high:
+            new = (low + high) / 2
+        moved, x = abs(new - x), new
+        if moved <= 2 * _EPS:
+            break
+    return x
+
+
+@jit
+def sign_changes(row: Floats) -> Floats:
+    """Return the nodes after which a quantity changes its sign, both neighbours being nonzero."""
+    count, out = 0, np.empty(row.size, dtype=np.int64)
+    for j in range(row.size - 1):
+        if row[j] * row[j + 1] < 0:
+            out[count] = j
+            count += 1
+    return out[:count]

@@ -189,12 +189,19 @@ def integral(length: float, integrand: Floats) -> Floats:
     return np.asarray(integrand @ integrator(NODES).T * (length / 2))
 
 
-def shortened(element: Element, fraction: float) -> Element:
+def shortened(element: Element, fraction: float, *, compiled: bool = False) -> Element:
     """Return the first `fraction` of a step, by interpolation."""
     x = fraction * (points(NODES) + 1) - 1
+    if compiled:
+        from reference.smooth import kernels
+
+        values = kernels.values_at(element.values, x)
+    else:
+        at_places = waves(NODES, x.clip(-1, 1))
+        values = np.asarray(element.values @ to_coefficients(NODES).T @ at_places)
     return Element(
         length=element.length * fraction,
-        values=np.asarray(element.values @ to_coefficients(NODES).T @ waves(NODES, x.clip(-1, 1))),
+        values=values,
         evaluations=0,
         harmonics=element.harmonics,
         scale=element.scale,

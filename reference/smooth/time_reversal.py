@@ -101,6 +101,10 @@ class MirroredPath:
         states = self._unfolded(select_states(self.edges, np.abs(number) % 2), number)
         return np.where(number == 1, self.end, self.start + number * self._span), states
 
+    def time_of(self, number: int) -> float:
+        """Return the time of an extremum, counted from `start`."""
+        return self.end if number == 1 else self.start + number * self._span
+
     @property
     def _span(self) -> float:
         return self.end - self.start
@@ -276,7 +280,7 @@ def _until_horizon(problem: Problem, path: MirroredPath, runs: tuple[Run, ...]) 
     first = 0 if path.start == 0 else 1
     if problem.bounces is not None:
         last = 2 * problem.bounces + (1 if rising else 0)
-        t_end = float(path.extrema(np.array([last]))[0][0])
+        t_end = path.time_of(last)
     else:
         t_end = float(problem.duration or 0.0)
         last = int(np.ceil((t_end - path.start) / (path.end - path.start))) + 1
