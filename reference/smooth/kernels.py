@@ -47,27 +47,34 @@ def multiplied(rows: Floats, matrix: Floats, out: Floats) -> None:
 def _round(forms: Floats, short: float, start: Floats, half: float, y: Floats, new: Floats) -> None:
     """Write one round of the fixed point to `new`: the start and the integral of the field at y."""
     n = y.shape[1]
-    field, integral = np.empty((4, n)), np.empty((4, n))
+    field, integral = np.empty((3, n)), np.empty((3, n))
     for j in range(n):
-        T, Phi, b, s = y[0, j], y[1, j], y[2, j], y[3, j]
+        T, b, s = y[0, j], y[2, j], y[3, j]
         S = 2 * T / (1 + T * T)
         m = T * S
         q = b / S
         G = forms[0, 0] * T + forms[0, 1] * S + forms[0, 2] * m + forms[0, 3]
-        W = forms[1, 0] * T + forms[1, 1] * S + forms[1, 2] * m
         Q = forms[2, 1] * S + forms[2, 2] * m + forms[2, 3]
-        M = forms[3, 1] * S + forms[3, 2] * m
         field[0, j] = q * (q * G + s * Q) - forms[5, 1] * S * sin(short - y[4, j])
-        field[1, j] = Phi * (forms[6, 1] * S * S * s - b * M)
-        field[2, j] = Phi * (s * M + q * W)
-        field[3, j] = S * Phi
-    multiplied(field, _WEIGHTS, integral)
-    for i in range(4):
-        for j in range(n):
-            new[i + 1, j] = start[i + 1] + half * integral[i, j]
+    multiplied(field[:1], _WEIGHTS, integral[:1])
+    for j in range(n):
+        new[1, j] = start[1] + half * integral[0, j]
     multiplied(new[1:2], _WEIGHTS, integral[:1])
     for j in range(n):
         new[0, j] = start[0] * exp(half * integral[0, j])
+    for j in range(n):
+        T, Phi, b, s = new[0, j], new[1, j], y[2, j], y[3, j]
+        S = 2 * T / (1 + T * T)
+        m = T * S
+        W = forms[1, 0] * T + forms[1, 1] * S + forms[1, 2] * m
+        M = forms[3, 1] * S + forms[3, 2] * m
+        field[0, j] = Phi * (forms[6, 1] * S * S * s - b * M)
+        field[1, j] = Phi * (s * M + b / S * W)
+        field[2, j] = S * Phi
+    multiplied(field, _WEIGHTS, integral)
+    for i in range(3):
+        for j in range(n):
+            new[i + 2, j] = start[i + 2] + half * integral[i, j]
 
 
 @jit
