@@ -265,13 +265,14 @@ def _dispatch(
     if model in {"coulomb", "general"} and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
+    named = f"{method}, compiled" if compiled else method
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (_in_closed_form(problem, model), "closed form"),
         "asymptotic": lambda: (_in_closed_form(problem, model), "closed form"),
         "reduced": lambda: (_reduced(problem, stepped, rtol), stepped),
         "frictionless": lambda: (_without_friction(problem, method, rtol), method),
-        "coulomb": lambda: (_with_phases(problem, model, locus=locus), method),
-        "general": lambda: (_with_phases(problem, model, locus=locus), method),
+        "coulomb": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
+        "general": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -280,7 +281,6 @@ def _dispatch(
         closed = solve_exactly(problem, locus=locus)
         if closed is not None:
             return closed, "exact", "quadrature"
-    named = f"{method}, compiled" if compiled else method
     if method == "half-period":
         run = integrate_by_symmetry(problem, locus=locus, compiled=compiled)
         return run, "rolling", named
@@ -308,16 +308,19 @@ def _without_friction(problem: Problem, method: str, rtol: float) -> Run:
     return solve_frictionless(problem, method=method, rtol=rtol)
 
 
-def _with_phases(problem: Problem, model: str, *, locus: bool) -> Run:
+def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -> Run:
+    from reference.equations.compiled_equations import CompiledEquations
     from reference.equations.coulomb import CoulombEquations
     from reference.equations.newton_euler import GeneralEquations
     from reference.nonsmooth.hybrid_integrator import HybridIntegrator
 
     parameters, effects = problem.parameters, problem.effects
-    equations: CoulombEquations | GeneralEquations
+    equations: CoulombEquations | GeneralEquations | CompiledEquations
     if model == "coulomb":
         mu = float("inf") if effects.mu is None else effects.mu
         equations = CoulombEquations(parameters=parameters, mu=mu)
     else:
         equations = GeneralEquations(parameters=parameters, effects=effects)
+    if compiled:
+        equations = CompiledEquations.of(equations, problem)
     return HybridIntegrator(problem, equations, locus=locus).run()

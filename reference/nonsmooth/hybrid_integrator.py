@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from reference.equations.compiled_equations import CompiledEquations, laws_of
 from reference.equations.contact_laws import Equations, Kind, Mode, Phase
 from reference.equations.state_vector import (
     ALONG,
@@ -69,6 +70,8 @@ SHARE = 0.8
 # Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
 # hangs on it. `cusps` with friction, the hardest of the catalogue, takes 170 thousand.
 MOST_WORK = 200_000
+# Rounds of a fixed point that stand for an update of Newton's method, which does the same at less.
+ROUNDS_A_UPDATE = 4
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
@@ -87,6 +90,7 @@ class HybridIntegrator:
     def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
         self._equations = equations
         self._locus = locus
+        self._compiled = isinstance(equations, CompiledEquations)
         self._y = released(problem)
         self._length = FIRST
         self._evaluations = 0
@@ -125,7 +129,7 @@ class HybridIntegrator:
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
-        if self._evaluations > MOST_WORK:
+        if self._evaluations > self._most_work():
             return Outcome.OUTWORKED
         jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
         return Outcome.JAMMED if jams else Outcome.STALLED
@@ -133,8 +137,15 @@ class HybridIntegrator:
     def _step(self) -> Segment | None:
         """Take the longest step that is resolved, unless too much has been spent."""
         length = min(self._length, self._left())
-        rows = self._equations.core(self._mode)
-        while length > SHORTEST and self._evaluations <= MOST_WORK:
+        rows, most = self._equations.core(self._mode), self._most_work()
+        while length > SHORTEST and self._evaluations <= most:
+            compiled = self._iterated(length, rows)
+            if compiled is not None:
+                series, tail = compiled
+                if tail <= RESOLVED:
+                    return self._taken(series, length, tail)
+                length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
+                continue
             taken = step(
                 lambda core: self._rates(core, rows)[rows],
                 self._y[rows],
@@ -151,13 +162,43 @@ class HybridIntegrator:
             if tail > RESOLVED:
                 length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
                 continue
-            # a tail of round-off says only that more is to be had
-            grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
-            self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST)
-            return Segment(
-                start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode
-            )
+            return self._taken(series, length, tail)
         return None
+
+    def _taken(self, series: Floats, length: float, tail: float) -> Segment:
+        """Return a step that is resolved, and choose the length of the next."""
+        # a tail of round-off says only that more is to be had
+        grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
+        self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST)
+        return Segment(start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode)
+
+    def _most_work(self) -> int:
+        """Return how many evaluations the motion may call for."""
+        return MOST_WORK * (ROUNDS_A_UPDATE if self._compiled else 1)
+
+    def _iterated(self, length: float, rows: Index) -> tuple[Floats, float] | None:
+        """Return a step of compiled equations by fixed point, if that converges, and its tail."""
+        # a slip that begins has its direction tied to its friction, which is Newton's
+        if not isinstance(self._equations, CompiledEquations) or self._now.at_once:
+            return None
+        from reference.nonsmooth import kernels
+
+        last = self._pieces[-1] if self._pieces else None
+        if last is not None and last.mode == self._mode:
+            guess = kernels.extrapolated(last.coefficients, last.cut, length / last.length)
+        else:
+            guess = self._guess(length)
+        stands, rounds, series, tail = kernels.collocate(
+            self._equations.constants,
+            laws_of(self._mode),
+            self._y,
+            rows,
+            length,
+            guess,
+            self._locus,
+        )
+        self._evaluations += rounds * STAGES
+        return (series, tail) if stands else None
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
         """Return whether a slip or rolling that begins with a step keeps its admissible direction.

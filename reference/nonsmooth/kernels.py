@@ -1,0 +1,349 @@
+"""Kernels of the hybrid integrator: a collocation step by fixed point, and samples of its events.
+
+The equations of a step at the Radau points (`reference.nonsmooth.radau_iia`) are solved by
+iterating y = y0 + h integral of the field, which needs no derivatives and no linear algebra. Where
+that does not converge, as for a slip that has just begun or is about to stop, Newton's method
+(`radau_iia.step`) takes the step. Imported where a caller asks for compiled code.
+"""
+
+from math import inf, isnan, nan
+
+import numpy as np
+
+from reference.equations.compiled_equations import Laws
+from reference.equations.kernels import (
+    CONTACT_ROWS,
+    FORCE,
+    MOBILITY,
+    MOMENT,
+    contact_at,
+    rates_at,
+)
+from reference.equations.state_vector import FLOOR, LEAN, LEAST_SLIP, ROWS, TIME, U1, U2, W1, W2, W3
+from reference.nonsmooth.events import (
+    FLAT,
+    FLAT_AND_PUSHED,
+    LEAST_MOBILITY,
+    LIMITS,
+    LOOKS,
+    NEAR_ZERO,
+    EventKind,
+)
+from reference.nonsmooth.hybrid_integrator import EXTRAPOLATED, QUIET
+from reference.nonsmooth.level_spin import STILL
+from reference.nonsmooth.radau_iia import (
+    ALMOST,
+    AT_START,
+    HOPELESS,
+    LEAST,
+    STAGES,
+    STANDS,
+    basis_at,
+    integrator,
+    points,
+    to_coefficients,
+)
+from reference.nonsmooth.slip_onset import BEYOND
+from reference.numerics.compiled import jit
+from reference.problem.states import Floats
+
+# Rounds after which a fixed point is given up, and after which it must gain a factor of two a round.
+_MOST, _PATIENCE = 30, 8
+_INTEGRATOR = np.ascontiguousarray(integrator().T)
+_TO_COEFFICIENTS = np.ascontiguousarray(to_coefficients()[:, 1:].T)
+_POINTS = points()
+_BASIS = np.ascontiguousarray(basis_at(LOOKS).T)
+_AT_START = AT_START
+_STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
+_FLOOR, _LEAST_SLIP, _QUIET, _STILL = FLOOR, LEAST_SLIP, QUIET, STILL
+_FLAT, _PUSHED, _LEAST_MOBILITY, _NEAR_ZERO = FLAT, FLAT_AND_PUSHED, LEAST_MOBILITY, NEAR_ZERO
+_BEYOND, _HEAD = BEYOND, EXTRAPOLATED
+
+KINDS = tuple(EventKind)
+_AT = {kind: index for index, kind in enumerate(KINDS)}
+_MAXIMUM, _MINIMUM, _HORIZON = (
+    _AT[EventKind.MAXIMUM],
+    _AT[EventKind.MINIMUM],
+    _AT[EventKind.HORIZON],
+)
+_OVERTURNED, _FLAT_KIND = _AT[EventKind.OVERTURNED], _AT[EventKind.FLAT]
+_SLIPS, _LIFTS, _JAMS = _AT[EventKind.SLIPS], _AT[EventKind.LIFTS], _AT[EventKind.JAMS]
+_HELD, _TURNS, _ROLLS = _AT[EventKind.HELD], _AT[EventKind.TURNS], _AT[EventKind.ROLLS]
+_IS_LIMIT = np.array([kind in LIMITS for kind in KINDS])
+
+
+@jit
+def extrapolated(series: Floats, cut: float, ratio: float) -> Floats:
+    """Return the change in a step by the polynomial of the last one, shape (13, STAGES).
+
+    Parameters
+    ----------
+    series : ndarray, shape (13, STAGES + 1)
+    cut : float
+        Where the last step ends.
+    ratio : float
+        The length of this step over that of the last.
+    """
+    out = np.zeros((ROWS, STAGES))
+    for j in range(-1, STAGES):
+        c = cut if j < 0 else cut + ratio * _POINTS[j]
+        x = 2 * c - 1
+        before, wave = 1.0, x
+        for k in range(1, _HEAD):
+            for i in range(ROWS):
+                if j < 0:
+                    out[i, :] -= series[i, k] * wave
+                else:
+                    out[i, j] += series[i, k] * wave
+            before, wave = wave, 2 * x * wave - before
+    return out
+
+
+@jit
+def collocate(
+    E: Floats, laws: Laws, start: Floats, core: Floats, length: float, guess: Floats, along: bool  # noqa: FBT001
+) -> tuple[bool, int, Floats, float]:
+    """Take a step by fixed point.
+
+    Parameters
+    ----------
+    E : ndarray
+    laws : tuple
+    start : ndarray, shape (13,)
+    core : ndarray of int
+        Rows that the rates depend on.
+    length : float
+    guess : ndarray, shape (13, STAGES)
+    along : bool
+        Whether the place of the contact and the works are wanted.
+
+    Returns
+    -------
+    stands : bool
+    rounds : int
+    series : ndarray, shape (13, STAGES + 1)
+    tail : float
+        As `HybridIntegrator` measures it.
+    """
+    y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
+    D, here = np.empty((10, 6)), np.empty(CONTACT_ROWS)
+    change, size = guess.copy(), np.empty(ROWS)
+    before, stands, rounds = inf, False, 0
+    for i in range(U2 + 1, ROWS):
+        for j in range(STAGES):
+            change[i, j] = 0.0
+    while rounds < _MOST and not stands:
+        rounds += 1
+        for i in range(ROWS):
+            for j in range(STAGES):
+                y[i, j] = start[i] + change[i, j]
+        for j in range(STAGES):
+            contact_at(E, laws, y, j, D, here)
+            rates_at(E, laws, y, j, here, f, False)
+        _sizes(y, size)
+        moved = 0.0
+        for i in range(U2 + 1):
+            _integrate(f, i, length, change, y)
+        for i in core:
+            for j in range(STAGES):
+                apart = abs(y[i, j] - change[i, j]) / size[i]
+                if apart > moved or isnan(apart):
+                    moved = apart
+        for i in range(U2 + 1):
+            for j in range(STAGES):
+                change[i, j] = y[i, j]
+        if not moved < _HOPELESS or (rounds > _PATIENCE and moved > before / 2 > _ALMOST):
+            break
+        stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
+        before = moved
+    series = np.zeros((ROWS, STAGES + 1))
+    if not stands:
+        return False, rounds, series, 0.0
+    if along:
+        for i in range(ROWS):
+            for j in range(STAGES):
+                y[i, j] = start[i] + change[i, j]
+        for j in range(STAGES):
+            contact_at(E, laws, y, j, D, here)
+            rates_at(E, laws, y, j, here, f, True)
+        for i in range(U2 + 1, ROWS):
+            _integrate(f, i, length, change, y)
+            for j in range(STAGES):
+                change[i, j] = y[i, j]
+    for i in range(ROWS):
+        for j in range(STAGES):
+            for k in range(STAGES + 1):
+                series[i, k] += change[i, j] * _TO_COEFFICIENTS[j, k]
+    return True, rounds, series, tail_of(E, start, series)
+
+
+@jit
+def _integrate(f: Floats, i: int, length: float, change: Floats, out: Floats) -> None:
+    """Write the integral of row i of rates to that of `out`."""
+    for j in range(STAGES):
+        out[i, j] = 0.0
+    for k in range(STAGES):
+        for j in range(STAGES):
+            out[i, j] += f[i, k] * _INTEGRATOR[k, j]
+    for j in range(STAGES):
+        out[i, j] *= length
+
+
+@jit
+def _sizes(y: Floats, size: Floats) -> None:
+    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it."""
+    size[:] = 1.0
+    largest = 0.0
+    for i in (W1, W2, W3):
+        size[i] = 0.0
+        for j in range(STAGES):
+            size[i] = max(size[i], abs(y[i, j]))
+        largest = max(largest, size[i])
+    for i in (W1, W2, W3):
+        size[i] = max(size[i], _FLOOR * (1 + largest))
+    slip = _LEAST_SLIP
+    for j in range(STAGES):
+        slip = max(slip, np.hypot(y[U1, j], y[U2, j]))
+    size[U1] = size[U2] = slip
+    for i in range(ROWS):
+        size[i] = max(size[i], _LEAST)
+
+
+@jit
+def tail_of(E: Floats, start: Floats, series: Floats) -> float:
+    """Return the last two coefficients of a step over the size of its rows."""
+    size, largest = np.empty(ROWS), 0.0
+    for i in range(ROWS):
+        size[i] = abs(start[i])
+        for k in range(STAGES + 1):
+            size[i] += abs(series[i, k])
+    size[LEAN] = 1.0
+    size[U1] = size[U2] = np.hypot(size[U1], size[U2])
+    for i in range(ROWS):
+        largest = max(largest, size[i])
+    for i in range(ROWS):
+        size[i] = max(size[i], 1e-9 * largest)
+    turning = max(size[W1], size[W2], size[W3])
+    for i in (W1, W2, W3):
+        size[i] = max(size[i], _QUIET * turning)
+    for i in (U1, U2):
+        size[i] = max(size[i], _QUIET * max(1.0, turning))
+    if E[17] > 0:
+        for i in (W1, W2, W3):
+            size[i] = max(size[i], _QUIET)
+    tail = 0.0
+    for i in range(ROWS):
+        for k in (STAGES - 1, STAGES):
+            tail = max(tail, abs(series[i, k]) / size[i])
+    return tail
+
+
+@jit
+def margins_at(
+    E: Floats, laws: Laws, y: Floats, limits: tuple[float, bool], j: int, D: Floats, here: Floats, out: Floats
+) -> None:
+    """Write the margin of each event at column j of states to `out`; nan where there is none."""
+    t_end, bilateral = limits
+    slips, turns, rests = laws
+    mu, drilling, resistance = E[15], E[16], E[17]
+    for k in range(out.shape[0]):
+        out[k, j] = nan
+    out[_OVERTURNED, j] = -y[LEAN, j]
+    out[_FLAT_KIND, j] = y[LEAN, j] - (_FLAT if bilateral else _PUSHED)
+    out[_HORIZON, j] = t_end - y[TIME, j]
+    if not rests:
+        out[_MAXIMUM, j], out[_MINIMUM, j] = -y[W2, j], y[W2, j]
+    contact_at(E, laws, y, j, D, here)
+    F1, F2, N = here[FORCE], here[FORCE + 1], here[FORCE + 2]
+    if rests:
+        limit = (1 + _BEYOND) * resistance * N
+        out[_ROLLS, j] = limit - np.hypot(here[MOMENT], here[MOMENT + 1])
+    if not bilateral:
+        out[_LIFTS, j] = N
+    if slips or drilling > 0 or resistance > 0:
+        out[_JAMS, j] = here[MOBILITY] - _LEAST_MOBILITY
+    if not slips and mu < inf:
+        out[_SLIPS, j] = (1 + _BEYOND) * mu * N - np.hypot(F1, F2)
+    if drilling > 0 and turns != 0:
+        T = np.exp(y[LEAN, j])
+        S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
+        out[_HELD, j] = turns * (S * y[W1, j] + C * y[W3, j])
+    elif drilling > 0:
+        out[_TURNS, j] = (1 + _BEYOND) * drilling * N - abs(here[MOMENT + 2])
+
+
+@jit
+def sampled(
+    E: Floats, laws: Laws, start: Floats, series: Floats, limits: tuple[float, bool]
+) -> tuple[bool, Floats, Floats]:
+    """Sample the margins of a piece, and say which of them may become zero.
+
+    Returns
+    -------
+    begun : bool
+        Whether every sample has the directions that its contact needs.
+    values : ndarray, shape (kinds, n)
+    looked_for : ndarray of bool, shape (kinds,)
+        Whether there may be an event of a kind: a margin that falls through zero between two
+        samples or dips towards it, or of a limit one that is negative from the start.
+    """
+    n, slips, rests, begun = _BASIS.shape[1], laws[0], laws[2], True
+    y = np.empty((ROWS, n))
+    for i in range(ROWS):
+        for j in range(n):
+            y[i, j] = 0.0
+        for k in range(STAGES + 1):
+            for j in range(n):
+                y[i, j] += series[i, k] * _BASIS[k, j]
+        for j in range(n):
+            y[i, j] += start[i]
+    D, here, values = np.empty((10, 6)), np.empty(CONTACT_ROWS), np.empty((_IS_LIMIT.size, n))
+    for j in range(n):
+        margins_at(E, laws, y, limits, j, D, here, values)
+        if slips and y[U1, j] == 0 and y[U2, j] == 0:
+            begun = False
+        if E[17] > 0 and not rests:
+            T = np.exp(y[LEAN, j])
+            S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
+            level = np.hypot(C * y[W1, j] - S * y[W3, j], y[W2, j])
+            if level <= _STILL * max(abs(y[W1, j]), abs(y[W2, j]), abs(y[W3, j])):
+                begun = False
+    looked_for = np.zeros(_IS_LIMIT.size, np.bool_)
+    for kind in range(_IS_LIMIT.size):
+        v = values[kind]
+        if _IS_LIMIT[kind] and v[0] <= 0:
+            looked_for[kind] = True
+        for j in range(1, n):
+            if v[j - 1] > 0 and v[j] <= 0:
+                looked_for[kind] = True
+        for j in range(1, n - 1):
+            bend, slope = v[j - 1] - 2 * v[j] + v[j + 1], (v[j + 1] - v[j - 1]) / 2
+            least = min(v[j - 1], v[j], v[j + 1])
+            if least > 0 and bend > 0 and abs(slope) <= bend:
+                drop = least - (v[j] - slope * slope / (2 * bend))
+                if least <= _NEAR_ZERO * drop:
+                    looked_for[kind] = True
+    return begun, values, looked_for
+
+
+@jit
+def margin_of(
+    E: Floats,
+    laws: Laws,
+    start: Floats,
+    series: Floats,
+    limits: tuple[float, bool],
+    kind: int,
+    c: float,
+) -> float:
+    """Return the margin of an event at one place of a piece."""
+    y, out = np.empty((ROWS, 1)), np.empty((_IS_LIMIT.size, 1))
+    before, wave, x = 1.0, 2 * c - 1, 2 * c - 1
+    for i in range(ROWS):
+        y[i, 0] = start[i]
+    for k in range(1, STAGES + 1):
+        for i in range(ROWS):
+            y[i, 0] += series[i, k] * (wave - _AT_START[k])
+        before, wave = wave, 2 * x * wave - before
+    margins_at(E, laws, y, limits, 0, np.empty((10, 6)), np.empty(CONTACT_ROWS), out)
+    return out[kind, 0]
