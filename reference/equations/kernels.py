@@ -255,6 +255,82 @@ def _hold(D: Floats, rolling: bool, turning: bool, slip: bool) -> Floats:  # noq
 
 
 @jit
+def sticking_at(E: Floats, y: Floats, j: int, here: Floats) -> None:
+    """Write the contact of a can that sticks, and that no moment of friction resists, to `here`.
+
+    Three equations instead of six, of the turning about the contact: with a_G = -w' x p - w x dp/dt
+
+        (I + M (p.p 1 - p p^T)) w' = -w x I w - nu I w - M p x (g - lambda v + w x dp/dt).
+
+    The normal mobility is left out: no event of such a can needs it.
+    """
+    share, r, linear, angular = E[3], E[20], E[18], E[19]
+    w1, w2, w3 = y[W1, j], y[W2, j], y[W3, j]
+    T = np.exp(y[LEAN, j])
+    S, C = 2 * T / (1 + T * T), (1 - T) * (1 + T) / (1 + T * T)
+    M, d1, d2, d3 = 1.0, 0.0, 0.0, 0.0
+    I11, I22, I33, I12, I13, I23 = E[0], E[0], E[1], 0.0, 0.0, 0.0
+    if share > 0:
+        theta = y[TOTAL, j] - y[PSI, j]
+        cosine, sine = np.cos(theta), np.sin(theta)
+        d1, d2, d3 = E[4] * cosine - E[5] * sine, E[4] * sine + E[5] * cosine, E[6]
+        M = 1 + share
+        part = share / M
+        I11 += part * (d2 * d2 + d3 * d3)
+        I22 += part * (d1 * d1 + d3 * d3)
+        I33 += part * (d1 * d1 + d2 * d2)
+        I12, I13, I23 = -part * d1 * d2, -part * d1 * d3, -part * d2 * d3
+        d1, d2, d3 = part * d1, part * d2, part * d3
+    p1, p2, p3 = -(1 - r) - r * S - d1, -d2, -(E[2] - r) - r * C - d3
+    g1, g2, g3 = E[7], E[8], E[9]
+    s1, s2, s3 = 0.0, 0.0, 0.0
+    shaken = E[10] != 0 or E[11] != 0 or E[12] != 0
+    if shaken:
+        wave = np.sin(E[13] * y[TIME, j] + E[14])
+        s1, s2, s3 = E[10] * wave, E[11] * wave, E[12] * wave
+        g1, g2, g3 = g1 + s1, g2 + s2, g3 + s3
+    if shaken or g1 != 0 or g2 != 0:
+        cosine, sine = np.cos(y[PSI, j]), np.sin(y[PSI, j])
+        g1, g2 = cosine * g1 + sine * g2, cosine * g2 - sine * g1
+        s1, s2 = cosine * s1 + sine * s2, cosine * s2 - sine * s1
+    rotation = S * w3 - C * w1
+    l1, l2, l3 = w2 * p3 - w3 * p2, w3 * p1 - w1 * p3, w1 * p2 - w2 * p1
+    k1, k2, k3 = (
+        r * S * C * w2 + S * l1,
+        (1 - r + r * S) * rotation + S * l2,
+        -r * S * S * w2 + S * l3,
+    )
+    # the velocity of the centre is -l
+    e1 = S * (C * g1 + S * g3 + linear * l1) + w2 * k3 - w3 * k2
+    e2 = S * (g2 + linear * l2) + w3 * k1 - w1 * k3
+    e3 = S * (C * g3 - S * g1 + linear * l3) + w1 * k2 - w2 * k1
+    H1 = I11 * w1 + I12 * w2 + I13 * w3
+    H2 = I12 * w1 + I22 * w2 + I23 * w3
+    H3 = I13 * w1 + I23 * w2 + I33 * w3
+    t1 = S * (w3 * H2 - w2 * H3 - angular * H1) - M * (p2 * e3 - p3 * e2)
+    t2 = S * (w1 * H3 - w3 * H1 - angular * H2) - M * (p3 * e1 - p1 * e3)
+    t3 = S * (w2 * H1 - w1 * H2 - angular * H3) - M * (p1 * e2 - p2 * e1)
+    J11, J22 = I11 + M * (p2 * p2 + p3 * p3), I22 + M * (p1 * p1 + p3 * p3)
+    J33 = I33 + M * (p1 * p1 + p2 * p2)
+    J12, J13, J23 = I12 - M * p1 * p2, I13 - M * p1 * p3, I23 - M * p2 * p3
+    A11, A12, A13 = J22 * J33 - J23 * J23, J13 * J23 - J12 * J33, J12 * J23 - J13 * J22
+    A22, A23, A33 = J11 * J33 - J13 * J13, J12 * J13 - J11 * J23, J11 * J22 - J12 * J12
+    over = 1 / (J11 * A11 + J12 * A12 + J13 * A13)
+    a1 = (A11 * t1 + A12 * t2 + A13 * t3) * over
+    a2 = (A12 * t1 + A22 * t2 + A23 * t3) * over
+    a3 = (A13 * t1 + A23 * t2 + A33 * t3) * over
+    F1 = -M * (a2 * p3 - a3 * p2 + e1)
+    F3 = -M * (a1 * p2 - a2 * p1 + e3)
+    here[:] = 0.0
+    here[FORCE], here[FORCE + 2] = C * F1 - S * F3, S * F1 + C * F3
+    here[FORCE + 1] = -M * (a3 * p1 - a1 * p3 + e2)
+    here[TURNING], here[TURNING + 1], here[TURNING + 2] = a1, a2, a3
+    here[VELOCITY], here[VELOCITY + 1], here[VELOCITY + 2] = -C * l1 + S * l3, -l2, -S * l1 - C * l3
+    here[SHAKING], here[SHAKING + 1], here[SHAKING + 2] = M * s1, M * s2, M * s3
+    here[MOMENTUM], here[MOMENTUM + 1], here[MOMENTUM + 2] = H1, H2, H3
+
+
+@jit
 def rates_at(
     E: Floats, laws: Laws, y: Floats, j: int, here: Floats, out: Floats, along: bool  # noqa: FBT001
 ) -> None:
@@ -262,7 +338,7 @@ def rates_at(
     slips, rests = laws[0], laws[2]
     lean, w1, w2, w3 = y[LEAN, j], y[W1, j], y[W2, j], y[W3, j]
     T = np.exp(lean)
-    S, C = 2 * T / (1 + T * T), -np.tanh(lean)
+    S, C = 2 * T / (1 + T * T), (1 - T) * (1 + T) / (1 + T * T)
     rotation = 0 * lean
     if not rests:
         rotation = S * w3 - C * w1

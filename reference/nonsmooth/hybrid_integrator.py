@@ -20,6 +20,7 @@ from reference.equations.state_vector import (
     TURN,
     W2,
     Index,
+    phi_of,
     released,
     sizes,
     snapshot_of,
@@ -74,6 +75,8 @@ MOST_WORK = 200_000
 ROUNDS_A_UPDATE = 4
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
+# Steps that compiled code takes before it reports them.
+STEPS_A_MARCH = 32
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
     EventKind.HORIZON: Outcome.FINISHED,
@@ -110,6 +113,8 @@ class HybridIntegrator:
     def run(self) -> Run:
         """Integrate to the horizon or an ending."""
         while not self.watch.ended():
+            if self._march():
+                continue
             piece = self._step()
             if piece is None:
                 self.watch.end(float(self._y[TIME]), self._stuck())
@@ -139,13 +144,6 @@ class HybridIntegrator:
         length = min(self._length, self._left())
         rows, most = self._equations.core(self._mode), self._most_work()
         while length > SHORTEST and self._evaluations <= most:
-            compiled = self._iterated(length, rows)
-            if compiled is not None:
-                series, tail = compiled
-                if tail <= RESOLVED:
-                    return self._taken(series, length, tail)
-                length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
-                continue
             taken = step(
                 lambda core: self._rates(core, rows)[rows],
                 self._y[rows],
@@ -176,29 +174,54 @@ class HybridIntegrator:
         """Return how many evaluations the motion may call for."""
         return MOST_WORK * (ROUNDS_A_UPDATE if self._compiled else 1)
 
-    def _iterated(self, length: float, rows: Index) -> tuple[Floats, float] | None:
-        """Return a step of compiled equations by fixed point, if that converges, and its tail."""
-        # a slip that begins has its direction tied to its friction, which is Newton's
+    def _march(self) -> bool:
+        """Take steps of compiled equations by fixed point; return whether any was taken."""
         if not isinstance(self._equations, CompiledEquations) or self._now.at_once:
-            return None
+            # a slip that begins has its direction tied to its friction, which is Newton's
+            return False
+        most = self._most_work() - self._evaluations
+        if most < 0:
+            return False
         from reference.nonsmooth import kernels
 
+        equations, mode, resisted = self._equations, self._mode, self._equations.resistance > 0
         last = self._pieces[-1] if self._pieces else None
-        if last is not None and last.mode == self._mode:
-            guess = kernels.extrapolated(last.coefficients, last.cut, length / last.length)
+        if last is not None and last.mode == mode and last.length > 0:
+            polynomial, scale, cut = last.coefficients, last.length, last.cut
         else:
-            guess = self._guess(length)
-        stands, rounds, series, tail = kernels.collocate(
-            self._equations.constants,
-            laws_of(self._mode),
+            scale, cut = self._length, 0.0
+            polynomial = coefficients(self._guess(scale))
+        reason, count, self._length, rounds, starts, series, taken = kernels.march(
+            equations.constants,
+            laws_of(mode),
             self._y,
-            rows,
-            length,
-            guess,
+            equations.core(mode),
+            (min(self._length, self._left()) if resisted else self._length, scale, cut),
+            polynomial,
+            (self.watch.t_end, equations.bilateral_normal),
+            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
             self._locus,
         )
         self._evaluations += rounds * STAGES
-        return (series, tail) if stands else None
+        for number, length in enumerate(taken.tolist()):
+            piece = Segment(
+                start=starts[number],
+                coefficients=series[number],
+                cut=1.0,
+                length=length,
+                mode=mode,
+            )
+            if resisted or (reason == kernels.LOOK and number == count - 1):
+                self._see(piece)
+                return True
+            self._pieces.append(piece)
+            self._y = starts[number + 1]
+            self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
+            if self.watch.ended():
+                return True
+        if reason == kernels.STOPS:
+            self._halt()
+        return reason != kernels.STUCK
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
         """Return whether a slip or rolling that begins with a step keeps its admissible direction.
