@@ -138,6 +138,13 @@ def _unknown(key: str, value: object, allowed: str) -> SolverError:
     return SolverError(key, value, allowed, f"unknown `{key}` {value!r}; there are {allowed}")
 
 
+def _require_numba(*, compiled: bool) -> None:
+    """Refuse compiled code where there is no numba."""
+    if compiled and not available():
+        sentence = "`compiled` needs numba: install the extra `fast`, or leave `compiled` out"
+        raise SolverError("compiled", compiled, "False without numba", sentence)
+
+
 def solve(
     problem: Problem,
     *,
@@ -196,9 +203,7 @@ def solve(
     if not 0 < rtol < 1:
         sentence = f"`rtol` must lie inside (0, 1), got {rtol!r}"
         raise SolverError("rtol", rtol, "inside (0, 1)", sentence)
-    if compiled and not available():
-        sentence = "`compiled` needs numba: install the extra `fast`, or leave `compiled` out"
-        raise SolverError("compiled", compiled, "False without numba", sentence)
+    _require_numba(compiled=compiled)
     if unknown := set(outputs) - OUTPUTS:
         raise _unknown("outputs", sorted(unknown), str(sorted(OUTPUTS)))
     locus = "contact_locus" in outputs

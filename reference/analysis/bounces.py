@@ -97,8 +97,8 @@ def _peak_of_half(half: ElementsPath, times: Floats, values: Floats, quantity: Q
     peak = float(values[best])
     if not np.isfinite(peak):
         return peak
-    beside = times[[[best - 1], [best + 1]]]
-    return float(_refined(half, *beside, quantity, np.array([peak]))[0])
+    left, right = times[[best - 1]], times[[best + 1]]
+    return float(_refined(half, left, right, quantity, np.array([peak]))[0])
 
 
 def _peaks(

@@ -213,7 +213,7 @@ def contact_at(E: Floats, laws: Laws, y: Floats, j: int, D: Floats, here: Floats
 
 
 @jit
-def _hold(D: Floats, rolling: bool, turning: bool, slip: bool) -> Floats:  # noqa: FBT001
+def _hold(D: Floats, rolling: bool, turning: bool, slip: bool) -> float:
     """Write the wrench that holds what is held to row 9 of D; return the last pivot.
 
     Elimination without exchange: all but the last row and column are of a positive definite matrix.
@@ -251,7 +251,8 @@ def _hold(D: Floats, rolling: bool, turning: bool, slip: bool) -> Floats:  # noq
         wrench[i] = law[i] * M[n - 1, 6]
     for i in range(n - 1):
         wrench[held[i]] += M[i, 6]
-    return M[n - 1, n - 1]
+    pivot: float = M[n - 1, n - 1]
+    return pivot
 
 
 @jit
@@ -332,7 +333,13 @@ def sticking_at(E: Floats, y: Floats, j: int, here: Floats) -> None:
 
 @jit
 def rates_at(
-    E: Floats, laws: Laws, y: Floats, j: int, here: Floats, out: Floats, along: bool  # noqa: FBT001
+    E: Floats,
+    laws: Laws,
+    y: Floats,
+    j: int,
+    here: Floats,
+    out: Floats,
+    along: bool,
 ) -> None:
     """Write the rates of column j of states (13, n), whose contact is `here`, to that of `out`."""
     slips, rests = laws[0], laws[2]
@@ -382,7 +389,7 @@ def contacts(E: Floats, laws: Laws, y: Floats) -> Floats:
 
 
 @jit
-def rates(E: Floats, laws: Laws, y: Floats, along: bool) -> Floats:  # noqa: FBT001
+def rates(E: Floats, laws: Laws, y: Floats, along: bool) -> Floats:
     """Return the rates of states (13, n), shape (13, n)."""
     D, here = np.empty((10, 6), y.dtype), np.empty(CONTACT_ROWS, y.dtype)
     out = np.empty_like(y)

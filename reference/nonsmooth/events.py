@@ -137,19 +137,19 @@ def _sifted(piece: Segment, equations: Equations, t_end: float) -> list[Event] |
     """Return the events of a piece of compiled equations; None if it begins without a direction."""
     if not isinstance(equations, CompiledEquations):
         return None
-    from reference.nonsmooth import kernels
+    from reference.nonsmooth import event_kernels
 
     of_piece = equations.constants, laws_of(piece.mode), piece.start, piece.coefficients
     limits = t_end, equations.bilateral_normal
-    begun, values, looked_for = kernels.sampled(*of_piece, limits)
+    begun, values, looked_for = event_kernels.sampled(*of_piece, limits)
     if not begun:
         return None
     met = []
     for index in np.flatnonzero(looked_for).tolist():
-        what = kernels.KINDS[index]
+        what = event_kernels.KINDS[index]
 
         def one(c: float, index: int = index) -> float:
-            return float(kernels.margin_of(*of_piece, limits, index, c))
+            return float(event_kernels.margin_of(*of_piece, limits, index, c))
 
         roots = _zeros(what, one, np.array(LOOKS), values[index])
         met += [Event(c=c, what=what) for c in roots]

@@ -25,7 +25,7 @@ def jit(function: F) -> F:
     Division by zero gives infinity as in numpy; operations are never reordered, so that the same
     machine gives the same bits.
     """
-    import numba  # noqa: PLC0415 - see above
+    import numba
 
     compile_first = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=False)
     return cast("F", compile_first(function))

@@ -8,6 +8,7 @@ costs next to nothing here. Imported where a caller asks for compiled code.
 from math import atan, atanh, cosh, exp, inf, isnan, sin, sqrt, tanh
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.numerics.chebyshev import derivative, integrator, points, to_coefficients
 from reference.numerics.compiled import jit
@@ -185,10 +186,7 @@ def converge(
 @jit
 def _stands_out(coefficients: Floats, scale: Floats) -> bool:
     """Return whether a harmonic stands out of the round-off of any quantity."""
-    for i in range(coefficients.size):
-        if abs(coefficients[i]) > _RESOLVED * scale[i]:
-            return True
-    return False
+    return bool((np.abs(coefficients) > _RESOLVED * scale).any())
 
 
 @jit
@@ -223,7 +221,7 @@ def value_of(series: Floats, x: float) -> float:
     b1 = b2 = 0.0
     for k in range(series.size - 1, 0, -1):
         b1, b2 = 2 * x * b1 - b2 + series[k], b1
-    return x * b1 - b2 + series[0]
+    return float(x * b1 - b2 + series[0])
 
 
 @jit
@@ -249,7 +247,7 @@ def root(values: Floats, level: float, node: int) -> float:
     low, high = _POINTS[node], _POINTS[node + 1]
     left, right = value_of(series[0], low), value_of(series[0], high)
     if left * right >= 0:
-        return low if abs(left) < abs(right) else high
+        return float(low if abs(left) < abs(right) else high)
     x = low + (high - low) * left / (left - right)
     for _ in range(_MOST_ROUNDS):
         value, gradient = value_of(series[0], x), value_of(slopes[0], x)
@@ -265,11 +263,11 @@ def root(values: Floats, level: float, node: int) -> float:
         moved, x = abs(new - x), new
         if moved <= 2 * _EPS:
             break
-    return x
+    return float(x)
 
 
 @jit
-def sign_changes(row: Floats) -> Floats:
+def sign_changes(row: Floats) -> NDArray[np.int64]:
     """Return the nodes after which a quantity changes its sign, both neighbours being nonzero."""
     count, out = 0, np.empty(row.size, dtype=np.int64)
     for j in range(row.size - 1):

@@ -15,15 +15,17 @@ import scipy
 
 from harness.engines.reference.to_reference_problem import problem as posed
 from models.catalogue import load
-from reference import Problem, Solution, solve
+from reference import Kind, Problem, Solution, solve
 from reference.numerics.compiled import available
 from tests.benchmarks.clock import Ratio, in_turns
 
 _TIGHT = 1e-12
-# Velocity with which the rival lets a slip begin, and below which it holds one, in sqrt(g R): the
-# round-off of its own tolerance. With less, its first steps would be shorter than a double.
-_LEAST_SLIP = 1e-9
+# Velocity with which the rival lets a slip begin, and below which it holds one, in sqrt(g R): its
+# error is as large, and each tenth of it costs the rival seven times as long.
+_LEAST_SLIP = 1e-7
 _GAIN = 10.0
+# Time after which a slip that begins at the release has its direction to see.
+_BEGUN = 1e-6
 
 Numbers = tuple[float, ...]
 
@@ -96,7 +98,7 @@ def _end(solution: Solution) -> np.ndarray:
     return np.concatenate([there.phi, there.phi_dot, there.psi, there.theta])
 
 
-def by_scipy(problem: Problem) -> np.ndarray:
+def by_scipy(problem: Problem) -> np.ndarray:  # noqa: C901 - a rival in one place
     """Return phi, phi', psi, theta, psi', the axial turning and the slip at the end of a problem.
 
     By DOP853 in time, with an event for each change of the law of contact.
@@ -124,6 +126,9 @@ def by_scipy(problem: Problem) -> np.ndarray:
         ]
     )
     slips, time, end = problem.slip != (0.0, 0.0), 0.0, float(problem.duration or 0.0)
+    if solve(problem).phases[0].kind is Kind.SLIP and not slips:
+        # what cannot stick at the release: the rival is told in which direction it slips
+        slips, y[6:] = True, _onset(problem)
 
     def field(t: float, y: np.ndarray) -> Numbers:
         phi, w2, w1, w3, psi, theta, u1, u2 = y.tolist()
@@ -144,7 +149,7 @@ def by_scipy(problem: Problem) -> np.ndarray:
         F1, F2, N = reaction(t, y)
         return mu * N - hypot(F1, F2)
 
-    def sliding(t: float, y: np.ndarray) -> float:
+    def sliding(_t: float, y: np.ndarray) -> float:
         return hypot(y[6], y[7]) - _LEAST_SLIP / 2
 
     for event in (reserve, sliding):
@@ -172,8 +177,19 @@ def by_scipy(problem: Problem) -> np.ndarray:
     return np.array([y[0], -y[1], *y[4:6], *y[2:4], *y[6:]])
 
 
+def _onset(problem: Problem) -> Numbers:
+    """Return a small slip in the direction in which the rim of a release begins to."""
+    there = solve(replace(problem, duration=_BEGUN)).at(_BEGUN)
+    if there.slip is None:
+        raise ValueError("nothing slips")
+    (x, y), angle = there.slip[0], there.psi[0]
+    u1, u2 = x * cos(angle) + y * sin(angle), y * cos(angle) - x * sin(angle)
+    size = hypot(u1, u2)
+    return _LEAST_SLIP * u1 / size, _LEAST_SLIP * u2 / size
+
+
 Force = Callable[[Numbers, float, float, bool], Numbers]
-"""From (t, phi, w, psi, theta, u), S, C and whether the rim slips to (w' in axes that stand, u', F)."""
+"""From (t, phi, w, psi, theta, u), S, C and whether the rim slips: w' in axes that stand, u', F."""
 
 
 def axisymmetric(problem: Problem) -> Force:
