@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.equations.compiled_equations import CompiledEquations
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.frames import to_level
 from reference.equations.state_vector import (
@@ -95,6 +96,11 @@ class SegmentsPath:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""
         number = np.searchsorted(self._starts[:, TIME], times, side="right") - 1
         number = np.clip(number, 0, len(self._cuts) - 1)
+        if isinstance(self._equations, CompiledEquations):
+            from reference.nonsmooth import path_kernels
+
+            pieces = self._starts, self._coefficients, self._cuts, self._spans
+            return path_kernels.rows_at(*pieces, number, np.ascontiguousarray(times)), number
         return self._rows(number, self._instant(number, times)), number
 
     def at(self, times: Floats) -> States:
