@@ -219,6 +219,11 @@ def _hold(D: Floats, rolling: bool, turning: bool, slip: bool) -> float:
     Elimination without exchange: all but the last row and column are of a positive definite matrix.
     """
     start, law, answer, wrench = D[6], D[7], D[8], D[9]
+    if not (rolling or turning or slip):
+        alone: float = answer[NORMAL]
+        for i in range(6):
+            wrench[i] = law[i] * (-start[NORMAL] / alone)
+        return alone
     M = np.empty((6, 7), D.dtype)
     held = np.empty(6, np.int64)
     n = 0

@@ -129,7 +129,7 @@ class HybridIntegrator:
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
-            phases=tuple(self._phases()),
+            phases=tuple(self._phases(path.end_times)),
         )
 
     def _stuck(self) -> Outcome:
@@ -298,7 +298,7 @@ class HybridIntegrator:
         cut, ending = 1.0, None
         for event in events(piece, self._equations, self.watch.t_end):
             if event.what in EXTREMA:
-                y = piece.at(np.array([event.c]))[:, 0]
+                y = self._state_at(piece, event.c)
                 self.watch.extremum(
                     float(y[TIME]), snapshot_of(y), maximum=event.what is EventKind.MAXIMUM
                 )
@@ -313,6 +313,14 @@ class HybridIntegrator:
         self._switch(ending)
         if not self.watch.ended():
             self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
+
+    def _state_at(self, piece: Segment, c: float) -> Floats:
+        """Return the state, shape (13,), at one place of a step."""
+        if not self._compiled:
+            return piece.at(np.array([c]))[:, 0]
+        from reference.nonsmooth import path_kernels
+
+        return path_kernels.state_at(piece.start, piece.coefficients, c)
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
@@ -371,11 +379,11 @@ class HybridIntegrator:
             mode=self._mode,
         )
 
-    def _phases(self) -> list[Phase]:
+    def _phases(self, end_times: list[float]) -> list[Phase]:
         phases: list[Phase] = []
-        for piece in self._pieces:
+        for piece, end in zip(self._pieces, end_times, strict=False):
             kind: Kind = piece.mode.kind
-            start, end = float(piece.start[TIME]), float(piece.end[TIME])
+            start = float(piece.start[TIME])
             if phases and phases[-1].kind is kind:
                 phases[-1] = replace(phases[-1], end=end)
             else:

@@ -48,6 +48,18 @@ def _place(series: Floats, cut: float, span: float, target: float) -> float:
 
 
 @jit
+def state_at(start: Floats, series: Floats, c: float) -> Floats:
+    """Return the state, shape (13,), at one place of a piece, as `Segment.at`."""
+    out, x = start.copy(), 2 * c - 1
+    before, wave = 1.0, x
+    for k in range(1, STAGES + 1):
+        for i in range(ROWS):
+            out[i] += series[i, k] * (wave - _AT_START[k])
+        before, wave = wave, 2 * x * wave - before
+    return out
+
+
+@jit
 def rows_at(
     starts: Floats, series: Floats, cuts: Floats, spans: Floats, number: Index, times: Floats
 ) -> Floats:

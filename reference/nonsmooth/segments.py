@@ -86,11 +86,12 @@ class SegmentsPath:
         self._starts = np.stack([piece.start for piece in pieces])
         self._coefficients = np.stack([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
-        self._spans = np.array([piece.end[TIME] - piece.start[TIME] for piece in pieces])
+        self.end_times = [float(piece.end[TIME]) for piece in pieces]
+        self._spans = np.array(self.end_times) - self._starts[:, TIME]
         modes = [piece.mode for piece in pieces]
         self._modes = list(dict.fromkeys(modes))
         self._mode = np.array([self._modes.index(mode) for mode in modes])
-        self.t_end = float(pieces[-1].end[TIME])
+        self.t_end = self.end_times[-1]
 
     def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""

@@ -11,8 +11,9 @@ from typing import Any
 import pytest
 
 from harness.cli.main import code_of
+from reference.numerics.compiled import available
 from tests.benchmarks import __main__ as program
-from tests.benchmarks import engines, lean, reference, start_up
+from tests.benchmarks import engines, friction, lean, reference, start_up
 from tests.benchmarks.clock import Ratio, in_turns, seconds
 from tests.benchmarks.lean import Lean
 
@@ -62,6 +63,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         (start_up, {"_ROUNDS": 1, "_COMMANDS": ((("--version",), 4.0), (("scenes",), None))}),
         (reference, {"_BATCH": 1000, "_SCIPY_RELEASES": 1, "_SIDE": 20}),
         (reference, {"_TURNS": 1, "_SHORT": 1, "_LONG": 1}),
+        (friction, {"PIECES": friction.PIECES[:1], "_TIGHT": 1e-6, "_REPEATS": 1}),
         (engines, {"FINE": 1e-4, "_TIMESTEPS": (1e-4,), "_ROUNDS": 1, "_BRIEF": 1}),
         (engines, {"_RELEASES": 3, "_FIXED": (1e-3,)}),
         (lean, {"names": lambda: ("gentle-rock",), "PIECE": 0.1, "PAIRS": 1, "_FEW": 1}),
@@ -89,9 +91,9 @@ def bound_holds(row: dict[str, Any]) -> bool:
 def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")
     ratios, lean_ones = found["ratios"], found["lean"]
-    # two commands; the exact bounce, the integrator over one bounce and three, the map; of the
-    # engine two loops, a batch, adaptive steps
-    assert len(ratios) == 10
+    # two commands; the exact bounce, the integrator over one bounce and three, the map; friction;
+    # of the engine two loops, a batch, adaptive steps
+    assert len(ratios) == 11
     assert [(one["who"], one["scene"]) for one in lean_ones] == [
         ("mujoco", "gentle-rock"),
         ("reference", "gentle-rock"),
@@ -107,7 +109,7 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
             assert row["holds"] or accurate or not bound_holds(row)
         else:
             assert row["holds"]
-    assert sum(bool(row["claim"]) for row in ratios) == 8
+    assert sum(bool(row["claim"]) for row in ratios) == 8 + available()
     assert code == (0 if all(row["holds"] for row in [*ratios, *lean_ones]) else 1)
 
 
@@ -140,6 +142,7 @@ def test_a_claim_that_does_not_hold_is_a_failure(
 ) -> None:
     monkeypatch.setattr(program, "start_up_ratios", list)
     monkeypatch.setattr(program, "reference_ratios", lambda: [RATIO, ratio])
+    monkeypatch.setattr(program, "friction_ratios", list)
     monkeypatch.setattr(program, "engine_ratios", lambda _: [RATIO])
     monkeypatch.setattr(program, "lean_ratios", lambda _: [part, LEAN])
     told = {"ratios": [asdict(one) for one in (RATIO, ratio, RATIO)]}
