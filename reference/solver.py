@@ -26,6 +26,7 @@ from reference.analysis.bounces import measure_bounces
 from reference.analysis.confirmation import solve_twice
 from reference.equations.contact_laws import Kind, Mode, Phase
 from reference.integrable.exact_motion import solve_exactly
+from reference.numerics.compiled import available
 from reference.problem.problem import Problem
 from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Run
@@ -137,6 +138,13 @@ def _unknown(key: str, value: object, allowed: str) -> SolverError:
     return SolverError(key, value, allowed, f"unknown `{key}` {value!r}; there are {allowed}")
 
 
+def _require_numba(*, compiled: bool) -> None:
+    """Refuse compiled code where there is no numba."""
+    if compiled and not available():
+        sentence = "`compiled` needs numba: install the extra `fast`, or leave `compiled` out"
+        raise SolverError("compiled", compiled, "False without numba", sentence)
+
+
 def solve(
     problem: Problem,
     *,
@@ -144,6 +152,7 @@ def solve(
     method: str = "half-period",
     rtol: float = 1e-12,
     outputs: AbstractSet[str] = frozenset(),
+    compiled: bool = False,
 ) -> Solution:
     """Solve a problem of the rocking can.
 
@@ -166,6 +175,11 @@ def solve(
         Relative tolerance of scipy's methods; the first two always work to round-off.
     outputs : set of str
         Further outputs besides the angles: "contact_locus" or none.
+    compiled : bool
+        Whether to integrate by compiled code (numba, the extra `fast`): the same equations and
+        method, other round-offs. It pays where many problems are solved, for it takes a second to
+        load, and at its first use on a machine some seconds to compile. `method` of the solution
+        says which ran; what has nothing to compile ignores it.
 
     Returns
     -------
@@ -175,7 +189,8 @@ def solve(
     Raises
     ------
     SolverError
-        If a choice does not exist, or the model is too small for the effects of the problem.
+        If a choice does not exist, the model is too small for the effects of the problem, or
+        compiled code is asked for without numba.
     """
     if method in RENAMED_METHODS:
         warnings.warn(renamed_method(method), DeprecationWarning, stacklevel=2)
@@ -188,6 +203,7 @@ def solve(
     if not 0 < rtol < 1:
         sentence = f"`rtol` must lie inside (0, 1), got {rtol!r}"
         raise SolverError("rtol", rtol, "inside (0, 1)", sentence)
+    _require_numba(compiled=compiled)
     if unknown := set(outputs) - OUTPUTS:
         raise _unknown("outputs", sorted(unknown), str(sorted(OUTPUTS)))
     locus = "contact_locus" in outputs
@@ -208,7 +224,7 @@ def solve(
         bounces = confirmed.motion.bounces
     else:
         run, solved_by, used = _dispatch(
-            problem, model=model, method=method, rtol=rtol, locus=locus
+            problem, model=model, method=method, rtol=rtol, locus=locus, compiled=compiled
         )
         bounces = measure_bounces(
             run.path,
@@ -240,7 +256,7 @@ def solve(
 
 
 def _dispatch(
-    problem: Problem, *, model: str, method: str, rtol: float, locus: bool
+    problem: Problem, *, model: str, method: str, rtol: float, locus: bool, compiled: bool
 ) -> tuple[Run, str, str]:
     """Return the run, the model that was solved in the end, and how."""
     stepped = "DOP853" if method == "half-period" else method
@@ -254,13 +270,14 @@ def _dispatch(
     if model in {"coulomb", "general"} and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
+    named = f"{method}, compiled" if compiled else method
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (_in_closed_form(problem, model), "closed form"),
         "asymptotic": lambda: (_in_closed_form(problem, model), "closed form"),
         "reduced": lambda: (_reduced(problem, stepped, rtol), stepped),
         "frictionless": lambda: (_without_friction(problem, method, rtol), method),
-        "coulomb": lambda: (_with_phases(problem, model, locus=locus), method),
-        "general": lambda: (_with_phases(problem, model, locus=locus), method),
+        "coulomb": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
+        "general": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -270,9 +287,10 @@ def _dispatch(
         if closed is not None:
             return closed, "exact", "quadrature"
     if method == "half-period":
-        return integrate_by_symmetry(problem, locus=locus), "rolling", method
+        run = integrate_by_symmetry(problem, locus=locus, compiled=compiled)
+        return run, "rolling", named
     if method == "picard-chebyshev":
-        return integrate(problem, locus=locus), "rolling", method
+        return integrate(problem, locus=locus, compiled=compiled), "rolling", named
     return step_in_time(problem, method=method, rtol=rtol, locus=locus), "rolling", method
 
 
@@ -295,16 +313,19 @@ def _without_friction(problem: Problem, method: str, rtol: float) -> Run:
     return solve_frictionless(problem, method=method, rtol=rtol)
 
 
-def _with_phases(problem: Problem, model: str, *, locus: bool) -> Run:
+def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -> Run:
+    from reference.equations.compiled_equations import CompiledEquations
     from reference.equations.coulomb import CoulombEquations
     from reference.equations.newton_euler import GeneralEquations
     from reference.nonsmooth.hybrid_integrator import HybridIntegrator
 
     parameters, effects = problem.parameters, problem.effects
-    equations: CoulombEquations | GeneralEquations
+    equations: CoulombEquations | GeneralEquations | CompiledEquations
     if model == "coulomb":
         mu = float("inf") if effects.mu is None else effects.mu
         equations = CoulombEquations(parameters=parameters, mu=mu)
     else:
         equations = GeneralEquations(parameters=parameters, effects=effects)
+    if compiled:
+        equations = CompiledEquations.of(equations, problem)
     return HybridIntegrator(problem, equations, locus=locus).run()

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from reference.equations.reaction_force import friction_ratio
 from reference.problem.can import Parameters
 from reference.problem.states import Floats, States
+from reference.smooth.dense_output import ElementsPath
 from reference.smooth.extrema import Extrema, Path
+from reference.smooth.time_reversal import MirroredPath
 from reference.solution import Bounce
 
 Quantity: TypeAlias = Callable[[States], Floats]
@@ -50,13 +52,21 @@ def measure_bounces(
     def ratio(states: States) -> Floats:
         return np.zeros_like(states.phi) if sliding else friction_ratio(states, parameters)
 
-    times, states = path.nodes()
-    edges = track.times[tops]
-    slices = [slice(*np.searchsorted(times, pair)) for pair in pairwise(edges)]
-    peaks = [
-        _peaks(path, track, (times, quantity(states)), slices, quantity, symmetric=symmetric)
-        for quantity in (_precession, ratio)
-    ]
+    if isinstance(path, MirroredPath):
+        # a bounce is a half and its mirror image, all of them the same
+        times, states = path.half.nodes()
+        peaks = [
+            np.full(tops.size - 1, _peak_of_half(path.half, times, quantity(states), quantity))
+            for quantity in (_precession, ratio)
+        ]
+    else:
+        times, states = path.nodes()
+        edges = track.times[tops]
+        slices = [slice(*np.searchsorted(times, pair)) for pair in pairwise(edges)]
+        peaks = [
+            _peaks(path, track, (times, quantity(states)), slices, quantity, symmetric=symmetric)
+            for quantity in (_precession, ratio)
+        ]
     bounces = []
     for number, (left, right) in enumerate(pairwise(tops.tolist())):
         bounces.append(
@@ -74,6 +84,21 @@ def measure_bounces(
 
 def _precession(states: States) -> Floats:
     return states.psi_dot
+
+
+def _peak_of_half(half: ElementsPath, times: Floats, values: Floats, quantity: Quantity) -> float:
+    """Return the value of largest magnitude between two extrema of phi, with its sign."""
+    first, last = float(values[0]), float(values[-1])
+    peak = first if abs(first) > abs(last) else last
+    best = int(np.abs(values).argmax())
+    # a sample no higher than the extremum beside it is only its shoulder
+    if not np.isfinite(peak) or not abs(values[best]) > abs(peak) * (1 + SHOULDER):
+        return peak
+    peak = float(values[best])
+    if not np.isfinite(peak):
+        return peak
+    left, right = times[[best - 1]], times[[best + 1]]
+    return float(_refined(half, left, right, quantity, np.array([peak]))[0])
 
 
 def _peaks(

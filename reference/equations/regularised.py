@@ -52,14 +52,19 @@ class RegularEquations:
     swing : float
         a_p/(a_p + 1), the square of the paper's kappa: in the bounce phi'^2 + swing q^2 is
         constant.
+    compiled : bool
+        Whether steps of these equations are taken by compiled code.
     """
 
     forms: Floats
     short: float
     swing: float
+    compiled: bool = False
 
 
-def regular_equations(parameters: Parameters, release: float) -> RegularEquations:
+def regular_equations(
+    parameters: Parameters, release: float, *, compiled: bool = False
+) -> RegularEquations:
     """Return the vector field of a can for rises over the nutation `release`."""
     p = parameters
     h, k, a_p, c_p = p.h, p.k, p.a_p, p.c_p
@@ -79,6 +84,7 @@ def regular_equations(parameters: Parameters, release: float) -> RegularEquation
         forms=forms,
         short=float(short_of_balance(np.asarray(h), np.asarray(release))),
         swing=a_p / inertia,
+        compiled=compiled,
     )
 
 

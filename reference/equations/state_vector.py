@@ -11,6 +11,7 @@ theta). Nothing grows as phi goes to 0, for every force of the plane comes times
 """
 
 from dataclasses import dataclass
+from math import atan, exp
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,11 @@ def sizes(rows: Index, y: Floats) -> Floats:
     if rows[-1] == U2:
         size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
     return size
+
+
+def phi_of(lean: float) -> float:
+    """Return the nutation from ln tan(phi/2)."""
+    return 2 * atan(exp(lean))
 
 
 def snapshot_of(y: Floats) -> Snapshot:

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from reference.equations.compiled_equations import CompiledEquations, laws_of
 from reference.equations.contact_laws import Contact, Equations
 from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
 from reference.nonsmooth.level_spin import stands
@@ -103,6 +104,9 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     t_end : float
         The horizon.
     """
+    sifted = _sifted(piece, equations, t_end)
+    if sifted is not None:
+        return sifted
     looks, y = np.array(LOOKS), piece.looked_at(LOOKS)
     begun = np.ones(looks.size, dtype=bool)
     if piece.mode.slips:
@@ -119,16 +123,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
         values = margin(whole if what in OF_THE_STATE else touching)
         places = looks if what in OF_THE_STATE else looks[begun]
-        if what is EventKind.HELD and values[0] <= 0:
-            # a turning that begins has no sense yet
-            values, places = values[1:], places[1:]
-        down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-        roots = [_root(one, float(places[i]), float(places[i + 1])) for i in down]
-        roots += [_root(one, *bracket) for bracket in _dips(one, places, values)]
-        # what begins was possible at its beginning, which has no direction to be looked at
-        if what in LIMITS and places.size and values[0] <= 0 and values.min() < 0:
-            roots.insert(0, _root(one, min(BEGUN, float(places[0])), float(places[0])))
-        return roots
+        return _zeros(what, one, places, values)
 
     met = [
         Event(c=c, what=what)
@@ -136,6 +131,45 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
         for c in crossings(what, margin)
     ]
     return sorted(met, key=lambda event: event.c)
+
+
+def _sifted(piece: Segment, equations: Equations, t_end: float) -> list[Event] | None:
+    """Return the events of a piece of compiled equations; None if it begins without a direction."""
+    if not isinstance(equations, CompiledEquations):
+        return None
+    from reference.nonsmooth import event_kernels
+
+    of_piece = equations.constants, laws_of(piece.mode), piece.start, piece.coefficients
+    limits = t_end, equations.bilateral_normal
+    begun, values, looked_for = event_kernels.sampled(*of_piece, limits)
+    if not begun:
+        return None
+    met = []
+    for index in np.flatnonzero(looked_for).tolist():
+        what = event_kernels.KINDS[index]
+
+        def one(c: float, index: int = index) -> float:
+            return float(event_kernels.margin_of(*of_piece, limits, index, c))
+
+        roots = _zeros(what, one, np.array(LOOKS), values[index])
+        met += [Event(c=c, what=what) for c in roots]
+    return sorted(met, key=lambda event: event.c)
+
+
+def _zeros(
+    what: EventKind, margin: Callable[[float], float], places: Floats, values: Floats
+) -> list[float]:
+    """Return where a margin, sampled at some places, falls through zero."""
+    if what is EventKind.HELD and values[0] <= 0:
+        # a turning that begins has no sense yet
+        values, places = values[1:], places[1:]
+    down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
+    roots = [_root(margin, float(places[i]), float(places[i + 1])) for i in down]
+    roots += [_root(margin, *bracket) for bracket in _dips(margin, places, values)]
+    # what begins was possible at its beginning, which has no direction to be looked at
+    if what in LIMITS and places.size and values[0] <= 0 and values.min() < 0:
+        roots.insert(0, _root(margin, min(BEGUN, float(places[0])), float(places[0])))
+    return roots
 
 
 def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKind, Margin]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from reference.equations.compiled_equations import CompiledEquations, laws_of
 from reference.equations.contact_laws import Equations, Kind, Mode, Phase
 from reference.equations.state_vector import (
     ALONG,
@@ -19,6 +20,7 @@ from reference.equations.state_vector import (
     TURN,
     W2,
     Index,
+    phi_of,
     released,
     sizes,
     snapshot_of,
@@ -69,8 +71,12 @@ SHARE = 0.8
 # Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
 # hangs on it. `cusps` with friction, the hardest of the catalogue, takes 170 thousand.
 MOST_WORK = 200_000
+# Rounds of a fixed point that stand for an update of Newton's method, which does the same at less.
+ROUNDS_A_UPDATE = 4
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
+# Steps that compiled code takes before it reports them.
+STEPS_A_MARCH = 32
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
     EventKind.HORIZON: Outcome.FINISHED,
@@ -87,6 +93,7 @@ class HybridIntegrator:
     def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
         self._equations = equations
         self._locus = locus
+        self._compiled = isinstance(equations, CompiledEquations)
         self._y = released(problem)
         self._length = FIRST
         self._evaluations = 0
@@ -106,6 +113,8 @@ class HybridIntegrator:
     def run(self) -> Run:
         """Integrate to the horizon or an ending."""
         while not self.watch.ended():
+            if self._march():
+                continue
             piece = self._step()
             if piece is None:
                 self.watch.end(float(self._y[TIME]), self._stuck())
@@ -120,12 +129,12 @@ class HybridIntegrator:
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
-            phases=tuple(self._phases()),
+            phases=tuple(self._phases(path.end_times)),
         )
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
-        if self._evaluations > MOST_WORK:
+        if self._evaluations > self._most_work():
             return Outcome.OUTWORKED
         jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
         return Outcome.JAMMED if jams else Outcome.STALLED
@@ -133,8 +142,8 @@ class HybridIntegrator:
     def _step(self) -> Segment | None:
         """Take the longest step that is resolved, unless too much has been spent."""
         length = min(self._length, self._left())
-        rows = self._equations.core(self._mode)
-        while length > SHORTEST and self._evaluations <= MOST_WORK:
+        rows, most = self._equations.core(self._mode), self._most_work()
+        while length > SHORTEST and self._evaluations <= most:
             taken = step(
                 lambda core: self._rates(core, rows)[rows],
                 self._y[rows],
@@ -151,13 +160,68 @@ class HybridIntegrator:
             if tail > RESOLVED:
                 length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
                 continue
-            # a tail of round-off says only that more is to be had
-            grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
-            self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST)
-            return Segment(
-                start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode
-            )
+            return self._taken(series, length, tail)
         return None
+
+    def _taken(self, series: Floats, length: float, tail: float) -> Segment:
+        """Return a step that is resolved, and choose the length of the next."""
+        # a tail of round-off says only that more is to be had
+        grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
+        self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST)
+        return Segment(start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode)
+
+    def _most_work(self) -> int:
+        """Return how many evaluations the motion may call for."""
+        return MOST_WORK * (ROUNDS_A_UPDATE if self._compiled else 1)
+
+    def _march(self) -> bool:
+        """Take steps of compiled equations by fixed point; return whether any was taken."""
+        if not isinstance(self._equations, CompiledEquations) or self._now.at_once:
+            # a slip that begins has its direction tied to its friction, which is Newton's
+            return False
+        most = self._most_work() - self._evaluations
+        if most < 0:
+            return False
+        from reference.nonsmooth import kernels
+
+        equations, mode, resisted = self._equations, self._mode, self._equations.resistance > 0
+        last = self._pieces[-1] if self._pieces else None
+        if last is not None and last.mode == mode and last.length > 0:
+            polynomial, scale, cut = last.coefficients, last.length, last.cut
+        else:
+            scale, cut = self._length, 0.0
+            polynomial = coefficients(self._guess(scale))
+        reason, count, self._length, rounds, starts, series, taken = kernels.march(
+            equations.constants,
+            laws_of(mode),
+            self._y,
+            equations.core(mode),
+            (min(self._length, self._left()) if resisted else self._length, scale, cut),
+            polynomial,
+            (self.watch.t_end, equations.bilateral_normal),
+            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
+            self._locus,
+        )
+        self._evaluations += rounds * STAGES
+        for number, length in enumerate(taken.tolist()):
+            piece = Segment(
+                start=starts[number],
+                coefficients=series[number],
+                cut=1.0,
+                length=length,
+                mode=mode,
+            )
+            if resisted or (reason == kernels.LOOK and number == count - 1):
+                self._see(piece)
+                return True
+            self._pieces.append(piece)
+            self._y = starts[number + 1]
+            self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
+            if self.watch.ended():
+                return True
+        if reason == kernels.STOPS:
+            self._halt()
+        return reason != kernels.STUCK
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
         """Return whether a slip or rolling that begins with a step keeps its admissible direction.
@@ -234,7 +298,7 @@ class HybridIntegrator:
         cut, ending = 1.0, None
         for event in events(piece, self._equations, self.watch.t_end):
             if event.what in EXTREMA:
-                y = piece.at(np.array([event.c]))[:, 0]
+                y = self._state_at(piece, event.c)
                 self.watch.extremum(
                     float(y[TIME]), snapshot_of(y), maximum=event.what is EventKind.MAXIMUM
                 )
@@ -249,6 +313,14 @@ class HybridIntegrator:
         self._switch(ending)
         if not self.watch.ended():
             self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
+
+    def _state_at(self, piece: Segment, c: float) -> Floats:
+        """Return the state, shape (13,), at one place of a step."""
+        if not self._compiled:
+            return piece.at(np.array([c]))[:, 0]
+        from reference.nonsmooth import path_kernels
+
+        return path_kernels.state_at(piece.start, piece.coefficients, c)
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
@@ -307,11 +379,11 @@ class HybridIntegrator:
             mode=self._mode,
         )
 
-    def _phases(self) -> list[Phase]:
+    def _phases(self, end_times: list[float]) -> list[Phase]:
         phases: list[Phase] = []
-        for piece in self._pieces:
+        for piece, end in zip(self._pieces, end_times, strict=False):
             kind: Kind = piece.mode.kind
-            start, end = float(piece.start[TIME]), float(piece.end[TIME])
+            start = float(piece.start[TIME])
             if phases and phases[-1].kind is kind:
                 phases[-1] = replace(phases[-1], end=end)
             else:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.equations.compiled_equations import CompiledEquations
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.frames import to_level
 from reference.equations.state_vector import (
@@ -85,16 +86,22 @@ class SegmentsPath:
         self._starts = np.stack([piece.start for piece in pieces])
         self._coefficients = np.stack([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
-        self._spans = np.array([piece.end[TIME] - piece.start[TIME] for piece in pieces])
+        self.end_times = [float(piece.end[TIME]) for piece in pieces]
+        self._spans = np.array(self.end_times) - self._starts[:, TIME]
         modes = [piece.mode for piece in pieces]
         self._modes = list(dict.fromkeys(modes))
         self._mode = np.array([self._modes.index(mode) for mode in modes])
-        self.t_end = float(pieces[-1].end[TIME])
+        self.t_end = self.end_times[-1]
 
     def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""
         number = np.searchsorted(self._starts[:, TIME], times, side="right") - 1
         number = np.clip(number, 0, len(self._cuts) - 1)
+        if isinstance(self._equations, CompiledEquations):
+            from reference.nonsmooth import path_kernels
+
+            pieces = self._starts, self._coefficients, self._cuts, self._spans
+            return path_kernels.rows_at(*pieces, number, np.ascontiguousarray(times)), number
         return self._rows(number, self._instant(number, times)), number
 
     def at(self, times: Floats) -> States:

@@ -28,20 +28,43 @@ class Piece:
         In sigma.
     values : ndarray, shape (8, nodes) or (10, nodes)
         T, Phi, b, s, d, t, psi, psi + theta[, x, y] at the Chebyshev points.
+    compiled : bool
+        Whether it is interpolated by compiled code.
     """
 
     length: float
     values: Floats
+    compiled: bool = False
 
     def at(self, x: float) -> list[float]:
         """Return all quantities at x in [-1, 1]."""
+        if self.compiled:
+            from reference.smooth import kernels
+
+            there: list[float] = kernels.values_at(self.values, np.array([x]))[:, 0].tolist()
+            return there
         n = self.values.shape[1]
         waves = to_coefficients(n).T @ np.cos(np.arange(n) * np.arccos(x))
         column: list[float] = (self.values @ waves).tolist()
         return column
 
+    def sign_changes(self, row: int) -> list[int]:
+        """Return the nodes after which a quantity changes its sign."""
+        values = self.values[row]
+        if self.compiled:
+            from reference.smooth import kernels
+
+            compiled: list[int] = kernels.sign_changes(values).tolist()
+            return compiled
+        changes: list[int] = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0).tolist()
+        return changes
+
     def root(self, row: int, level: float, node: int) -> float:
         """Return where a quantity takes a value, between two neighbouring nodes."""
+        if self.compiled:
+            from reference.smooth import kernels
+
+            return float(kernels.root(self.values[row], level, node))
         n = self.values.shape[1]
         coefficients = to_coefficients(n) @ self.values[row]
         slopes = (derivative(n) @ coefficients).tolist()

@@ -78,16 +78,17 @@ class ExtremumRecorder:
         self._ripples = 0
         self._seen = (0.0, problem.phi)
         self._closed = 0
-        self._still = fall is None and stands_still(problem)
         self._extrema: list[tuple[float, Snapshot, bool]] = []
-        release = initial_states(problem)
+        rolls = fall is None
         if fall is None:
+            release = initial_states(problem)
             fall = float(
                 nutation_acceleration(
                     release.phi, release.psi_dot, release.spin, problem.parameters
                 )[0]
             )
-        self._wait = _longest_wait(problem, fall, still=self._still)
+        still = rolls and stands_still(problem, fall)
+        self._wait = _longest_wait(problem, fall, still=still)
         falls = (problem.phi_dot or fall) < 0
         if falls or problem.phi_dot == 0:
             self._extrema.append((0.0, Snapshot.of(problem), falls))

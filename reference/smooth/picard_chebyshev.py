@@ -42,6 +42,8 @@ TOLERATED = 2e-14
 # them.
 RESOLVED = 4e-15
 
+NO_GUESS = np.empty((5, 0)), np.empty((5, 1))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Element:
@@ -108,6 +110,8 @@ def advance(
     -------
     Element or Refused
     """
+    if equations.compiled:
+        return _advance_compiled(equations, start, length, guess)
     weights = integrator(NODES).T * (length / 2)
     origin = start[:, None]
     y = _bare_bounce(equations, start, length) if guess is None else guess.values
@@ -133,6 +137,26 @@ def advance(
     if harmonics >= NODES - 2:
         return Refused(shrink=0.6, evaluations=count)
     return Element(length=length, values=y, evaluations=count, harmonics=harmonics, scale=scale)
+
+
+def _advance_compiled(
+    equations: RegularEquations, start: Floats, length: float, guess: Element | None
+) -> Element | Refused:
+    """Take one step by compiled code."""
+    from reference.smooth import kernels
+
+    shrink, count, harmonics, values, scale = kernels.converge(
+        equations.forms,
+        (equations.short, equations.swing),
+        start,
+        length,
+        NO_GUESS if guess is None else (guess.values, guess.scale),
+    )
+    if shrink > 0:
+        return Refused(shrink=shrink, evaluations=count)
+    return Element(
+        length=length, values=values, evaluations=count, harmonics=harmonics, scale=scale
+    )
 
 
 def _bare_bounce(equations: RegularEquations, start: Floats, length: float) -> Floats:
@@ -165,12 +189,19 @@ def integral(length: float, integrand: Floats) -> Floats:
     return np.asarray(integrand @ integrator(NODES).T * (length / 2))
 
 
-def shortened(element: Element, fraction: float) -> Element:
+def shortened(element: Element, fraction: float, *, compiled: bool = False) -> Element:
     """Return the first `fraction` of a step, by interpolation."""
     x = fraction * (points(NODES) + 1) - 1
+    if compiled:
+        from reference.smooth import kernels
+
+        values = kernels.values_at(element.values, x)
+    else:
+        at_places = waves(NODES, x.clip(-1, 1))
+        values = np.asarray(element.values @ to_coefficients(NODES).T @ at_places)
     return Element(
         length=element.length * fraction,
-        values=np.asarray(element.values @ to_coefficients(NODES).T @ waves(NODES, x.clip(-1, 1))),
+        values=values,
         evaluations=0,
         harmonics=element.harmonics,
         scale=element.scale,

@@ -62,7 +62,13 @@ class _March:
     evaluations: int = 0
 
 
-def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None = None) -> Run:
+def integrate(
+    problem: Problem,
+    *,
+    locus: bool,
+    watch: ExtremumRecorder | None = None,
+    compiled: bool = False,
+) -> Run:
     """Integrate the rolling equations to the horizon or an ending.
 
     Parameters
@@ -72,6 +78,8 @@ def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None =
         Whether to integrate the contact point as well.
     watch : ExtremumRecorder or None
         Decides the ending; by default the horizon of the problem does.
+    compiled : bool
+        Whether to take the steps by compiled code.
 
     Returns
     -------
@@ -79,7 +87,7 @@ def integrate(problem: Problem, *, locus: bool, watch: ExtremumRecorder | None =
     """
     p = problem.parameters
     S = sin(problem.phi)
-    equations = regular_equations(p, problem.phi)
+    equations = regular_equations(p, problem.phi, compiled=compiled)
     contact = None
     if locus:
         x, y = contact_from_centre(initial_states(problem), p)[0, :2].tolist()
@@ -135,7 +143,7 @@ def _step(
             return 0.0
     following = _following(element)
     element = _onto_extremum(equations, state, element)
-    piece = _piece(state, element)
+    piece = _piece(equations, state, element)
     piece, element = _cut_at_events(equations, state, watch, piece, element)
     _accept(state, piece, element)
     if watch.last_is_prominent_maximum and state.y[NUTATION_RATE] == 0:
@@ -188,20 +196,27 @@ def _onto_extremum(equations: RegularEquations, state: _March, element: Element)
     return element if isinstance(better, Refused) else better
 
 
-def _piece(state: _March, element: Element) -> Piece:
+def _piece(equations: RegularEquations, state: _March, element: Element) -> Piece:
     """Return quadratures over a step: time, precession, precession plus rotation, contact point."""
-    T, _, b, s, _ = element.values
-    S = sine_of(T)
-    q = b / S
-    rows = integral(element.length, np.stack([S, q, S * s]))
-    rows += np.array([[state.time], [state.psi], [state.total]])
-    values = np.concatenate([element.values, rows])
+    if equations.compiled:
+        from reference.smooth import kernels
+
+        origin = state.time, state.psi, state.total
+        values = kernels.quadratures(element.values, element.length, origin)
+    else:
+        T, _, b, s, _ = element.values
+        S = sine_of(T)
+        rows = integral(element.length, np.stack([S, b / S, S * s]))
+        rows += np.array([[state.time], [state.psi], [state.total]])
+        values = np.concatenate([element.values, rows])
     if state.contact is not None:
-        psi = rows[1]
+        T, _, b, s, _, _, psi, _ = values
+        S = sine_of(T)
+        q = b / S
         along = S * s - q
         locus = integral(element.length, np.stack([-along * np.sin(psi), along * np.cos(psi)]))
         values = np.concatenate([values, locus + np.array(state.contact)[:, None]])
-    return Piece(length=element.length, values=values)
+    return Piece(length=element.length, values=values, compiled=equations.compiled)
 
 
 def _cut_at_events(
@@ -216,11 +231,10 @@ def _cut_at_events(
     still = abs(Phi[-1]) < STILL * element.scale[NUTATION_RATE, 0] and Phi[-2] != 0
     if still:
         Phi[-1] = -np.copysign(np.finfo(float).tiny, Phi[-2])
-    changes = np.flatnonzero(np.sign(Phi[:-1]) * np.sign(Phi[1:]) < 0).tolist()
     ending = _ending(watch, piece)
     cut = np.inf if ending is None else ending[0]
     outcome = None if ending is None else ending[1]
-    for j in changes:
+    for j in piece.sign_changes(NUTATION_RATE):
         at = 1.0 if still and j == NODES - 2 else piece.root(NUTATION_RATE, 0.0, j)
         if at >= cut:
             break
@@ -232,7 +246,7 @@ def _cut_at_events(
     if cut >= 1 and outcome is None:
         watch.advance(piece.values[TIME, -1], 2 * atan(piece.values[TANGENT, -1]))
         return piece, element
-    guess = shortened(element, (cut + 1) / 2)
+    guess = shortened(element, (cut + 1) / 2, compiled=equations.compiled)
     short = advance(equations, state.y, guess.length, guess)
     state.evaluations += short.evaluations
     if isinstance(short, Refused):
@@ -240,7 +254,7 @@ def _cut_at_events(
         short = guess
     if outcome is None:
         short.values[NUTATION_RATE, -1] = 0.0
-    piece = _piece(state, short)
+    piece = _piece(equations, state, short)
     if outcome is Outcome.FINISHED:
         # the time that was asked for, not what the root search left of it
         piece.values[TIME, -1] = watch.t_end

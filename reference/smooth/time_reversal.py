@@ -101,6 +101,10 @@ class MirroredPath:
         states = self._unfolded(select_states(self.edges, np.abs(number) % 2), number)
         return np.where(number == 1, self.end, self.start + number * self._span), states
 
+    def time_of(self, number: int) -> float:
+        """Return the time of an extremum, counted from `start`."""
+        return self.end if number == 1 else self.start + number * self._span
+
     @property
     def _span(self) -> float:
         return self.end - self.start
@@ -150,7 +154,7 @@ class MirroredPath:
         return np.asarray(first + starts[cycle] + np.exp(1j * turn * cycle) * moved)
 
 
-def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
+def integrate_by_symmetry(problem: Problem, *, locus: bool, compiled: bool = False) -> Run:
     """Integrate the rolling equations to the horizon or an ending.
 
     Parameters
@@ -158,13 +162,15 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     problem : Problem
     locus : bool
         Whether to integrate the contact point as well.
+    compiled : bool
+        Whether to take the steps by compiled code.
 
     Returns
     -------
     Run
     """
     watch = FirstExtremum(problem)
-    ahead = integrate(problem, locus=locus, watch=watch)
+    ahead = integrate(problem, locus=locus, watch=watch, compiled=compiled)
     if not watch.met:
         # an ending or the horizon came first
         return ahead
@@ -172,7 +178,7 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     if problem.phi_dot != 0:
         back = replace(problem, phi_dot=-problem.phi_dot, bounces=1, duration=None)
         watch = FirstExtremum(back)
-        behind = integrate(back, locus=locus, watch=watch)
+        behind = integrate(back, locus=locus, watch=watch, compiled=compiled)
         if not watch.met:
             return _back_and_beyond(problem, ahead, behind)
         pieces.insert(0, _reversed(_values(behind)))
@@ -180,7 +186,7 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool) -> Run:
     edges = half.ends()
     low, high = edges.phi.min(), edges.phi.max()
     if high - low < PROMINENCE * high:
-        return integrate(problem, locus=locus)
+        return integrate(problem, locus=locus, compiled=compiled)
     path = MirroredPath(
         half=half,
         start=float(half.values[TIME, 0, 0]),
@@ -274,7 +280,7 @@ def _until_horizon(problem: Problem, path: MirroredPath, runs: tuple[Run, ...]) 
     first = 0 if path.start == 0 else 1
     if problem.bounces is not None:
         last = 2 * problem.bounces + (1 if rising else 0)
-        t_end = float(path.extrema(np.array([last]))[0][0])
+        t_end = path.time_of(last)
     else:
         t_end = float(problem.duration or 0.0)
         last = int(np.ceil((t_end - path.start) / (path.end - path.start))) + 1

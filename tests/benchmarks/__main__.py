@@ -12,6 +12,7 @@ from harness.cli.terminal import to_json
 from harness.engines import registry
 from harness.progress import ItemBar
 from tests.benchmarks.engines import engine_ratios
+from tests.benchmarks.friction import friction_ratios
 from tests.benchmarks.heyoka_rows import missing
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios
@@ -26,8 +27,14 @@ _LEAN = (
     *("quantity", "difference", "tolerance", "lean_s", "everything_s"),
 )
 
-_USUAL = {"the start": 10.0, "the reference": 60.0, "an engine": 45.0, "lean": 60.0}
-"""s of processor for the claims about starting, the reference, each engine, and lean models."""
+_USUAL = {
+    "the start": 10.0,
+    "the reference": 60.0,
+    "friction": 30.0,
+    "an engine": 45.0,
+    "lean": 60.0,
+}
+"""s of processor for the claims about starting, the reference, friction, engines, lean models."""
 
 
 @app.command()
@@ -52,6 +59,7 @@ def benchmark(
     parts = {
         "the start": start_up_ratios(),
         "the reference": reference_ratios(),
+        "friction": friction_ratios(),
         **{name: engine_ratios([name]) for name in chosen},
     }
     efforts = {part: _USUAL.get(part, _USUAL["an engine"]) for part in (*parts, "lean")}

@@ -223,7 +223,6 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         needed = smallest(posed)
         allowed = f"{needed.model}, the smallest that carries the scene, or larger. {needed.why}"
         raise InvalidSettingError("model", model, allowed)
-    choices = {} if method == "auto" else {"method": method}
     plain = dict(case.options).keys() <= {"model"}
     key = case.scene, posed, _meant(model, posed)
     known = SOLVED.get(key) if plain and not again else None
@@ -235,7 +234,7 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
             model=model,
             rtol=rtol,
             outputs=frozenset(() if model in WITHOUT_LOCUS else ("contact_locus",)),
-            **choices,
+            method="half-period" if method == "auto" else method,
         )
     except SolverError as error:  # what is left: a method that the model does not know
         allowed = f"auto or half-period: {error}"

@@ -1,0 +1,90 @@
+"""Equations of motion whose contact and rates are computed by compiled code.
+
+Beside another set of equations, whose numbers they give to within round-off; the kernels
+(`reference.equations.kernels`) are imported with the first state, numba with them.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from reference.equations.contact_laws import Contact, Equations, Mode
+from reference.equations.state_vector import Index
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+
+Laws = tuple[bool, int, bool]
+"""Whether the rim slips, in which sense the can turns, and whether it rests: a `Mode`."""
+
+
+def laws_of(mode: Mode) -> Laws:
+    """Return the laws that are in force in a mode."""
+    return mode.slips, mode.turns, mode.rests
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompiledEquations:
+    """The vector fields of one can, compiled.
+
+    Attributes
+    ----------
+    plain : Equations
+        The same in numpy.
+    constants : ndarray, shape (21,)
+        The can and its effects, in the order in which the kernels take them.
+    mu, drilling, resistance : float
+    bilateral_normal : bool
+    """
+
+    plain: Equations
+    constants: Floats
+    mu: float
+    drilling: float
+    resistance: float
+    bilateral_normal: bool
+
+    @classmethod
+    def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":
+        """Return the compiled equations of a problem beside its plain ones."""
+        p, e = problem.parameters, problem.effects
+        mass = (0.0,) * 4 if e.mass is None else (e.mass.share, e.mass.x, e.mass.y, e.mass.z)
+        shaking = (*e.gravity.amplitude, e.gravity.rate, e.gravity.phase)
+        laws = (inf if e.mu is None else e.mu, e.drilling, e.rolling_resistance)
+        rest = (e.linear_damping, e.angular_damping, e.rim)
+        return cls(
+            plain=plain,
+            constants=np.array([p.a, p.c, p.h, *mass, *e.gravity.constant, *shaking, *laws, *rest]),
+            mu=plain.mu,
+            drilling=plain.drilling,
+            resistance=plain.resistance,
+            bilateral_normal=plain.bilateral_normal,
+        )
+
+    def core(self, mode: Mode) -> Index:
+        """Rows that the rates depend on; the others are quadratures."""
+        return self.plain.core(mode)
+
+    def turning(self, y: Floats) -> Floats:
+        """Return the angular velocity about the normal, shape (n,)."""
+        return self.plain.turning(y)
+
+    def contact(self, y: Floats, mode: Mode) -> Contact:
+        """Return force and accelerations at the contact, from states of shape (13, n)."""
+        from reference.equations import kernels
+
+        rows = kernels.contacts(self.constants, laws_of(mode), np.ascontiguousarray(y))
+        return Contact(
+            force=rows[kernels.FORCE : kernels.MOMENT],
+            moment=rows[kernels.MOMENT : kernels.TURNING],
+            turning=rows[kernels.TURNING : kernels.SLIPPING],
+            slipping=rows[kernels.SLIPPING : kernels.MOBILITY],
+            normal_mobility=rows[kernels.MOBILITY],
+        )
+
+    def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
+        """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
+        from reference.equations import kernels
+
+        states = np.ascontiguousarray(y)
+        return np.asarray(kernels.rates(self.constants, laws_of(mode), states, along))

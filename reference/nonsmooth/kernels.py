@@ -1,0 +1,360 @@
+"""Kernels of the hybrid integrator: collocation steps by fixed point, one after another.
+
+The equations of a step at the Radau points (`reference.nonsmooth.radau_iia`) are solved by
+iterating y = y0 + h integral of the field, which needs no derivatives and no linear algebra. Where
+that does not converge, as for a slip that has just begun or is about to stop, Newton's method
+(`radau_iia.step`) takes the step. Imported where a caller asks for compiled code.
+"""
+
+from math import inf, isnan
+
+import numpy as np
+
+from reference.equations.compiled_equations import Laws
+from reference.equations.kernels import (
+    CONTACT_ROWS,
+    contact_at,
+    rates_at,
+    sticking_at,
+)
+from reference.equations.state_vector import (
+    FLOOR,
+    LEAN,
+    LEAST_SLIP,
+    PSI,
+    ROWS,
+    TIME,
+    TOTAL,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Index,
+)
+from reference.nonsmooth.event_kernels import sampled
+from reference.nonsmooth.hybrid_integrator import (
+    EXTRAPOLATED,
+    LONGEST,
+    NOISE,
+    QUIET,
+    RESOLVED,
+    SHARE,
+    SHORTEST,
+)
+from reference.nonsmooth.radau_iia import (
+    ALMOST,
+    HOPELESS,
+    LEAST,
+    STAGES,
+    STANDS,
+    integrator,
+    points,
+    to_coefficients,
+)
+from reference.nonsmooth.stopping import STOPPED
+from reference.numerics.compiled import jit
+from reference.problem.states import Floats
+
+# Rounds after which a fixed point is given up, and after which each must gain a factor of two.
+_MOST, _PATIENCE = 30, 8
+_INTEGRATOR = np.ascontiguousarray(integrator().T)
+_TO_COEFFICIENTS = np.ascontiguousarray(to_coefficients()[:, 1:].T)
+_POINTS = points()
+_STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
+_FLOOR, _LEAST_SLIP, _QUIET = FLOOR, LEAST_SLIP, QUIET
+_HEAD, _STOPPED = EXTRAPOLATED, STOPPED
+_LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
+
+
+@jit
+def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
+    """Write the change in a step by the polynomial of another, shape (13, STAGES), to `out`.
+
+    Parameters
+    ----------
+    series : ndarray, shape (13, STAGES + 1)
+    cut : float
+        Where in the other step this one begins.
+    ratio : float
+        The length of this step over that of the other.
+    out : ndarray, shape (13, STAGES)
+    """
+    out[:] = 0.0
+    origin = 2 * cut - 1
+    for j in range(STAGES):
+        x = 2 * (cut + ratio * _POINTS[j]) - 1
+        before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
+        for k in range(1, _HEAD):
+            for i in range(ROWS):
+                out[i, j] += series[i, k] * (wave - wave_0)
+            before, wave = wave, 2 * x * wave - before
+            before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
+
+
+@jit
+def _evaluate(
+    E: Floats,
+    laws: Laws,
+    y: Floats,
+    f: Floats,
+    work: tuple[Floats, Floats],
+    along: bool,
+) -> None:
+    """Write the rates of states to f."""
+    freely = not laws[0] and E[16] == 0 and E[17] == 0
+    D, here = work
+    for j in range(y.shape[1]):
+        if freely:
+            sticking_at(E, y, j, here)
+        else:
+            contact_at(E, laws, y, j, D, here)
+        rates_at(E, laws, y, j, here, f, along)
+
+
+@jit
+def _integrate(f: Floats, i: int, length: float, out: Floats) -> None:
+    """Write the integral of row i of rates to that of `out`."""
+    for j in range(STAGES):
+        out[i, j] = 0.0
+    for k in range(STAGES):
+        factor = length * f[i, k]
+        for j in range(STAGES):
+            out[i, j] += factor * _INTEGRATOR[k, j]
+
+
+@jit
+def collocate(
+    E: Floats,
+    laws: Laws,
+    start: Floats,
+    core: Index,
+    length: float,
+    arrays: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
+    along: bool,
+) -> int:
+    """Take a step by fixed point, and return its rounds; negative where it does not converge.
+
+    Parameters
+    ----------
+    E : ndarray
+    laws : tuple
+    start : ndarray, shape (13,)
+    core : ndarray of int
+        Rows that the rates depend on.
+    length : float
+    arrays : tuple of ndarray
+        The change at the points, shape (13, STAGES), first a guess and then the result; its
+        coefficients, shape (13, STAGES + 1); and work space.
+    along : bool
+        Whether the place of the contact and the works are wanted.
+    """
+    change, series, y, f, D, here = arrays
+    work, size = (D, here), np.empty(ROWS)
+    before, stands, rounds = inf, False, 0
+    change[U2 + 1 :] = 0.0
+    while rounds < _MOST and not stands:
+        rounds += 1
+        for i in range(ROWS):
+            for j in range(STAGES):
+                y[i, j] = start[i] + change[i, j]
+        _sizes(y, size)
+        _evaluate(E, laws, y, f, work, False)
+        # what is known of the turning is used at once for what follows from it
+        for i in (W1, W2, W3, U1, U2):
+            _integrate(f, i, length, y)
+        for j in range(STAGES):
+            f[LEAN, j], f[PSI, j] = -(start[W2] + y[W2, j]), start[W1] + y[W1, j]
+        _integrate(f, LEAN, length, y)
+        _integrate(f, PSI, length, y)
+        for j in range(STAGES):
+            T = np.exp(start[LEAN] + y[LEAN, j])
+            S = 2 * T / (1 + T * T)
+            f[TIME, j] = S
+            f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
+        _integrate(f, TOTAL, length, y)
+        _integrate(f, TIME, length, y)
+        moved = 0.0
+        for i in core:
+            for j in range(STAGES):
+                apart = abs(y[i, j] - change[i, j]) / size[i]
+                if apart > moved or isnan(apart):
+                    moved = apart
+        change[: U2 + 1] = y[: U2 + 1]
+        if not moved < _HOPELESS or (rounds > _PATIENCE and moved > before / 2 > _ALMOST):
+            return -rounds
+        stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
+        before = moved
+    if not stands:
+        return -rounds
+    if along:
+        for i in range(ROWS):
+            for j in range(STAGES):
+                y[i, j] = start[i] + change[i, j]
+        _evaluate(E, laws, y, f, work, True)
+        for i in range(U2 + 1, ROWS):
+            _integrate(f, i, length, y)
+        change[U2 + 1 :] = y[U2 + 1 :]
+    series[:] = 0.0
+    for i in range(ROWS):
+        for j in range(STAGES):
+            for k in range(STAGES + 1):
+                series[i, k] += change[i, j] * _TO_COEFFICIENTS[j, k]
+    return rounds
+
+
+@jit
+def _sizes(y: Floats, size: Floats) -> None:
+    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it."""
+    size[:] = 1.0
+    largest = 0.0
+    for i in (W1, W2, W3):
+        size[i] = 0.0
+        for j in range(STAGES):
+            size[i] = max(size[i], abs(y[i, j]))
+        largest = max(largest, size[i])
+    for i in (W1, W2, W3):
+        size[i] = max(size[i], _FLOOR * (1 + largest))
+    slip = _LEAST_SLIP
+    for j in range(STAGES):
+        slip = max(slip, np.hypot(y[U1, j], y[U2, j]))
+    size[U1] = size[U2] = slip
+    for i in range(ROWS):
+        size[i] = max(size[i], _LEAST)
+
+
+@jit
+def tail_of(E: Floats, start: Floats, series: Floats) -> float:
+    """Return the last two coefficients of a step over the size of its rows."""
+    size, largest = np.empty(ROWS), 0.0
+    for i in range(ROWS):
+        size[i] = abs(start[i])
+        for k in range(STAGES + 1):
+            size[i] += abs(series[i, k])
+    size[LEAN] = 1.0
+    size[U1] = size[U2] = np.hypot(size[U1], size[U2])
+    for i in range(ROWS):
+        largest = max(largest, size[i])
+    for i in range(ROWS):
+        size[i] = max(size[i], 1e-9 * largest)
+    turning = max(size[W1], size[W2], size[W3])
+    for i in (W1, W2, W3):
+        size[i] = max(size[i], _QUIET * turning)
+    for i in (U1, U2):
+        size[i] = max(size[i], _QUIET * max(1.0, turning))
+    if E[17] > 0:
+        for i in (W1, W2, W3):
+            size[i] = max(size[i], _QUIET)
+    tail = 0.0
+    for i in range(ROWS):
+        for k in (STAGES - 1, STAGES):
+            tail = max(tail, abs(series[i, k]) / size[i])
+    return tail
+
+
+GOES_ON, LOOK, STUCK, STOPS = range(4)
+"""Why a march returns: nothing, an event in its last step, no fixed point, the end of a slip."""
+
+
+@jit
+def _left_of_slip(E: Floats, laws: Laws, y: Floats, work: tuple[Floats, Floats]) -> float:
+    """Return sigma until a slip stops at its rate, as `stopping.left_of_slip`."""
+    column, f = np.empty((ROWS, 1)), np.empty((ROWS, 1))
+    column[:, 0] = y
+    _evaluate(E, laws, column, f, work, False)
+    speed = np.hypot(y[U1], y[U2])
+    slowing = -(y[U1] * f[U1, 0] + y[U2] * f[U2, 0]) / speed
+    return float(speed / slowing) if slowing > 0 else inf
+
+
+@jit
+def march(
+    E: Floats,
+    laws: Laws,
+    start: Floats,
+    core: Index,
+    lengths: tuple[float, float, float],
+    last: Floats,
+    limits: tuple[float, bool],
+    most: tuple[int, int],
+    along: bool,
+) -> tuple[int, int, float, int, Floats, Floats, Floats]:
+    """Take steps until something has to be looked at.
+
+    Parameters
+    ----------
+    E : ndarray
+    laws : tuple
+    start : ndarray, shape (13,)
+    core : ndarray of int
+    lengths : tuple of float
+        Of the first step to try; of the last one that was taken, and where it was cut.
+    last : ndarray, shape (13, STAGES + 1)
+        Coefficients of the last step, or of a guess.
+    limits : tuple
+        The horizon, and whether the plane may pull.
+    most : tuple of int
+        Steps to take, and rounds to spend.
+    along : bool
+
+    Returns
+    -------
+    reason, count : int
+    length : float
+        Of the step to try next.
+    rounds : int
+    starts : ndarray, shape (count + 1, 13)
+        The last of them where the march ends.
+    series : ndarray, shape (count, 13, STAGES + 1)
+    taken : ndarray, shape (count,)
+        Lengths of the steps.
+    """
+    capacity, budget = most
+    length, last_length, cut = lengths
+    starts, taken = np.empty((capacity + 1, ROWS)), np.empty(capacity)
+    series = np.empty((capacity, ROWS, STAGES + 1))
+    D, here = np.empty((10, 6)), np.empty(CONTACT_ROWS)
+    change, trial = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES + 1))
+    y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
+    arrays = change, trial, y, f, D, here
+    starts[0], rounds, count, reason = start, 0, 0, GOES_ON
+    polynomial, at, scale = last, cut, last_length
+    left = inf
+    if laws[0]:
+        left = _left_of_slip(E, laws, start, (D, here))
+    while count < capacity and rounds < budget and reason == GOES_ON:
+        length = min(length, _SHARE * left)
+        if not length > _SHORTEST:
+            reason = STUCK
+            break
+        extrapolated(polynomial, at, length / scale, change)
+        spent = collocate(E, laws, starts[count], core, length, arrays, along)
+        rounds += abs(spent)
+        if spent < 0:
+            reason = STUCK
+            break
+        tail = tail_of(E, starts[count], trial)
+        if tail > _RESOLVED:
+            # what was too long is the guess of what is shorter
+            polynomial, at, scale = trial.copy(), 0.0, length
+            length *= max(0.2, 0.8 * (_RESOLVED / tail) ** (1 / STAGES))
+            continue
+        series[count], taken[count] = trial, length
+        polynomial, at, scale = series[count], 1.0, length
+        for i in range(ROWS):
+            total = 0.0
+            for k in range(1, STAGES + 1, 2):
+                total += trial[i, k]
+            starts[count + 1, i] = starts[count, i] + 2 * total
+        begun, _, looked_for = sampled(E, laws, starts[count], trial, limits)
+        if not begun or looked_for.any():
+            reason = LOOK
+        count += 1
+        grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
+        length = 2.0 * length if tail < _NOISE else min(grown, _LONGEST)
+        if laws[0]:
+            left = _left_of_slip(E, laws, starts[count], (D, here))
+            speed = np.hypot(starts[count, U1], starts[count, U2])
+            if reason == GOES_ON and (left <= _STOPPED or (speed <= _STOPPED and left < inf)):
+                reason = STOPS
+    return reason, count, length, rounds, starts[: count + 1], series[:count], taken[:count]

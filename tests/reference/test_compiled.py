@@ -1,0 +1,151 @@
+"""Compiled code gives what numpy gives: contact and rates to a few eps, motions to round-off."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reference import (
+    PAPER_CAN,
+    Effects,
+    Gravity,
+    Mass,
+    Outcome,
+    Parameters,
+    Problem,
+    SolverError,
+    exact_bounces,
+    solve,
+    solver,
+)
+from reference.equations.compiled_equations import CompiledEquations
+from reference.equations.contact_laws import Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.numerics.compiled import available
+
+needs_numba = pytest.mark.skipif(not available(), reason="numba, the extra `fast`, is missing")
+GOLDEN = json.loads((Path(__file__).parent / "golden" / "golden.json").read_text())
+EPS = float(np.finfo(float).eps)
+LOCUS = frozenset({"contact_locus"})
+TILT = (0.1, 0.05, -float(np.sqrt(1 - 0.1**2 - 0.05**2)))
+MASS = Mass(share=0.1, x=0.3, y=-0.2, z=0.4)
+GENTLE = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.1, theta_dot=-0.05, duration=4.0)
+EVERYTHING = Effects(
+    mu=0.3,
+    linear_damping=0.05,
+    angular_damping=0.02,
+    rim=0.05,
+    mass=MASS,
+    drilling=0.01,
+    rolling_resistance=0.002,
+    gravity=Gravity(constant=TILT, amplitude=(0.05, 0.0, 0.1), rate=3.0, phase=0.3),
+)
+
+
+@needs_numba
+@pytest.mark.parametrize("imaginary", [0.0, 1e-3], ids=["real", "complex"])
+@pytest.mark.parametrize(
+    ("effects", "mode"),
+    [
+        (Effects(mu=0.3), Mode()),
+        (Effects(mu=0.3), Mode(slips=True)),
+        (EVERYTHING, Mode()),
+        (EVERYTHING, Mode(slips=True, turns=-1)),
+        (EVERYTHING, Mode(turns=1)),
+        (EVERYTHING, Mode(rests=True)),
+        (EVERYTHING, Mode(slips=True, rests=True)),
+    ],
+)
+def test_contact_and_rates_are_those_of_numpy(
+    effects: Effects, mode: Mode, imaginary: float
+) -> None:
+    plain = GeneralEquations(parameters=PAPER_CAN, effects=effects)
+    compiled = CompiledEquations.of(plain, replace(GENTLE, effects=effects))
+    rng = np.random.default_rng(4)
+    y = 0.3 * rng.normal(size=(13, 16))
+    y[0] -= 1.0
+    if imaginary:
+        y = y + 1j * imaginary * rng.normal(size=y.shape)
+    # some hundred roundings of numbers of size 1
+    assert np.abs(compiled.rates(y, mode) - plain.rates(y, mode)).max() < 64 * EPS
+    mine, theirs = compiled.contact(y, mode), plain.contact(y, mode)
+    for name in ("force", "moment", "turning", "slipping", "normal_mobility"):
+        assert np.abs(getattr(mine, name) - getattr(theirs, name)).max() < 64 * EPS, name
+
+
+@needs_numba
+@pytest.mark.parametrize(
+    ("method", "allowed"), [("half-period", 1e-10), ("picard-chebyshev", 1e-8)]
+)
+def test_golden_digits(method: str, allowed: float) -> None:
+    """Ten of them at least; fewer where a return amplifies round-off, which symmetry avoids."""
+    for row in GOLDEN[::7]:
+        release = {name: row[name] for name in ("phi", "phi_dot", "psi_dot", "theta_dot")}
+        can = Parameters(a=row["a"], c=row["c"], h=row["h"])
+        problem = Problem(parameters=can, bounces=2, **release)
+        plain = solve(problem, model="rolling", method=method)
+        found = solve(problem, model="rolling", method=method, compiled=True)
+        assert found.method == f"{method}, compiled"
+        assert found.outcome is plain.outcome
+        for name in ("angle_of_turn", "rotation_turn", "phi_min", "peak_psi_dot"):
+            truth = float(row[name])
+            assert getattr(found.bounces[1], name) == pytest.approx(truth, rel=allowed, abs=0), name
+
+
+@needs_numba
+def test_random_releases_are_solved_as_by_quadrature() -> None:
+    rng = np.random.default_rng(9)
+    count = 40
+    can = {"a": 0.727, "c": 0.615, "h": 1.473}
+    release = {
+        "phi": rng.uniform(0.02, 0.5, count),
+        "psi_dot": rng.uniform(-0.2, 0.2, count),
+        "theta_dot": rng.uniform(-0.2, 0.2, count),
+    }
+    exact = exact_bounces(**can, **release)
+    for number in range(count):
+        one = {name: float(values[number]) for name, values in release.items()}
+        found = solve(
+            Problem(parameters=PAPER_CAN, bounces=1, **one), model="rolling", compiled=True
+        )
+        assert found.outcome is Outcome.FINISHED
+        turn = exact.angle_of_turn[number]
+        assert found.bounces[0].angle_of_turn == pytest.approx(turn, rel=1e-11)
+
+
+@needs_numba
+@pytest.mark.parametrize(
+    ("effects", "slip"),
+    [
+        (Effects(mu=0.01), (0.0, 0.0)),
+        (Effects(mu=0.2), (0.05, 0.02)),
+        (Effects(gravity=Gravity(constant=TILT)), (0.0, 0.0)),
+        (Effects(mass=MASS, rim=0.1, linear_damping=0.05, angular_damping=0.02), (0.0, 0.0)),
+        (Effects(drilling=0.01), (0.0, 0.0)),
+        (Effects(rolling_resistance=0.002), (0.0, 0.0)),
+        (EVERYTHING, (0.0, 0.0)),
+    ],
+    ids=lambda given: "+".join(given.declared()) if isinstance(given, Effects) else "",
+)
+def test_effects_move_the_can_as_in_numpy(effects: Effects, slip: tuple[float, float]) -> None:
+    problem = replace(GENTLE, effects=effects, slip=slip)
+    plain = solve(problem, outputs=LOCUS)
+    found = solve(problem, outputs=LOCUS, compiled=True)
+    assert found.method == "half-period, compiled"
+    assert found.outcome is plain.outcome
+    assert [phase.kind for phase in found.phases] == [phase.kind for phase in plain.phases]
+    times = np.linspace(0.0, min(found.t_end, plain.t_end), 300)
+    mine, theirs = found.at(times), plain.at(times)
+    for name in ("phi", "psi", "theta", "x", "y", "slip", "force"):
+        apart = np.abs(getattr(mine, name) - getattr(theirs, name)).max()
+        # forty steps, each of some round-offs, which a bounce amplifies a hundredfold
+        assert apart < 1e-10, name
+    assert np.abs(found.lost(times) - plain.lost(times)).max() < 1e-11
+
+
+def test_compiled_code_without_numba_is_one_message(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(solver, "available", lambda: False)
+    with pytest.raises(SolverError, match="install the extra `fast`"):
+        solve(GENTLE, model="rolling", compiled=True)
