@@ -98,6 +98,12 @@ COMMANDS = tuple(
             "stability",
             "How engines fail on hard cases, and at which timestep.",
         ),
+        (
+            UNDERSTAND,
+            "accuracy",
+            "tolerance",
+            "Whether the error asked for is the error delivered.",
+        ),
         (UNDERSTAND, "studies", "effects", "Which effects a scene needs, lacks and gets unasked."),
         (UNDERSTAND, "studies", "probe", "Where an engine's colliders see a can on its rim."),
         (UNDERSTAND, "paper", "audit", "Every equation and number of the paper, checked."),

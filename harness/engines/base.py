@@ -283,6 +283,9 @@ class EngineFeatures:
         Those for a can that is a mesh, of the setting `mesh`.
     variants : tuple of Variant, or None
         Settings worth a price; None takes the profiles and each word that a setting allows.
+    tolerances : tuple of Variant
+        Settings that ask for an accuracy of the motion, each with its values from coarse to fine,
+        beside the accuracy setting of the description and the `eta` of adaptive stepping.
     export_settings : callable or None
         Returns a case in the engine's own language.
     counted_step : callable or None
@@ -305,6 +308,7 @@ class EngineFeatures:
     colliders: tuple[Variant, ...] = (Variant(name="matched"),)
     mesh_colliders: tuple[Variant, ...] = ()
     variants: tuple[Variant, ...] | None = None
+    tolerances: tuple[Variant, ...] = ()
     export_settings: Callable[[Case], str] | None = None
     counted_step: Callable[[World], int] | None = None
     simulate_many: Callable[[Sequence[Case]], Sequence[Simulation]] | None = None
