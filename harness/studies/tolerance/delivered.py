@@ -32,6 +32,9 @@ PULLS = "the exact motion asks the plane to pull"
 ROUND_OFF = 1e-12
 """Up to which an exact motion is known where the reference has no bound of its own, rad."""
 
+UNCOUNTED = "it has no bounce whose turn can be counted"
+"""Reason for which a run to its horizon has no error."""
+
 _SAMPLES = 2000
 """Instants at which phi is compared."""
 
@@ -103,7 +106,8 @@ def _of_engine(evaluation: Evaluation) -> Record:
     elif exact_motion(run.case.scene).bounces:
         degrees = turn_error(evaluation)
         error = None if degrees is None else math.radians(degrees)
-        reason = run.ending if error is None else ""
+        if error is None:
+            reason = run.ending if run.outcome is not Outcome.FINISHED else UNCOUNTED
     elif run.trajectory.time[-1] < _COMPLETE * truth(run.case.scene).ends:
         reason = run.ending
     elif evaluation.errors is not None:

@@ -31,7 +31,7 @@ class ToleranceSuite:
     name : str
     scenes : tuple of str
     stride : int
-        Every so many of the values of a setting are run.
+        Every so many of the values of a tolerance are run; of `eta` all that can be paid for.
     thorough : bool
         Whether variants that say nearly the same as another are run too.
     most_steps : float
@@ -53,20 +53,20 @@ SUITES = {
         scenes=(*_ALWAYS, "balance-1e-5", "epsilon-1e-12", "fast-spin", "hoop", "tall-can"),
         stride=2,
         thorough=False,
-        most_steps=5e4,
+        most_steps=3e4,
     ),
     "full": ToleranceSuite(
         name="full",
         scenes=(*_ALWAYS, *hard_names()),
         stride=1,
         thorough=True,
-        most_steps=2e6,
+        most_steps=5e5,
     ),
 }
 """quick: about a minute on two cores. full: every hard case that has an exact motion."""
 
-_ETA = tuple(10.0**-power for power in range(11))
-"""Ten decades, of which an engine's steps in doubles of time can pay for the first few."""
+_ETA = tuple(float(f"{10.0 ** (-power / 2.0):.2g}") for power in range(2, 13))
+"""Half a decade apart, from a tenth of the way in a step: each decade costs ten times the steps."""
 
 _STEPS_A_FALL = 4.0
 """Of steps that are 1/eta each, in a bounce: down and up, in phi and in psi."""
@@ -107,10 +107,10 @@ class Knob:
 
     def values(self, scene: Scene, suite: ToleranceSuite) -> tuple[float, ...]:
         """Return what is asked for in a scene, from coarse to fine."""
-        chosen = [float(v) for v in self.variant.values[:: suite.stride] if isinstance(v, float)]
+        every = tuple(float(v) for v in self.variant.values if isinstance(v, float))
         if self.variant.along != ETA_SETTING.name:
-            return tuple(chosen)
-        return tuple(v for v in chosen if self._steps(scene, v) <= suite.most_steps)
+            return every[:: suite.stride]
+        return tuple(v for v in every if self._steps(scene, v) <= suite.most_steps)
 
     def _steps(self, scene: Scene, eta: float) -> float:
         """Return how many steps an adaptive run is expected to take, to a factor of some units."""

@@ -25,6 +25,7 @@ class Honesty(Enum):
     HONEST = "honest"
     CAUTIOUS = "delivers more than asked"
     OPTIMISTIC = "optimistic"
+    ERRATIC = "does not follow"
     SATURATES = "saturates"
     ROUND_OFF = "always to round-off"
     IDLE = "changes nothing"
@@ -47,6 +48,9 @@ TRUE_WITHIN = 10.0
 
 MUCH_LESS = 0.01
 """Delivered over asked below which, everywhere, more is delivered than asked."""
+
+FOLLOWS = 1.0 / 3.0
+"""Slope below which a decade asked for buys less than half a decade."""
 
 _BUYS = 3.0
 """By which the error has to fall, somewhere finer, or it does not respond any more."""
@@ -165,6 +169,8 @@ class ToleranceLadder:
             return Honesty.OPTIMISTIC
         if worst is None or worst[0] < MUCH_LESS:
             return Honesty.CAUTIOUS
+        if self.slope is not None and self.slope < FOLLOWS:
+            return Honesty.ERRATIC
         return Honesty.HONEST
 
     @property

@@ -143,12 +143,12 @@ def _summary(settings: Sequence[SettingSummary], left_out: dict[str, str]) -> Pr
     """Return what is compared with what, and a sentence on each setting."""
     paragraphs = [
         (
-            "What is asked for is a relative tolerance of the steps, an accuracy of a step, or the "
-            "share eta of its way that the tilt may move in a step. What is delivered is the absolute "
-            "error of the first angle of turn, in rad, or, of a can that does not bounce, the largest "
-            "error of phi. Nobody promises that the two are equal: a tolerance bounds a step, and its "
-            "errors add up. Honest is a setting whose error follows what is asked for, and lies at "
-            "most ten times above it."
+            "What is asked for is a relative tolerance of the steps, an accuracy of a step, or "
+            "the share eta of its way that the tilt may move in a step. What is delivered is the "
+            "absolute error of the first angle of turn, in rad, or, of a can that does not "
+            "bounce, the largest error of phi. Nobody promises that the two are equal: a "
+            "tolerance bounds a step, and errors of steps add up. A setting is called honest if "
+            "its error follows what is asked for, and lies at most ten times above it."
         ),
         *(_sentence(each) for each in settings),
     ]
@@ -173,6 +173,10 @@ def _sentence(setting: SettingSummary) -> str:
     return " ".join(words)
 
 
+_LEAST_DRAWN = 1e-17
+"""rad: smaller errors are of turns so small that round-off of an angle of one is far above."""
+
+
 def _ladder_figures(settings: Sequence[SettingSummary]) -> Iterator[Figure]:
     """Yield the figure of each engine: a panel a setting, a line a scene, and the diagonal."""
     for engine in dict.fromkeys(each.knob.engine for each in settings):
@@ -180,7 +184,7 @@ def _ladder_figures(settings: Sequence[SettingSummary]) -> Iterator[Figure]:
         known = [pair for each in own for one in each.ladders for pair in one.known]
         if not known:
             continue
-        errors = [error for _, error in known if error > 0.0] or [1.0]
+        errors = [max(error, _LEAST_DRAWN) for _, error in known]
         panels = tuple(_panel(each, (min(errors) / 2.0, max(errors) * 2.0)) for each in own)
         yield Figure(
             name=f"delivered-{engine}",
