@@ -184,7 +184,7 @@ def _ladder_figures(settings: Sequence[SettingSummary]) -> Iterator[Figure]:
         known = [pair for each in own for one in each.ladders for pair in one.known]
         if not known:
             continue
-        errors = [max(error, _LEAST_DRAWN) for _, error in known]
+        errors = [max(number, _LEAST_DRAWN) for pair in known for number in pair]
         panels = tuple(_panel(each, (min(errors) / 2.0, max(errors) * 2.0)) for each in own)
         yield Figure(
             name=f"delivered-{engine}",
