@@ -9,9 +9,12 @@ from harness import api
 from harness.cli import options, run_options
 from harness.cli.study_command import run_command, shown
 from harness.core.errors import InvalidSettingError
+from harness.studies.gradients.design import plan_gradients
+from harness.studies.gradients.study import GradientsStudy
 from harness.studies.tolerance.design import SUITES
 from harness.studies.tolerance.ladder import Honesty
 from harness.studies.tolerance.study import ToleranceStudy
+from models.catalogue import load
 
 
 @run_options.with_run_options
@@ -52,4 +55,33 @@ def tolerance(
         }
     )
     absent = api.absent_engines(engine)
+    run_command(study, running, out=out, json=json, figures=figures, absent=absent, show=show)
+
+
+@run_options.with_run_options
+def gradients(
+    scene: options.SceneName,
+    suite: Annotated[
+        str, typer.Option(help="quick: about two minutes; full: every key, half decades.")
+    ] = "quick",
+    engine: options.EngineNames = None,
+    out: options.ReportFolder = None,
+    figures: options.Figures = False,  # noqa: FBT002 - a switch of the command line
+    json: options.Json = False,  # noqa: FBT002 - a switch of the command line
+    *,
+    running: run_options.RunOptions,
+) -> None:
+    """What an engine says a small change does, against the exact derivative.
+
+    Central differences over nine decades of steps, at several timesteps, and an engine's own
+    derivatives where it has them.
+
+    For example: rockingcan gradients gentle-rock
+    """
+    stepping = (name for name in api.stepping_engines(engine) if name != "reference")
+    plan = plan_gradients(load(scene), ("reference", *stepping), suite)
+    hidden = {"best_value", "noise", "cause", "fit_residual", "right_from", "right_to", "floor"}
+    show = shown({"-gradients": hidden, "-own": {"value"}, "-timesteps": (), "-summary": ()})
+    absent = api.absent_engines(engine)
+    study = GradientsStudy(plan=plan)
     run_command(study, running, out=out, json=json, figures=figures, absent=absent, show=show)

@@ -274,6 +274,11 @@ def _remember(key: tuple[Scene, Problem, str], motion: Truth) -> None:
         SOLVED.popitem(last=False)
 
 
+def exact_motion(scene: Scene) -> Truth:
+    """Return the exact motion of a scene, by the closed formula where it is confirmed."""
+    return solve_case(Case(scene=scene, engine="reference"), again=False)
+
+
 @lru_cache(maxsize=64)
 def truth(scene: Scene, seconds: float | None = None) -> Truth:
     """Return the exact motion of a scene, by the smallest model that carries it, and keep it.

@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
-from harness.engines.reference.truth import Truth, solve_case, truth
+from harness.engines.reference.truth import Truth, exact_motion, solve_case, truth
 from harness.engines.registry import engine_version
 from harness.engines.stepping.horizon import natural_time
 from harness.evaluation.effort import engine_group, expected_seconds
@@ -40,11 +40,6 @@ _SAMPLES = 2000
 
 _COMPLETE = 1.0 - 1e-9
 """Share of the exact motion's time from which on a motion has not ended early."""
-
-
-def exact_motion(scene: Scene) -> Truth:
-    """Return the exact motion of a scene, by the closed formula where it is confirmed."""
-    return solve_case(Case(scene=scene, engine="reference"), again=False)
 
 
 def round_off(scene: Scene) -> float:

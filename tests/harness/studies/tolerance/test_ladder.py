@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -69,7 +70,11 @@ def test_what_no_contact_can_follow_is_not_judged() -> None:
     assert judged.slope is None
 
 
-def test_an_error_that_goes_up_and_down_does_not_follow() -> None:
-    wild = ladder(lambda asked: 1e-12 * 10.0 ** (2.0 * math.sin(3.0 * math.log10(asked))))
-    assert wild.honesty in {Honesty.ERRATIC, Honesty.IDLE, Honesty.SATURATES}
-    assert wild.verdict.status is Status.DEVIATES
+def test_an_error_that_hardly_falls_over_two_decades_does_not_follow() -> None:
+    errors = {1e-2: 1e-3, 1e-3: 5e-4, 1e-4: 3e-4}
+    judged = ladder(errors.get)
+    known = {asked: judged.records[asked] for asked in ASKED if asked > 5e-5}
+    flat = replace(judged, records=known)
+    assert flat.honesty is Honesty.ERRATIC
+    assert flat.slope == pytest.approx(math.log10(1e-3 / 3e-4) / 2.0, rel=0.01, abs=0)
+    assert flat.verdict.status is Status.DEVIATES
