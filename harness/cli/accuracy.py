@@ -59,7 +59,7 @@ def tolerance(
 
 
 @run_options.with_run_options
-def gradients(
+def gradients(  # noqa: PLR0917 - a parameter an option
     scene: options.SceneName,
     suite: Annotated[
         str, typer.Option(help="quick: about two minutes; full: every key, half decades.")
@@ -80,8 +80,7 @@ def gradients(
     """
     stepping = (name for name in api.stepping_engines(engine) if name != "reference")
     plan = plan_gradients(load(scene), ("reference", *stepping), suite)
-    hidden = {"best_value", "noise", "cause", "fit_residual", "right_from", "right_to", "floor"}
-    show = shown({"-gradients": hidden, "-own": {"value"}, "-timesteps": (), "-summary": ()})
+    show = shown({"-timesteps": (), "-summary": ()})
     absent = api.absent_engines(engine)
     study = GradientsStudy(plan=plan)
     run_command(study, running, out=out, json=json, figures=figures, absent=absent, show=show)

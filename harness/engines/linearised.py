@@ -55,7 +55,7 @@ def turned(quaternion: Floats, rotation: Floats) -> Floats:
     w0, v0 = quaternion[:, :1], quaternion[:, 1:]
     scalar = w * w0 - np.sum(v * v0, axis=1, keepdims=True)
     product: Floats = np.hstack((scalar, w * v0 + w0 * v + np.cross(v, v0)))
-    return product / np.linalg.norm(product, axis=1, keepdims=True)
+    return np.asarray(product / np.linalg.norm(product, axis=1, keepdims=True))
 
 
 def change_between(before: tuple[Pose, Twist], after: tuple[Pose, Twist], size: float) -> Floats:

@@ -7,7 +7,7 @@ derivative of the run. The depth at which a soft contact rests is that of the re
 import mujoco
 import numpy as np
 
-from harness.engines import Case, Floats, LinearisedMotion, Trajectory
+from harness.engines import Floats, LinearisedMotion, Trajectory
 from harness.engines.mujoco.world import MujocoWorld
 from models.kinematics import to_body, to_world
 from models.state import Pose, Twist
@@ -45,7 +45,7 @@ def linearised(
         mujoco.mjd_transitionFD(world.model, data, step, True, matrix, None, None, None)  # noqa: FBT003 - MuJoCo's own argument: centred
         own = matrix @ own
         world.step()
-    times = world.timestep * np.arange(count)
+    times = np.arange(count) * np.float64(world.timestep)
     return LinearisedMotion(
         trajectory=_trajectory(times, states), changes=_to_common(states, found)
     )

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -104,10 +105,7 @@ def _extrapolated(
     best, error, factor = math.nan, math.inf, 1.0
     while len(column) > 1:
         factor *= _SHRINK**2
-        finer = [
-            (factor * fine - coarse) / (factor - 1.0)
-            for coarse, fine in zip(column, column[1:], strict=False)
-        ]
+        finer = [(factor * fine - coarse) / (factor - 1.0) for coarse, fine in pairwise(column)]
         for place, value in enumerate(finer):
             off = max(abs(value - column[place]), abs(value - column[place + 1]))
             if off < error:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
@@ -80,6 +81,32 @@ class Differences:
         return fit_errors(tuple(self.errors), tuple(self.errors.values()))
 
     @property
+    def noise_below(self) -> float | None:
+        """Step below which noise is the largest part; None if no step is as short."""
+        below = None if self.parts is None else self.parts.noise_below
+        return below if below is not None and below >= min(self.values) else None
+
+    @property
+    def truncation_above(self) -> float | None:
+        """Step above which truncation is the largest part; None if no step is as long."""
+        above = None if self.parts is None else self.parts.truncation_above
+        return above if above is not None and above <= max(self.values) else None
+
+    @property
+    def settled(self) -> tuple[float, float] | None:
+        """The step whose difference is nearest to that of the next shorter one, and its error.
+
+        It is chosen without knowledge of the exact derivative.
+        """
+        known = [(step, value) for step, value in self.values.items() if value is not None]
+        pairs = [(abs(value - after), step) for (step, value), (_, after) in pairwise(known)]
+        if not pairs:
+            return None
+        step = min(pairs)[1]
+        error = self.errors[step]
+        return None if error is None else (step, error)
+
+    @property
     def noise(self) -> float | None:
         """Noise of the quantity that the differences see, relative to the quantity."""
         if self.parts is None or self.size == 0.0:
@@ -88,9 +115,9 @@ class Differences:
 
     @property
     def cause(self) -> str:
-        """What takes over at short steps."""
+        """What takes over at short steps; empty if nothing does."""
         noise = self.noise
-        if noise is None:
+        if noise is None or self.noise_below is None:
             return ""
         return "round-off" if noise <= _ROUND_OFF else "roughness of the motion"
 

@@ -40,20 +40,20 @@ class ErrorOfSteps:
     def noise_below(self) -> float:
         """Step below which noise is the largest part."""
         if self.floor <= self._least_without_floor:
-            return (self.noise / self.truncation) ** (1.0 / 3.0)
+            return math.cbrt(self.noise / self.truncation)
         return self.noise / self.floor
 
     @property
     def truncation_above(self) -> float:
         """Step above which truncation is the largest part."""
         if self.floor <= self._least_without_floor:
-            return (self.noise / self.truncation) ** (1.0 / 3.0)
+            return math.cbrt(self.noise / self.truncation)
         return math.sqrt(self.floor / self.truncation)
 
     @property
     def _least_without_floor(self) -> float:
         """What truncation and noise are where they are equal: a lower floor is never seen."""
-        return (self.noise**2 * self.truncation) ** (1.0 / 3.0)
+        return math.cbrt(self.noise**2 * self.truncation)
 
 
 _FEWEST = 5

@@ -129,29 +129,32 @@ def _over(up: float | None, down: float | None, step: float) -> float | None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GradientLadder:
-    """The best errors of a derivative over the timesteps of an engine, coarse first."""
+    """The errors of a derivative over the timesteps of an engine, coarse first.
+
+    Each is of the difference that has settled: nearest to that of the next shorter step.
+    """
 
     rungs: tuple[Differences, ...]
 
     @property
     def pairs(self) -> list[tuple[float, float]]:
-        """Timestep and best error of each rung that has both."""
+        """Timestep and error of each rung that has both."""
         return [
-            (step, each.best[1])
+            (step, each.settled[1])
             for each in self.rungs
-            if each.best is not None and (step := rung_of(each.base)) is not None
+            if each.settled is not None and (step := rung_of(each.base)) is not None
         ]
 
     @property
     def order(self) -> float | None:
-        """Order with which the best error falls."""
+        """Order with which the error falls."""
         pairs = self.pairs
         found = observed_order([step for step, _ in pairs], [error for _, error in pairs])
         return found.order if math.isfinite(found.order) else None
 
     @property
     def words(self) -> str:
-        """Each timestep with its best error."""
+        """Each timestep with its error."""
         return ", ".join(
             f"{spelled(self.rungs[0].base.engine, step)}: {percent(error)}"
             for step, error in self.pairs
@@ -348,11 +351,17 @@ _GRADIENTS = (
     Column("best_step", "Relative step with the least error.", lambda d: d.best and d.best[0]),
     Column("best_value", "The difference there.", lambda d: d.best and d.values[d.best[0]]),
     Column("relative_error", _ERROR, lambda d: d.best and d.best[1]),
+    Column(
+        "settled_step",
+        "Step whose difference is nearest to the next.",
+        lambda d: d.settled and d.settled[0],
+    ),
+    Column("settled_error", "Relative error of that one.", lambda d: d.settled and d.settled[1]),
     Column("right_from", "Shortest step that is right to 1 %.", lambda d: d.usable and d.usable[0]),
     Column("right_to", "Longest step that is right to 1 %.", lambda d: d.usable and d.usable[1]),
     Column("floor", "Error that no step changes, by the fit.", "parts.floor"),
-    Column("noise_below", "Step below which noise is the largest part.", "parts.noise_below"),
-    Column("truncation_above", "Step above which truncation is.", "parts.truncation_above"),
+    Column("noise_below", "Step below which noise is the largest part."),
+    Column("truncation_above", "Step above which truncation is."),
     Column("noise", "Noise of the quantity that the differences see, relative."),
     Column("cause", "What takes over at short steps."),
     Column("fit_residual", "Root mean square of the log of error over fit.", "parts.residual"),
@@ -372,8 +381,8 @@ _LADDERS = (
     _HEAD[0].of(lambda each: each.rungs[0].base.engine),
     _HEAD[2].of(lambda each: each.rungs[0].key),
     _HEAD[3].of(lambda each: each.rungs[0].quantity),
-    Column("best_errors", "Each timestep, with the error at its best step.", "words"),
-    Column("order", "Order with which the best error falls with the timestep."),
+    Column("errors", "Each timestep, with the error of the difference that settles.", "words"),
+    Column("order", "Order with which that error falls with the timestep."),
 )
 
 _EACH = (

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from harness.cli.commands import app
 from harness.core.case import Case
+from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Table
 from harness.studies.study import run_study
 from harness.studies.tolerance.delivered import delivered
@@ -74,4 +75,5 @@ def test_the_command_prints_its_tables_and_refuses_another_suite(
     assert done.exit_code == 0, done.output
     tables = json.loads(done.stdout)
     assert set(tables) == {"settings", "ladders", "delivered"}
-    assert CliRunner().invoke(app, ["tolerance", "--suite", "huge"]).exit_code == 2
+    refused = CliRunner().invoke(app, ["tolerance", "--suite", "huge"])
+    assert isinstance(refused.exception, InvalidSettingError)
