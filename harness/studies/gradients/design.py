@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
-from harness.engines.ladder import at_rung, rungs
+from harness.engines.ladder import at_rung, chooses_steps, rungs
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.truth import exact_motion
 from harness.engines.registry import missing_effects
@@ -111,7 +111,7 @@ class GradientPlan:
 
     @property
     def bases(self) -> tuple[Case, ...]:
-        """The cases that are changed: each engine at each of its timesteps, coarse first."""
+        """The cases that are changed: each engine at its timesteps, coarse first, then adaptive."""
         return tuple(case for name in self.engines for case in self._bases_of(name))
 
     def _bases_of(self, name: str) -> Iterator[Case]:
@@ -121,6 +121,8 @@ class GradientPlan:
         ladder = timesteps(self.scene, self.suite.rungs)[: self.suite.count]
         for value in rungs(name, ladder):
             yield at_rung(Case(scene=self.scene, engine=name), value)
+        if not chooses_steps(name):
+            yield Case(scene=self.scene, engine=name, profile="adaptive")
 
     def changed(self, base: Case, key: str, step: float) -> Case:
         """Return a case with one number changed by a step, relative and with its sign."""

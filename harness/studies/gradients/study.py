@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series
-from harness.engines.ladder import finer_by, rung_of, spelled
+from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics import quantities
 from harness.metrics.convergence import observed_order
@@ -39,7 +39,8 @@ class GradientsStudy:
 
     @property
     def _stepping(self) -> list[Case]:
-        return [base for base in self.plan.bases if base.engine != "reference"]
+        """The bases whose engines may differentiate themselves: those of one timestep."""
+        return [base for base in self.plan.bases if base.engine != "reference" and _steady(base)]
 
     def next_jobs(self, _: Results) -> list[Job[Case, Record]]:
         """Return every changed case, the exact derivatives, and those of engines."""
@@ -164,25 +165,30 @@ class GradientLadder:
 def _ladders(differences: Sequence[Differences]) -> Iterator[GradientLadder]:
     groups: dict[tuple[str, str, str], list[Differences]] = {}
     for each in differences:
-        if each.base.engine != "reference":
+        if each.base.engine != "reference" and _steady(each.base):
             groups.setdefault((each.base.engine, each.key, each.quantity), []).append(each)
     for rungs in groups.values():
         yield GradientLadder(rungs=tuple(rungs))
 
 
+def _steady(base: Case) -> bool:
+    """Whether all steps of a case are alike, or chosen by the engine itself."""
+    return base.profile != "adaptive"
+
+
 def _finest(differences: Sequence[Differences]) -> list[Differences]:
-    """Return those at the finest timestep of each engine."""
-    last = {each.base.engine: each.base for each in differences}
-    return [each for each in differences if each.base is last[each.base.engine]]
+    """Return those at the finest timestep of each engine, and those of adaptive steps."""
+    last = {(each.base.engine, each.base.profile): each.base for each in differences}
+    return [each for each in differences if each.base in last.values()]
 
 
 def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDerivative]) -> Prose:
     """Return a paragraph on each engine."""
     paragraphs = []
-    for engine in dict.fromkeys(each.base.engine for each in differences):
-        mine = [each for each in _finest(differences) if each.base.engine == engine]
-        paragraphs.append(_sentences(engine, mine))
-        of_engine = [each for each in own if each.base is mine[0].base]
+    for base in dict.fromkeys(each.base for each in _finest(differences)):
+        mine = [each for each in differences if each.base == base]
+        paragraphs.append(_sentences(base, mine))
+        of_engine = [each for each in own if each.base == base]
         for step in dict.fromkeys(each.step for each in of_engine):
             errors = sorted(
                 (each.error, each.quantity, each.key) for each in of_engine if each.step == step
@@ -198,13 +204,19 @@ def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDe
     return Prose(name=f"{scene}-summary", title=title, text=text, scene=scene)
 
 
-def _sentences(engine: str, mine: Sequence[Differences]) -> str:
+def _name(base: Case) -> str:
+    """Return an engine with its timestep or its accuracy."""
+    if base.engine == "reference":
+        return "exact motion"
+    rung = rung_of(base)
+    return f"{base.engine}, {base.profile if rung is None else spelled(base.engine, rung)}"
+
+
+def _sentences(base: Case, mine: Sequence[Differences]) -> str:
     """Return how many derivatives of an engine are right, and with which steps."""
     known = [each for each in mine if each.best is not None]
     right = [each for each in known if each.usable is not None]
-    rung = rung_of(mine[0].base)
-    at = "" if rung is None else f" at {finer_by(engine)} {rung:g}"
-    words = [f"{engine}{at}: of {len(mine)} derivatives {len(right)} can be had to 1 %."]
+    words = [f"{_name(base)}: of {len(mine)} derivatives {len(right)} can be had to 1 %."]
     if right:
         low = max(each.usable[0] for each in right if each.usable)
         high = min(each.usable[1] for each in right if each.usable)
@@ -267,10 +279,8 @@ def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
     finest = {each.base for each in _finest(own)}
     for each in own:
         errors = [math.nan if e is None else max(e, _LEAST_ERROR) for e in each.errors.values()]
-        rung = rung_of(each.base)
-        at = "" if rung is None else f", {spelled(each.base.engine, rung)}"
         yield Series(
-            label="exact motion" if each.base.engine == "reference" else f"{each.base.engine}{at}",
+            label=_name(each.base),
             kind=each.base.engine,
             x=np.array(list(each.errors)),
             y=np.array(errors),
@@ -326,6 +336,7 @@ def _each(differences: Sequence[Differences]) -> Iterator[dict[str, object]]:
         for step, value in each.values.items():
             yield {
                 "engine": each.base.engine,
+                "profile": each.base.profile,
                 "timestep_s": rung_of(each.base),
                 "key": each.key,
                 "quantity": each.quantity,
@@ -338,6 +349,7 @@ def _each(differences: Sequence[Differences]) -> Iterator[dict[str, object]]:
 
 _HEAD = (
     Column("engine", "Name of the engine; reference is the exact motion itself.", "base.engine"),
+    Column("profile", "matched, at a fixed timestep, or adaptive.", "base.profile"),
     Column("timestep_s", "Timestep, or accuracy in its place.", lambda each: rung_of(each.base)),
     Column("key", "Number of the scene that is changed."),
     Column("quantity", "Quantity of the first bounce; the unit is its suffix."),
@@ -379,17 +391,18 @@ _OWN = (
 
 _LADDERS = (
     _HEAD[0].of(lambda each: each.rungs[0].base.engine),
-    _HEAD[2].of(lambda each: each.rungs[0].key),
-    _HEAD[3].of(lambda each: each.rungs[0].quantity),
+    _HEAD[3].of(lambda each: each.rungs[0].key),
+    _HEAD[4].of(lambda each: each.rungs[0].quantity),
     Column("errors", "Each timestep, with the error of the difference that settles.", "words"),
     Column("order", "Order with which that error falls with the timestep."),
 )
 
 _EACH = (
     _HEAD[0].of("engine"),
-    _HEAD[1].of("timestep_s"),
-    _HEAD[2],
+    _HEAD[1].of("profile"),
+    _HEAD[2].of("timestep_s"),
     _HEAD[3],
+    _HEAD[4],
     Column("step", "Relative step of the difference."),
     Column("value", "The central difference over its step."),
     _EXACT,

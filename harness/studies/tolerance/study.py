@@ -148,7 +148,9 @@ def _summary(settings: Sequence[SettingSummary], left_out: dict[str, str]) -> Pr
             "absolute error of the first angle of turn, in rad, or, of a can that does not "
             "bounce, the largest error of phi. Nobody promises that the two are equal: a "
             "tolerance bounds a step, and errors of steps add up. A setting is called honest if "
-            "its error follows what is asked for, and lies at most ten times above it."
+            "its error follows what is asked for, and lies at most ten times above it. The error "
+            "of an engine has all in it, the softness of its contact too: the level at which it "
+            "stays is what no step of that engine takes away."
         ),
         *(_sentence(each) for each in settings),
     ]
@@ -291,7 +293,7 @@ _SETTING = Column("setting", "The setting that asks for an accuracy.", "knob.nam
 _ENGINE = Column("engine", "Name of the engine.", "knob.engine")
 _SCENE = Column("scene", "Name of the hard case.", "scene.name")
 _SLOPE = "Slope of log delivered over log asked, where the error responds; 1 is in proportion."
-_WORST = "Largest delivered over asked where the error responds; 1/rad."
+_WORST = "Largest delivered error, rad, over what was asked, where the error responds."
 
 
 def _count(kind: Honesty) -> Column:

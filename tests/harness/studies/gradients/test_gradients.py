@@ -90,7 +90,9 @@ def test_the_study_finds_differences_of_both(monkeypatch: pytest.MonkeyPatch) ->
     study = GradientsStudy(plan=plan_gradients(GENTLE, ("reference", "mujoco"), "quick"))
     done = run_study(study)
     turn = [d for d in study.differences(done) if d.quantity == "angle_of_turn_deg"]
-    truth, engine = turn
+    truth, engine, adaptive = turn
+    assert adaptive.base.profile == "adaptive"
+    assert adaptive.settled is not None
     assert truth.best is not None
     assert truth.best[1] < 1e-8
     assert truth.parts is not None
