@@ -1,8 +1,10 @@
 """Numbers of the texts on studies: stability, tolerance, gradients."""
 
+import math
+
 import pandas as pd
 
-from docs.formatting import ENGINES, Row, csv, digits, markdown
+from docs.formatting import ENGINES, csv, digits, markdown
 
 _PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
@@ -69,38 +71,49 @@ def tolerance() -> dict[str, str]:
 
 def _number(value: float, count: int) -> str:
     """Return a number with so many digits, or a dash where there is none."""
-    return "-" if pd.isna(value) else digits(float(value), count)
+    return "-" if math.isnan(value) else digits(value, count)
 
 
 def gradients() -> dict[str, str]:
     """Return how far derivatives of engines are from the exact ones, by differences and own."""
-    table, own = (csv(f"gradients/paper-release-{part}.csv") for part in ("gradients", "own"))
-    finest = table[table["timestep_s"] == table.groupby("engine")["timestep_s"].transform("min")]
-    turn = finest[finest["quantity"] == "angle_of_turn_deg"]
-    rows = [
-        (str(key), f"{by['exact'].iloc[0]:.4g}", *(_percent(by, engine) for engine in ENGINES))
-        for key, by in turn.groupby("key", sort=False)
-    ]
-    last = own[own["timestep_s"] == own["timestep_s"].min()]
-    last = last[last["quantity"] == "angle_of_turn_deg"]
-    by_step = last.pivot_table(
-        index="key", columns="engine_step", values="relative_error", sort=False
-    )
-    steps = sorted(by_step.columns)
-    return {
-        "table": markdown(("by", "exact", *ENGINES.values()), rows),
-        "own": markdown(
-            ("by", *(f"{step:.0e}" for step in steps)),
-            [(str(key), *(_share(row[step]) for step in steps)) for key, row in by_step.iterrows()],
-        ),
-        "timestep": f"{turn['timestep_s'].min():g}",
-    }
+    facts: dict[str, str] = {}
+    for short, scene in (("gentle", "gentle-rock"), ("paper", "paper-release")):
+        folder = f"gradients-{short}/{scene}"
+        turn = _of_turn(csv(f"{folder}-gradients.csv"))
+        rows = [
+            (f"`{key}`", f"{by['exact'].iloc[0]:.4g}", *_columns(by))
+            for key, by in turn.groupby("key", sort=False)
+        ]
+        head = [f"{name}, {steps}" for name in ENGINES.values() for steps in _STEPS.values()]
+        facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
+        facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
+        own = _of_turn(csv(f"{folder}-own.csv")).pivot_table(
+            index="key", columns="engine_step", values="relative_error", sort=False
+        )
+        steps = sorted(own.columns, reverse=True)
+        facts[f"{short}_own"] = markdown(
+            ("turn by", *(f"{step:.0e}" for step in steps)),
+            [(f"`{key}`", *(_share(row[step]) for step in steps)) for key, row in own.iterrows()],
+        )
+        adaptive = turn[turn["profile"] == "adaptive"]
+        facts[f"{short}_from"] = f"{adaptive['right_from'].max():.0e}"
+    return facts
 
 
-def _percent(by: pd.DataFrame, engine: str) -> str:
-    """Return the error of the difference of an engine that settles."""
-    row: Row = by.set_index("engine").loc[engine].to_dict()
-    return _share(float(row["settled_error"]))
+_STEPS = {"matched": "fixed step", "adaptive": "steps that follow the motion"}
+
+
+def _of_turn(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the turn, at the finest timestep and at steps that follow the motion."""
+    turn = table[table["quantity"] == "angle_of_turn_deg"]
+    finest = turn["timestep_s"] == turn["timestep_s"].min()
+    return turn[finest | (turn["profile"] == "adaptive")]
+
+
+def _columns(by: pd.DataFrame) -> list[str]:
+    """Return the errors of one derivative: of each engine with each kind of steps."""
+    errors = by.set_index(["engine", "profile"])["relative_error"].to_dict()
+    return [_share(errors[engine, profile]) for engine in ENGINES for profile in _STEPS]
 
 
 def _share(error: float) -> str:
