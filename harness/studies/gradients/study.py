@@ -319,7 +319,7 @@ def _own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
             )
         )
     yield Figure(
-        name=f"{scene}-own",
+        name=f"{scene}-own-derivatives",
         title="Derivatives of the engines' own",
         seen=(
             "The engine differentiates each of its steps and the products are chained over the "
