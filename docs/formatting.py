@@ -14,6 +14,9 @@ BASELINE = ROOT / "reports" / "baseline"
 
 Row = Mapping[Hashable, Any]
 
+ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
+"""Engines that are measured for the texts, by name."""
+
 
 def csv(name: str) -> pd.DataFrame:
     """Return a table below `reports/baseline`; an empty cell is an empty string or NaN."""

@@ -18,6 +18,7 @@ import pandas as pd
 from docs.field_guide import guide
 from docs.formatting import (
     BASELINE,
+    ENGINES,
     ROOT,
     Row,
     adapter_of,
@@ -27,6 +28,7 @@ from docs.formatting import (
     markdown,
 )
 from docs.history import history
+from docs.studies import gradients, stability, tolerance
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint
 from harness.execution.atomic_write import write_atomically
@@ -48,8 +50,6 @@ TEXTS = (
 
 MARKED = re.compile(r"(<!-- = ([\w.-]+) -->)(.*?)(<!-- / -->)", flags=re.DOTALL)
 
-ENGINES = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
-PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
 Source = Callable[[], Mapping[str, str]]
 
@@ -247,32 +247,6 @@ def _span(values: "pd.Series[float]") -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def stability() -> dict[str, str]:
-    """Return how many runs on hard cases have each verdict, and how the reference fares."""
-    counts, hard = csv("stability/verdict-counts.csv"), csv("stability/hard-cases.csv")
-    survey = csv("stability/random-scenes.csv")
-    wide = counts.pivot_table(
-        index="verdict", columns=["engine", "profile"], values="runs", fill_value=0, sort=False
-    )
-    columns = [(engine, profile) for engine in ENGINES for profile in PROFILES]
-    rows = [
-        [str(verdict), *(f"{row.get(column, 0):.0f}" for column in columns)]
-        for verdict, row in wide.iterrows()
-    ]
-    head = ["runs that are", *(f"{ENGINES[e]}, {PROFILES[p]}" for e, p in columns)]
-    return {
-        "table": markdown(head, rows),
-        "runs": f"{counts['runs'].sum():,}",
-        "cases": str(len(hard)),
-        "solved": str(hard["reference"].str.startswith("solved").sum()),
-        "refused": str(hard["reference"].str.startswith("refused").sum()),
-        "disagreement": f"{hard['disagreement'].max():.1e}",
-        "random": f"{survey['scenes'].sum():,}",
-        "random_refused": str(survey[survey["ends"] == "refused"]["scenes"].sum()),
-        "random_failed": str(survey["failures"].sum()),
-    }
-
-
 def gate() -> dict[str, str]:
     """Return how many quantities a gate finds worse when friction is made soft."""
     table = csv("gate/gate.csv")
@@ -351,6 +325,8 @@ SOURCES: Mapping[str, Source] = {
         rim,
         cost,
         stability,
+        tolerance,
+        gradients,
         gate,
         benchmark,
         audit,

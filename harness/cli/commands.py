@@ -20,7 +20,10 @@ _PASSED_ON = {"ignore_unknown_options": True, "allow_extra_args": True, "help_op
 
 
 OF_A_SCENE = frozenset(
-    {"run", "reference", "sweep", "attribute", "errors", "cost", "effects", "export", "score"}
+    {
+        *("run", "reference", "sweep", "attribute", "errors", "cost", "effects", "gradients"),
+        *("export", "score"),
+    }
 )
 """Commands of which the first argument is a scene."""
 
@@ -97,6 +100,18 @@ COMMANDS = tuple(
             "studies",
             "stability",
             "How engines fail on hard cases, and at which timestep.",
+        ),
+        (
+            UNDERSTAND,
+            "accuracy",
+            "tolerance",
+            "Whether the error asked for is the error delivered.",
+        ),
+        (
+            UNDERSTAND,
+            "accuracy",
+            "gradients",
+            "What an engine says a small change does, against the exact derivative.",
         ),
         (UNDERSTAND, "studies", "effects", "Which effects a scene needs, lacks and gets unasked."),
         (UNDERSTAND, "studies", "probe", "Where an engine's colliders see a can on its rim."),

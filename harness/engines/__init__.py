@@ -36,6 +36,7 @@ from harness.engines.can_mesh import (
     prism,
 )
 from harness.engines.description import Description, Method, Precision
+from harness.engines.linearised import LinearisedMotion
 from harness.engines.parity.checks import SMALLEST_TILT, rim_within
 from harness.engines.parity.contact import (
     FRICTIONS,
@@ -81,6 +82,7 @@ __all__ = [
     "HarnessError",
     "Integers",
     "InvalidSettingError",
+    "LinearisedMotion",
     "Mesh",
     "Method",
     "MissingLibraryError",

@@ -14,6 +14,7 @@ from harness.core.errors import InvalidSettingError, UnknownSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Simulation
 from harness.engines.description import Description, Precision
+from harness.engines.linearised import LinearisedMotion
 from harness.engines.world import World, renamed_words
 
 if TYPE_CHECKING:
@@ -283,6 +284,13 @@ class EngineFeatures:
         Those for a can that is a mesh, of the setting `mesh`.
     variants : tuple of Variant, or None
         Settings worth a price; None takes the profiles and each word that a setting allows.
+    tolerances : tuple of Variant
+        Settings that ask for an accuracy of the motion, each with its values from coarse to fine,
+        beside the accuracy setting of the description and the `eta` of adaptive stepping.
+    linearise : callable or None
+        Returns the motion of a case with its derivatives, as the engine differentiates itself: of a
+        case, changes of the release (12, k), `seconds` of the run, and the `step` of differences
+        that the engine takes, which one that differentiates its program has no use for.
     export_settings : callable or None
         Returns a case in the engine's own language.
     counted_step : callable or None
@@ -305,6 +313,8 @@ class EngineFeatures:
     colliders: tuple[Variant, ...] = (Variant(name="matched"),)
     mesh_colliders: tuple[Variant, ...] = ()
     variants: tuple[Variant, ...] | None = None
+    tolerances: tuple[Variant, ...] = ()
+    linearise: Callable[..., LinearisedMotion] | None = None
     export_settings: Callable[[Case], str] | None = None
     counted_step: Callable[[World], int] | None = None
     simulate_many: Callable[[Sequence[Case]], Sequence[Simulation]] | None = None

@@ -105,8 +105,8 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")
     ratios, lean_ones = found["ratios"], found["lean"]
     # two commands; the exact bounce, the integrator over one bounce and three, the map; friction;
-    # of the engine two loops, a batch, adaptive steps; over heyoka the exact bounce at two tolerances
-    # and the integrator
+    # of the engine two loops, a batch, adaptive steps; over heyoka the exact bounce at two
+    # tolerances and the integrator
     rivals = 0 if heyoka_rows.missing() else 3
     assert len(ratios) == 11 + rivals
     assert sum("heyoka" in row["what"] for row in ratios) == rivals

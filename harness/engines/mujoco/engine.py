@@ -31,6 +31,7 @@ from harness.engines import (
     Fixed,
     Floats,
     Integers,
+    LinearisedMotion,
     Outcome,
     PhysicsEngine,
     SamplingInterval,
@@ -47,6 +48,7 @@ from harness.engines.mujoco import DESCRIPTION
 from harness.engines.mujoco import settings as declared
 from harness.engines.mujoco.colliders import COLLIDERS, MESH_COLLIDERS
 from harness.engines.mujoco.compiled_scene import alike, chunk_of
+from harness.engines.mujoco.linearised import linearised
 from harness.engines.mujoco.world import MujocoWorld
 from models.rim import released
 
@@ -366,6 +368,14 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         world.step()
         data = world.data
         return int(data.solver_niter[: max(1, int(data.nisland))].sum())
+
+    def linearise(
+        self, case: Case, changes: Floats, *, seconds: float, step: float
+    ) -> LinearisedMotion:
+        """Return a run and its derivatives by changes of the release, by `mjd_transitionFD`."""
+        pose, twist = released(case.scene)
+        _, pose = settle(self.open(case), case.scene, pose, twist)
+        return linearised(self.open(case), pose, twist, changes, seconds=seconds, step=step)
 
     def export_settings(self, case: Case) -> str:
         """Return the settings of a case as MJCF."""

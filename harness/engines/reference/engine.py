@@ -11,6 +11,7 @@ from harness.engines.base import Capabilities, resolve
 from harness.engines.reference.to_reference_problem import HONOURS, refusal
 from harness.engines.reference.truth import (
     SETTINGS,
+    TOLERANCES,
     VARIANTS,
     WITHOUT_LOCUS,
     sample_truth,
@@ -26,6 +27,7 @@ class ReferenceEngine:
     name = "reference"
     settings = SETTINGS
     variants = VARIANTS
+    tolerances = TOLERANCES
     capabilities = Capabilities(honours=HONOURS, imposes={})
 
     @property

@@ -41,6 +41,7 @@ from reference import (
 )
 from reference.analysis.conditioning import lost_of_force
 from reference.equations.reaction_force import contact_force_in_world
+from reference.smooth.scipy_ivp import SCIPY_METHODS
 
 MOST = 16
 """Most motions held in memory, each of some megabytes at most."""
@@ -91,6 +92,26 @@ VARIANTS = (
     ),
 )
 """Ways to solve a scene; an implicit method in the raw variables is slow where it is stiff."""
+
+
+_DECADES = tuple(float(f"1e-{power}") for power in range(2, 13))
+"""Relative tolerances over ten decades; scipy takes none below 2.2e-14."""
+
+TOLERANCES = tuple(
+    Variant(
+        name=name,
+        settings=(("model", "rolling"), ("method", method)),
+        along="rtol",
+        values=_DECADES,
+        thorough=method in {"RK23", "Radau", "BDF"},
+    )
+    for name, method in (
+        *((f"scipy {method}", method) for method in SCIPY_METHODS),
+        ("half-period", "half-period"),
+        ("Picard-Chebyshev", "picard-chebyshev"),
+    )
+)
+"""Every integrator of the rolling can over the tolerances that it may be asked for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -250,6 +271,11 @@ def _remember(key: tuple[Scene, Problem, str], motion: Truth) -> None:
     SOLVED[key] = motion
     while len(SOLVED) > MOST:
         SOLVED.popitem(last=False)
+
+
+def exact_motion(scene: Scene) -> Truth:
+    """Return the exact motion of a scene, by the closed formula where it is confirmed."""
+    return solve_case(Case(scene=scene, engine="reference"), again=False)
 
 
 @lru_cache(maxsize=64)

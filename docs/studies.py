@@ -1,0 +1,121 @@
+"""Numbers of the texts on studies: stability, tolerance, gradients."""
+
+import math
+
+import pandas as pd
+
+from docs.formatting import ENGINES, csv, digits, markdown
+
+_PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
+
+
+def stability() -> dict[str, str]:
+    """Return how many runs on hard cases have each verdict, and how the reference fares."""
+    counts, hard = csv("stability/verdict-counts.csv"), csv("stability/hard-cases.csv")
+    survey = csv("stability/random-scenes.csv")
+    wide = counts.pivot_table(
+        index="verdict", columns=["engine", "profile"], values="runs", fill_value=0, sort=False
+    )
+    columns = [(engine, profile) for engine in ENGINES for profile in _PROFILES]
+    rows = [
+        [str(verdict), *(f"{row.get(column, 0):.0f}" for column in columns)]
+        for verdict, row in wide.iterrows()
+    ]
+    head = ["runs that are", *(f"{ENGINES[e]}, {_PROFILES[p]}" for e, p in columns)]
+    return {
+        "table": markdown(head, rows),
+        "runs": f"{counts['runs'].sum():,}",
+        "cases": str(len(hard)),
+        "solved": str(hard["reference"].str.startswith("solved").sum()),
+        "refused": str(hard["reference"].str.startswith("refused").sum()),
+        "disagreement": f"{hard['disagreement'].max():.1e}",
+        "random": f"{survey['scenes'].sum():,}",
+        "random_refused": str(survey[survey["ends"] == "refused"]["scenes"].sum()),
+        "random_failed": str(survey["failures"].sum()),
+    }
+
+
+_KINDS = ("honest", "delivers_more_than_asked", "always_to_round-off")
+"""Verdicts that keep what is promised."""
+
+
+def tolerance() -> dict[str, str]:
+    """Return for each setting that asks for an accuracy what it delivers on hard cases."""
+    table = csv("tolerance/settings.csv")
+    judged = table.set_index("setting")
+    rows = [
+        (
+            str(name),
+            f"{row['coarsest']:.0e} to {row['finest']:.0e}",
+            _number(row["median_slope"], 2),
+            _number(row["worst_factor"], 2),
+            _number(row["level_rad"], 2),
+            f"{sum(row[kind] for kind in _KINDS):.0f}",
+            f"{row['optimistic'] + row['does_not_follow'] + row['saturates']:.0f}",
+            f"{row['changes_nothing']:.0f}",
+            f"{row['loses_the_motion']:.0f}",
+        )
+        for name, row in judged.iterrows()
+    ]
+    head = (
+        *("setting", "asked", "slope", "worst factor", "level, rad", "keeps it", "does not"),
+        *("changes nothing", "loses the motion"),
+    )
+    runs, ladders = csv("tolerance/delivered.csv"), csv("tolerance/ladders.csv")
+    return {
+        "table": markdown(head, rows, words=2),
+        "runs": f"{len(runs):,}",
+        "cases": str(ladders["scene"].nunique()),
+    }
+
+
+def _number(value: float, count: int) -> str:
+    """Return a number with so many digits, or a dash where there is none."""
+    return "-" if math.isnan(value) else digits(value, count)
+
+
+def gradients() -> dict[str, str]:
+    """Return how far derivatives of engines are from the exact ones, by differences and own."""
+    facts: dict[str, str] = {}
+    for short, scene in (("gentle", "gentle-rock"), ("paper", "paper-release")):
+        folder = f"gradients-{short}/{scene}"
+        turn = _of_turn(csv(f"{folder}-gradients.csv"))
+        rows = [
+            (f"`{key}`", f"{by['exact'].iloc[0]:.4g}", *_columns(by))
+            for key, by in turn.groupby("key", sort=False)
+        ]
+        head = [f"{name}, {steps}" for name in ENGINES.values() for steps in _STEPS.values()]
+        facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
+        facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
+        own = _of_turn(csv(f"{folder}-own.csv")).pivot_table(
+            index="key", columns="engine_step", values="relative_error", sort=False
+        )
+        steps = sorted(own.columns, reverse=True)
+        facts[f"{short}_own"] = markdown(
+            ("turn by", *(f"{step:.0e}" for step in steps)),
+            [(f"`{key}`", *(_share(row[step]) for step in steps)) for key, row in own.iterrows()],
+        )
+        adaptive = turn[turn["profile"] == "adaptive"]
+        facts[f"{short}_from"] = f"{adaptive['right_from'].max():.0e}"
+    return facts
+
+
+_STEPS = {"matched": "fixed step", "adaptive": "steps that follow the motion"}
+
+
+def _of_turn(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the turn, at the finest timestep and at steps that follow the motion."""
+    turn = table[table["quantity"] == "angle_of_turn_deg"]
+    finest = turn["timestep_s"] == turn["timestep_s"].min()
+    return turn[finest | (turn["profile"] == "adaptive")]
+
+
+def _columns(by: pd.DataFrame) -> list[str]:
+    """Return the errors of one derivative: of each engine with each kind of steps."""
+    errors = by.set_index(["engine", "profile"])["relative_error"].to_dict()
+    return [_share(errors[engine, profile]) for engine in ENGINES for profile in _STEPS]
+
+
+def _share(error: float) -> str:
+    """Return a relative error in percent."""
+    return f"{digits(100.0 * error, 2)} %"

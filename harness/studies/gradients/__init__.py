@@ -1,0 +1,1 @@
+"""What an engine says a small change does, against the exact derivative."""

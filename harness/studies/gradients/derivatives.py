@@ -1,0 +1,205 @@
+"""Three derivatives of a bounce: exact, by differences of runs, and an engine's own."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.trajectory import Floats, Trajectory
+from harness.engines.base import features_of
+from harness.engines.linearised import change_between
+from harness.engines.reference.truth import exact_motion
+from harness.engines.registry import engine
+from harness.engines.remote import call_at_engine
+from harness.evaluation.effort import engine_group, expected_seconds, simulated_seconds
+from harness.evaluation.evaluate import check_case, evaluate_case
+from harness.evaluation.evaluation import Record
+from harness.execution.worker import LostTaskError
+from harness.metrics import quantities
+from harness.metrics.bounces import bounces
+from harness.metrics.motion import motion
+from harness.studies.gradients.design import KEYS, QUANTITIES, keys_of, unit_of, value_of
+from harness.studies.study import Work, record_cache
+from harness.sweep.parameters import scene_at
+from models.rim import released
+from models.scene import Scene
+
+Numbers = Mapping[str, float | None]
+"""Quantities of the first bounce by their keys; None where there is none."""
+
+OWN_STEPS = (1e-4, 1e-6, 1e-8)
+"""Steps of the differences that an engine takes of its own step, in its own units."""
+
+_OF_BOUNCE = {key: quantities.QUANTITIES[key].of_bounce for key in QUANTITIES}
+
+_NOTHING: Numbers = dict.fromkeys(QUANTITIES)
+
+
+def exact_numbers(scene: Scene) -> Numbers:
+    """Return the quantities of the first exact bounce of a scene."""
+    found = exact_motion(scene).bounces
+    return {key: of(found[0]) for key, of in _OF_BOUNCE.items()} if found else _NOTHING
+
+
+def numbers_of(case: Case) -> Record:
+    """Run a case and return its quantities, `numbers`, and how it ended, `ending`.
+
+    Raises
+    ------
+    HarnessError
+        For wrong use, as `evaluate_case` does.
+    """
+    if case.engine == "reference":
+        return {"numbers": dict(exact_numbers(case.scene)), "ending": ""}
+    evaluation = evaluate_case(case)
+    numbers = {key: quantities.QUANTITIES[key].of_run(evaluation) for key in QUANTITIES}
+    return {"numbers": numbers, "ending": evaluation.simulation.ending}
+
+
+def _lost(case: Case, error: LostTaskError) -> Record:
+    del case
+    return {"numbers": dict(_NOTHING), "ending": error.reason}
+
+
+_FIRST, _TABLEAU, _SHRINK = 0.02, 8, 1.6
+"""Of the extrapolation: first relative step, number of steps, and their ratio."""
+
+
+def exact_derivatives(case: Case) -> Record:
+    """Return by quantity and key the derivatives of the exact bounce, per unit of the key.
+
+    By Ridders's extrapolation of central differences of the exact motion (Adv. Eng. Software 4,
+    1982, 75): of the tableau the entry that differs least from its neighbours.
+    """
+    scene = case.scene
+    found: dict[str, dict[str, float | None]] = {key: {} for key in QUANTITIES}
+    for key in keys_of(scene, KEYS):
+        unit, before = unit_of(scene, key), value_of(scene, key)
+
+        def at(step: float, key: str = key, unit: float = unit, before: float = before) -> Numbers:
+            return exact_numbers(scene_at(scene, {key: before + step * unit}))
+
+        for quantity, value in _ridders(at).items():
+            found[quantity][key] = None if value is None else value / unit
+    return found
+
+
+def _ridders(at: Callable[[float], Numbers]) -> Numbers:
+    """Return the derivative of every quantity by a relative change, at no change."""
+    steps = [_FIRST / _SHRINK**place for place in range(_TABLEAU)]
+    pairs = [(at(step), at(-step)) for step in steps]
+    return {key: _extrapolated(steps, [(u[key], d[key]) for u, d in pairs]) for key in QUANTITIES}
+
+
+def _extrapolated(
+    steps: list[float], pairs: list[tuple[float | None, float | None]]
+) -> float | None:
+    """Return the best entry of a tableau of central differences; None if one is not known."""
+    column = [
+        math.nan if up is None or down is None else (up - down) / (2.0 * step)
+        for step, (up, down) in zip(steps, pairs, strict=True)
+    ]
+    best, error, factor = math.nan, math.inf, 1.0
+    while len(column) > 1:
+        factor *= _SHRINK**2
+        finer = [(factor * fine - coarse) / (factor - 1.0) for coarse, fine in pairwise(column)]
+        for place, value in enumerate(finer):
+            off = max(abs(value - column[place]), abs(value - column[place + 1]))
+            if off < error:
+                best, error = value, off
+        column = finer
+    return best if math.isfinite(best) else None
+
+
+def own_derivatives(case: Case) -> Record:
+    """Return the derivatives by the release as the engine differentiates itself.
+
+    Returns
+    -------
+    dict
+        By the step of the engine's own differences, as a text, then by quantity and key; empty if
+        the engine offers none.
+    """
+    return call_at_engine(case.engine, _own_derivatives, case)
+
+
+def _own_derivatives(case: Case) -> Record:
+    linearise = features_of(engine(case.engine)).linearise
+    scene = case.scene
+    keys = [key for key in keys_of(scene, KEYS) if key.startswith("release.")]
+    if linearise is None or case.engine == "reference":
+        return {}
+    changes = np.stack([_of_release(scene, key) for key in keys], axis=1)
+    seconds = simulated_seconds(scene) * _PAST_THE_END
+    found: Record = {}
+    for step in OWN_STEPS:
+        run = linearise(case, changes, seconds=seconds, step=step)
+        by_key = {}
+        for column, key in enumerate(keys):
+            size = _DISPLACED * unit_of(scene, key)
+            ends = [run.displaced(column, sign * size) for sign in (1.0, -1.0)]
+            up, down = (_numbers_of_motion(end, scene) for end in ends)
+            by_key[key] = {
+                q: None
+                if (a := up[q]) is None or (b := down[q]) is None
+                else (a - b) / (2.0 * size)
+                for q in QUANTITIES
+            }
+        found[f"{step:g}"] = {q: {key: by_key[key][q] for key in keys} for q in QUANTITIES}
+    return found
+
+
+_PAST_THE_END = 1.02
+"""Share of the exact motion's time that is differentiated: past its last maximum of phi."""
+
+_DISPLACED = 1e-6
+"""Relative size with which a linearised motion is displaced to be measured."""
+
+
+def _of_release(scene: Scene, key: str) -> Floats:
+    """Return the change of the state at the release by a key, shape (12,), per its unit."""
+    size = _DISPLACED * unit_of(scene, key)
+    before = value_of(scene, key)
+    down, up = (released(scene_at(scene, {key: before + sign * size})) for sign in (-1.0, 1.0))
+    return change_between(down, up, 2.0 * size)
+
+
+def _numbers_of_motion(trajectory: Trajectory, scene: Scene) -> Numbers:
+    found = bounces(motion(trajectory, scene), scene.can)
+    return {key: of(found[0]) for key, of in _OF_BOUNCE.items()} if found else _NOTHING
+
+
+def _no_derivatives(case: Case, error: LostTaskError) -> Record:
+    del case, error
+    return {}
+
+
+def _work(name: str, kind: str, call: Callable[[Case], Record]) -> Work[Case, Record]:
+    return Work(
+        name=name,
+        call=call,
+        lost=_no_derivatives,
+        label=Case.label,
+        cache=record_cache(kind, __name__),
+        check=check_case,
+        effort=expected_seconds,
+        group=engine_group,
+    )
+
+
+CHANGING: Work[Case, Record] = replace(
+    _work("small changes", "bounce-numbers", numbers_of), lost=_lost
+)
+"""Run a changed case and return the quantities of its first bounce."""
+
+EXACT: Work[Case, Record] = _work("exact derivatives", "exact-derivatives", exact_derivatives)
+"""Differentiate the exact bounce of a case."""
+
+OWN: Work[Case, Record] = replace(
+    _work("derivatives of engines", "own-derivatives", own_derivatives),
+    effort=lambda case: 30.0 * expected_seconds(case),
+)
+"""Ask an engine for the derivatives of a case."""

@@ -1,0 +1,410 @@
+"""The study of gradients: what an engine says a small change does, against the exact derivative."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series
+from harness.engines.ladder import rung_of, spelled
+from harness.evaluation.evaluation import Record
+from harness.metrics import quantities
+from harness.metrics.convergence import observed_order
+from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, exact_numbers
+from harness.studies.gradients.design import QUANTITIES, GradientPlan, unit_of
+from harness.studies.gradients.findings import RIGHT, Differences, OwnDerivative, percent
+from harness.studies.shared.run_columns import scene_table
+from harness.studies.study import Job, Results
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradientsStudy:
+    """Differentiate a bounce by its release and its can, in every engine.
+
+    Parameters
+    ----------
+    plan : GradientPlan
+        From `harness.studies.gradients.design.plan_gradients`.
+    """
+
+    plan: GradientPlan
+
+    name = "gradients"
+
+    @property
+    def _truth(self) -> Case:
+        return Case(scene=self.plan.scene, engine="reference")
+
+    @property
+    def _stepping(self) -> list[Case]:
+        """The bases whose engines may differentiate themselves: those of one timestep."""
+        return [base for base in self.plan.bases if base.engine != "reference" and _steady(base)]
+
+    def next_jobs(self, _: Results) -> list[Job[Case, Record]]:
+        """Return every changed case, the exact derivatives, and those of engines."""
+        return [
+            Job(EXACT, self._truth),
+            *(Job(CHANGING, case) for case in self.plan.cases()),
+            *(Job(OWN, base) for base in self._stepping),
+        ]
+
+    def differences(self, done: Results) -> list[Differences]:
+        """Return the differences of each quantity by each key at each timestep."""
+        plan, runs = self.plan, done.of(CHANGING)
+        exact, size = done.of(EXACT)[self._truth], exact_numbers(plan.scene)
+        found = []
+        for base in plan.bases:
+            for key in plan.keys:
+                ends = {
+                    step: [
+                        runs[plan.changed(base, key, sign * step)]["numbers"]
+                        for sign in (1.0, -1.0)
+                    ]
+                    for step in plan.steps
+                }
+                for quantity in QUANTITIES:
+                    slope, value = exact.get(quantity, {}).get(key), size[quantity]
+                    if slope is None or value is None:
+                        continue
+                    unit = unit_of(plan.scene, key)
+                    values = {
+                        step: _over(up[quantity], down[quantity], 2.0 * step * unit)
+                        for step, (up, down) in ends.items()
+                    }
+                    found.append(
+                        Differences(
+                            base=base,
+                            key=key,
+                            quantity=quantity,
+                            exact=slope,
+                            size=abs(value),
+                            values=values,
+                        )
+                    )
+        return found
+
+    def own(self, done: Results) -> list[OwnDerivative]:
+        """Return the derivatives that engines have of their own."""
+        known = {(d.base, d.key, d.quantity): d for d in self.differences(done)}
+        return [
+            OwnDerivative(
+                base=base,
+                key=key,
+                quantity=quantity,
+                step=step,
+                value=value,
+                exact=same.exact,
+                scale=same.scale,
+            )
+            for base, record in done.of(OWN).items()
+            for step, by_quantity in record.items()
+            for quantity, by_key in by_quantity.items()
+            for key, value in by_key.items()
+            if value is not None and (same := known.get((base, key, quantity))) is not None
+        ]
+
+    def report(self, done: Results) -> tuple[Artefact, ...]:
+        """Return words, figures and tables."""
+        scene = self.plan.scene.name
+        differences, own = self.differences(done), self.own(done)
+        ladders = tuple(_ladders(differences))
+        return (
+            _summary(scene, differences, own),
+            *_step_figures(scene, differences),
+            *_own_figures(scene, own),
+            scene_table(scene, "gradients", "Derivatives by differences", _GRADIENTS, differences),
+            scene_table(scene, "own", "Derivatives of the engines' own", _OWN, own),
+            scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
+            scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
+        )
+
+
+def _over(up: float | None, down: float | None, step: float) -> float | None:
+    """Return a difference over its step; None if an end is not known."""
+    if up is None or down is None or not math.isfinite(up - down):
+        return None
+    return (up - down) / step
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradientLadder:
+    """The errors of a derivative over the timesteps of an engine, coarse first.
+
+    Each is of the difference that has settled: nearest to that of the next shorter step.
+    """
+
+    rungs: tuple[Differences, ...]
+
+    @property
+    def pairs(self) -> list[tuple[float, float]]:
+        """Timestep and error of each rung that has both."""
+        return [
+            (step, each.settled[1])
+            for each in self.rungs
+            if each.settled is not None and (step := rung_of(each.base)) is not None
+        ]
+
+    @property
+    def order(self) -> float | None:
+        """Order with which the error falls."""
+        pairs = self.pairs
+        found = observed_order([step for step, _ in pairs], [error for _, error in pairs])
+        return found.order if math.isfinite(found.order) else None
+
+    @property
+    def words(self) -> str:
+        """Each timestep with its error."""
+        return ", ".join(
+            f"{spelled(self.rungs[0].base.engine, step)}: {percent(error)}"
+            for step, error in self.pairs
+        )
+
+
+def _ladders(differences: Sequence[Differences]) -> Iterator[GradientLadder]:
+    groups: dict[tuple[str, str, str], list[Differences]] = {}
+    for each in differences:
+        if each.base.engine != "reference" and _steady(each.base):
+            groups.setdefault((each.base.engine, each.key, each.quantity), []).append(each)
+    for rungs in groups.values():
+        yield GradientLadder(rungs=tuple(rungs))
+
+
+def _steady(base: Case) -> bool:
+    """Whether all steps of a case are alike, or chosen by the engine itself."""
+    return base.profile != "adaptive"
+
+
+def _finest(differences: Sequence[Differences]) -> list[Differences]:
+    """Return those at the finest timestep of each engine, and those of adaptive steps."""
+    last = {(each.base.engine, each.base.profile): each.base for each in differences}
+    return [each for each in differences if each.base in last.values()]
+
+
+def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDerivative]) -> Prose:
+    """Return a paragraph on each engine."""
+    paragraphs = []
+    for base in dict.fromkeys(each.base for each in _finest(differences)):
+        mine = [each for each in differences if each.base == base]
+        paragraphs.append(_sentences(base, mine))
+        of_engine = [each for each in own if each.base == base]
+        for step in dict.fromkeys(each.step for each in of_engine):
+            errors = sorted(
+                (each.error, each.quantity, each.key) for each in of_engine if each.step == step
+            )
+            right = sum(error <= RIGHT for error, *_ in errors)
+            error, quantity, key = errors[-1]
+            paragraphs.append(
+                f"Its own derivatives, with differences of {step} in a step, are right in {right} "
+                f"of {len(errors)}; the worst is off by {percent(error)} ({quantity} by {key})."
+            )
+    text = "\n\n".join(paragraphs)
+    title = "Are gradients through a contact engine right?"
+    return Prose(name=f"{scene}-summary", title=title, text=text, scene=scene)
+
+
+def _name(base: Case) -> str:
+    """Return an engine with its timestep or its accuracy."""
+    if base.engine == "reference":
+        return "exact motion"
+    rung = rung_of(base)
+    return f"{base.engine}, {base.profile if rung is None else spelled(base.engine, rung)}"
+
+
+def _sentences(base: Case, mine: Sequence[Differences]) -> str:
+    """Return how many derivatives of an engine are right, and with which steps."""
+    known = [each for each in mine if each.best is not None]
+    right = [each for each in known if each.usable is not None]
+    words = [f"{_name(base)}: of {len(mine)} derivatives {len(right)} can be had to 1 %."]
+    if right:
+        low = max(each.usable[0] for each in right if each.usable)
+        high = min(each.usable[1] for each in right if each.usable)
+        words.append(
+            f"One step for all of them lies between {low:.0e} and {high:.0e}, relative."
+            if low <= high
+            else f"No step serves all: one needs {low:.0e} or longer, another {high:.0e} or "
+            "shorter, relative."
+        )
+    worst = max(known, key=lambda each: each.best[1] if each.best else 0.0, default=None)
+    if worst is not None and worst.best is not None:
+        words.append(
+            f"The worst, {worst.quantity} by {worst.key}, is off by {percent(worst.best[1])} at "
+            f"its best step of {worst.best[0]:.0e}."
+        )
+    return " ".join(words)
+
+
+_DRAWN = ("angle_of_turn_deg", "period_s")
+"""Quantities that figures show: the turn is the hardest, the period the easiest."""
+
+_LEAST_ERROR = 1e-14
+"""Smaller errors are drawn here."""
+
+
+def _step_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
+    """Yield for each quantity that is drawn its error against the step, a panel a key."""
+    for quantity in _DRAWN:
+        own = [each for each in differences if each.quantity == quantity]
+        keys = dict.fromkeys(each.key for each in own)
+        if not own:
+            continue
+        label = quantities.QUANTITIES[quantity].label
+        yield Figure(
+            name=f"{scene}-steps-{quantity.replace('_', '-')}",
+            title=f"{label}: error of a difference against its step",
+            seen=(
+                "To the right a difference is too long and its error falls as the square of the "
+                "step; to the left it subtracts numbers that are alike, and noise grows as the "
+                "step shrinks. Where a line is level between the two, the engine's own motion has "
+                "another derivative than the exact one."
+            ),
+            panels=tuple(
+                Panel(
+                    title=f"{label} by {key}",
+                    x_label="relative step",
+                    y_label="relative error",
+                    series=tuple(_step_series([each for each in own if each.key == key])),
+                    log_x=True,
+                    log_y=True,
+                )
+                for key in keys
+            ),
+            scene=scene,
+        )
+
+
+def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
+    """Yield a line for each engine and timestep, the coarse ones dashed."""
+    finest = {each.base for each in _finest(own)}
+    for each in own:
+        errors = [math.nan if e is None else max(e, _LEAST_ERROR) for e in each.errors.values()]
+        yield Series(
+            label=_name(each.base),
+            kind=each.base.engine,
+            x=np.array(list(each.errors)),
+            y=np.array(errors),
+            mark="both",
+            dashed=each.base not in finest,
+        )
+
+
+def _own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
+    """Yield the errors of the engines' own derivatives against their own step, if there are any."""
+    if not own:
+        return
+    finest = {each.base.engine: each.base for each in own}
+    panels = []
+    for quantity in dict.fromkeys(each.quantity for each in own):
+        series = []
+        for engine, base in finest.items():
+            mine = [e for e in own if e.base is base and e.quantity == quantity]
+            for key in dict.fromkeys(each.key for each in mine):
+                pairs = [(float(e.step), e.error) for e in mine if e.key == key]
+                x, y = np.array(pairs).T
+                label = f"{engine}, {key}"
+                series.append(
+                    Series(
+                        label=label, kind=engine, x=x, y=np.maximum(y, _LEAST_ERROR), mark="both"
+                    )
+                )
+        panels.append(
+            Panel(
+                title=quantities.QUANTITIES[quantity].label,
+                x_label="step of the engine's own differences",
+                y_label="relative error",
+                series=tuple(series),
+                log_x=True,
+                log_y=True,
+            )
+        )
+    yield Figure(
+        name=f"{scene}-own-derivatives",
+        title="Derivatives of the engines' own",
+        seen=(
+            "The engine differentiates each of its steps and the products are chained over the "
+            "bounce. Its differences must be short beside the depth to which the contact gives "
+            "way, or they leave the contact that they differentiate."
+        ),
+        panels=tuple(panels),
+        scene=scene,
+    )
+
+
+def _each(differences: Sequence[Differences]) -> Iterator[dict[str, object]]:
+    for each in differences:
+        for step, value in each.values.items():
+            yield {
+                "engine": each.base.engine,
+                "profile": each.base.profile,
+                "timestep_s": rung_of(each.base),
+                "key": each.key,
+                "quantity": each.quantity,
+                "step": step,
+                "value": value,
+                "exact": each.exact,
+                "relative_error": each.errors[step],
+            }
+
+
+_HEAD = (
+    Column("engine", "Name of the engine; reference is the exact motion itself.", "base.engine"),
+    Column("profile", "matched, at a fixed timestep, or adaptive.", "base.profile"),
+    Column("timestep_s", "Timestep, or accuracy in its place.", lambda each: rung_of(each.base)),
+    Column("key", "Number of the scene that is changed."),
+    Column("quantity", "Quantity of the first bounce; the unit is its suffix."),
+)
+_EXACT = Column("exact", "The exact derivative, in the units of both.")
+_ERROR = "Error of the derivative over the exact one, or over a thousandth of quantity over key."
+
+_GRADIENTS = (
+    *_HEAD,
+    _EXACT,
+    Column("best_step", "Relative step with the least error.", lambda d: d.best and d.best[0]),
+    Column("best_value", "The difference there.", lambda d: d.best and d.values[d.best[0]]),
+    Column("relative_error", _ERROR, lambda d: d.best and d.best[1]),
+    Column(
+        "settled_step",
+        "Step whose difference is nearest to the next.",
+        lambda d: d.settled and d.settled[0],
+    ),
+    Column("settled_error", "Relative error of that one.", lambda d: d.settled and d.settled[1]),
+    Column("right_from", "Shortest step that is right to 1 %.", lambda d: d.usable and d.usable[0]),
+    Column("right_to", "Longest step that is right to 1 %.", lambda d: d.usable and d.usable[1]),
+    Column("floor", "Error that no step changes, by the fit.", "parts.floor"),
+    Column("noise_below", "Step below which noise is the largest part."),
+    Column("truncation_above", "Step above which truncation is."),
+    Column("noise", "Noise of the quantity that the differences see, relative."),
+    Column("cause", "What takes over at short steps."),
+    Column("fit_residual", "Root mean square of the log of error over fit.", "parts.residual"),
+    Column("verdict", "Right, near, wrong, or of the wrong sign, and with which steps."),
+)
+
+_OWN = (
+    *_HEAD,
+    Column("engine_step", "Of the engine's own differences, in its own units.", "step"),
+    Column("value", "The derivative that the engine gives."),
+    _EXACT,
+    Column("relative_error", _ERROR, "error"),
+    Column("verdict", "Right, near, wrong, or of the wrong sign."),
+)
+
+_LADDERS = (
+    _HEAD[0].of(lambda each: each.rungs[0].base.engine),
+    _HEAD[3].of(lambda each: each.rungs[0].key),
+    _HEAD[4].of(lambda each: each.rungs[0].quantity),
+    Column("errors", "Each timestep, with the error of the difference that settles.", "words"),
+    Column("order", "Order with which that error falls with the timestep."),
+)
+
+_EACH = (
+    _HEAD[0].of("engine"),
+    _HEAD[1].of("profile"),
+    _HEAD[2].of("timestep_s"),
+    _HEAD[3],
+    _HEAD[4],
+    Column("step", "Relative step of the difference."),
+    Column("value", "The central difference over its step."),
+    _EXACT,
+    Column("relative_error", _ERROR),
+)

@@ -1,0 +1,197 @@
+"""What a ladder of accuracies delivers in one scene: slope, saturation, worst factor, verdict.
+
+The delivered error is an absolute one in rad, of an angle of about one; the accuracy asked for is a
+relative tolerance of the steps, or a share that `eta` allows. That the two are equal is promised by
+nobody: what is judged is that the one follows the other, and within which factor.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from harness.core.verdict import Status, Verdict
+from harness.evaluation.evaluation import Record
+from harness.metrics.convergence import observed_order
+from harness.studies.tolerance.delivered import PULLS
+from harness.studies.tolerance.design import Knob
+from models.scene import Scene
+
+
+class Honesty(Enum):
+    """How a setting that asks for an accuracy stands to what it delivers; the value is a phrase."""
+
+    HONEST = "honest"
+    CAUTIOUS = "delivers more than asked"
+    OPTIMISTIC = "optimistic"
+    ERRATIC = "does not follow"
+    SATURATES = "saturates"
+    ROUND_OFF = "always to round-off"
+    IDLE = "changes nothing"
+    LOST = "loses the motion"
+    UNJUDGED = "not judged"
+
+    @property
+    def status(self) -> Status:
+        """The status of a verdict of this kind."""
+        good = {Honesty.HONEST, Honesty.CAUTIOUS, Honesty.ROUND_OFF}
+        if self in good:
+            return Status.AGREES
+        if self is Honesty.UNJUDGED:
+            return Status.NOT_MEASURED
+        return Status.FAILED if self is Honesty.LOST else Status.DEVIATES
+
+
+TRUE_WITHIN = 10.0
+"""Delivered over asked up to which a setting is honest: a local error adds up over some steps."""
+
+MUCH_LESS = 0.01
+"""Delivered over asked below which, everywhere, more is delivered than asked."""
+
+FOLLOWS = 1.0 / 3.0
+"""Slope below which a decade asked for buys less than half a decade."""
+
+_BUYS = 3.0
+"""By which the error has to fall, somewhere finer, or it does not respond any more."""
+
+_FAR = 99.0
+"""Asked over the finest asked that must have bought nothing: two decades, but for round-off."""
+
+_EPS = 2.0**-52
+"""An error that is zero counts as this in a geometric mean."""
+
+_FEWEST = 3
+"""Errors from which a slope, or its absence, can be told."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToleranceLadder:
+    """The errors that a setting delivers in a scene.
+
+    Parameters
+    ----------
+    knob : Knob
+    scene : Scene
+    measure : str
+        Which error it is.
+    floor : float
+        What round-off allows of the exact motion, rad.
+    records : mapping of float to Record
+        By what was asked for, from coarse to fine.
+    """
+
+    knob: Knob
+    scene: Scene
+    measure: str
+    floor: float
+    records: Mapping[float, Record]
+
+    @property
+    def known(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of what was asked for and what was delivered, rad, from coarse to fine."""
+        return tuple(
+            (asked, float(record["error"]))
+            for asked, record in self.records.items()
+            if record["error"] is not None
+        )
+
+    @property
+    def missed(self) -> tuple[tuple[float, str], ...]:
+        """Values for which no error is known, each with the reason."""
+        return tuple(
+            (asked, str(record["reason"]))
+            for asked, record in self.records.items()
+            if record["error"] is None
+        )
+
+    @property
+    def saturation(self) -> tuple[float, float] | None:
+        """From which value on the error falls no further, and its level there, rad; or None."""
+        known = self.known
+        for place, (asked, error) in enumerate(known):
+            rest = [each for _, each in known[place:]]
+            if asked < _FAR * known[-1][0]:
+                return None
+            if min(rest) * _BUYS >= error:
+                logs = [math.log(max(each, _EPS)) for each in rest]
+                return asked, math.exp(sum(logs) / len(logs))
+        return None
+
+    @property
+    def responding(self) -> tuple[tuple[float, float], ...]:
+        """The known pairs above round-off, up to where the error falls no further."""
+        level = self.saturation
+        last = 0.0 if level is None else level[0]
+        return tuple(
+            (asked, error) for asked, error in self.known if asked >= last and error > self.floor
+        )
+
+    @property
+    def slope(self) -> float | None:
+        """Slope of log delivered over log asked where it responds; 1 is in proportion."""
+        pairs = self.responding
+        if len(pairs) < _FEWEST:
+            return None
+        return observed_order([a for a, _ in pairs], [e for _, e in pairs]).order
+
+    @property
+    def worst(self) -> tuple[float, float] | None:
+        """Largest delivered over asked where the error responds, and what was asked; or None.
+
+        Below round-off of the exact motion nothing is compared.
+        """
+        pairs = [(error / asked, asked) for asked, error in self.responding]
+        return max(pairs) if pairs else None
+
+    @property
+    def finest(self) -> float | None:
+        """Delivered over asked at the finest value with an error above round-off."""
+        pairs = [(asked, error) for asked, error in self.known if error > self.floor]
+        return pairs[-1][1] / pairs[-1][0] if pairs else None
+
+    @property
+    def honesty(self) -> Honesty:  # noqa: PLR0911 - a return a kind
+        """The kind of verdict, the gravest that holds."""
+        reasons = [reason for _, reason in self.missed]
+        if not self.records or PULLS in reasons:
+            return Honesty.UNJUDGED
+        if reasons:
+            return Honesty.LOST
+        if len(self.known) < _FEWEST:
+            return Honesty.UNJUDGED
+        level, worst = self.saturation, self.worst
+        if level is not None and level[0] == self.known[0][0]:
+            return Honesty.ROUND_OFF if level[1] <= self.floor else Honesty.IDLE
+        if level is not None and level[1] > TRUE_WITHIN * max(self.floor, self.known[-1][0]):
+            return Honesty.SATURATES
+        if worst is not None and worst[0] > TRUE_WITHIN:
+            return Honesty.OPTIMISTIC
+        if worst is None or worst[0] < MUCH_LESS:
+            return Honesty.CAUTIOUS
+        if self.slope is not None and self.slope < FOLLOWS:
+            return Honesty.ERRATIC
+        return Honesty.HONEST
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict with its numbers."""
+        kind = self.honesty
+        return Verdict(kind.status, f"{kind.value}: {self._because(kind)}")
+
+    def _because(self, kind: Honesty) -> str:
+        """Return the numbers behind a kind of verdict."""
+        level, worst, slope = self.saturation, self.worst, self.slope
+        if kind is Honesty.UNJUDGED:
+            return self.missed[0][1] if self.missed else "too few errors to tell a slope from"
+        if kind is Honesty.LOST:
+            ((reason, often),) = Counter(reason for _, reason in self.missed).most_common(1)
+            return f"at {often} of {len(self.records)} values, {reason}"
+        if kind in {Honesty.IDLE, Honesty.ROUND_OFF} and level is not None:
+            return f"{level[1]:.1e} rad whatever is asked for"
+        if kind is Honesty.SATURATES and level is not None:
+            return f"from {level[0]:.0e} on the error stays at {level[1]:.1e} rad"
+        if worst is None:
+            return "round-off at every value"
+        steep = "" if slope is None else f", slope {slope:.2f}"
+        return f"at worst {worst[0]:.2g} times what {worst[1]:.0e} asks for{steep}"
