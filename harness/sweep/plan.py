@@ -19,6 +19,7 @@ from scipy.stats import qmc
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
+from harness.engines.reference.to_reference_problem import compiles
 from harness.engines.registry import engine_version
 from harness.evaluation.case_cache import code_fingerprint
 from harness.evaluation.evaluate import check_case
@@ -32,6 +33,9 @@ MOST_ROWS = 1_000_000_000
 
 EXACT_ROWS = 32_768
 """Rows of a partition by the exact bounce: half a second, two megabytes."""
+
+COMPILED_ROWS = 100_000
+"""Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
 
 ENGINE_ROWS = 256
 """Rows of a partition of runs: a batch of an engine, about a second."""
@@ -56,6 +60,8 @@ class SweepPlan:
     quantities : tuple of str
     exact : bool
         By the exact bounce alone.
+    compiled : bool
+        By compiled kernels, which differ from the arrays of numpy in round-off.
     rows_per_partition : int
         Scenes in a partition but the last.
     """
@@ -69,6 +75,7 @@ class SweepPlan:
     program: tuple[tuple[str, str], ...]
     quantities: tuple[str, ...]
     exact: bool
+    compiled: bool
     rows_per_partition: int
 
     @property
@@ -121,6 +128,7 @@ class SweepPlan:
             "timestep_s": self.base.timestep,
             "settings": {name: repr(value) for name, value in self.base.options},
             "quantities": list(self.quantities),
+            "compiled": self.compiled,
             "rows_per_partition": self.rows_per_partition,
         }
 
@@ -179,6 +187,8 @@ def plan_sweep(
         # the exact bounce is whole, whatever the horizon
         and not any(axis.name.startswith("horizon.") for axis in axes)
     )
+    scenes = count or math.prod(axis.count or 1 for axis in axes)
+    compiled = exact and scenes >= COMPILED_ROWS and compiles()
     plan = SweepPlan(
         base=replace(case, scene=scene),
         axes=tuple(axes),
@@ -186,9 +196,10 @@ def plan_sweep(
         count=count or 0,
         seed=seed or 0,
         engine_version=engine_version(engine),
-        program=_program(engine),
+        program=_program(engine, compiled=compiled),
         quantities=asked,
         exact=exact,
+        compiled=compiled,
         rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
     )
     if not 1 <= plan.rows <= MOST_ROWS:
@@ -196,9 +207,10 @@ def plan_sweep(
     return plan
 
 
-def _program(engine: str) -> tuple[tuple[str, str], ...]:
+def _program(engine: str, *, compiled: bool) -> tuple[tuple[str, str], ...]:
     """Return versions and sources of the program: rows of different programs are not mixed."""
-    packages = [(name, version(name)) for name in ("rockingcan", "numpy", "scipy")]
+    names = ("rockingcan", "numpy", "scipy", *(("numba",) if compiled else ()))
+    packages = [(name, version(name)) for name in names]
     return (*packages, ("sources", code_fingerprint(engine, __name__)))
 
 

@@ -19,6 +19,7 @@ from reference import Effects, Gravity, Mass, Parameters, Problem, carries, exac
 from reference import Outcome as Ending
 from reference.integrable.frobenius import CanConstants, frobenius_series, horner, terms_needed
 from reference.integrable.turning_points import OUTCOMES
+from reference.numerics.compiled import available
 from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
@@ -179,15 +180,20 @@ def representable(releases: Releases) -> NDArray[np.bool_]:
     return inside
 
 
-def bounces_of(releases: Releases) -> Batch:
-    """Solve releases exactly.
+def compiles() -> bool:
+    """Whether `bounces_of` can be asked for compiled kernels here."""
+    return available()
+
+
+def bounces_of(releases: Releases, *, compiled: bool = False) -> Batch:
+    """Solve releases exactly, by compiled kernels if asked.
 
     Raises
     ------
     ValueError
         If a can or a release is none or not representable.
     """
-    time, cycles = releases.time, exact_bounces(**releases.numbers)
+    time, cycles = releases.time, exact_bounces(**releases.numbers, compiled=compiled)
     none = ~cycles.bounced
     numbers = {
         "period_s": cycles.period * time,
