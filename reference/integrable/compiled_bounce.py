@@ -308,26 +308,31 @@ def _lowest(can, series, well, work, out, phi, below):  # type: ignore[no-untype
         right, f_right = phi[j], value
     if right == 0.0:
         return 0.0, 0.0
-    # secant in phi^2, kept inside the bracket; a step that gains little is a bisection
-    best = left if abs(f_left) < abs(f_right) else right
-    for turn in range(80):
-        x, y = left * left, right * right
-        share = f_left / (f_left - f_right)
-        step = x + share * (y - x)
-        at = math.sqrt(step) if turn % 4 < 3 else 0.5 * (left + right)
-        spacing = 2.0 * _EPS * right
-        at = min(max(at, left + spacing), right - spacing)
-        if right - left <= 2.0 * spacing:
+    # secant in phi^2 through the last two places, kept inside the bracket
+    before, f_before, at, f_at = left, f_left, right, f_right
+    if abs(f_left) < abs(f_right):
+        before, f_before, at, f_at = right, f_right, left, f_left
+    for _ in range(80):
+        square = at * at
+        if f_at != f_before:
+            square -= f_at * (square - before * before) / (f_at - f_before)
+        inside = left * left < square < right * right
+        next_ = math.sqrt(square) if inside else math.sqrt(left * right)
+        moved = abs(next_ - at)
+        if moved <= _EPS * at:
             break
-        value = _energy(can, series, well, at, work, out, phi, below)
-        if value == 0.0:
-            return at, r - at
-        if value > 0.0:
-            right, f_right = at, value
+        before, f_before = at, f_at
+        at = next_
+        f_at = _energy(can, series, well, at, work, out, phi, below)
+        if f_at == 0.0:
+            break
+        if f_at > 0.0:
+            right = at
         else:
-            left, f_left = at, value
-    best = left if abs(f_left) < abs(f_right) else right
-    return best, r - best
+            left = at
+        if right - left <= _EPS * right:
+            break
+    return at, r - at
 
 
 @_compiled
