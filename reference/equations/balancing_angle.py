@@ -100,15 +100,20 @@ def short_of_balance(h: Floats, phi: Floats) -> Floats:
     if np.size(h) == 1:
         nearest, rest = _balance_of_one(float(np.reshape(h, ())))
         return np.asarray((nearest - phi) + rest)
+    rounded, remainder = balancing_angle(np.asarray(h))
+    return np.asarray((rounded - phi) + remainder)
+
+
+def balancing_angle(h: Floats) -> Pair:
+    """phi* as a double and a rest, each of the shape of `h`."""
     rounded = np.asarray(np.arctan2(1.0, h))
-    return np.asarray((rounded - phi) + _rest(np.asarray(h), rounded))
+    return rounded, _rest(h, rounded)
 
 
 @lru_cache(maxsize=256)
 def _balance_of_one(h: float) -> tuple[float, float]:
-    """phi* of one can as a double and a rest."""
-    rounded = np.arctan2(1.0, np.asarray(h))
-    return float(rounded), float(_rest(np.asarray(h), np.asarray(rounded)))
+    rounded, rest = balancing_angle(np.asarray(h))
+    return float(rounded), float(rest)
 
 
 def _rest(h: Floats, rounded: Floats) -> Floats:

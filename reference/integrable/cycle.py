@@ -84,6 +84,7 @@ def exact_bounces(
     phi_dot: ArrayLike = 0.0,
     psi_dot: ArrayLike = 0.0,
     theta_dot: ArrayLike = 0.0,
+    compiled: bool = False,
 ) -> PeriodicMotions:
     """Solve many releases of many cans exactly.
 
@@ -94,18 +95,24 @@ def exact_bounces(
         broadcastable.
     phi, phi_dot, psi_dot, theta_dot : array_like
         The releases, dimensionless; broadcast together to shape (n,).
+    compiled : bool
+        Whether kernels compiled by numba solve all but hard releases, one after another. The first
+        call in a new environment takes seconds, for compiling.
 
     Returns
     -------
     PeriodicMotions
         Arrays of shape (n,), in the order of the raveled releases. The number of terms and nodes is
-        that of the hardest release of a block, so that a release alone may differ by round-off.
+        that of the hardest release of a block, so that a release alone may differ by round-off; one
+        that a compiled kernel solves has the same bits alone and among others.
 
     Raises
     ------
     RefusedError
         If a value is not finite, a can impossible, a nutation outside [1e-150, pi/2), or a rate too
         large for its square.
+    ModuleNotFoundError
+        If compiled kernels are asked for and numba is not installed.
     """
     cans = [np.asarray(value, dtype=float) for value in (a, c, h)]
     parts = [np.asarray(value, dtype=float) for value in (phi, phi_dot, psi_dot, theta_dot)]
@@ -117,7 +124,15 @@ def exact_bounces(
     fields = [np.zeros(n) for _ in range(6)]
     code = np.zeros(n, dtype=np.int8)
     order = np.argsort(flat[-4], kind="stable")
-    for start in range(0, n, CHUNK):
+    if compiled:
+        from reference.integrable.compiled_bounce import solve_each  # noqa: PLC0415 - imports numba
+
+        owners = flat[:3] if many else [value.reshape(1) for value in cans]
+        numbers, solved = solve_each(tuple(owners), tuple(flat[-4:]))
+        fields = [np.ascontiguousarray(column) for column in numbers.T]
+        code[solved] = OUTCOMES.index(Outcome.FINISHED)
+        order = order[~solved[order]]
+    for start in range(0, order.size, CHUNK):
         pick = order[start : start + CHUNK]
         names = ("phi", "phi_dot", "psi_dot", "theta_dot")
         released = {name: value[pick] for name, value in zip(names, flat[-4:], strict=True)}

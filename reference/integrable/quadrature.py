@@ -236,12 +236,12 @@ def _loses_digits(
 def known_positive(at_nodes: Rates) -> NDArray[np.bool_]:
     """Return whether rates at midpoints show g to be positive between the turning points."""
     room = at_nodes.room
-    series = _to_cosines(room.shape[0]) @ room
+    series = to_cosines(room.shape[0]) @ room
     return np.asarray((room > 0).all(axis=0) & stays_positive(room, series))
 
 
 @lru_cache(maxsize=64)
-def _to_cosines(n: int) -> Floats:
+def to_cosines(n: int) -> Floats:
     """Matrix from values at n midpoints of [0, pi] to coefficients of cos(k u), shape (n, n)."""
     angle = np.pi * (np.arange(n) + 0.5) / n
     matrix = np.cos(np.outer(np.arange(n), angle)) * (2 / n)
