@@ -2,12 +2,19 @@
 
 A kernel is plain Python in scalars and small arrays, decorated with `jit`. Modules of kernels are
 imported where they are used: numba takes as long to import as a hundred bounces take to solve.
-Compiled code is kept in a cache beside the source, or in the user's own where that is read-only.
+
+Compiled code is kept in a folder that the digest of all sources of this package names, beside this
+file, or in the user's own caches where that is read-only. Numba by itself would look at the file of
+a kernel alone, and go on using what it compiled of a kernel or a constant of another file.
 """
 
+import os
 from collections.abc import Callable
 from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -19,13 +26,45 @@ def available() -> bool:
     return find_spec("numba") is not None
 
 
+def path_taken(*, compiled: bool) -> str:
+    """Return in words which code computes: compiled with which version of numba, or numpy."""
+    return f"compiled, numba {version('numba')}" if compiled else "numpy"
+
+
 def jit(function: F) -> F:
     """Return a function compiled to machine code when it is first called.
 
     Division by zero gives infinity as in numpy; operations are never reordered, so that the same
     machine gives the same bits.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If numba is not installed.
     """
+    if not available():
+        message = "compiled kernels need numba: pip install 'rockingcan[fast]'"
+        raise ModuleNotFoundError(message, name="numba")
     import numba  # noqa: PLC0415 - see above
 
+    own = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = own or _folder()
     compile_first = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=False)
-    return cast("F", compile_first(function))
+    try:
+        return cast("F", compile_first(function))
+    finally:
+        numba.config.CACHE_DIR = own
+
+
+@cache
+def _folder() -> str:
+    """Return the folder of what is compiled from the sources as they are."""
+    package = Path(__file__).parents[1]
+    digest = sha256()
+    for source in sorted(package.rglob("*.py")):
+        digest.update(source.read_bytes())
+    beside = Path(__file__).parent
+    if not os.access(beside, os.W_OK):
+        caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        beside = caches / "rockingcan"
+    return str(beside / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}")
