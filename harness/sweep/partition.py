@@ -40,9 +40,7 @@ def compute(plan: SweepPlan, rows: range) -> pd.DataFrame:
     """
     values = plan.values(rows)
     if plan.exact:
-        exact = solved_exactly(
-            plan.base.scene, values, plan.quantities, compiled=plan.compiled
-        )
+        exact = solved_exactly(plan.base.scene, values, plan.quantities, compiled=plan.compiled)
         return to_partition(plan, rows, exact)
     scenes = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
     cases = [_case(plan, scene) for scene in scenes]

@@ -34,6 +34,9 @@ MOST_ROWS = 1_000_000_000
 EXACT_ROWS = 32_768
 """Rows of a partition by the exact bounce: half a second, two megabytes."""
 
+REDUCED_ROWS = 1_048_576
+"""Scenes of a partition without rows: a few seconds, and some hundred kilobytes."""
+
 COMPILED_ROWS = 100_000
 """Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
 
@@ -62,6 +65,8 @@ class SweepPlan:
         By the exact bounce alone.
     compiled : bool
         By compiled kernels, which differ from the arrays of numpy in round-off.
+    reduced : bool
+        Without rows: of each partition a summary is kept.
     rows_per_partition : int
         Scenes in a partition but the last.
     """
@@ -76,6 +81,7 @@ class SweepPlan:
     quantities: tuple[str, ...]
     exact: bool
     compiled: bool
+    reduced: bool
     rows_per_partition: int
 
     @property
@@ -129,6 +135,7 @@ class SweepPlan:
             "settings": {name: repr(value) for name, value in self.base.options},
             "quantities": list(self.quantities),
             "compiled": self.compiled,
+            "reduce": self.reduced,
             "rows_per_partition": self.rows_per_partition,
         }
 
@@ -155,6 +162,7 @@ def plan_sweep(
     timestep: float | None = None,
     options: tuple[tuple[str, Value], ...] = (),
     quantities: Sequence[str] = (),
+    reduce: bool = False,
 ) -> SweepPlan:
     """Return a plan that can be carried out.
 
@@ -187,6 +195,9 @@ def plan_sweep(
         # the exact bounce is whole, whatever the horizon
         and not any(axis.name.startswith("horizon.") for axis in axes)
     )
+    if reduce and not exact:
+        only = "sweeps of the exact bounce: rows of runs take far longer to compute than to keep"
+        raise InvalidSettingError("--reduce", f"a sweep by {engine}", only)
     scenes = count or math.prod(axis.count or 1 for axis in axes)
     compiled = exact and scenes >= COMPILED_ROWS and compiles()
     plan = SweepPlan(
@@ -200,7 +211,8 @@ def plan_sweep(
         quantities=asked,
         exact=exact,
         compiled=compiled,
-        rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
+        reduced=reduce,
+        rows_per_partition=REDUCED_ROWS if reduce else EXACT_ROWS if exact else ENGINE_ROWS,
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from harness.core.errors import InvalidSettingError
-from harness.sweep.overview import Curves, Map
+from harness.sweep.drawing import Curves, Map
 from harness.sweep.plan import SweepPlan
 from harness.sweep.values import SOURCES
 from tests.support.sweeps import make_plan
