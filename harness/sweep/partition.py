@@ -79,8 +79,10 @@ def to_partition(plan: SweepPlan, rows: range, computed: pd.DataFrame) -> pd.Dat
     """Return the parameters and the computed quantities of rows, as a partition has them."""
     values = plan.values(rows)
     columns = {known.column: values[n] for n, known in PARAMETERS.items() if n in values}
-    columns |= {str(name): computed[name].to_numpy() for name in (*plan.quantities, OUTCOME)}
-    return pd.DataFrame(columns, index=pd.RangeIndex(rows.start, rows.stop, name="row"))
+    columns |= {str(name): computed[name].to_numpy() for name in plan.quantities}
+    index = pd.RangeIndex(rows.start, rows.stop, name="row")
+    columns[OUTCOME] = pd.Series(computed[OUTCOME].to_numpy(), index, dtype=object)
+    return pd.DataFrame(columns, index=index, copy=False)
 
 
 def _case(plan: SweepPlan, values: dict[str, float]) -> Case | str:

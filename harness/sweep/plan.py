@@ -37,8 +37,11 @@ EXACT_ROWS = 32_768
 REDUCED_ROWS = 1_048_576
 """Scenes of a partition without rows: a few seconds, and some hundred kilobytes."""
 
-COMPILED_ROWS = 100_000
+COMPILED_FROM = 100_000
 """Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
+
+COMPILED_ROWS = 131_072
+"""Rows of a partition by compiled kernels: half a second, eight megabytes."""
 
 ENGINE_ROWS = 256
 """Rows of a partition of runs: a batch of an engine, about a second."""
@@ -199,7 +202,7 @@ def plan_sweep(
         only = "sweeps of the exact bounce: rows of runs take far longer to compute than to keep"
         raise InvalidSettingError("--reduce", f"a sweep by {engine}", only)
     scenes = count or math.prod(axis.count or 1 for axis in axes)
-    compiled = exact and scenes >= COMPILED_ROWS and compiles()
+    compiled = exact and scenes >= COMPILED_FROM and compiles()
     plan = SweepPlan(
         base=replace(case, scene=scene),
         axes=tuple(axes),
@@ -212,11 +215,20 @@ def plan_sweep(
         exact=exact,
         compiled=compiled,
         reduced=reduce,
-        rows_per_partition=REDUCED_ROWS if reduce else EXACT_ROWS if exact else ENGINE_ROWS,
+        rows_per_partition=_rows_per_partition(exact=exact, compiled=compiled, reduce=reduce),
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")
     return plan
+
+
+def _rows_per_partition(*, exact: bool, compiled: bool, reduce: bool) -> int:
+    """Return how many scenes are a partition."""
+    if reduce:
+        return REDUCED_ROWS
+    if compiled:
+        return COMPILED_ROWS
+    return EXACT_ROWS if exact else ENGINE_ROWS
 
 
 def _program(engine: str, *, compiled: bool) -> tuple[tuple[str, str], ...]:

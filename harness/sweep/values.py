@@ -133,7 +133,8 @@ def solved_exactly(
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if valid.any():
         _solve(releases, valid, numbers, outcomes, compiled=compiled)
-    return pd.DataFrame({**numbers, "outcome": outcomes})
+    # as objects: pandas would otherwise copy the same few sentences row by row
+    return pd.DataFrame({**numbers, "outcome": pd.Series(outcomes, dtype=object)})
 
 
 def _releases(scene: Scene, values: Mapping[str, Floats], valid: NDArray[np.bool_]) -> Releases:
