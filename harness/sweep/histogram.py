@@ -21,6 +21,9 @@ MOST_BINS = 1024
 _DIGITS = 53
 """Binary digits of a double."""
 
+_INFINITE = int(np.array(np.inf).view(np.int64))
+"""Bits of the infinite double, which are greater than those of all finite ones."""
+
 _LOWEST = -1074
 """Exponent of the least double."""
 
@@ -51,8 +54,11 @@ class Histogram:
         """Return the edges of the bins, shape (bins + 1,)."""
         numbers = self.first + np.arange(self.counts.size + 1, dtype=np.int64)
         if self.by_ratio:
-            return (numbers << self.level).view(np.float64)
-        return np.asarray(np.ldexp(numbers.astype(np.float64), self.level))
+            finite = numbers <= _INFINITE >> self.level
+            bits = np.where(finite, numbers, 0) << self.level
+            return np.where(finite, bits.view(np.float64), np.inf)
+        with np.errstate(over="ignore"):  # the last bin may end beyond the largest double
+            return np.asarray(np.ldexp(numbers.astype(np.float64), self.level))
 
     def between(self, rank: int) -> tuple[float, float]:
         """Return the edges of the bin with the value of a rank, from 0 for the least."""
@@ -75,6 +81,7 @@ def histogram(values: Floats, *, by_ratio: bool) -> Histogram:
         finest = max(math.frexp(most)[1] - _DIGITS, _LOWEST) if most else _LOWEST
         level = _fitting(finest, lambda level: (_even(low, level), _even(high, level)))
         bins = np.floor(np.ldexp(values, -level)).astype(np.int64)
+        bins[(bins == 0) & (values < 0.0)] = -1  # of what underflows
     first = int(bins.min())
     return Histogram(by_ratio=by_ratio, level=level, first=first, counts=np.bincount(bins - first))
 
@@ -114,4 +121,4 @@ def _fitting(level: int, ends: Callable[[int], tuple[int, int]]) -> int:
 
 
 def _even(value: float, level: int) -> int:
-    return math.floor(math.ldexp(value, -level))
+    return min(math.floor(math.ldexp(value, -level)), -1 if value < 0.0 else 1 << _DIGITS)

@@ -81,8 +81,8 @@ def to_partition(plan: SweepPlan, rows: range, computed: pd.DataFrame) -> pd.Dat
     columns = {known.column: values[n] for n, known in PARAMETERS.items() if n in values}
     columns |= {str(name): computed[name].to_numpy() for name in plan.quantities}
     index = pd.RangeIndex(rows.start, rows.stop, name="row")
-    columns[OUTCOME] = pd.Series(computed[OUTCOME].to_numpy(), index, dtype=object)
-    return pd.DataFrame(columns, index=index, copy=False)
+    outcomes = pd.Series(computed[OUTCOME].to_numpy(), index, dtype=object)
+    return pd.DataFrame({**columns, OUTCOME: outcomes}, index=index, copy=False)
 
 
 def _case(plan: SweepPlan, values: dict[str, float]) -> Case | str:

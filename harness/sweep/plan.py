@@ -40,8 +40,8 @@ REDUCED_ROWS = 1_048_576
 COMPILED_FROM = 100_000
 """Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
 
-COMPILED_ROWS = 131_072
-"""Rows of a partition by compiled kernels: half a second, eight megabytes."""
+COMPILED_ROWS = 65_536
+"""Rows of a partition by compiled kernels: a third of a second, four megabytes."""
 
 ENGINE_ROWS = 256
 """Rows of a partition of runs: a batch of an engine, about a second."""
