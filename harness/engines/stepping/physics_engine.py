@@ -96,7 +96,7 @@ class HorizonPrediction:
 
 W = TypeVar("W", bound=World)
 
-_FEWEST = 16
+_FEWEST = 128
 MOST = 16384
 """Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
