@@ -82,9 +82,9 @@ def render(figure: Figure, inks: Mapping[str, LineStyle]) -> RenderedFigure:
         sheet = _sheet(figure, inks)
         # by the canvases and not by `savefig`, which draws everything twice
         vectors, pixels = io.BytesIO(), io.BytesIO()
-        FigureCanvasAgg(sheet).print_png(pixels, metadata={"Software": None})
+        FigureCanvasAgg(sheet).print_png(pixels, metadata={"Software": None})  # type: ignore[no-untyped-call]
         # last, since it leaves the sheet at 72 dots per inch
-        FigureCanvasSVG(sheet).print_svg(vectors, metadata={"Date": None, "Creator": None})
+        FigureCanvasSVG(sheet).print_svg(vectors, metadata={"Date": None, "Creator": None})  # type: ignore[no-untyped-call]
         text = vectors.getvalue().decode("utf-8")
         svg = _DRAWN.sub(_rounded, _UNSPEAKABLE.sub("\N{REPLACEMENT CHARACTER}", text))
         return RenderedFigure(png=pixels.getvalue(), svg=svg)
