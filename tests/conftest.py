@@ -281,6 +281,7 @@ def small_partitions(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(plan, "EXACT_ROWS", 50)
     monkeypatch.setattr(plan, "ENGINE_ROWS", 3)
+    monkeypatch.setattr(plan, "REDUCED_ROWS", 50)
 
 
 @pytest.fixture

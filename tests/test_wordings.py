@@ -38,6 +38,7 @@ from harness.sweep.folder import (
     PartitionError,
     PlanMismatchError,
     ProgramMismatchError,
+    RowsMismatchError,
     SweepBusyError,
     UnreadablePartitionError,
     UnreadablePlanError,
@@ -144,6 +145,10 @@ MADE: list[tuple[Exception, str]] = [
             "'out' holds another sweep, which differs in the scene; choose another folder with "
             "--out, or remove this one"
         ),
+    ),
+    (
+        RowsMismatchError(Path("out"), "with rows"),
+        ("'out' holds a sweep with rows; choose another folder with --out, or remove this one"),
     ),
     (
         ProgramMismatchError(Path("out"), "numpy 1 (now 2)"),

@@ -29,13 +29,14 @@ from harness.sweep.axes import read_axis
 from harness.sweep.folder import Folder, opened
 from harness.sweep.overview import EXTENTS, Overview, overview, sweep_report
 from harness.sweep.plan import SweepPlan, plan_sweep
+from harness.sweep.reduction import Reduction
 from harness.sweep.run import run_sweep
 from models.catalogue import load
 
 REPORT = "report"
 
 
-_EXACT_SECONDS = 4e-5
+_EXACT_SECONDS, _COMPILED_SECONDS = 4e-5, 7e-6
 """s of processor for the exact bounce of a release in a batch, and its share of a partition."""
 
 
@@ -64,6 +65,12 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     against: Annotated[
         str | None, typer.Option(help="A quantity to draw the others against, such as epsilon.")
     ] = None,
+    reduce: Annotated[  # noqa: FBT002 - a switch of the command line
+        bool,
+        typer.Option(
+            "--reduce", help="Keep no rows: counts, moments, histograms, extremes and the map."
+        ),
+    ] = False,
     jobs: options.Jobs = None,
     on: options.Cluster = None,
     time_limit: options.TimeLimit = None,
@@ -96,7 +103,11 @@ def sweep(  # noqa: PLR0917 - a parameter an option
         timestep=timestep,
         options=parse_settings(set_ or []),
         quantities=asked,
+        reduce=reduce,
     )
+    if against is not None and reduce:
+        only = "rows: leave out --against or --reduce"
+        raise InvalidSettingError("--against", against, only)
     if against is not None and against not in chosen.quantities:
         raise InvalidSettingError("--against", against, ", ".join(chosen.quantities))
     with opened(out, chosen) as folder:
@@ -121,7 +132,9 @@ def sweep(  # noqa: PLR0917 - a parameter an option
     for artefact in sweep_report(result):
         if isinstance(artefact, Table):
             console.print(terminal.table_artefact(artefact))
-    console.print(escape(f"\nThe table: {folder.parts}\nThe report: {page}"))
+    console.print(
+        escape(f"\nThe {'summaries' if reduce else 'table'}: {folder.parts}\nThe report: {page}")
+    )
 
 
 def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None:
@@ -135,7 +148,7 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
         typer.echo(f"{there} of {chosen.rows} scenes are there, {left} to go", err=True)
     if not left:
         return
-    done, row = 0, _EXACT_SECONDS if chosen.exact else expected_seconds(chosen.base)
+    done, row = 0, _row_seconds(chosen)
     # of what is left alone: what was there before took no time
     efforts = {f"partition {index}": row * len(chosen.span(index)) for index in missing}
     try:
@@ -145,16 +158,24 @@ def _complete(folder: Folder, jobs: int, on: str | None, limits: Limits) -> None
         ):
             bar.label(chosen.base.scene.name)
 
-            def show(part: pd.DataFrame) -> None:
+            def show(part: pd.DataFrame | Reduction) -> None:
                 nonlocal done
                 done += len(part)
-                bar.advance(f"partition {part.index[0] // chosen.rows_per_partition}")
+                first = part.start if isinstance(part, Reduction) else part.index[0]
+                bar.advance(f"partition {first // chosen.rows_per_partition}")
 
             window = jobs + 1 if isinstance(executor, ThreadPoolExecutor) else None
             run_sweep(folder, executor, show, window=window)
     except (KeyboardInterrupt, Interrupted, HarnessError) as error:
         error.add_note(f"{chosen.rows - left + done} of {chosen.rows} scenes are written.")
         raise
+
+
+def _row_seconds(chosen: SweepPlan) -> float:
+    """Return about how many seconds of processor a scene takes."""
+    if not chosen.exact:
+        return expected_seconds(chosen.base)
+    return _COMPILED_SECONDS if chosen.compiled else _EXACT_SECONDS
 
 
 @contextmanager
@@ -181,6 +202,8 @@ def _answer(result: Overview, folder: Folder) -> dict[str, Any]:
         "scene": result.plan.base.scene.name,
         "engine": result.plan.base.engine,
         "exact": result.plan.exact,
+        "compiled": result.plan.compiled,
+        "reduced": result.plan.reduced,
         "over": [axis.text() for axis in result.plan.axes],
         "scenes": result.plan.rows,
         "partitions": result.plan.partitions,

@@ -11,13 +11,14 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import quote
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -79,16 +80,14 @@ def render(figure: Figure, inks: Mapping[str, LineStyle]) -> RenderedFigure:
         mpl.rcdefaults()  # not what a matplotlibrc on this machine says
         mpl.rcParams.update(_STYLE)
         sheet = _sheet(figure, inks)
-        drawn = _UNSPEAKABLE.sub("\N{REPLACEMENT CHARACTER}", _saved(sheet, "svg").decode("utf-8"))
-        svg = _DRAWN.sub(_rounded, drawn)
-        return RenderedFigure(png=_saved(sheet, "png"), svg=svg)
-
-
-def _saved(sheet: Sheet, form: Literal["png", "svg"]) -> bytes:
-    file = io.BytesIO()
-    silent = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}[form]
-    sheet.savefig(file, format=form, metadata=silent)
-    return file.getvalue()
+        # by the canvases and not by `savefig`, which draws everything twice
+        vectors, pixels = io.BytesIO(), io.BytesIO()
+        FigureCanvasAgg(sheet).print_png(pixels, metadata={"Software": None})  # type: ignore[no-untyped-call]
+        # last, since it leaves the sheet at 72 dots per inch
+        FigureCanvasSVG(sheet).print_svg(vectors, metadata={"Date": None, "Creator": None})  # type: ignore[no-untyped-call]
+        text = vectors.getvalue().decode("utf-8")
+        svg = _DRAWN.sub(_rounded, _UNSPEAKABLE.sub("\N{REPLACEMENT CHARACTER}", text))
+        return RenderedFigure(png=pixels.getvalue(), svg=svg)
 
 
 def _sheet(figure: Figure, inks: Mapping[str, LineStyle]) -> Sheet:
@@ -114,7 +113,9 @@ def _sheet(figure: Figure, inks: Mapping[str, LineStyle]) -> Sheet:
             text.set_parse_math(False)
     # laid out once, not again for each form
     FigureCanvasAgg(sheet)
-    sheet.draw_without_rendering()
+    layout = sheet.get_layout_engine()
+    if layout is not None:
+        layout.execute(sheet)
     sheet.set_layout_engine("none")
     return sheet
 

@@ -2,6 +2,7 @@
 
     sweep.json                       the plan, written once and the same ever after
     parts/part-INDEX-PLAN-CHECK.parquet   a partition; the digest of its plan and its own checksum
+    reduced/part-INDEX-PLAN-CHECK.reduction   the same of a sweep without rows
     damaged/                         partitions that are not what was written
     .lock                            held by the one process that is at work here
 
@@ -24,18 +25,19 @@ import pyarrow as pa
 from harness.core.errors import HarnessError, OutputError
 from harness.core.writing import ForeignFolderError, WriteError, writing
 from harness.execution.atomic_write import DRAFT_SUFFIX, write_atomically
-from harness.execution.cache_entry import checksum
+from harness.execution.cache_entry import BrokenEntryError, checksum
 from harness.execution.signals import delay_signals
 from harness.sweep.partition import decode_partition, encode_partition
 from harness.sweep.plan import SweepPlan, digest_of
+from harness.sweep.reduction import Reduction, decode_reduction, encode_reduction
 
 PLAN = "sweep.json"
 PARTS = "parts"
+REDUCED = "reduced"
 DAMAGED = "damaged"
 LOCK = ".lock"
-SUFFIX = ".parquet"
 NAME = re.compile(
-    r"part-(?P<index>[0-9]{6,})-(?P<plan>[0-9a-f]{16})-(?P<check>[0-9a-f]{32})\.parquet"
+    r"part-(?P<index>[0-9]{6,})-(?P<plan>[0-9a-f]{16})-(?P<check>[0-9a-f]{32})\.(parquet|reduction)"
 )
 """Of the file of a partition: its number, the digest of its plan, the checksum of its content."""
 
@@ -70,6 +72,17 @@ class PlanMismatchError(HarnessError, ValueError):
         return (
             f"'{self.out}' holds another sweep, which differs in {self.differing}; "
             "choose another folder with --out, or remove this one"
+        )
+
+
+class RowsMismatchError(PlanMismatchError):
+    """The folder holds a sweep with rows, and is asked for one without, or the contrary."""
+
+    def __str__(self) -> str:
+        """Say which of the two is there."""
+        return (
+            f"'{self.out}' holds a sweep {self.differing}; choose another folder with --out, or "
+            "remove this one"
         )
 
 
@@ -146,17 +159,18 @@ class Folder:
         self.out = out
         self.plan = plan
         self._digest = plan.digest()
+        self._suffix = ".reduction" if plan.reduced else ".parquet"
         self.damaged: list[Path] = []
 
     @property
     def parts(self) -> Path:
-        """The folder of the partitions, which reads as one table."""
-        return self.out / PARTS
+        """The folder of the partitions, which reads as one table if they have rows."""
+        return self.out / (REDUCED if self.plan.reduced else PARTS)
 
     def there(self) -> dict[int, list[Path]]:
         """Return the files of each partition by their names, whether damaged or not."""
         files: dict[int, list[Path]] = {}
-        for path in sorted(self.parts.glob(f"*{SUFFIX}")):
+        for path in sorted(self.parts.glob(f"*{self._suffix}")):
             name = NAME.fullmatch(path.name)
             if name is not None and name["plan"] == self._digest:
                 files.setdefault(int(name["index"]), []).append(path)
@@ -183,7 +197,7 @@ class Folder:
                 gone.append(index)
         return gone
 
-    def write(self, part: pd.DataFrame) -> None:
+    def write(self, part: pd.DataFrame | Reduction) -> None:
         """Write a partition atomically; a signal waits until it is done.
 
         Raises
@@ -192,14 +206,17 @@ class Folder:
             If it cannot be written, such as to a full disk.
         """
         with delay_signals():
-            content = encode_partition(part, self._digest)
-            index = part.index[0] // self.plan.rows_per_partition
-            path = self.parts / f"part-{index:06d}-{self._digest}-{_check(content)}{SUFFIX}"
+            if isinstance(part, Reduction):
+                first, content = part.start, encode_reduction(part, self._digest)
+            else:
+                first, content = part.index[0], encode_partition(part, self._digest)
+            index, check = first // self.plan.rows_per_partition, _check(content)
+            path = self.parts / f"part-{index:06d}-{self._digest}-{check}{self._suffix}"
             with writing(path, fix="what is done stays, and the same command goes on from it"):
                 write_atomically(path, content)
 
-    def read(self) -> Iterator[pd.DataFrame]:
-        """Yield the partitions, one at a time, in order.
+    def read(self) -> Iterator[Any]:
+        """Yield the partitions, one at a time, in order: a DataFrame each, or a Reduction.
 
         Raises
         ------
@@ -215,8 +232,11 @@ class Folder:
             if content is None:
                 raise PartitionError(parts=self.parts, index=index)
             try:
-                yield decode_partition(content)
-            except pa.ArrowException as error:  # whole, but of another Arrow
+                if self.plan.reduced:
+                    yield decode_reduction(content, self._digest)
+                else:
+                    yield decode_partition(content)
+            except (pa.ArrowException, BrokenEntryError) as error:  # whole, but of another Arrow
                 raise UnreadablePartitionError(path=paths[0], reason=str(error)) from error
 
     def _set_aside(self, path: Path) -> None:
@@ -300,9 +320,12 @@ def check_same(out: Path, plan: SweepPlan) -> None:
     differing = [key for key in here | there if here.get(key) != there.get(key)]
     if differing == [_PROGRAM]:
         raise ProgramMismatchError(out, _other_program(here[_PROGRAM], there.get(_PROGRAM)))
+    if here["reduce"] != there.get("reduce", False):
+        words = "with --reduce, so without rows" if there.get("reduce") else "with rows"
+        raise RowsMismatchError(out, words)
     if differing:
-        words = [f"{key} ({there.get(key)!r:.200} there)" for key in differing if key != "scene"]
-        raise PlanMismatchError(out, ", ".join((["the scene"] * ("scene" in differing)) + words))
+        named = [f"{key} ({there.get(key)!r:.200} there)" for key in differing if key != "scene"]
+        raise PlanMismatchError(out, ", ".join((["the scene"] * ("scene" in differing)) + named))
 
 
 def _other_program(here: dict[str, str], there: object) -> str:
@@ -318,10 +341,10 @@ def _check_without_plan(out: Path, plan: SweepPlan) -> None:
     drafts = set(out.glob(f".{PLAN}.*{DRAFT_SUFFIX}"))
     names = {path.name for path in out.iterdir() if path not in drafts} if out.exists() else set()
     # a plan may have been written since we looked for it: the lock decides whose folder it is
-    ours = {LOCK, PLAN, PARTS} | ({DAMAGED, _REPORT} if LOCK in names else set())
+    ours = {LOCK, PLAN, PARTS, REDUCED} | ({DAMAGED, _REPORT} if LOCK in names else set())
     if names - ours:
         raise _foreign(out)
-    for path in (out / PARTS).glob(f"*{SUFFIX}"):
+    for path in (*out.glob(f"{PARTS}/part-*"), *out.glob(f"{REDUCED}/part-*")):
         name = NAME.fullmatch(path.name)
         if name is None or name["plan"] != plan.digest():
             raise PlanMismatchError(out, f"its partitions, such as {path.name}")

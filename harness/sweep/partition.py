@@ -40,7 +40,8 @@ def compute(plan: SweepPlan, rows: range) -> pd.DataFrame:
     """
     values = plan.values(rows)
     if plan.exact:
-        return to_partition(plan, rows, solved_exactly(plan.base.scene, values, plan.quantities))
+        exact = solved_exactly(plan.base.scene, values, plan.quantities, compiled=plan.compiled)
+        return to_partition(plan, rows, exact)
     scenes = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
     cases = [_case(plan, scene) for scene in scenes]
     return to_partition(plan, rows, run_each(cases, plan.quantities, _exact(plan, rows)))
@@ -78,8 +79,10 @@ def to_partition(plan: SweepPlan, rows: range, computed: pd.DataFrame) -> pd.Dat
     """Return the parameters and the computed quantities of rows, as a partition has them."""
     values = plan.values(rows)
     columns = {known.column: values[n] for n, known in PARAMETERS.items() if n in values}
-    columns |= {str(name): computed[name].to_numpy() for name in (*plan.quantities, OUTCOME)}
-    return pd.DataFrame(columns, index=pd.RangeIndex(rows.start, rows.stop, name="row"))
+    columns |= {str(name): computed[name].to_numpy() for name in plan.quantities}
+    index = pd.RangeIndex(rows.start, rows.stop, name="row")
+    outcomes = pd.Series(computed[OUTCOME].to_numpy(), index, dtype=object)
+    return pd.DataFrame({**columns, OUTCOME: outcomes}, index=index, copy=False)
 
 
 def _case(plan: SweepPlan, values: dict[str, float]) -> Case | str:

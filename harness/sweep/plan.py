@@ -19,6 +19,7 @@ from scipy.stats import qmc
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
+from harness.engines.reference.to_reference_problem import compiles
 from harness.engines.registry import engine_version
 from harness.evaluation.case_cache import code_fingerprint
 from harness.evaluation.evaluate import check_case
@@ -32,6 +33,15 @@ MOST_ROWS = 1_000_000_000
 
 EXACT_ROWS = 32_768
 """Rows of a partition by the exact bounce: half a second, two megabytes."""
+
+REDUCED_ROWS = 1_048_576
+"""Scenes of a partition without rows: a few seconds, and some hundred kilobytes."""
+
+COMPILED_FROM = 100_000
+"""Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
+
+COMPILED_ROWS = 65_536
+"""Rows of a partition by compiled kernels: a third of a second, four megabytes."""
 
 ENGINE_ROWS = 256
 """Rows of a partition of runs: a batch of an engine, about a second."""
@@ -56,6 +66,10 @@ class SweepPlan:
     quantities : tuple of str
     exact : bool
         By the exact bounce alone.
+    compiled : bool
+        By compiled kernels, which differ from the arrays of numpy in round-off.
+    reduced : bool
+        Without rows: of each partition a summary is kept.
     rows_per_partition : int
         Scenes in a partition but the last.
     """
@@ -69,6 +83,8 @@ class SweepPlan:
     program: tuple[tuple[str, str], ...]
     quantities: tuple[str, ...]
     exact: bool
+    compiled: bool
+    reduced: bool
     rows_per_partition: int
 
     @property
@@ -121,6 +137,8 @@ class SweepPlan:
             "timestep_s": self.base.timestep,
             "settings": {name: repr(value) for name, value in self.base.options},
             "quantities": list(self.quantities),
+            "compiled": self.compiled,
+            "reduce": self.reduced,
             "rows_per_partition": self.rows_per_partition,
         }
 
@@ -147,6 +165,7 @@ def plan_sweep(
     timestep: float | None = None,
     options: tuple[tuple[str, Value], ...] = (),
     quantities: Sequence[str] = (),
+    reduce: bool = False,
 ) -> SweepPlan:
     """Return a plan that can be carried out.
 
@@ -179,6 +198,11 @@ def plan_sweep(
         # the exact bounce is whole, whatever the horizon
         and not any(axis.name.startswith("horizon.") for axis in axes)
     )
+    if reduce and not exact:
+        only = "sweeps of the exact bounce: rows of runs take far longer to compute than to keep"
+        raise InvalidSettingError("--reduce", f"a sweep by {engine}", only)
+    scenes = count or math.prod(axis.count or 1 for axis in axes)
+    compiled = exact and scenes >= COMPILED_FROM and compiles()
     plan = SweepPlan(
         base=replace(case, scene=scene),
         axes=tuple(axes),
@@ -186,19 +210,31 @@ def plan_sweep(
         count=count or 0,
         seed=seed or 0,
         engine_version=engine_version(engine),
-        program=_program(engine),
+        program=_program(engine, compiled=compiled),
         quantities=asked,
         exact=exact,
-        rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
+        compiled=compiled,
+        reduced=reduce,
+        rows_per_partition=_rows_per_partition(exact=exact, compiled=compiled, reduce=reduce),
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")
     return plan
 
 
-def _program(engine: str) -> tuple[tuple[str, str], ...]:
+def _rows_per_partition(*, exact: bool, compiled: bool, reduce: bool) -> int:
+    """Return how many scenes are a partition."""
+    if reduce:
+        return REDUCED_ROWS
+    if compiled:
+        return COMPILED_ROWS
+    return EXACT_ROWS if exact else ENGINE_ROWS
+
+
+def _program(engine: str, *, compiled: bool) -> tuple[tuple[str, str], ...]:
     """Return versions and sources of the program: rows of different programs are not mixed."""
-    packages = [(name, version(name)) for name in ("rockingcan", "numpy", "scipy")]
+    names = ("rockingcan", "numpy", "scipy", *(("numba",) if compiled else ()))
+    packages = [(name, version(name)) for name in names]
     return (*packages, ("sources", code_fingerprint(engine, __name__)))
 
 

@@ -10,6 +10,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
+from typing import Any
 
 import pandas as pd
 
@@ -21,6 +22,7 @@ from harness.execution.worker import Loss, LostTaskError
 from harness.sweep.folder import Folder
 from harness.sweep.partition import OUTCOME, compute_for, to_partition
 from harness.sweep.plan import SweepPlan
+from harness.sweep.reduction import Reduction, reduced
 
 _TRIES = 2
 """Tries of rows whose process was stopped from outside, which may happen once by chance."""
@@ -43,7 +45,7 @@ class _Piece:
 def run_sweep(
     folder: Folder,
     executor: Executor,
-    on_done: Callable[[pd.DataFrame], None] | None = None,
+    on_done: Callable[[Any], None] | None = None,
     *,
     window: int | None = None,
 ) -> None:
@@ -55,7 +57,8 @@ def run_sweep(
         With the plan; existing partitions stay as they are.
     executor : Executor
     on_done : callable, optional
-        Called with each partition once it is written, before a delayed signal acts.
+        Called with each partition, a DataFrame or a Reduction, once it is written, before a delayed
+        signal acts.
     window : int, optional
         Most pending tasks; the executor's `window` if left out.
 
@@ -67,8 +70,18 @@ def run_sweep(
         If the executor can do nothing more; what is done stays.
     """
     plan = folder.plan
-    limits: Limits = getattr(executor, "limits", NO_LIMITS)
+
+    def keep(partition: pd.DataFrame | Reduction) -> None:
+        with delay_signals():
+            folder.write(partition)
+            if on_done is not None:
+                on_done(partition)
+
     most = getattr(executor, "window", _WINDOW) if window is None else window
+    if plan.reduced:
+        _run_reduced(folder, executor, keep, most)
+        return
+    limits: Limits = getattr(executor, "limits", NO_LIMITS)
     pieces = deque(_Piece(rows=plan.span(index)) for index in folder.missing())
     parts: defaultdict[int, list[pd.DataFrame]] = defaultdict(list)
 
@@ -88,13 +101,33 @@ def run_sweep(
                 computed.append(_lost_row(plan, piece, error))
         pieces.extendleft(again)  # what is begun before others
         if sum(map(len, computed)) == len(plan.span(index)):
-            partition = pd.concat(parts.pop(index)).sort_index()
-            with delay_signals():
-                folder.write(partition)
-                if on_done is not None:
-                    on_done(partition)
+            keep(pd.concat(parts.pop(index)).sort_index())
 
     run_queue(pieces, submit, take, most)
+
+
+def _run_reduced(
+    folder: Folder, executor: Executor, keep: Callable[[Reduction], None], window: int
+) -> None:
+    """Compute the missing partitions of a sweep without rows, each a task."""
+    plan = folder.plan
+
+    def submit(piece: _Piece) -> Future[Reduction]:
+        return executor.submit(reduced, plan, piece.rows)
+
+    def take(piece: _Piece, future: Future[Reduction]) -> None:
+        try:
+            reduction = future.result()
+        except LostTaskError:
+            # no scene's doing: all are solved, or refused, by the same arithmetic
+            if piece.tries == 1:
+                raise
+            pieces.appendleft(replace(piece, tries=piece.tries - 1))
+        else:
+            keep(reduction)
+
+    pieces = deque(_Piece(rows=plan.span(index)) for index in folder.missing())
+    run_queue(pieces, submit, take, window)
 
 
 def _retries(plan: SweepPlan, piece: _Piece, error: LostTaskError) -> list[_Piece]:

@@ -89,7 +89,11 @@ NO_CAN = f"no such scene: `c` must be {AXIAL_INERTIA_ALLOWED}"
 
 
 def solved_exactly(
-    scene: Scene, values: Mapping[str, Floats], quantities: Sequence[str]
+    scene: Scene,
+    values: Mapping[str, Floats],
+    quantities: Sequence[str],
+    *,
+    compiled: bool = False,
 ) -> pd.DataFrame:
     """Return the exact quantities of scenes, and in the column `outcome` how each ended.
 
@@ -101,6 +105,8 @@ def solved_exactly(
         Of the parameters that vary.
     quantities : sequence of str
         Names of exact ones.
+    compiled : bool
+        By compiled kernels, which differ from the arrays in round-off.
     """
     n = len(next(iter(values.values())))
     outcomes = np.full(n, "", dtype=object)
@@ -126,8 +132,9 @@ def solved_exactly(
             releases = _releases(scene, values, valid)
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if valid.any():
-        _solve(releases, valid, numbers, outcomes)
-    return pd.DataFrame({**numbers, "outcome": outcomes})
+        _solve(releases, valid, numbers, outcomes, compiled=compiled)
+    # as objects: pandas would otherwise copy the same few sentences row by row
+    return pd.DataFrame({**numbers, "outcome": pd.Series(outcomes, dtype=object)})
 
 
 def _releases(scene: Scene, values: Mapping[str, Floats], valid: NDArray[np.bool_]) -> Releases:
@@ -148,11 +155,13 @@ def _solve(
     valid: NDArray[np.bool_],
     numbers: dict[str, Floats],
     outcomes: NDArray[np.object_],
+    *,
+    compiled: bool,
 ) -> None:
     """Write the quantities and outcomes of the releases into the rows of the valid scenes."""
     # rates near the largest double overflow: the result is not finite, and the outcome says so
     with np.errstate(all="ignore"):
-        batch = bounces_of(releases)
+        batch = bounces_of(releases, compiled=compiled)
         epsilon = epsilon_of(releases) if "epsilon" in numbers else np.empty(0)
     sound = np.ones(len(batch.code), dtype=bool)
     for column in batch.numbers.values():

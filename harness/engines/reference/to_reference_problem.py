@@ -19,6 +19,7 @@ from reference import Effects, Gravity, Mass, Parameters, Problem, carries, exac
 from reference import Outcome as Ending
 from reference.integrable.frobenius import CanConstants, frobenius_series, horner, terms_needed
 from reference.integrable.turning_points import OUTCOMES
+from reference.numerics.compiled import available
 from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
@@ -177,6 +178,11 @@ def representable(releases: Releases) -> NDArray[np.bool_]:
     for name in _RATES:
         inside = inside & (np.abs(releases.numbers[name]) < 1 / LEAST)
     return inside
+
+
+def compiles() -> bool:
+    """Whether `bounces_of` can be asked for compiled kernels here."""
+    return available()
 
 
 def bounces_of(releases: Releases, *, compiled: bool = False) -> Batch:

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from harness.core.errors import InvalidSettingError
-from harness.sweep.overview import Curves, Map
+from harness.sweep.drawing import Curves, Map
 from harness.sweep.plan import SweepPlan
 from harness.sweep.values import SOURCES
 from tests.support.sweeps import make_plan
@@ -29,6 +29,15 @@ def test_a_partition_has_32768_exact_bounces_or_256_runs() -> None:
     assert make_plan("gentle-rock", axis).rows_per_partition == 32_768
     runs = make_plan("gentle-rock", axis, engine="mujoco", timestep=1e-3)
     assert runs.rows_per_partition == 256
+    assert make_plan("gentle-rock", axis, reduce=True).rows_per_partition == 1_048_576
+
+
+def test_kernels_are_compiled_from_a_hundred_thousand_scenes_on() -> None:
+    few, many = (make_plan("gentle-rock", f"release.psi_dot=1:2:{n}") for n in (99_999, 100_000))
+    assert (few.compiled, many.compiled) == (False, True)
+    assert many.rows_per_partition == 65_536
+    assert "numba" in dict(many.program)
+    assert "numba" not in dict(few.program)
 
 
 @pytest.mark.parametrize(("count", "cells"), [(399, 399), (400, 400), (401, 400)])
