@@ -77,16 +77,18 @@ def friction_ratios() -> Iterator[Ratio]:
 def _against_scipy(piece: Piece) -> Ratio:
     """Time a piece by the integrator, compiled where it can be, and by DOP853."""
     problem, compiled = piece.problem(), available()
+    # what cannot stick at the release: the rival is told in which direction it slips
+    onset = _onset(problem)
     own, scipy_s = in_turns(
         lambda: solve(problem, compiled=compiled),
-        lambda: by_scipy(problem, _TIGHT),
+        lambda: by_scipy(problem, _TIGHT, onset),
         repeats=_REPEATS,
     )
-    loose_s = min(seconds(lambda: by_scipy(problem, _LOOSE)) for _ in range(_REPEATS))
+    loose_s = min(seconds(lambda: by_scipy(problem, _LOOSE, onset)) for _ in range(_REPEATS))
     truth = _end(solve(problem))
     own_error = float(np.abs(_end(solve(problem, compiled=compiled)) - truth).max())
     scipy_error, loose_error = (
-        float(np.abs(by_scipy(problem, rtol)[:4] - truth).max()) for rtol in (_TIGHT, _LOOSE)
+        float(np.abs(by_scipy(problem, rtol, onset)[:4] - truth).max()) for rtol in (_TIGHT, _LOOSE)
     )
     claim = f"at least {_GAIN:.0f} times faster, and at least as accurate" if compiled else ""
     return Ratio(
@@ -108,10 +110,13 @@ def _end(solution: Solution) -> np.ndarray:
     return np.concatenate([there.phi, there.phi_dot, there.psi, there.theta])
 
 
-def by_scipy(problem: Problem, rtol: float) -> np.ndarray:  # noqa: C901 - a rival in one place
+def by_scipy(  # noqa: C901 - a rival in one place
+    problem: Problem, rtol: float, onset: Numbers | None = None
+) -> np.ndarray:
     """Return phi, phi', psi, theta, psi', the axial turning and the slip at the end of a problem.
 
-    By DOP853 in time, with an event for each change of the law of contact.
+    By DOP853 in time, with an event for each change of the law of contact; of a rim that cannot
+    stick at the release `onset` is the slip with which it begins.
 
     Raises
     ------
@@ -136,9 +141,8 @@ def by_scipy(problem: Problem, rtol: float) -> np.ndarray:  # noqa: C901 - a riv
         ]
     )
     slips, time, end = problem.slip != (0.0, 0.0), 0.0, float(problem.duration or 0.0)
-    if solve(problem).phases[0].kind is Kind.SLIP and not slips:
-        # what cannot stick at the release: the rival is told in which direction it slips
-        slips, y[6:] = True, _onset(problem)
+    if onset is not None:
+        slips, y[6:] = True, onset
 
     def field(t: float, y: np.ndarray) -> Numbers:
         phi, w2, w1, w3, psi, theta, u1, u2 = y.tolist()
@@ -163,7 +167,7 @@ def by_scipy(problem: Problem, rtol: float) -> np.ndarray:  # noqa: C901 - a riv
         return hypot(y[6], y[7]) - _LEAST_SLIP / 2
 
     for event in (reserve, sliding):
-        event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+        vars(event).update(terminal=True, direction=-1.0)
     while time < end:
         watched = [sliding] if slips else [reserve] if mu < inf else None
         part = scipy.integrate.solve_ivp(
@@ -187,8 +191,10 @@ def by_scipy(problem: Problem, rtol: float) -> np.ndarray:  # noqa: C901 - a riv
     return np.array([y[0], -y[1], *y[4:6], *y[2:4], *y[6:]])
 
 
-def _onset(problem: Problem) -> Numbers:
-    """Return a small slip in the direction in which the rim of a release begins to."""
+def _onset(problem: Problem) -> Numbers | None:
+    """Return a small slip in the direction in which the rim of a release begins to, if it does."""
+    if solve(problem).phases[0].kind is not Kind.SLIP or problem.slip != (0.0, 0.0):
+        return None
     there = solve(replace(problem, duration=_BEGUN)).at(_BEGUN)
     if there.slip is None:
         raise ValueError("nothing slips")
