@@ -2,8 +2,8 @@
 
 The rival integrates the same equations in time, in plain numbers, which for one state are several
 times faster than arrays; it finds where the rim begins to slip, and where it sticks again, by the
-events of `solve_ivp`, and so the extrema of phi. Both are held against the integrator without compiled code, whose Newton
-iteration shares none of the compiled equations.
+events of `solve_ivp`, and so the extrema of phi. Both are held against the integrator without
+compiled code, whose Newton iteration shares none of the compiled equations.
 """
 
 from collections.abc import Callable, Iterator
