@@ -361,7 +361,7 @@ def march(
             reason = LOOK
         count += 1
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
-        # a tail of round-off says only that more is to be had: how much, the harmonics before it say
+        # a tail of round-off says that more is to be had: how much, the harmonics before it say
         more = min(2.0, max(1.0, _USED * STAGES / present)) * length
         length = more if tail < _NOISE else min(grown, _LONGEST)
         if laws[0]:
