@@ -116,14 +116,8 @@ def contact_at(E: Floats, laws: Laws, y: Floats, j: int, D: Floats, here: Floats
         A11, A12, A13 = I22 * I33 - I23 * I23, I13 * I23 - I12 * I33, I12 * I23 - I13 * I22
         A22, A23, A33 = I11 * I33 - I13 * I13, I12 * I13 - I11 * I23, I11 * I22 - I12 * I12
         det = I11 * A11 + I12 * A12 + I13 * A13
-        A11, A12, A13, A22, A23, A33 = (
-            A11 / det,
-            A12 / det,
-            A13 / det,
-            A22 / det,
-            A23 / det,
-            A33 / det,
-        )
+        A11, A12, A13 = A11 / det, A12 / det, A13 / det
+        A22, A23, A33 = A22 / det, A23 / det, A33 / det
     else:
         A11, A22, A33, A12, A13, A23 = 1 / I11, 1 / I22, 1 / I33, zero, zero, zero
     f1 = A11 * t1 + A12 * t2 + A13 * t3

@@ -64,6 +64,8 @@ _POINTS = points()
 _STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
 _FLOOR, _LEAST_SLIP, _QUIET = FLOOR, LEAST_SLIP, QUIET
 _HEAD, _STOPPED = EXTRAPOLATED, STOPPED
+# Of the harmonics of a step, the share that the next one is to use.
+_USED = 0.9
 _LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
 
 
@@ -224,8 +226,8 @@ def _sizes(y: Floats, size: Floats) -> None:
 
 
 @jit
-def tail_of(E: Floats, start: Floats, series: Floats) -> float:
-    """Return the last two coefficients of a step over the size of its rows."""
+def tail_of(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
+    """Return the last two coefficients of a step over the size of its rows, and which stand out."""
     size, largest = np.empty(ROWS), 0.0
     for i in range(ROWS):
         size[i] = abs(start[i])
@@ -249,7 +251,15 @@ def tail_of(E: Floats, start: Floats, series: Floats) -> float:
     for i in range(ROWS):
         for k in (STAGES - 1, STAGES):
             tail = max(tail, abs(series[i, k]) / size[i])
-    return tail
+    present = STAGES
+    while present > 1:
+        largest = 0.0
+        for i in range(ROWS):
+            largest = max(largest, abs(series[i, present]) / size[i])
+        if largest > _RESOLVED:
+            break
+        present -= 1
+    return tail, present
 
 
 GOES_ON, LOOK, STUCK, STOPS = range(4)
@@ -333,7 +343,7 @@ def march(
         if spent < 0:
             reason = STUCK
             break
-        tail = tail_of(E, starts[count], trial)
+        tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
             # what was too long is the guess of what is shorter
             polynomial, at, scale = trial.copy(), 0.0, length
@@ -351,7 +361,9 @@ def march(
             reason = LOOK
         count += 1
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
-        length = 2.0 * length if tail < _NOISE else min(grown, _LONGEST)
+        # a tail of round-off says that more is to be had: how much, the harmonics before it say
+        more = min(2.0, max(1.0, _USED * STAGES / present)) * length
+        length = more if tail < _NOISE else min(grown, _LONGEST)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
             speed = np.hypot(starts[count, U1], starts[count, U2])

@@ -6,7 +6,20 @@ caller asks for compiled code.
 
 import numpy as np
 
-from reference.equations.state_vector import ROWS, TIME, Index
+from reference.equations.kernels import CONTACT_ROWS, FORCE, contact_at
+from reference.equations.state_vector import (
+    LEAN,
+    PSI,
+    ROWS,
+    TIME,
+    TOTAL,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Index,
+)
 from reference.nonsmooth.radau_iia import AT_START, STAGES
 from reference.numerics.compiled import jit
 from reference.problem.states import Floats
@@ -90,4 +103,38 @@ def rows_at(
             for i in range(ROWS):
                 out[i, j] += own[i, k] * (wave - _AT_START[k])
             before, wave = wave, 2 * x * wave - before
+    return out
+
+
+@jit
+def states_of(E: Floats, slips: Index, turns: Index, y: Floats) -> Floats:
+    """Return what is told of states (13, n), of a can whose rolling meets no resistance.
+
+    Parameters
+    ----------
+    E : ndarray
+    slips, turns : ndarray of int, shape (n,)
+        The laws that are in force.
+    y : ndarray, shape (13, n)
+
+    Returns
+    -------
+    ndarray, shape (12, n)
+        phi, phi', psi, psi', theta, theta', spin, slip and force in the world.
+    """
+    out, D, here = np.empty((12, y.shape[1])), np.empty((10, 6)), np.empty(CONTACT_ROWS)
+    for j in range(y.shape[1]):
+        T = np.exp(y[LEAN, j])
+        S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
+        contact_at(E, (slips[j] != 0, turns[j], False), y, j, D, here)
+        psi, psi_dot = y[PSI, j], y[W1, j] / S
+        cosine, sine = np.cos(psi), np.sin(psi)
+        u1, u2 = y[U1, j] * slips[j], y[U2, j] * slips[j]
+        F1, F2 = here[FORCE] / S, here[FORCE + 1] / S
+        out[0, j], out[1, j], out[2, j], out[3, j] = 2 * np.arctan(T), -y[W2, j], psi, psi_dot
+        out[4, j], out[5, j] = y[TOTAL, j] - psi, y[W3, j] - psi_dot * C
+        out[6, j] = y[W3, j] + y[W1, j] * T
+        out[7, j], out[8, j] = u1 * cosine - u2 * sine, u1 * sine + u2 * cosine
+        out[9, j], out[10, j] = F1 * cosine - F2 * sine, F1 * sine + F2 * cosine
+        out[11, j] = here[FORCE + 2] / S
     return out

@@ -154,6 +154,14 @@ class SegmentsPath:
         return np.asarray(self._starts[number].T + change)
 
     def _states(self, y: Floats, number: NDArray[np.intp]) -> States:
+        slips = np.array([mode.slips for mode in self._modes])[self._mode[number]]
+        begins = bool(np.any(slips & (y[U1] == 0) & (y[U2] == 0)))
+        if (
+            isinstance(self._equations, CompiledEquations)
+            and not self._equations.resistance
+            and not begins
+        ):
+            return self._compiled_states(self._equations, y, slips, number)
         at = Angles.of(y[LEAN])
         psi_dot = y[W1] / at.S
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
@@ -163,7 +171,6 @@ class SegmentsPath:
             if own.any():
                 sliding = self._begun(y[:, own], number[own], mode)
                 force[:, own] = self._equations.contact(sliding, mode).force / at.S[own]
-        slips = np.array([mode.slips for mode in self._modes])[self._mode[number]]
         u1, u2 = np.where(slips, y[U1], 0.0), np.where(slips, y[U2], 0.0)
         return States(
             phi=2 * np.arctan(at.T),
@@ -180,6 +187,34 @@ class SegmentsPath:
                 [force[0] * cos - force[1] * sin, force[0] * sin + force[1] * cos, force[2]],
                 axis=-1,
             ),
+        )
+
+    def _compiled_states(
+        self,
+        equations: CompiledEquations,
+        y: Floats,
+        slips: NDArray[np.bool_],
+        number: NDArray[np.intp],
+    ) -> States:
+        from reference.nonsmooth import path_kernels
+
+        turns = np.array([mode.turns for mode in self._modes])[self._mode[number]]
+        rows = path_kernels.states_of(
+            equations.constants, slips.astype(int), turns, np.ascontiguousarray(y)
+        )
+        phi, phi_dot, psi, psi_dot, theta, theta_dot, spin = rows[:7]
+        return States(
+            phi=phi,
+            phi_dot=phi_dot,
+            psi=psi,
+            psi_dot=psi_dot,
+            theta=theta,
+            theta_dot=theta_dot,
+            spin=spin,
+            x=y[X] if self._locus else None,
+            y=y[Y] if self._locus else None,
+            slip=np.ascontiguousarray(rows[7:9].T),
+            force=np.ascontiguousarray(rows[9:].T),
         )
 
     def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:

@@ -106,10 +106,14 @@ def test_random_releases_are_solved_as_by_quadrature() -> None:
     }
     exact = exact_bounces(**can, **release)
     for number in range(count):
-        one = {name: float(values[number]) for name, values in release.items()}
-        found = solve(
-            Problem(parameters=PAPER_CAN, bounces=1, **one), model="rolling", compiled=True
+        problem = Problem(
+            parameters=PAPER_CAN,
+            phi=float(release["phi"][number]),
+            psi_dot=float(release["psi_dot"][number]),
+            theta_dot=float(release["theta_dot"][number]),
+            bounces=1,
         )
+        found = solve(problem, model="rolling", compiled=True)
         assert found.outcome is Outcome.FINISHED
         turn = exact.angle_of_turn[number]
         assert found.bounces[0].angle_of_turn == pytest.approx(turn, rel=1e-11)
