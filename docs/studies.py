@@ -107,7 +107,8 @@ def _of_turn(table: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the turn, at the finest timestep and at steps that follow the motion."""
     turn = table[table["quantity"] == "angle_of_turn_deg"]
     finest = turn["timestep_s"] == turn["timestep_s"].min()
-    return turn[finest | (turn["profile"] == "adaptive")]
+    chosen: pd.DataFrame = turn.loc[finest | (turn["profile"] == "adaptive")]
+    return chosen
 
 
 def _columns(by: pd.DataFrame) -> list[str]:

@@ -4,16 +4,20 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from harness.core.case import Case
-from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Series
+from harness.core.report_model import Artefact, Column, Prose
 from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
-from harness.metrics import quantities
 from harness.metrics.convergence import observed_order
 from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, exact_numbers
 from harness.studies.gradients.design import QUANTITIES, GradientPlan, unit_of
+from harness.studies.gradients.figures import (
+    at_finest,
+    case_name,
+    own_figures,
+    steady,
+    step_figures,
+)
 from harness.studies.gradients.findings import RIGHT, Differences, OwnDerivative, percent
 from harness.studies.shared.run_columns import scene_table
 from harness.studies.study import Job, Results
@@ -40,7 +44,7 @@ class GradientsStudy:
     @property
     def _stepping(self) -> list[Case]:
         """The bases whose engines may differentiate themselves: those of one timestep."""
-        return [base for base in self.plan.bases if base.engine != "reference" and _steady(base)]
+        return [base for base in self.plan.bases if base.engine != "reference" and steady(base)]
 
     def next_jobs(self, _: Results) -> list[Job[Case, Record]]:
         """Return every changed case, the exact derivatives, and those of engines."""
@@ -112,8 +116,8 @@ class GradientsStudy:
         ladders = tuple(_ladders(differences))
         return (
             _summary(scene, differences, own),
-            *_step_figures(scene, differences),
-            *_own_figures(scene, own),
+            *step_figures(scene, differences),
+            *own_figures(scene, own),
             scene_table(scene, "gradients", "Derivatives by differences", _GRADIENTS, differences),
             scene_table(scene, "own", "Derivatives of the engines' own", _OWN, own),
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
@@ -165,27 +169,16 @@ class GradientLadder:
 def _ladders(differences: Sequence[Differences]) -> Iterator[GradientLadder]:
     groups: dict[tuple[str, str, str], list[Differences]] = {}
     for each in differences:
-        if each.base.engine != "reference" and _steady(each.base):
+        if each.base.engine != "reference" and steady(each.base):
             groups.setdefault((each.base.engine, each.key, each.quantity), []).append(each)
     for rungs in groups.values():
         yield GradientLadder(rungs=tuple(rungs))
 
 
-def _steady(base: Case) -> bool:
-    """Whether all steps of a case are alike, or chosen by the engine itself."""
-    return base.profile != "adaptive"
-
-
-def _finest(differences: Sequence[Differences]) -> list[Differences]:
-    """Return those at the finest timestep of each engine, and those of adaptive steps."""
-    last = {(each.base.engine, each.base.profile): each.base for each in differences}
-    return [each for each in differences if each.base in last.values()]
-
-
 def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDerivative]) -> Prose:
     """Return a paragraph on each engine."""
     paragraphs = []
-    for base in dict.fromkeys(each.base for each in _finest(differences)):
+    for base in dict.fromkeys(each.base for each in at_finest(differences)):
         mine = [each for each in differences if each.base == base]
         paragraphs.append(_sentences(base, mine))
         of_engine = [each for each in own if each.base == base]
@@ -204,19 +197,11 @@ def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDe
     return Prose(name=f"{scene}-summary", title=title, text=text, scene=scene)
 
 
-def _name(base: Case) -> str:
-    """Return an engine with its timestep or its accuracy."""
-    if base.engine == "reference":
-        return "exact motion"
-    rung = rung_of(base)
-    return f"{base.engine}, {base.profile if rung is None else spelled(base.engine, rung)}"
-
-
 def _sentences(base: Case, mine: Sequence[Differences]) -> str:
     """Return how many derivatives of an engine are right, and with which steps."""
     known = [each for each in mine if each.best is not None]
     right = [each for each in known if each.usable is not None]
-    words = [f"{_name(base)}: of {len(mine)} derivatives {len(right)} can be had to 1 %."]
+    words = [f"{case_name(base)}: of {len(mine)} derivatives {len(right)} can be had to 1 %."]
     if right:
         low = max(each.usable[0] for each in right if each.usable)
         high = min(each.usable[1] for each in right if each.usable)
@@ -233,102 +218,6 @@ def _sentences(base: Case, mine: Sequence[Differences]) -> str:
             f"its best step of {worst.best[0]:.0e}."
         )
     return " ".join(words)
-
-
-_DRAWN = ("angle_of_turn_deg", "period_s")
-"""Quantities that figures show: the turn is the hardest, the period the easiest."""
-
-_LEAST_ERROR = 1e-14
-"""Smaller errors are drawn here."""
-
-
-def _step_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
-    """Yield for each quantity that is drawn its error against the step, a panel a key."""
-    for quantity in _DRAWN:
-        own = [each for each in differences if each.quantity == quantity]
-        keys = dict.fromkeys(each.key for each in own)
-        if not own:
-            continue
-        label = quantities.QUANTITIES[quantity].label
-        yield Figure(
-            name=f"{scene}-steps-{quantity.replace('_', '-')}",
-            title=f"{label}: error of a difference against its step",
-            seen=(
-                "To the right a difference is too long and its error falls as the square of the "
-                "step; to the left it subtracts numbers that are alike, and noise grows as the "
-                "step shrinks. Where a line is level between the two, the engine's own motion has "
-                "another derivative than the exact one."
-            ),
-            panels=tuple(
-                Panel(
-                    title=f"{label} by {key}",
-                    x_label="relative step",
-                    y_label="relative error",
-                    series=tuple(_step_series([each for each in own if each.key == key])),
-                    log_x=True,
-                    log_y=True,
-                )
-                for key in keys
-            ),
-            scene=scene,
-        )
-
-
-def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
-    """Yield a line for each engine and timestep, the coarse ones dashed."""
-    finest = {each.base for each in _finest(own)}
-    for each in own:
-        errors = [math.nan if e is None else max(e, _LEAST_ERROR) for e in each.errors.values()]
-        yield Series(
-            label=_name(each.base),
-            kind=each.base.engine,
-            x=np.array(list(each.errors)),
-            y=np.array(errors),
-            mark="both",
-            dashed=each.base not in finest,
-        )
-
-
-def _own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
-    """Yield the errors of the engines' own derivatives against their own step, if there are any."""
-    if not own:
-        return
-    finest = {each.base.engine: each.base for each in own}
-    panels = []
-    for quantity in dict.fromkeys(each.quantity for each in own):
-        series = []
-        for engine, base in finest.items():
-            mine = [e for e in own if e.base is base and e.quantity == quantity]
-            for key in dict.fromkeys(each.key for each in mine):
-                pairs = [(float(e.step), e.error) for e in mine if e.key == key]
-                x, y = np.array(pairs).T
-                label = f"{engine}, {key}"
-                series.append(
-                    Series(
-                        label=label, kind=engine, x=x, y=np.maximum(y, _LEAST_ERROR), mark="both"
-                    )
-                )
-        panels.append(
-            Panel(
-                title=quantities.QUANTITIES[quantity].label,
-                x_label="step of the engine's own differences",
-                y_label="relative error",
-                series=tuple(series),
-                log_x=True,
-                log_y=True,
-            )
-        )
-    yield Figure(
-        name=f"{scene}-own-derivatives",
-        title="Derivatives of the engines' own",
-        seen=(
-            "The engine differentiates each of its steps and the products are chained over the "
-            "bounce. Its differences must be short beside the depth to which the contact gives "
-            "way, or they leave the contact that they differentiate."
-        ),
-        panels=tuple(panels),
-        scene=scene,
-    )
 
 
 def _each(differences: Sequence[Differences]) -> Iterator[dict[str, object]]:

@@ -1,0 +1,127 @@
+"""Figures of gradients: the error against the step of a difference, and of an engine's own."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from harness.core.case import Case
+from harness.core.report_model import Figure, Panel, Series
+from harness.engines.ladder import rung_of, spelled
+from harness.metrics import quantities
+from harness.studies.gradients.findings import Differences, OwnDerivative
+
+
+def steady(base: Case) -> bool:
+    """Whether all steps of a case are alike, or chosen by the engine itself."""
+    return base.profile != "adaptive"
+
+
+def at_finest(differences: Sequence[Differences]) -> list[Differences]:
+    """Return those at the finest timestep of each engine, and those of adaptive steps."""
+    last = {(each.base.engine, each.base.profile): each.base for each in differences}
+    return [each for each in differences if each.base in last.values()]
+
+
+def case_name(base: Case) -> str:
+    """Return an engine with its timestep or its accuracy."""
+    if base.engine == "reference":
+        return "exact motion"
+    rung = rung_of(base)
+    return f"{base.engine}, {base.profile if rung is None else spelled(base.engine, rung)}"
+
+
+_DRAWN = ("angle_of_turn_deg", "period_s")
+"""Quantities that figures show: the turn is the hardest, the period the easiest."""
+
+_LEAST_ERROR = 1e-14
+"""Smaller errors are drawn here."""
+
+
+def step_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
+    """Yield for each quantity that is drawn its error against the step, a panel a key."""
+    for quantity in _DRAWN:
+        own = [each for each in differences if each.quantity == quantity]
+        keys = dict.fromkeys(each.key for each in own)
+        if not own:
+            continue
+        label = quantities.QUANTITIES[quantity].label
+        yield Figure(
+            name=f"{scene}-steps-{quantity.replace('_', '-')}",
+            title=f"{label}: error of a difference against its step",
+            seen=(
+                "To the right a difference is too long and its error falls as the square of the "
+                "step; to the left it subtracts numbers that are alike, and noise grows as the "
+                "step shrinks. Where a line is level between the two, the engine's own motion has "
+                "another derivative than the exact one."
+            ),
+            panels=tuple(
+                Panel(
+                    title=f"{label} by {key}",
+                    x_label="relative step",
+                    y_label="relative error",
+                    series=tuple(_step_series([each for each in own if each.key == key])),
+                    log_x=True,
+                    log_y=True,
+                )
+                for key in keys
+            ),
+            scene=scene,
+        )
+
+
+def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
+    """Yield a line for each engine and timestep, the coarse ones dashed."""
+    finest = {each.base for each in at_finest(own)}
+    for each in own:
+        errors = [math.nan if e is None else max(e, _LEAST_ERROR) for e in each.errors.values()]
+        yield Series(
+            label=case_name(each.base),
+            kind=each.base.engine,
+            x=np.array(list(each.errors)),
+            y=np.array(errors),
+            mark="both",
+            dashed=each.base not in finest,
+        )
+
+
+def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
+    """Yield the errors of the engines' own derivatives against their own step, if there are any."""
+    if not own:
+        return
+    finest = {each.base.engine: each.base for each in own}
+    panels = []
+    for quantity in dict.fromkeys(each.quantity for each in own):
+        series = []
+        for engine, base in finest.items():
+            mine = [e for e in own if e.base is base and e.quantity == quantity]
+            for key in dict.fromkeys(each.key for each in mine):
+                pairs = [(float(e.step), e.error) for e in mine if e.key == key]
+                x, y = np.array(pairs).T
+                label = f"{engine}, {key}"
+                series.append(
+                    Series(
+                        label=label, kind=engine, x=x, y=np.maximum(y, _LEAST_ERROR), mark="both"
+                    )
+                )
+        panels.append(
+            Panel(
+                title=quantities.QUANTITIES[quantity].label,
+                x_label="step of the engine's own differences",
+                y_label="relative error",
+                series=tuple(series),
+                log_x=True,
+                log_y=True,
+            )
+        )
+    yield Figure(
+        name=f"{scene}-own-derivatives",
+        title="Derivatives of the engines' own",
+        seen=(
+            "The engine differentiates each of its steps and the products are chained over the "
+            "bounce. Its differences must be short beside the depth to which the contact gives "
+            "way, or they leave the contact that they differentiate."
+        ),
+        panels=tuple(panels),
+        scene=scene,
+    )
