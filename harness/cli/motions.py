@@ -22,6 +22,7 @@ from harness.core.simulation import Outcome
 from harness.core.writing import WriteError
 from harness.engines.reference import ENDING, PARTED, Agreement, Finding
 from harness.engines.reference.assumption_checks import Divergence, check_assumptions
+from harness.engines.reference.derivatives import derivatives_of
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
 from harness.evaluation.evaluate import evaluate, evaluate_without_truth
@@ -30,6 +31,7 @@ from harness.metrics.motion import Motion, motion_frame
 from harness.metrics.quantities import QUANTITIES
 from models.catalogue import load
 from models.effects import modelling_choices
+from models.scene import Scene
 
 Answer = dict[str, Any]
 
@@ -46,13 +48,20 @@ class BrokenRunError(TrajectoryError):
         return f"{self.case}: {self.note}"
 
 
-def reference(
+def reference(  # noqa: PLR0917 - a parameter an option
     scene: options.SceneName,
     model: Annotated[
         str, typer.Option(help="Which equations; auto takes the smallest that carries the scene.")
     ] = "auto",
     method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
+    derivatives: Annotated[
+        bool,
+        typer.Option(
+            "--derivatives",
+            help="Also the exact derivatives of the first bounce by release, can and effects.",
+        ),
+    ] = False,
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """The exact motion in numbers, and the friction it needs.
@@ -69,6 +78,8 @@ def reference(
     truth = solve_case(case, again=False) if known else None
     answer = reference_json(evaluation, truth.bounces if truth else ())
     answer |= model_answer(evaluation, truth, model)
+    if derivatives:
+        answer |= derivatives_json(case.scene)
     if json:
         typer.echo(terminal.to_json(answer))
     else:
@@ -181,6 +192,17 @@ def divergence_json(divergence: Divergence | None) -> Answer | None:
     }
 
 
+def derivatives_json(scene: Scene) -> Answer:
+    """Return the part of the answer of `reference` on the derivatives of the first bounce."""
+    own = derivatives_of(scene)
+    return {
+        "derivatives": own.values,
+        "derivatives_why": own.why,
+        "derivatives_method": own.method,
+        "derivatives_caveats": list(own.caveats),
+    }
+
+
 def _findings_json(findings: Iterable[Finding]) -> list[dict[str, str]]:
     return [{"sentence": finding.sentence, "model": finding.model} for finding in findings]
 
@@ -276,6 +298,9 @@ def sentences(answer: Answer) -> Iterable[str]:
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
     yield from chaos_sentences(answer)
+    for quantity, reason in answer.get("derivatives_why", {}).items():
+        yield f"No derivative of {quantity}: {reason}."
+    yield from answer.get("derivatives_caveats", ())
     for finding in answer["findings"]:
         carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
         yield f"Finding: {finding['sentence']}{carried}"
@@ -306,6 +331,15 @@ def motion_tables(answer: Answer) -> Iterable[Table]:
     for title, rows in parts.items():
         if rows:
             yield terminal.table(title, list(rows[0]), [list(row.values()) for row in rows])
+    if "derivatives" in answer:
+        yield _derivatives_table(answer["derivatives"])
+
+
+def _derivatives_table(derivatives: Answer) -> Table:
+    """Return the table of derivatives: a row a key of the scene, a column a quantity."""
+    keys = next(iter(derivatives.values()))
+    rows = [[key, *(of[key] for of in derivatives.values())] for key in keys]
+    return terminal.table("Derivatives of the first bounce", ["by", *derivatives], rows)
 
 
 def chaos_sentences(answer: Answer) -> Iterable[str]:

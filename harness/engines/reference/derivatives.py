@@ -1,0 +1,152 @@
+"""Derivatives of the exact first bounce by the keys of a scene, in their units.
+
+Everything is dimensionless in `reference`: lengths in R, times in T = sqrt(R/g). Gravity and radius
+act through these units alone, so that derivatives by them follow from those by all else.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from harness.engines.reference.to_reference_problem import problem, refusal
+from models.scene import Scene
+from reference.analysis.sensitivity import QUANTITIES, sensitivity
+from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
+
+NAMES = {
+    "period": "period_s",
+    "angle_of_turn": "angle_of_turn_deg",
+    "phi_min": "phi_min_rad",
+    "peak_psi_dot": "peak_psi_dot_rad_s",
+    "peak_friction_ratio": "peak_friction_ratio",
+}
+"""Quantities of the reference, by their keys in answers."""
+
+RELEASE = ("phi", "psi_dot", "theta_dot", "phi_dot")
+CAN = ("a", "c", "h", "radius")
+SHAKE = ("frequency", "horizontal", "vertical", "direction", "phase")
+_RATES = ("phi_dot", "psi_dot", "theta_dot")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Derivatives:
+    """Derivatives of the first bounce of a scene.
+
+    Parameters
+    ----------
+    values : mapping
+        For each quantity the derivative by each key of the scene, in the units of both; None where
+        there is none.
+    why : mapping of str to str
+        Why there is none, by quantity.
+    method : str
+        How they were computed.
+    caveats : tuple of str
+        Sentences: which are of one side, and that those beside a separatrix are large.
+    """
+
+    values: Mapping[str, Mapping[str, float | None]]
+    why: Mapping[str, str]
+    method: str
+    caveats: tuple[str, ...]
+
+
+def derivatives_of(scene: Scene) -> Derivatives:
+    """Return the derivatives of the first bounce of a scene by its own numbers."""
+    numbers = scene_numbers(scene)
+    reason = refusal(scene)
+    if reason:
+        none: dict[str, float | None] = dict.fromkeys(numbers)
+        return Derivatives(
+            values=dict.fromkeys(NAMES.values(), none),
+            why=dict.fromkeys(NAMES.values(), reason),
+            method="none",
+            caveats=(),
+        )
+    own = sensitivity(problem(scene))
+    by_key, time = _dimensionless(scene, numbers)
+    by_scene = np.stack([by_key[each].slope for each in own.by])
+    units = {"period": time, "angle_of_turn": Jet(np.asarray(180 / np.pi), 0 * time.slope)}
+    units["peak_psi_dot"] = 1.0 / time
+    values: dict[str, Mapping[str, float | None]] = {}
+    for name in QUANTITIES:
+        slope = own.derivatives[name] @ by_scene
+        if name in units:
+            slope = units[name].value * slope + own.values[name] * units[name].slope
+        values[NAMES[name]] = {
+            key: float(each) if np.isfinite(each) else None
+            for key, each in zip(numbers, slope, strict=True)
+        }
+    return Derivatives(
+        values=values,
+        why={NAMES[name]: sentence for name, sentence in own.why.items()},
+        method=own.method,
+        caveats=own.caveats,
+    )
+
+
+def scene_numbers(scene: Scene) -> dict[str, float]:
+    """Return the numbers of a scene by which derivatives are taken, by their keys in its file."""
+    release, can = scene.release, scene.can
+    out = {f"release.{name}": getattr(release, name) for name in RELEASE}
+    out |= {f"can.{name}": getattr(can, name) for name in CAN} | {"gravity": scene.gravity}
+    for name in scene.effects.declared():
+        effect = getattr(scene.effects, name)
+        for field in fields(effect):
+            out[f"effects.{name}.{field.name}"] = getattr(effect, field.name)
+    return out
+
+
+def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str, Jet], Jet]:
+    """Return the numbers of a scene's problem, and its natural time, in jets by the scene's own.
+
+    Parameters
+    ----------
+    scene : Scene
+    numbers : mapping of str to float
+        Of `scene_numbers`.
+
+    Returns
+    -------
+    dict of str to Jet
+        By the names of `reference.analysis.sensitivity.Sensitivity.by`.
+    Jet
+        s.
+    """
+    unit = np.eye(len(numbers))
+    jets = {
+        key: Jet(np.asarray(value), unit[place])
+        for place, (key, value) in enumerate(numbers.items())
+    }
+    R, g = jets["can.radius"], jets["gravity"]
+    T = jet_sqrt(R / g)
+    out = {"phi": jets["release.phi"]}
+    out |= {name: T * jets[f"release.{name}"] for name in _RATES}
+    out |= {name: jets[f"can.{name}"] for name in "ach"}
+    scaled: dict[str, Callable[[Jet], Jet]] = {
+        "slip.mu": lambda x: x,
+        "drilling.length": lambda x: x / R,
+        "rolling_resistance.length": lambda x: x / R,
+        "damping.linear": lambda x: x * T,
+        "damping.angular": lambda x: x * T,
+        "rim.radius": lambda x: x / R,
+        "tilt.angle": lambda x: x,
+        "tilt.direction": lambda x: x,
+        "point_mass.mass": lambda x: x / scene.can.mass,
+        "point_mass.x": lambda x: x / R,
+        "point_mass.y": lambda x: x / R,
+        "point_mass.z": lambda x: x / R,
+    }
+    for key, scale in scaled.items():
+        if f"effects.{key}" in jets:
+            out[key] = scale(jets[f"effects.{key}"])
+    if scene.effects.shake is not None:
+        shake = {field: jets[f"effects.shake.{field}"] for field in SHAKE}
+        rate = 2 * np.pi * shake["frequency"]
+        push = rate * rate / g
+        level, across = push * shake["horizontal"], shake["direction"]
+        out["shake.x"], out["shake.y"] = level * jet_cos(across), level * jet_sin(across)
+        out["shake.z"] = push * shake["vertical"]
+        out["shake.rate"], out["shake.phase"] = rate * T, shake["phase"]
+    return out, T
