@@ -35,6 +35,14 @@ from models.scene import Scene
 
 Answer = dict[str, Any]
 
+WithDerivatives = Annotated[
+    bool,
+    typer.Option(
+        "--derivatives",
+        help="Also the exact derivatives of the first bounce by release, can and effects.",
+    ),
+]
+
 
 @dataclass(eq=False, kw_only=True)
 class BrokenRunError(TrajectoryError):
@@ -55,13 +63,7 @@ def reference(  # noqa: PLR0917 - a parameter an option
     ] = "auto",
     method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
-    derivatives: Annotated[
-        bool,
-        typer.Option(
-            "--derivatives",
-            help="Also the exact derivatives of the first bounce by release, can and effects.",
-        ),
-    ] = False,
+    derivatives: WithDerivatives = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """The exact motion in numbers, and the friction it needs.

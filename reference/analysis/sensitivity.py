@@ -10,16 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.integrable.derivatives import bounce_tangents
+from reference.analysis.tangent_motion import motion_tangents
+from reference.integrable.derivatives import QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
-QUANTITIES = ("period", "angle_of_turn", "phi_min", "peak_psi_dot", "peak_friction_ratio")
-"""What is differentiated: numbers of a `Bounce`, and the time from its maximum to the next."""
-NO_BOUNCE = "the motion has no bounce"
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
 
@@ -68,8 +66,8 @@ def sensitivity(problem: Problem) -> Sensitivity:
     if isinstance(path, ExactPath):
         jets, why = bounce_tangents(problem, path)
         return _filled(BY, jets, why, "quadrature", (*_one_sided(problem), *_separatrix(path)))
-    why = dict.fromkeys(QUANTITIES, NO_BOUNCE)
-    return _filled(BY, {}, why, "none", ())
+    by, jets, why = motion_tangents(problem)
+    return _filled(by, jets, why, "variational equations", _one_sided(problem))
 
 
 def _filled(

@@ -55,6 +55,8 @@ NARROWER, ROUNDS = 9, 18
 TIED = 1e-9
 
 
+QUANTITIES = ("period", "angle_of_turn", "phi_min", "peak_psi_dot", "peak_friction_ratio")
+"""What is differentiated: numbers of a `Bounce`, and the time from its maximum to the next."""
 PULLED = "the plane would have to pull: the normal force is not positive throughout the bounce"
 
 
@@ -293,7 +295,7 @@ def bounce_tangents(problem: Problem, path: ExactPath) -> tuple[dict[str, Jet], 
     Returns
     -------
     jets : dict of str to Jet, each a value and a slope of shape (7,)
-        By the names `reference.analysis.sensitivity.QUANTITIES`; derivatives by the numbers
+        By the names `QUANTITIES`; derivatives by the numbers
         `reference.integrable.tangents.BY`, dimensionless.
     why : dict of str to str
         Why there is no derivative, of the quantities that are left out.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Values: TypeAlias = NDArray[Any]
 """Real or complex numbers."""
-Index: TypeAlias = int | slice | None | tuple[int | slice | None, ...]
+Index: TypeAlias = int | slice | tuple[int | slice | None, ...] | None
 Operand: TypeAlias = Union["Jet", Values, float]
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from harness.engines.reference.to_reference_problem import problem, refusal
 from models.scene import Scene
-from reference.analysis.sensitivity import QUANTITIES, sensitivity
+from reference.analysis.sensitivity import sensitivity
+from reference.integrable.derivatives import QUANTITIES
 from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
 
 NAMES = {

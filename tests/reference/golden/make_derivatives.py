@@ -154,9 +154,8 @@ def derivatives(release: Release) -> dict[str, dict[str, str | None]]:
         )
         for key, one in ahead.items():
             other = behind[key]
-            known = one is not None and other is not None
-            slope = mp.nstr((one - other) / (2 * shift), DIGITS) if known else None
-            out.setdefault(key, {})[name] = slope
+            slope = None if one is None or other is None else (one - other) / (2 * shift)
+            out.setdefault(key, {})[name] = None if slope is None else mp.nstr(slope, DIGITS)
     return out
 
 
