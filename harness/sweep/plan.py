@@ -23,6 +23,7 @@ from harness.engines.registry import engine_version
 from harness.evaluation.case_cache import code_fingerprint
 from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, checked_scene
+from harness.sweep.derivatives import DERIVATIVES
 from harness.sweep.parameters import Floats
 from harness.sweep.values import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
@@ -160,7 +161,12 @@ def plan_sweep(
     asked = tuple(dict.fromkeys(quantities)) or DEFAULT
     for name in asked:
         if name not in QUANTITIES:
-            raise InvalidSettingError("--quantity", name, ", ".join(QUANTITIES))
+            plain = ", ".join(each for each in QUANTITIES if each not in DERIVATIVES)
+            allowed = f"{plain}, or a derivative such as d_angle_of_turn_deg/d_release.phi"
+            raise InvalidSettingError("--quantity", name, allowed)
+        if name in DERIVATIVES and engine != "reference":
+            allowed = "of the reference only: an engine's runs have no exact derivative"
+            raise InvalidSettingError("--quantity", name, allowed)
         if engine == "reference" and SOURCES[name] == "error":
             raise InvalidSettingError(
                 "--quantity", name, "of an engine's runs only: the reference has no such error"

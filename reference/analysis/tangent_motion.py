@@ -2,9 +2,10 @@
 
 A disturbance d of the state by a number p obeys d' = J d + df/dp
 (`reference.analysis.variational`), and starts as the derivative of the release by p. At an extremum
-of phi, whose instant moves, the state changes by d - f d_w2/f_w2: there w2 = -phi' is zero. Peaks are maxima along the motion, of
-which only the derivative at a fixed place is left (envelope theorem). Derivatives by the constants
-of the can and of its effects are taken along imaginary steps, exact to round-off.
+of phi, whose instant moves, the state changes by d - f d_w2/f_w2: there w2 = -phi' is zero. Peaks
+are maxima along the motion, of which only the derivative at a fixed place is left (envelope
+theorem). Derivatives by the constants of the can and of its effects are taken along imaginary
+steps, exact to round-off.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,6 +21,7 @@ from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     LEAN,
     PSI,
+    SLIP,
     TIME,
     W1,
     W2,
@@ -27,10 +29,10 @@ from reference.equations.state_vector import (
     Angles,
     sizes,
 )
-from reference.integrable.derivatives import PULLED, QUANTITIES, UndecidedError
+from reference.integrable.derivatives import PULLED, QUANTITIES
 from reference.integrable.frobenius import CanConstants
 from reference.integrable.tangents import BY
-from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.numerics.jets import Jet
 from reference.problem.effects import Effects, Gravity, Mass
 from reference.problem.problem import Problem
@@ -40,10 +42,12 @@ from reference.solver import solve
 # Places of a piece among which a peak is looked for, and halvings that find it to round-off.
 PLACES = np.linspace(0.0, 1.0, 9)
 HALVINGS = 60
-# A ratio of forces this near the coefficient of friction is that of a rim that slips.
-AT_LIMIT = 1e-9
 NO_BOUNCE = "the motion has no bounce"
 KINK = "the peak is where the law of the contact changes, and differs on its two sides"
+
+
+class UndecidedError(ArithmeticError):
+    """A derivative that does not exist; says why."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,8 +182,12 @@ class TangentMotion:
     stretches: Mapping[int, Stretch]
 
     def state(self, number: int, c: float) -> Floats:
-        """Return the state at a place, shape (13, 1)."""
-        return self.pieces[number].at(np.array([c]))
+        """Return the state at a place, shape (13, 1), with the direction of a slip that begins."""
+        piece = self.pieces[number]
+        y = piece.at(np.array([c]))
+        if piece.mode.slips and not y[SLIP].any():
+            y[SLIP] = piece.at(np.array([c + AHEAD]))[SLIP]
+        return y
 
     def rates(self, number: int, c: float) -> Floats:
         """Return the rates of the rows `CORE` at a place, shape (9,)."""
@@ -232,7 +240,7 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     solution = solve(replace(problem, bounces=1, duration=None), model="general")
     path = solution.path
     if not solution.bounces or not isinstance(path, SegmentsPath):
-        reason = f"{NO_BOUNCE}: {solution.outcome.value}"
+        reason = f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}"
         return by, {}, dict.fromkeys(QUANTITIES, reason)
     motion = _tangent_motion(problem, path, by)
     jets: dict[str, Jet] = {}

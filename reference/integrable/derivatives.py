@@ -15,17 +15,26 @@ A turning point moves by -(dg/dp)/(dg/dphi). Peaks are those of a function of th
 at the peak only the explicit derivative is left (envelope theorem).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ellipj
 
+from reference.integrable.cycle import released_potential
 from reference.integrable.elliptic import EllipticSubstitution, squared_sn_cn
 from reference.integrable.exact_motion import ExactPath
-from reference.integrable.quadrature import elliptic_substitution
+from reference.integrable.frobenius import CanConstants, frobenius_series
+from reference.integrable.quadrature import (
+    cycle_integrals,
+    elliptic_substitution,
+    nodes_needed,
+    select_points,
+)
 from reference.integrable.tangents import (
     AT,
+    BY,
     TangentState,
     TangentWell,
     force_ratio,
@@ -33,8 +42,9 @@ from reference.integrable.tangents import (
     tangent_state,
     tangent_well,
 )
-from reference.integrable.turning_points import TurningPoints
+from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
 from reference.numerics.jets import Jet, Values
+from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
@@ -50,9 +60,11 @@ ALIKE = 1e-9
 LEGS = 120
 # Places of the clock among which a peak is looked for, and rounds that narrow it to round-off.
 SAMPLES = 193
-NARROWER, ROUNDS = 9, 18
+NARROWER, ROUNDS = 9, 14
 # Two peaks as alike as this change places by a change of the release that no one resolves.
 TIED = 1e-9
+# Releases treated together: what stays in a processor's cache.
+BATCH = 32
 
 
 QUANTITIES = ("period", "angle_of_turn", "phi_min", "peak_psi_dot", "peak_friction_ratio")
@@ -60,8 +72,8 @@ QUANTITIES = ("period", "angle_of_turn", "phi_min", "peak_psi_dot", "peak_fricti
 PULLED = "the plane would have to pull: the normal force is not positive throughout the bounce"
 
 
-class UndecidedError(ArithmeticError):
-    """A derivative that round-off leaves undecided, or that does not exist; says why."""
+TWICE = "the peak is reached in two places of the bounce at once"
+NO_PATH = "a singularity of the motion is too near its real times"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,10 +150,7 @@ def cycle_tangents(
     known : tuple of ndarray, shape (n,)
         The integrals on the real line.
 
-    Raises
-    ------
-    UndecidedError
-        If a singularity is so near the real line that no path runs below it.
+    Not numbers where a singularity is so near the real line that no path runs below it.
     """
     clock = elliptic_substitution(points)
     height = HEIGHT * clock.analyticity_strip
@@ -166,10 +175,10 @@ def cycle_tangents(
             size = np.abs(value) + np.abs(known[1])
             gap = np.maximum(gap, np.abs(part.value - value) / np.maximum(size, 1e-300))
         wrong = ~(gap <= ALIKE)
-        if not wrong.any():
-            return parts[0], parts[1], parts[2]
-        if (height[wrong] < lowest[wrong]).any():
-            raise UndecidedError("a singularity of the motion is too near its real times")
+        if not (wrong & (height >= lowest)).any():
+            nothing = np.where(wrong, np.nan, 0.0)
+            period, turn, total = (Jet(part.value, part.slope + nothing[:, None]) for part in parts)
+            return period, turn, total
         height = np.where(wrong, height / 2, height)
 
 
@@ -214,13 +223,12 @@ def turning_tangent(state: TangentState) -> Floats:
 
 
 def peak_tangent(
-    points: TurningPoints,
-    well: TangentWell,
-    quantity: Callable[[TangentState], Jet],
-) -> Jet:
-    """Return the peak of a function of the nutation of one release, in a jet of shape ().
+    points: TurningPoints, well: TangentWell, quantity: Callable[[TangentState], Jet]
+) -> tuple[Jet, NDArray[np.bool_]]:
+    """Return the peaks of a function of the nutation, and where there are two, of shape (n,).
 
-    The peak is the value of largest magnitude, with its sign.
+    The peak is the value of largest magnitude, with its sign; no number where the function has
+    none.
 
     Parameters
     ----------
@@ -232,54 +240,85 @@ def peak_tangent(
     Returns
     -------
     Jet
-
-    Raises
-    ------
-    UndecidedError
-        If two places of the bounce are equally high.
+    ndarray of bool
+        Whether two places of the bounce are equally high: then there is no derivative.
     """
     clock = elliptic_substitution(points)
+    columns = np.arange(points.low.size)
 
     def at(fraction: Floats) -> tuple[TangentState, Jet]:
-        phi, rise, gap = clock.nutation(fraction[:, None])
+        phi, rise, gap = clock.nutation(fraction)
         below = np.where(rise < gap, points.fall - rise, gap - points.climb)
         state = tangent_state(well, phi, below)
         return state, quantity(state)
 
-    grid = np.linspace(0.0, 1.0, SAMPLES)
-    size = np.abs(at(grid)[1].value[:, 0])
-    if not np.isfinite(size).all():
-        raise UndecidedError(PULLED)
-    best = int(size.argmax())
-    around = np.abs(np.arange(SAMPLES) - best) > 1
-    inner = (size[1:-1] > size[:-2]) & (size[1:-1] > size[2:])
-    others = np.concatenate([[size[0] > size[1]], inner, [size[-1] > size[-2]]]) & around
-    low, high = grid[max(best - 1, 0)], grid[min(best + 1, SAMPLES - 1)]
+    grid = np.broadcast_to(np.linspace(0.0, 1.0, SAMPLES)[:, None], (SAMPLES, columns.size))
+    size = np.abs(at(grid)[1].value)
+    best = size.argmax(axis=0)
+    padded = np.pad(size, ((1, 1), (0, 0)), constant_values=-1.0)
+    apart = np.abs(np.arange(SAMPLES)[:, None] - best) > 1
+    others = np.where(apart & (size > padded[:-2]) & (size > padded[2:]), size, 0.0)
+    low, high = grid[np.maximum(best - 1, 0), 0], grid[np.minimum(best + 1, SAMPLES - 1), 0]
     for _ in range(ROUNDS):
-        finer = np.linspace(low, high, NARROWER)
-        _, seen = at(finer)
+        finer = low + (high - low) * np.linspace(0.0, 1.0, NARROWER)[:, None]
+        finer[-1] = high
+        seen = at(finer)[1]
         # towards the peak the magnitude rises
-        rising = (np.sign(seen.value) * seen.slope[..., AT])[:, 0] > 0
-        last = int(np.flatnonzero(rising)[-1]) if rising.any() else -1
-        low, high = finer[max(last, 0)], finer[min(last + 1, NARROWER - 1)]
-    _, seen = at(np.array([low, high]))
-    pick = int(np.abs(seen.value[:, 0]).argmax())
-    value, slope = seen.value[pick, 0], seen.slope[pick, 0]
-    if (size[others] >= abs(value) * (1 - TIED)).any():
-        raise UndecidedError("the peak is reached in two places of the bounce at once")
-    edge = low == 0.0 or high == 1.0
-    if not edge:
-        return Jet(value, slope[:AT])
-    moved = turning_tangent(at(np.array([0.0 if low == 0.0 else 1.0]))[0])[0]
-    return Jet(value, slope[:AT] + slope[AT] * moved)
+        rising = np.sign(seen.value) * seen.slope[..., AT] > 0
+        last = np.where(rising.any(axis=0), NARROWER - 1 - rising[::-1].argmax(axis=0), -1)
+        low = finer[np.maximum(last, 0), columns]
+        high = finer[np.minimum(last + 1, NARROWER - 1), columns]
+    state, seen = at(np.stack([low, high]))
+    pick = np.abs(seen.value).argmax(axis=0)
+    value, slope = seen.value[pick, columns], seen.slope[pick, columns]
+    force = state.g.slope[pick, columns]
+    moved = -force[:, :AT] / np.where(force[:, AT:] == 0, np.nan, force[:, AT:])
+    edge = (low == 0.0) | (high == 1.0)
+    by = slope[:, :AT] + np.where(edge[:, None], slope[:, AT:] * moved, 0.0)
+    nothing = np.where(np.isfinite(size).all(axis=0), 0.0, np.nan)
+    tied = others.max(axis=0) >= np.abs(value) * (1 - TIED)
+    return Jet(value, by + nothing[:, None]), np.asarray(tied)
 
 
-def release_tangents(problem: Problem) -> TangentWell:
-    """Return the well of the release of an ideal can in jets, of shape (1,)."""
-    names = ("phi", "phi_dot", "psi_dot", "theta_dot")
-    numbers = {name: np.array([getattr(problem, name)]) for name in names}
-    p = problem.parameters
-    return tangent_well(seeds(**numbers, a=np.array([p.a]), c=np.array([p.c]), h=np.array([p.h])))
+def tangents(
+    points: TurningPoints,
+    well: TangentWell,
+    known: tuple[Floats, ...],
+    wanted: Collection[str] = QUANTITIES,
+) -> tuple[dict[str, Jet], dict[str, NDArray[np.bool_]]]:
+    """Return the numbers of whole bounces in jets, of shape (n,), not numbers where undecided.
+
+    Parameters
+    ----------
+    points : TurningPoints
+    well : TangentWell
+    known : tuple of ndarray, shape (n,)
+        Period, turn and turn of psi + theta.
+    wanted : collection of str
+        Which of `QUANTITIES`.
+
+    Returns
+    -------
+    dict of str to Jet
+        By the names `QUANTITIES`.
+    dict of str to ndarray of bool
+        Of peaks, whether there are two.
+    """
+    jets: dict[str, Jet] = {}
+    tied: dict[str, NDArray[np.bool_]] = {}
+    if "period" in wanted or "angle_of_turn" in wanted:
+        jets["period"], jets["angle_of_turn"], _ = cycle_tangents(points, well, known)
+    if "phi_min" in wanted:
+        bottom = tangent_state(well, points.low[None], points.fall[None])
+        jets["phi_min"] = Jet(points.low, turning_tangent(bottom))
+    peaks: dict[str, Callable[[TangentState], Jet]] = {
+        "peak_psi_dot": lambda state: state.psi_dot,
+        "peak_friction_ratio": lambda state: force_ratio(well, state),
+    }
+    for name, quantity in peaks.items():
+        if name in wanted:
+            jets[name], tied[name] = peak_tangent(points, well, quantity)
+    return {name: Jet(jet.value, jet.slope[..., :AT]) for name, jet in jets.items()}, tied
 
 
 def bounce_tangents(problem: Problem, path: ExactPath) -> tuple[dict[str, Jet], dict[str, str]]:
@@ -300,28 +339,59 @@ def bounce_tangents(problem: Problem, path: ExactPath) -> tuple[dict[str, Jet], 
     why : dict of str to str
         Why there is no derivative, of the quantities that are left out.
     """
-    points, well = path.points, release_tangents(problem)
-    out: dict[str, Jet] = {}
-    why: dict[str, str] = {}
+    p = problem.parameters
+    numbers = {name: getattr(p if name in {"a", "c", "h"} else problem, name) for name in BY}
+    well = tangent_well(seeds(**{name: np.array([value]) for name, value in numbers.items()}))
     known = tuple(np.array([2 * part.slope]) for part in (path.time, path.precession, path.total))
-    try:
-        period, turn, _ = cycle_tangents(points, well, known)
-        if problem.phi_dot < 0:
-            early = skipped_tangents(points, well, problem, -path.start)
-            period, turn = period - early[0], turn - early[1]
-        for name, jet in (("period", period), ("angle_of_turn", turn)):
-            out[name] = Jet(jet.value[0], jet.slope[0, :AT])
-    except UndecidedError as error:
-        why["period"] = why["angle_of_turn"] = str(error)
-    bottom = tangent_state(well, points.low[None], points.fall[None])
-    out["phi_min"] = Jet(points.low[0], turning_tangent(bottom)[0])
-    peaks: dict[str, Callable[[TangentState], Jet]] = {
-        "peak_psi_dot": lambda state: state.psi_dot,
-        "peak_friction_ratio": lambda state: force_ratio(well, state),
-    }
-    for name, quantity in peaks.items():
-        try:
-            out[name] = peak_tangent(points, well, quantity)
-        except UndecidedError as error:
-            why[name] = str(error)
-    return out, why
+    jets, tied = tangents(path.points, well, known)
+    if problem.phi_dot < 0:
+        early = skipped_tangents(path.points, well, problem, -path.start)
+        for name, skipped in zip(("period", "angle_of_turn"), early, strict=False):
+            jets[name] = jets[name] - Jet(skipped.value, skipped.slope[..., :AT])
+    why = {name: TWICE for name, twice in tied.items() if twice[0]}
+    for name, jet in jets.items():
+        if name not in why and not np.isfinite(jet.slope).all():
+            why[name] = NO_PATH if name in {"period", "angle_of_turn"} else PULLED
+    return {name: jet[0] for name, jet in jets.items() if name not in why}, why
+
+
+def batch_tangents(wanted: Collection[str] = QUANTITIES, **numbers: Floats) -> dict[str, Jet]:
+    """Return the numbers of whole bounces of many releases of ideal cans in jets, of shape (n,).
+
+    Parameters
+    ----------
+    wanted : collection of str
+        Which of `QUANTITIES`.
+    **numbers : ndarray, shape (n,)
+        By the names `reference.integrable.tangents.BY`, dimensionless.
+
+    Returns
+    -------
+    dict of str to Jet
+        By the names `QUANTITIES`; not numbers where there is no bounce, or no derivative.
+    """
+    n = numbers["phi"].size
+    out = {name: Jet(np.full(n, np.nan), np.full((n, AT), np.nan)) for name in wanted}
+    for start in range(0, n, BATCH):
+        part = {name: value[start : start + BATCH] for name, value in numbers.items()}
+        cans = {name: part[name] for name in ("a", "c", "h")}
+        if all((value == value[0]).all() for value in cans.values()):
+            cans = {name: value[:1] for name, value in cans.items()}
+        can = CanConstants(**cans)
+        release = {name: part[name] for name in ("phi", "phi_dot", "psi_dot", "theta_dot")}
+        well = released_potential(can, frobenius_series(can), **release)
+        points = turning_points(well, certain=True)
+        rows = np.flatnonzero(points.code == OUTCOMES.index(Outcome.FINISHED))
+        if not rows.size:
+            continue
+        points = select_points(points, rows)
+        nodes = int(nodes_needed(elliptic_substitution(points)).max())
+        period, turn, rotation, *_, doubt = cycle_integrals(points, nodes, careful=True)
+        own = tangent_well(seeds(**{name: value[rows] for name, value in part.items()}))
+        jets, tied = tangents(points, own, (period, turn, turn + rotation), wanted)
+        for name in wanted:
+            jet = jets[name]
+            none = (doubt != 0) | tied.get(name, np.zeros(rows.size, dtype=bool))
+            out[name].value[start + rows] = np.where(none, np.nan, jet.value)
+            out[name].slope[start + rows] = np.where(none[:, None], np.nan, jet.slope)
+    return out

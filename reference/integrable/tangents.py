@@ -45,7 +45,7 @@ class TangentWell:
         b, s and g there.
     B : Jet
         First integral.
-    polynomials : Jet, shape (terms, 5, 1, n)
+    polynomials : Jet, shape (terms, 5, n)
         b1, s1, the divided differences of b and s at r, and the part of b without a logarithm.
     poised : bool
         Whether for some release the force on phi at r nearly vanishes.
@@ -130,14 +130,15 @@ def tangent_well(numbers: dict[str, Jet]) -> TangentWell:
     """
     r, psi_dot = numbers["phi"], numbers["psi_dot"]
     a, c, h = (numbers[name] for name in ("a", "c", "h"))
-    one_can = r.value.size == 1
-    if one_can:
-        series = _series_of_one(*(float(part.value[0]) for part in (a, c, h)))
+    cans = [part.value for part in (a, c, h)]
+    if all((part == part[0]).all() for part in cans):
+        series = _series_of_one(*(float(part[0]) for part in cans))
     else:
-        series = _series(a.value, c.value, h.value)
+        series = _series(*cans)
     sine, spin = jet_sin(r), psi_dot + numbers["theta_dot"]
     b = sine * sine * psi_dot
-    b1, s1, b2, s2 = (polynomial(series[:, place, None], r)[0] for place in range(4))
+    at_release = polynomial(series, Jet(r.value[None], r.slope[None]))
+    b1, s1, b2, s2 = (at_release[place, 0] for place in range(4))
     B, K = b * s1 - spin * b1, spin * b2 - b * s2
     part_b = series[:, 0] * K + series[:, 2] * B
     part_s = series[:, 1] * K + series[:, 3] * B
@@ -156,8 +157,8 @@ def tangent_well(numbers: dict[str, Jet]) -> TangentWell:
         excess=inertia * numbers["phi_dot"] * numbers["phi_dot"] * 0.5,
         B=B,
         polynomials=Jet(
-            np.stack([each.value for each in stack], axis=1)[:, :, None],
-            np.stack([each.slope for each in stack], axis=1)[:, :, None],
+            np.stack(np.broadcast_arrays(*(each.value for each in stack)), axis=1),
+            np.stack(np.broadcast_arrays(*(each.slope for each in stack)), axis=1),
         ),
         poised=False,
     )
@@ -167,11 +168,29 @@ def tangent_well(numbers: dict[str, Jet]) -> TangentWell:
 
 
 def polynomial(coefficients: Jet, x: Jet) -> Jet:
-    """Return polynomials, coefficients of shape (terms, ...), at jets that broadcast, by Horner."""
-    out = coefficients[-1]
-    for n in range(coefficients.value.shape[0] - 2, -1, -1):
-        out = coefficients[n] + x * out
-    return out
+    """Return polynomials at jets.
+
+    Parameters
+    ----------
+    coefficients : Jet, shape (terms, p, n)
+    x : Jet, shape (m, n)
+
+    Returns
+    -------
+    Jet, shape (p, m, n)
+    """
+    value, slope = coefficients.value, coefficients.slope
+    powers = np.empty((value.shape[0], *x.value.shape), dtype=x.value.dtype)
+    powers[0] = 1.0
+    powers[1:] = x.value
+    np.multiply.accumulate(powers, axis=0, out=powers)
+    rise = value[1:] * np.arange(1, value.shape[0])[:, None, None]
+    # sums in one order, whatever the number of threads
+    by_x = np.einsum("tpn,tmn->pmn", rise, powers[:-1])
+    by_coefficients = np.einsum("tpnk,tmn->pmnk", slope, powers)
+    return Jet(
+        np.einsum("tpn,tmn->pmn", value, powers), by_coefficients + by_x[..., None] * x.slope
+    )
 
 
 def _quotient(coefficients: Jet, at: Jet) -> Jet:

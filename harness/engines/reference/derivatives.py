@@ -4,15 +4,17 @@ Everything is dimensionless in `reference`: lengths in R, times in T = sqrt(R/g)
 act through these units alone, so that derivatives by them follow from those by all else.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from harness.engines.reference.to_reference_problem import problem, refusal
+from harness.engines.reference.to_reference_problem import Releases, problem, refusal
+from harness.engines.world import Floats
 from models.scene import Scene
 from reference.analysis.sensitivity import sensitivity
-from reference.integrable.derivatives import QUANTITIES
+from reference.integrable.derivatives import QUANTITIES, batch_tangents
+from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
 
 NAMES = {
@@ -23,6 +25,9 @@ NAMES = {
     "peak_friction_ratio": "peak_friction_ratio",
 }
 """Quantities of the reference, by their keys in answers."""
+
+_UNITS = {"period": (1.0, 1), "angle_of_turn": (180.0 / np.pi, 0), "peak_psi_dot": (1.0, -1)}
+"""Units of the quantities that have one: a factor, and the power of the natural time."""
 
 RELEASE = ("phi", "psi_dot", "theta_dot", "phi_dot")
 CAN = ("a", "c", "h", "radius")
@@ -68,13 +73,12 @@ def derivatives_of(scene: Scene) -> Derivatives:
     own = sensitivity(problem(scene))
     by_key, time = _dimensionless(scene, numbers)
     by_scene = np.stack([by_key[each].slope for each in own.by])
-    units = {"period": time, "angle_of_turn": Jet(np.asarray(180 / np.pi), 0 * time.slope)}
-    units["peak_psi_dot"] = 1.0 / time
     values: dict[str, Mapping[str, float | None]] = {}
     for name in QUANTITIES:
-        slope = own.derivatives[name] @ by_scene
-        if name in units:
-            slope = units[name].value * slope + own.values[name] * units[name].slope
+        scale, power = _UNITS.get(name, (1.0, 0))
+        unit = scale * time.value**power
+        slope = unit * own.derivatives[name] @ by_scene
+        slope = slope + own.values[name] * power * unit / time.value * time.slope
         values[NAMES[name]] = {
             key: float(each) if np.isfinite(each) else None
             for key, each in zip(numbers, slope, strict=True)
@@ -85,6 +89,45 @@ def derivatives_of(scene: Scene) -> Derivatives:
         method=own.method,
         caveats=own.caveats,
     )
+
+
+def many_derivatives(
+    releases: Releases, gravity: Floats, radius: Floats, names: Collection[str]
+) -> dict[tuple[str, str], Floats]:
+    """Return the derivatives of whole bounces of many releases of ideal cans.
+
+    Parameters
+    ----------
+    releases : Releases
+    gravity, radius : ndarray, shape () or (n,)
+        Of the scenes, in SI units.
+    names : collection of str
+        Which of the values of `NAMES`.
+
+    Returns
+    -------
+    dict of (str, str) to ndarray, shape (n,)
+        By quantity and key of the scene, in the units of both; not a number where there is none.
+    """
+    shape = np.broadcast_shapes(*(np.shape(value) for value in releases.numbers.values()))
+    given = {
+        name: np.broadcast_to(value, shape).ravel() for name, value in releases.numbers.items()
+    }
+    time = np.broadcast_to(releases.time, shape).ravel()
+    wanted = [name for name in QUANTITIES if NAMES[name] in names]
+    out: dict[tuple[str, str], Floats] = {}
+    for name, jet in batch_tangents(wanted, **{key: given[key] for key in BY}).items():
+        scale, power = _UNITS.get(name, (1.0, 0))
+        unit = scale * time**power
+        by = {key: unit * jet.slope[:, place] for place, key in enumerate(BY)}
+        by_time = power * unit / time * jet.value
+        by_time += sum(by[rate] * given[rate] / time for rate in _RATES)
+        columns = {f"release.{key}": by[key] * (time if key in _RATES else 1) for key in RELEASE}
+        columns |= {f"can.{key}": by[key] for key in ("a", "c", "h")}
+        columns["can.radius"] = by_time * time / (2 * radius)
+        columns["gravity"] = -by_time * time / (2 * gravity)
+        out |= {(NAMES[name], key): column for key, column in columns.items()}
+    return out
 
 
 def scene_numbers(scene: Scene) -> dict[str, float]:
