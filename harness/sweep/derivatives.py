@@ -1,7 +1,7 @@
 """Columns of a sweep that are derivatives of the exact first bounce: d_QUANTITY/d_KEY.
 
-Of the ideal can they are of a whole bounce, from a maximum of phi to the next, and computed for many
-releases at once. With friction as the quantity, or with effects, each scene is solved by itself.
+Of the ideal can they are of a whole bounce, from a maximum of phi to the next, and computed for
+many releases at once. With effects each scene is solved by itself.
 """
 
 from collections.abc import Mapping, Sequence

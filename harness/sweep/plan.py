@@ -185,6 +185,8 @@ def plan_sweep(
         # the exact bounce is whole, whatever the horizon
         and not any(axis.name.startswith("horizon.") for axis in axes)
     )
+    # a derivative takes some milliseconds
+    slow = not exact or any(name in DERIVATIVES for name in asked)
     plan = SweepPlan(
         base=replace(case, scene=scene),
         axes=tuple(axes),
@@ -195,7 +197,7 @@ def plan_sweep(
         program=_program(engine),
         quantities=asked,
         exact=exact,
-        rows_per_partition=EXACT_ROWS if exact else ENGINE_ROWS,
+        rows_per_partition=ENGINE_ROWS if slow else EXACT_ROWS,
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")

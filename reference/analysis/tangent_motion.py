@@ -43,6 +43,9 @@ from reference.solver import solve
 PLACES = np.linspace(0.0, 1.0, 9)
 HALVINGS = 60
 NO_BOUNCE = "the motion has no bounce"
+# A peak that was measured by sampling is this near, as a share of it.
+SAME_PEAK = 1e-6
+ANOTHER = "the peak could not be told from others"
 KINK = "the peak is where the law of the contact changes, and differs on its two sides"
 
 
@@ -267,7 +270,8 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
             if name == "peak_friction_ratio" and (at_limit := _limit(motion, starts, ends)):
                 jets[name] = at_limit
             else:
-                jets[name] = _peak(motion, quantity, starts, ends, opens=opens)
+                known = getattr(solution.bounces[0], name)
+                jets[name] = _peak(motion, quantity, known, starts, ends, opens=opens)
         except UndecidedError as error:
             why[name] = str(error)
     return by, jets, why
@@ -308,9 +312,18 @@ def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
 
 
 def _peak(
-    motion: TangentMotion, quantity: Quantity, starts: Place, ends: Place, *, opens: bool
+    motion: TangentMotion,
+    quantity: Quantity,
+    known: float,
+    starts: Place,
+    ends: Place,
+    *,
+    opens: bool,
 ) -> Jet:
-    """Return the value of largest magnitude of a quantity within the bounce, in a jet."""
+    """Return the value of largest magnitude of a quantity within the bounce, in a jet.
+
+    It is `known` from samples, more roughly: another value is that of another peak.
+    """
     places: list[Place] = []
     for number in range(starts[0], ends[0] + 1):
         left = starts[1] if number == starts[0] else 0.0
@@ -331,13 +344,16 @@ def _peak(
         value, by_state, _ = motion.gradient(quantity, *place)
         return bool(np.sign(value) * (by_state @ motion.rates(*place)) > 0)
 
-    low, high = places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)]
+    # the end of a piece is the start of the next: two places further it is another instant
+    low, high = places[max(best - 2, 0)], places[min(best + 2, len(places) - 1)]
     if best in edges and rising(low) == rising(high):
         at, turns = edges[best]
     else:
         at, turns = _top(motion, rising, low, high), False
     _, by_state, by_constants = motion.gradient(quantity, *at)
     value = float(quantity(motion.equations, motion.state(*at), motion.pieces[at[0]].mode)[0])
+    if not abs(value - known) <= SAME_PEAK * abs(known):
+        raise UndecidedError(ANOTHER)
     slope = by_state @ motion.disturbances(*at, turns=turns) + by_constants
     return Jet(np.asarray(value), slope)
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ellipj
+from scipy.special import ellipj, elliprf
 
 from reference.integrable.cycle import released_potential
 from reference.integrable.elliptic import EllipticSubstitution, squared_sn_cn
@@ -56,6 +56,8 @@ DECADES = 38.0
 LOWEST = 1 / 64
 # Largest relative difference of an integral on the path from that on the real line.
 ALIKE = 1e-9
+# Elliptic functions of arguments below this are near their arguments.
+CLOSE = 0.05
 # Nodes of Gauss's rule on a path from the release to the maximum of phi.
 LEGS = 120
 # Places of the clock among which a peak is looked for, and rounds that narrow it to round-off.
@@ -95,17 +97,22 @@ class PathNodes:
 
 
 def nodes_on_path(
-    points: TurningPoints, clock: EllipticSubstitution, fraction: Floats, height: Floats
+    points: TurningPoints, clock: EllipticSubstitution, left: Floats, height: Floats
 ) -> PathNodes:
-    """Return nodes at u = fraction K + i height, shapes (m, 1) or (m, n).
+    """Return nodes at u = (1 - left) K + i height, shapes (m, 1) or (m, n).
 
     By the addition theorem of the elliptic functions, each part to its own round-off.
     """
     k1 = clock.complementary
-    sn2, cn2 = squared_sn_cn(fraction, k1)
-    s, c, d = np.sqrt(sn2), np.sqrt(cn2), np.sqrt(k1 + (1 - k1) * cn2)
+    sn2, cn2 = squared_sn_cn(left, k1)
+    # theta series know a sine that is all but zero to absolute round-off
+    way = left * clock.quarter
+    sn2 = np.where(way < CLOSE, ellipj(np.minimum(way, CLOSE), 1 - k1)[0] ** 2, sn2)
+    dn2 = k1 + (1 - k1) * cn2
+    # reflected about K/2: sn(K - x) = cn/dn, cn(K - x) = k' sn/dn, dn(K - x) = k'/dn
+    s, c, d = np.sqrt(cn2 / dn2), np.sqrt(k1 * sn2 / dn2), np.sqrt(k1 / dn2)
     s1, c1, d1, _ = ellipj(height, k1)
-    below = c1**2 + (1 - k1) * sn2 * s1**2
+    below = c1**2 + (1 - k1) * s**2 * s1**2
     sn2 = ((s * d1 + 1j * c * d * s1 * c1) / below) ** 2
     cn2 = ((c * c1 - 1j * s * d * s1 * d1) / below) ** 2
     swing, low = clock.swing, clock.low
@@ -157,8 +164,8 @@ def cycle_tangents(
     lowest = LOWEST * height
     while True:
         count = int(np.ceil((DECADES * clock.quarter / (2 * np.pi * height)).max())) + 8
-        fraction = (np.arange(count)[:, None] + 0.5) / count
-        nodes = nodes_on_path(points, clock, fraction, height)
+        midpoints = (np.arange(count)[:, None] + 0.5) / count
+        nodes = nodes_on_path(points, clock, midpoints, height)
         scale = 2 * clock.quarter / count
         parts = []
         with np.errstate(all="ignore"):  # a path across a singularity shows in the values
@@ -183,28 +190,22 @@ def cycle_tangents(
 
 
 def skipped_tangents(
-    points: TurningPoints, well: TangentWell, problem: Problem, fraction: float
+    points: TurningPoints, well: TangentWell, problem: Problem
 ) -> tuple[Jet, Jet, Jet]:
-    """Return time, turn and turn of psi + theta from a falling release up to phi_max, in jets.
+    """Return time, turn and turn of psi + theta from phi_max down to a falling release, in jets.
 
-    They are what the first bounce of a falling release lacks of a whole cycle.
-
-    Parameters
-    ----------
-    points : TurningPoints
-    well : TangentWell
-    problem : Problem
-    fraction : float
-        u/K of the release, inside (0, 1).
+    They are what the first bounce of a falling release lacks of a whole cycle: integrals along half
+    of a path from the release round phi_max and back.
     """
     clock = elliptic_substitution(points)
-    K = float(clock.quarter[0])
+    left = _before_maximum(points, clock)
     x, weight = np.polynomial.legendre.leggauss(LEGS)
     share = ((x + 1) / 2)[:, None]
-    top = min(HEIGHT * float(clock.analyticity_strip[0]), (1 - fraction) * K / 2)
-    along = fraction + (1 - fraction) * share
-    nodes = nodes_on_path(points, clock, along, top * np.sin(np.pi / 2 * share))
-    step = (1 - fraction) * K + 0.5j * np.pi * top * np.cos(np.pi / 2 * share)
+    top = np.minimum(HEIGHT * clock.analyticity_strip, left / 2)
+    nodes = nodes_on_path(
+        points, clock, left / clock.quarter * (1 - share), top * np.sin(np.pi / 2 * share)
+    )
+    step = left + 0.5j * np.pi * top * np.cos(np.pi / 2 * share)
     step = step * weight[:, None] / 2
     out = []
     ends = (1.0, problem.psi_dot, problem.psi_dot + problem.theta_dot)
@@ -214,6 +215,19 @@ def skipped_tangents(
         slope = slope - end / abs(problem.phi_dot) * well.reference.slope
         out.append(Jet(value, slope))
     return out[0], out[1], out[2]
+
+
+def _before_maximum(points: TurningPoints, clock: EllipticSubstitution) -> Floats:
+    """Return the clock's time between the release and phi_max, to relative round-off, shape (n,).
+
+    From cn^2 there, by Carlson's integral, of which no argument is a difference.
+    """
+    k1, climb = clock.complementary, points.climb
+    cn2 = 2 * clock.low * climb / (clock.swing * (clock.high + clock.low - climb))
+    # of the time that is left: sn^2, cn^2 and dn^2
+    total = k1 + (1 - k1) * cn2
+    sn2, cn2, dn2 = cn2 / total, k1 * (1 - cn2) / total, k1 / total
+    return np.asarray(np.sqrt(sn2) * elliprf(cn2, dn2, 1.0))
 
 
 def turning_tangent(state: TangentState) -> Floats:
@@ -345,7 +359,7 @@ def bounce_tangents(problem: Problem, path: ExactPath) -> tuple[dict[str, Jet], 
     known = tuple(np.array([2 * part.slope]) for part in (path.time, path.precession, path.total))
     jets, tied = tangents(path.points, well, known)
     if problem.phi_dot < 0:
-        early = skipped_tangents(path.points, well, problem, -path.start)
+        early = skipped_tangents(path.points, well, problem)
         for name, skipped in zip(("period", "angle_of_turn"), early, strict=False):
             jets[name] = jets[name] - Jet(skipped.value, skipped.slope[..., :AT])
     why = {name: TWICE for name, twice in tied.items() if twice[0]}

@@ -210,6 +210,14 @@ def fixed(phi: Values) -> Jet:
     return Jet(phi, np.broadcast_to(slope, (*phi.shape, AT + 1)))
 
 
+def _log1p(z: Values) -> Values:
+    """Return log(1 + z) to relative round-off, of complex numbers too, where numpy's is absolute."""
+    if not np.iscomplexobj(z):
+        return np.asarray(np.log1p(z))
+    x, y = z.real, z.imag
+    return np.asarray(np.log1p(x * (2 + x) + y * y) / 2 + 1j * np.arctan2(y, 1 + x))
+
+
 def _beside(well: TangentWell, phi: Jet, below: Jet) -> tuple[Jet, Jet, list[Jet]]:
     """Return the differences of b and of the spin from those at the reference, and the parts."""
     share = below.value / well.reference.value
@@ -217,7 +225,7 @@ def _beside(well: TangentWell, phi: Jet, below: Jet) -> tuple[Jet, Jet, list[Jet
     log = np.where(
         deep,
         np.log(phi.value / well.reference.value),
-        np.log1p(-np.where(deep, 0.0, share)),
+        _log1p(-np.where(deep, 0.0, share)),
     )
     # the logarithm of phi/r, from where it is known best
     by = phi.slope / phi.value[..., None] - (well.reference.slope / well.reference.value[..., None])
