@@ -198,7 +198,7 @@ def derivatives_json(scene: Scene) -> Answer:
     """Return the part of the answer of `reference` on the derivatives of the first bounce."""
     own = derivatives_of(scene)
     return {
-        "derivatives": own.values,
+        "derivatives": own.slopes,
         "derivatives_why": own.why,
         "derivatives_method": own.method,
         "derivatives_caveats": list(own.caveats),

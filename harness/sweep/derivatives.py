@@ -80,9 +80,9 @@ def of_cases(cases: Sequence[Case | str], names: Sequence[str]) -> dict[str, Flo
     for row, case in enumerate(cases):
         if not names or isinstance(case, str):
             continue
-        values = derivatives_of(case.scene).values
+        slopes = derivatives_of(case.scene).slopes
         for name, column in columns.items():
             quantity, key = parts_of(name)
-            known = values[quantity].get(key)
+            known = slopes[quantity].get(key)
             column[row] = np.nan if known is None else known
     return columns

@@ -211,7 +211,7 @@ def fixed(phi: Values) -> Jet:
 
 
 def _log1p(z: Values) -> Values:
-    """Return log(1 + z) to relative round-off, of complex numbers too, where numpy's is absolute."""
+    """Return log(1 + z) to relative round-off: numpy's of complex numbers is to absolute."""
     if not np.iscomplexobj(z):
         return np.asarray(np.log1p(z))
     x, y = z.real, z.imag

@@ -41,7 +41,7 @@ class Derivatives:
 
     Parameters
     ----------
-    values : mapping
+    slopes : mapping
         For each quantity the derivative by each key of the scene, in the units of both; None where
         there is none.
     why : mapping of str to str
@@ -52,7 +52,7 @@ class Derivatives:
         Sentences: which are of one side, and that those beside a separatrix are large.
     """
 
-    values: Mapping[str, Mapping[str, float | None]]
+    slopes: Mapping[str, Mapping[str, float | None]]
     why: Mapping[str, str]
     method: str
     caveats: tuple[str, ...]
@@ -65,7 +65,7 @@ def derivatives_of(scene: Scene) -> Derivatives:
     if reason:
         none: dict[str, float | None] = dict.fromkeys(numbers)
         return Derivatives(
-            values=dict.fromkeys(NAMES.values(), none),
+            slopes=dict.fromkeys(NAMES.values(), none),
             why=dict.fromkeys(NAMES.values(), reason),
             method="none",
             caveats=(),
@@ -73,18 +73,18 @@ def derivatives_of(scene: Scene) -> Derivatives:
     own = sensitivity(problem(scene))
     by_key, time = _dimensionless(scene, numbers)
     by_scene = np.stack([by_key[each].slope for each in own.by])
-    values: dict[str, Mapping[str, float | None]] = {}
+    slopes: dict[str, Mapping[str, float | None]] = {}
     for name in QUANTITIES:
         scale, power = _UNITS.get(name, (1.0, 0))
         unit = scale * time.value**power
         slope = unit * own.derivatives[name] @ by_scene
         slope = slope + own.values[name] * power * unit / time.value * time.slope
-        values[NAMES[name]] = {
+        slopes[NAMES[name]] = {
             key: float(each) if np.isfinite(each) else None
             for key, each in zip(numbers, slope, strict=True)
         }
     return Derivatives(
-        values=values,
+        slopes=slopes,
         why={NAMES[name]: sentence for name, sentence in own.why.items()},
         method=own.method,
         caveats=own.caveats,
