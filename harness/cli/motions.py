@@ -14,6 +14,12 @@ import typer
 from rich.table import Table
 
 from harness.cli import options, terminal
+from harness.cli.derivatives import (
+    WithDerivatives,
+    derivatives_json,
+    derivatives_sentences,
+    derivatives_table,
+)
 from harness.cli.settings import parse_settings
 from harness.core.bounce import Bounce
 from harness.core.case import Case
@@ -22,7 +28,6 @@ from harness.core.simulation import Outcome
 from harness.core.writing import WriteError
 from harness.engines.reference import ENDING, PARTED, Agreement, Finding
 from harness.engines.reference.assumption_checks import Divergence, check_assumptions
-from harness.engines.reference.derivatives import derivatives_of
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
 from harness.evaluation.evaluate import evaluate, evaluate_without_truth
@@ -31,17 +36,8 @@ from harness.metrics.motion import Motion, motion_frame
 from harness.metrics.quantities import QUANTITIES
 from models.catalogue import load
 from models.effects import modelling_choices
-from models.scene import Scene
 
 Answer = dict[str, Any]
-
-WithDerivatives = Annotated[
-    bool,
-    typer.Option(
-        "--derivatives",
-        help="Also the exact derivatives of the first bounce by release, can and effects.",
-    ),
-]
 
 
 @dataclass(eq=False, kw_only=True)
@@ -194,17 +190,6 @@ def divergence_json(divergence: Divergence | None) -> Answer | None:
     }
 
 
-def derivatives_json(scene: Scene) -> Answer:
-    """Return the part of the answer of `reference` on the derivatives of the first bounce."""
-    own = derivatives_of(scene)
-    return {
-        "derivatives": own.slopes,
-        "derivatives_why": own.why,
-        "derivatives_method": own.method,
-        "derivatives_caveats": list(own.caveats),
-    }
-
-
 def _findings_json(findings: Iterable[Finding]) -> list[dict[str, str]]:
     return [{"sentence": finding.sentence, "model": finding.model} for finding in findings]
 
@@ -300,9 +285,8 @@ def sentences(answer: Answer) -> Iterable[str]:
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
     yield from chaos_sentences(answer)
-    for quantity, reason in answer.get("derivatives_why", {}).items():
-        yield f"No derivative of {quantity}: {reason}."
-    yield from answer.get("derivatives_caveats", ())
+    if "derivatives" in answer:
+        yield from derivatives_sentences(answer)
     for finding in answer["findings"]:
         carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
         yield f"Finding: {finding['sentence']}{carried}"
@@ -334,14 +318,7 @@ def motion_tables(answer: Answer) -> Iterable[Table]:
         if rows:
             yield terminal.table(title, list(rows[0]), [list(row.values()) for row in rows])
     if "derivatives" in answer:
-        yield _derivatives_table(answer["derivatives"])
-
-
-def _derivatives_table(derivatives: Answer) -> Table:
-    """Return the table of derivatives: a row a key of the scene, a column a quantity."""
-    keys = next(iter(derivatives.values()))
-    rows = [[key, *(of[key] for of in derivatives.values())] for key in keys]
-    return terminal.table("Derivatives of the first bounce", ["by", *derivatives], rows)
+        yield derivatives_table(answer)
 
 
 def chaos_sentences(answer: Answer) -> Iterable[str]:
