@@ -1,6 +1,7 @@
 """The result of every solver: the motion with its bounces and its ending."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from reference.problem.problem import Problem
 from reference.problem.states import Floats, States
 from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Path
+
+if TYPE_CHECKING:
+    from reference.analysis.sensitivity import Sensitivity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,6 +145,16 @@ class Solution:
             return foretold.sentence
         seen = self.agreement
         return seen.sentence if self._rocks and seen is not None and seen.holds else ""
+
+    @property
+    def sensitivity(self) -> "Sensitivity":
+        """Return the exact derivatives of the first bounce, computed when they are asked for.
+
+        They are of the problem, whatever approximation this solution is of it.
+        """
+        from reference.analysis.sensitivity import sensitivity  # noqa: PLC0415 - few ask for it
+
+        return sensitivity(self.problem)
 
     def grid(self) -> Floats:
         """Return sampling times, dense by angle.

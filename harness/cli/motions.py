@@ -14,6 +14,12 @@ import typer
 from rich.table import Table
 
 from harness.cli import options, terminal
+from harness.cli.derivatives import (
+    WithDerivatives,
+    derivatives_json,
+    derivatives_sentences,
+    derivatives_table,
+)
 from harness.cli.settings import parse_settings
 from harness.core.bounce import Bounce
 from harness.core.case import Case
@@ -46,13 +52,14 @@ class BrokenRunError(TrajectoryError):
         return f"{self.case}: {self.note}"
 
 
-def reference(
+def reference(  # noqa: PLR0917 - a parameter an option
     scene: options.SceneName,
     model: Annotated[
         str, typer.Option(help="Which equations; auto takes the smallest that carries the scene.")
     ] = "auto",
     method: Annotated[str, typer.Option(help="How they are integrated.")] = "auto",
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the integrator.")] = 1e-12,
+    derivatives: WithDerivatives = False,  # noqa: FBT002 - a switch of the command line
     json: options.Json = False,  # noqa: FBT002 - a switch of the command line
 ) -> None:
     """The exact motion in numbers, and the friction it needs.
@@ -69,6 +76,8 @@ def reference(
     truth = solve_case(case, again=False) if known else None
     answer = reference_json(evaluation, truth.bounces if truth else ())
     answer |= model_answer(evaluation, truth, model)
+    if derivatives:
+        answer |= derivatives_json(case.scene)
     if json:
         typer.echo(terminal.to_json(answer))
     else:
@@ -276,6 +285,8 @@ def sentences(answer: Answer) -> Iterable[str]:
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
     yield from chaos_sentences(answer)
+    if "derivatives" in answer:
+        yield from derivatives_sentences(answer)
     for finding in answer["findings"]:
         carried = f" Model `{finding['model']}` would carry it." if finding["model"] else ""
         yield f"Finding: {finding['sentence']}{carried}"
@@ -306,6 +317,8 @@ def motion_tables(answer: Answer) -> Iterable[Table]:
     for title, rows in parts.items():
         if rows:
             yield terminal.table(title, list(rows[0]), [list(row.values()) for row in rows])
+    if "derivatives" in answer:
+        yield derivatives_table(answer)
 
 
 def chaos_sentences(answer: Answer) -> Iterable[str]:

@@ -24,6 +24,7 @@ from harness.engines.registry import engine_version
 from harness.evaluation.case_cache import code_fingerprint
 from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, checked_scene
+from harness.sweep.derivatives import DERIVATIVES
 from harness.sweep.parameters import Floats
 from harness.sweep.values import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
@@ -179,7 +180,12 @@ def plan_sweep(
     asked = tuple(dict.fromkeys(quantities)) or DEFAULT
     for name in asked:
         if name not in QUANTITIES:
-            raise InvalidSettingError("--quantity", name, ", ".join(QUANTITIES))
+            plain = ", ".join(each for each in QUANTITIES if each not in DERIVATIVES)
+            allowed = f"{plain}, or a derivative such as d_angle_of_turn_deg/d_release.phi"
+            raise InvalidSettingError("--quantity", name, allowed)
+        if name in DERIVATIVES and engine != "reference":
+            allowed = "of the reference only: an engine's runs have no exact derivative"
+            raise InvalidSettingError("--quantity", name, allowed)
         if engine == "reference" and SOURCES[name] == "error":
             raise InvalidSettingError(
                 "--quantity", name, "of an engine's runs only: the reference has no such error"
@@ -203,6 +209,8 @@ def plan_sweep(
         raise InvalidSettingError("--reduce", f"a sweep by {engine}", only)
     scenes = count or math.prod(axis.count or 1 for axis in axes)
     compiled = exact and scenes >= COMPILED_FROM and compiles()
+    # a derivative takes some milliseconds
+    quick = exact and not any(name in DERIVATIVES for name in asked)
     plan = SweepPlan(
         base=replace(case, scene=scene),
         axes=tuple(axes),
@@ -215,7 +223,7 @@ def plan_sweep(
         exact=exact,
         compiled=compiled,
         reduced=reduce,
-        rows_per_partition=_rows_per_partition(exact=exact, compiled=compiled, reduce=reduce),
+        rows_per_partition=_rows_per_partition(exact=quick, compiled=compiled, reduce=reduce),
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")

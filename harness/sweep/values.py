@@ -36,6 +36,7 @@ from harness.metrics.energy import energy_drift
 from harness.metrics.motion import motion
 from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.metrics.quantities import Quantity
+from harness.sweep.derivatives import DERIVATIVES, of_cases, of_releases, source_of
 from harness.sweep.parameters import Floats, dimensions, scene_at
 from models.can import AXIAL_INERTIA_ALLOWED
 from models.scene import Scene
@@ -62,6 +63,7 @@ SOURCES: Mapping[str, Literal["exact", "run", "error"]] = {
     "angle_of_turn_error_deg": "error",
     "period_error_s": "error",
     "phi_min_error_rad": "error",
+    **{name: source_of(name) for name in DERIVATIVES},
 }
 """Where each quantity comes from.
 
@@ -70,7 +72,12 @@ has it; "error": an engine's value minus the exact one.
 """
 
 QUANTITIES: Mapping[str, Quantity] = {
-    name: EPSILON if name == "epsilon" else REGISTRY[name] for name in SOURCES
+    **{
+        name: EPSILON if name == "epsilon" else REGISTRY[name]
+        for name in SOURCES
+        if name not in DERIVATIVES
+    },
+    **DERIVATIVES,
 }
 """Every quantity that a sweep may have, by name."""
 
@@ -132,7 +139,18 @@ def solved_exactly(
             releases = _releases(scene, values, valid)
     numbers = {name: np.full(n, np.nan) for name in quantities}
     if valid.any():
-        _solve(releases, valid, numbers, outcomes, compiled=compiled)
+        slopes = [name for name in quantities if name in DERIVATIVES]
+        _solve(
+            releases,
+            valid,
+            {name: numbers[name] for name in quantities if name not in DERIVATIVES},
+            outcomes,
+            compiled=compiled,
+        )
+        if slopes:
+            radius = np.broadcast_to(can["radius"], n)[valid]
+            for name, column in of_releases(releases, gravity[valid], radius, slopes).items():
+                numbers[name][valid] = column
     # as objects: pandas would otherwise copy the same few sentences row by row
     return pd.DataFrame({**numbers, "outcome": pd.Series(outcomes, dtype=object)})
 
@@ -205,6 +223,7 @@ def run_each(
             columns[name] = columns[of] - exact[of]
     if "epsilon" in exact:
         columns["epsilon"] = exact["epsilon"]
+    columns |= of_cases(cases, [name for name in quantities if name in DERIVATIVES])
     outcomes = [outcome for _, outcome in rows]
     return pd.DataFrame({**{name: columns[name] for name in quantities}, "outcome": outcomes})
 

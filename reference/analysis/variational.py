@@ -34,8 +34,9 @@ V the change of the velocities by unit impulses of those moments, with the conta
 projection in the metric of the mass.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import scipy
@@ -56,7 +57,7 @@ from reference.equations.state_vector import (
     Angles,
     sizes,
 )
-from reference.nonsmooth.radau_iia import integrator, points
+from reference.nonsmooth.radau_iia import basis, coefficients, integrator, points
 from reference.nonsmooth.segments import Segment
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -73,6 +74,7 @@ BEHIND = 1e-8
 # A slip as slow as this, with the direction of its end to as many digits, is at its end: nearer
 # to it the direction is lost in round-off, and disturbances have no time left to change.
 ENDING = 1e-8
+Forcing: TypeAlias = Callable[[Floats, Mode], Floats]
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
 
@@ -90,12 +92,23 @@ class Stretch:
         Of the rows `CORE`, at the same sigma, scaled.
     logarithms : ndarray, shape (m,)
         Of the scales: exp of them times the above is what was disturbed.
+    piece : Segment
+    start : ndarray, shape (9, m)
+        Disturbances at the start of the piece, scaled.
     """
 
     states: Floats
     rates: Floats
     disturbances: Floats
     logarithms: Floats
+    piece: Segment
+    start: Floats
+
+    def at(self, c: float) -> Floats:
+        """Return the disturbances at a place in [0, cut] of the piece, shape (9, m), not scaled."""
+        change = coefficients(self.disturbances - self.start[:, :, None])
+        scaled = self.start + change @ basis(np.array([c / self.piece.cut]))[0]
+        return np.asarray(scaled * np.exp(self.logarithms))
 
     @property
     def times(self) -> Floats:
@@ -146,7 +159,10 @@ def release_disturbances(problem: Problem) -> Floats:
 
 
 def stretches(
-    equations: GeneralEquations, pieces: tuple[Segment, ...], start: Floats
+    equations: GeneralEquations,
+    pieces: tuple[Segment, ...],
+    start: Floats,
+    forcing: Forcing | None = None,
 ) -> Iterator[Stretch]:
     """Yield the disturbances along each piece of a motion.
 
@@ -157,6 +173,9 @@ def stretches(
     pieces : tuple of Piece
     start : ndarray, shape (9, m)
         Disturbances of the rows `CORE` at the release.
+    forcing : callable, optional
+        What is added to J d, from states of shape (13, n) and their mode, shape (9, m, n): of
+        disturbances of the constants of the equations.
     """
     now, logarithms = _held(equations, pieces[0], start), np.zeros(start.shape[1])
     before: tuple[Segment, Floats] | None = None
@@ -171,9 +190,17 @@ def stretches(
         y = piece.at(piece.cut * points())
         rates, J = jacobian(equations, y, piece.mode)
         core = [NUMBER[row] for row in equations.core(piece.mode).tolist()]
-        change = _change(J, piece.length * piece.cut, now, core)
+        forced = None if forcing is None else forcing(y, piece.mode) / np.exp(logarithms)[:, None]
+        change = _change(J, piece.length * piece.cut, now, core, forced)
         disturbances = now[:, :, None] + change
-        yield Stretch(states=y, rates=rates, disturbances=disturbances, logarithms=logarithms)
+        yield Stretch(
+            states=y,
+            rates=rates,
+            disturbances=disturbances,
+            logarithms=logarithms,
+            piece=piece,
+            start=now,
+        )
         now, before = disturbances[:, :, -1], (piece, rates[:, -1])
 
 
@@ -189,7 +216,9 @@ def _held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
     return np.asarray(start - impulses @ np.linalg.solve(G @ impulses, G @ start))
 
 
-def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
+def _change(
+    J: Floats, length: float, start: Floats, core: list[int], forced_by: Floats | None = None
+) -> Floats:
     """Solve the collocation equations of one step, shape (9, m, points); after the core the rest.
 
     The rows of the core depend on each other alone, and all others on them.
@@ -198,10 +227,14 @@ def _change(J: Floats, length: float, start: Floats, core: list[int]) -> Floats:
     k, n = len(core), A.shape[0]
     matrix = np.einsum("ab,ijb->iajb", A, J[np.ix_(core, core)]).reshape(k * n, k * n)
     forced = np.einsum("iajb,jm->iam", matrix.reshape(k, n, k, n), start[core])
+    if forced_by is not None:
+        forced = forced + np.einsum("ab,imb->iam", A, forced_by[core])
     # scipy's, as in `reference.nonsmooth.radau_iia`: it makes no threads of matrices so small
     *_, change, _ = scipy.linalg.lapack.dgesv(np.eye(k * n) - matrix, forced.reshape(k * n, m))
     along = start[core, None] + change.reshape(k, n, m)
     rates = np.einsum("ijb,jbm->imb", J[:, core], along)
+    if forced_by is not None:
+        rates = rates + forced_by
     return np.asarray(rates @ A.T)
 
 

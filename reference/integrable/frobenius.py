@@ -135,7 +135,8 @@ def frobenius_series(can: CanConstants, terms: int = MOST_TERMS) -> Series:
     k, L = can.k, can.residue
     kc, hk, ka = k * can.c_p, can.h * k, k * can.a_p
     shape = (terms, *np.shape(k))
-    b1, s1, b2, s2 = (np.zeros(shape) for _ in range(4))
+    # complex where the can is: a derivative by an imaginary step (`reference.integrable.tangents`)
+    b1, s1, b2, s2 = (np.zeros(shape, dtype=np.asarray(k).dtype) for _ in range(4))
     s1[0] = 1.0
     b2[0] = 1.0
     for n in range(1, terms):

@@ -104,6 +104,12 @@ class SegmentsPath:
             return path_kernels.rows_at(*pieces, number, np.ascontiguousarray(times)), number
         return self._rows(number, self._instant(number, times)), number
 
+    def place(self, time: float) -> tuple[int, float]:
+        """Return in which piece a time is, and where in it."""
+        number = int(np.searchsorted(self._starts[:, TIME], time, side="right")) - 1
+        number = min(max(number, 0), len(self._cuts) - 1)
+        return number, float(self._instant(np.array([number]), np.array([time]))[0])
+
     def at(self, times: Floats) -> States:
         """Return states at the given times, shape (n,)."""
         y, number = self.rows(np.asarray(times, dtype=float))

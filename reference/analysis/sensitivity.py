@@ -1,0 +1,113 @@
+"""Derivatives of the first bounce by the release, the can and the constants of its effects.
+
+Of the ideal can that rocks for ever they are those of the closed solution
+(`reference.integrable.derivatives`); of any other they come of the variational equations
+(`reference.analysis.tangent_motion`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.analysis.tangent_motion import motion_tangents
+from reference.integrable.derivatives import QUANTITIES, bounce_tangents
+from reference.integrable.exact_motion import ExactPath, exact_path
+from reference.integrable.tangents import BY
+from reference.numerics.jets import Jet
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+
+# phi_max this near the balanced can, over phi_max, is beside a separatrix.
+NEAR = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensitivity:
+    """Derivatives of the first bounce, dimensionless.
+
+    Attributes
+    ----------
+    by : tuple of str
+        What the derivatives are taken by: the release, the can, constants of declared effects.
+    values : mapping of str to float
+        By the names `QUANTITIES`; not a number where there is no derivative.
+    derivatives : mapping of str to ndarray of shape (k,)
+        Likewise.
+    why : mapping of str to str
+        Why there is none, of those quantities.
+    method : str
+        "quadrature" or "variational equations".
+    caveats : tuple of str
+        Sentences: which derivatives are of one side, and that those beside a separatrix are large.
+    """
+
+    by: tuple[str, ...]
+    values: Mapping[str, float]
+    derivatives: Mapping[str, Floats]
+    why: Mapping[str, str]
+    method: str
+    caveats: tuple[str, ...] = ()
+
+
+def sensitivity(problem: Problem) -> Sensitivity:
+    """Return the derivatives of the first bounce of a problem.
+
+    A release that falls counts as the maximum that opens the bounce. So of a release at rest
+    period and turn have two derivatives by phi', and the one returned is that towards phi' > 0,
+    where a bounce begins at a maximum.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its horizon does not matter.
+    """
+    path = None if problem.effects.declared() else exact_path(problem, locus=False)
+    if isinstance(path, ExactPath):
+        jets, why = bounce_tangents(problem, path)
+        return _filled(BY, jets, why, "quadrature", (*_one_sided(problem), *_separatrix(path)))
+    by, jets, why = motion_tangents(problem)
+    return _filled(by, jets, why, "variational equations", _one_sided(problem))
+
+
+def _filled(
+    by: tuple[str, ...],
+    jets: Mapping[str, Jet],
+    why: Mapping[str, str],
+    method: str,
+    caveats: tuple[str, ...],
+) -> Sensitivity:
+    none = np.full(len(by), np.nan)
+    return Sensitivity(
+        by=by,
+        values={name: float(jets[name].value) if name in jets else np.nan for name in QUANTITIES},
+        derivatives={name: jets[name].slope if name in jets else none for name in QUANTITIES},
+        why={name: why[name] for name in QUANTITIES if name in why},
+        method=method,
+        caveats=caveats,
+    )
+
+
+def _one_sided(problem: Problem) -> tuple[str, ...]:
+    """Return that the bounce of a can that is let go at rest has one-sided derivatives."""
+    if problem.phi_dot != 0.0:
+        return ()
+    sentence = (
+        "Derivatives by the rate of phi are those towards larger values, for the release is at "
+        "rest: one that falls opens its first bounce itself, without the way from the maximum."
+    )
+    return (sentence,)
+
+
+def _separatrix(path: ExactPath) -> tuple[str, ...]:
+    """Return that derivatives are large because the can all but stops where it rises highest."""
+    clock = path.clock
+    distance = float((clock.fourth_root[0] - clock.high[0]) / clock.high[0])
+    if distance >= NEAR:
+        return ()
+    sentence = (
+        f"The bounce is beside a separatrix: phi_max is {distance:.1e} of itself from a nutation "
+        "at which the can would wait for ever. Period and turn grow like the logarithm of that "
+        "distance, and their derivatives like one over it."
+    )
+    return (sentence,)

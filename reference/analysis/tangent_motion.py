@@ -1,0 +1,378 @@
+"""Derivatives of the first bounce of any can, by the variational equations along its motion.
+
+A disturbance d of the state by a number p obeys d' = J d + df/dp
+(`reference.analysis.variational`), and starts as the derivative of the release by p. At an extremum
+of phi, whose instant moves, the state changes by d - f d_w2/f_w2: there w2 = -phi' is zero. Peaks
+are maxima along the motion, of which only the derivative at a fixed place is left (envelope
+theorem). Derivatives by the constants of the can and of its effects are taken along imaginary
+steps, exact to round-off.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from reference.analysis.variational import CORE, NUMBER, STEP, Stretch, stretches
+from reference.equations.contact_laws import Mode
+from reference.equations.frames import length
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import (
+    LEAN,
+    PSI,
+    SLIP,
+    TIME,
+    W1,
+    W2,
+    W3,
+    Angles,
+    sizes,
+)
+from reference.integrable.derivatives import PULLED, QUANTITIES
+from reference.integrable.frobenius import CanConstants
+from reference.integrable.tangents import BY
+from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
+from reference.numerics.jets import Jet
+from reference.problem.effects import Effects, Gravity, Mass
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+from reference.solver import solve
+
+# Places of a piece among which a peak is looked for, and halvings that find it to round-off.
+PLACES = np.linspace(0.0, 1.0, 9)
+HALVINGS = 60
+NO_BOUNCE = "the motion has no bounce"
+# A peak that was measured by sampling is this near, as a share of it.
+SAME_PEAK = 1e-6
+ANOTHER = "the peak could not be told from others"
+KINK = "the peak is where the law of the contact changes, and differs on its two sides"
+
+
+class UndecidedError(ArithmeticError):
+    """A derivative that does not exist; says why."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _SteppedEffects(Effects):
+    def __post_init__(self) -> None:
+        """Take constants that were accepted before, and are stepped into the complex plane."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _SteppedGravity(Gravity):
+    def __post_init__(self) -> None:
+        """Likewise."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _SteppedMass(Mass):
+    def __post_init__(self) -> None:
+        """Likewise."""
+
+
+SCALARS = {
+    "slip.mu": "mu",
+    "drilling.length": "drilling",
+    "rolling_resistance.length": "rolling_resistance",
+    "damping.linear": "linear_damping",
+    "damping.angular": "angular_damping",
+    "rim.radius": "rim",
+}
+"""Constants of effects that are one number of `Effects` each."""
+OF_MASS = {"mass": "share", "x": "x", "y": "y", "z": "z"}
+OF_SHAKING = ("x", "y", "z", "rate", "phase")
+
+
+def constants(effects: Effects) -> tuple[str, ...]:
+    """Return the constants of the declared effects, by the keys of a scene file, dimensionless."""
+    declared = effects.declared()
+    names = [name for name in SCALARS if name.split(".")[0] in declared]
+    if "tilt" in declared:
+        names += ["tilt.angle", "tilt.direction"]
+    if "shake" in declared:
+        names += [f"shake.{name}" for name in OF_SHAKING]
+    if "point_mass" in declared:
+        names += [f"point_mass.{name}" for name in OF_MASS]
+    return tuple(names)
+
+
+def stepped(problem: Problem, name: str) -> GeneralEquations:
+    """Return the equations of a problem with one constant moved by an imaginary step."""
+    p, effects = problem.parameters, problem.effects
+    values: dict[str, Any] = {field: getattr(effects, field) for field in Effects.__slots__}
+    can: dict[str, Any] = {field: getattr(p, field) for field in ("a", "c", "h")}
+    effect, _, constant = name.partition(".")
+    if name in can:
+        can[name] += 1j * STEP
+    elif name in SCALARS:
+        values[SCALARS[name]] += 1j * STEP
+    elif effect == "point_mass" and effects.mass is not None:
+        mass: dict[str, Any] = {field: getattr(effects.mass, field) for field in Mass.__slots__}
+        mass[OF_MASS[constant]] += 1j * STEP
+        values["mass"] = _SteppedMass(**mass)
+    else:
+        values["gravity"] = _stepped_gravity(effects.gravity, effect, constant)
+    parameters: Any = CanConstants(**{field: np.asarray(value) for field, value in can.items()})
+    return GeneralEquations(parameters=parameters, effects=_SteppedEffects(**values))
+
+
+def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
+    values: dict[str, Any] = {field: getattr(gravity, field) for field in Gravity.__slots__}
+    if effect == "tilt":
+        x, y, z = gravity.constant
+        level = float(np.hypot(x, y))
+        turned = (
+            (-y, x, 0.0) if constant == "direction" else (-z * x / level, -z * y / level, level)
+        )
+        pairs = zip(gravity.constant, turned, strict=True)
+        values["constant"] = tuple(old + 1j * STEP * new for old, new in pairs)
+    elif constant in {"rate", "phase"}:
+        values[constant] += 1j * STEP
+    else:
+        steps = [1j * STEP * (constant == axis) for axis in "xyz"]
+        values["amplitude"] = tuple(
+            old + new for old, new in zip(gravity.amplitude, steps, strict=True)
+        )
+    return _SteppedGravity(**values)
+
+
+def _released(problem: Problem, count: int) -> Floats:
+    """Return the derivatives of the state at the release, rows `CORE`, shape (9, count)."""
+    S, C = np.sin(problem.phi), np.cos(problem.phi)
+    out = np.zeros((CORE.size, count))
+    phi, phi_dot, psi_dot, theta_dot = range(4)
+    out[NUMBER[LEAN], phi] = 1 / S
+    out[NUMBER[W1], phi], out[NUMBER[W3], phi] = problem.psi_dot * C, -problem.psi_dot * S
+    out[NUMBER[W2], phi_dot] = -1.0
+    out[NUMBER[W1], psi_dot], out[NUMBER[W3], psi_dot] = S, C
+    out[NUMBER[W3], theta_dot] = 1.0
+    return out
+
+
+Quantity = Callable[[GeneralEquations, Floats, Mode], Floats]
+"""From equations, states of shape (13, n), real or complex, and their mode to values (n,)."""
+
+
+def _precession(_: GeneralEquations, y: Floats, __: Mode) -> Floats:
+    return np.asarray(y[W1] / Angles.of(y[LEAN]).S)
+
+
+def _friction(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    force = equations.contact(y, mode).force
+    return np.asarray(length(force[0], force[1]) / force[2])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TangentMotion:
+    """A motion through its first bounce, with its derivatives.
+
+    Attributes
+    ----------
+    equations : GeneralEquations
+    varied : tuple of GeneralEquations
+        With one constant of `by` stepped each; the last of `by`.
+    by : tuple of str
+    pieces : tuple of Segment
+    stretches : dict of int to Stretch
+        By the number of the piece.
+    """
+
+    equations: GeneralEquations
+    varied: tuple[GeneralEquations, ...]
+    by: tuple[str, ...]
+    pieces: tuple[Segment, ...]
+    stretches: Mapping[int, Stretch]
+
+    def state(self, number: int, c: float) -> Floats:
+        """Return the state at a place, shape (13, 1), with the direction of a slip that begins."""
+        piece = self.pieces[number]
+        y = piece.at(np.array([c]))
+        if piece.mode.slips and not y[SLIP].any():
+            y[SLIP] = piece.at(np.array([c + AHEAD]))[SLIP]
+        return y
+
+    def rates(self, number: int, c: float) -> Floats:
+        """Return the rates of the rows `CORE` at a place, shape (9,)."""
+        y, mode = self.state(number, c), self.pieces[number].mode
+        return np.asarray(self.equations.rates(y, mode, along=False)[CORE, 0])
+
+    def disturbances(self, number: int, c: float, *, turns: bool) -> Floats:
+        """Return derivatives of the state, rows `CORE`; where phi turns those of that instant."""
+        if number not in self.stretches:
+            raise UndecidedError(KINK)
+        d = self.stretches[number].at(c)
+        if not turns:
+            return d
+        f = self.rates(number, c)
+        return np.asarray(d - np.outer(f / f[NUMBER[W2]], d[NUMBER[W2]]))
+
+    def gradient(self, quantity: Quantity, number: int, c: float) -> tuple[float, Floats, Floats]:
+        """Return a quantity at a place, and its derivatives by the rows `CORE` and by `by`."""
+        y, mode = self.state(number, c), self.pieces[number].mode
+        step = STEP * sizes(CORE, y[CORE])[:, 0]
+        columns = np.repeat(y, CORE.size, axis=1).astype(complex)
+        columns[CORE, np.arange(CORE.size)] += 1j * step
+        by_state = quantity(self.equations, columns, mode).imag / step
+        by_constants = [
+            float(quantity(each, y.astype(complex), mode)[0].imag) / STEP for each in self.varied
+        ]
+        value = float(quantity(self.equations, y, mode)[0])
+        none = np.zeros(len(self.by) - len(by_constants))
+        return value, by_state, np.concatenate([none, by_constants])
+
+
+def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], dict[str, str]]:
+    """Return the numbers of the first bounce in jets, of any can.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its horizon does not matter.
+
+    Returns
+    -------
+    by : tuple of str
+        What derivatives are taken by.
+    jets : dict of str to Jet
+        By the names `reference.integrable.derivatives.QUANTITIES`, dimensionless.
+    why : dict of str to str
+        Why there is no derivative, of the quantities that are left out.
+    """
+    by = (*BY, *constants(problem.effects))
+    solution = solve(replace(problem, bounces=1, duration=None), model="general")
+    path = solution.path
+    if not solution.bounces or not isinstance(path, SegmentsPath):
+        reason = f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}"
+        return by, {}, dict.fromkeys(QUANTITIES, reason)
+    motion = _tangent_motion(problem, path, by)
+    jets: dict[str, Jet] = {}
+    why: dict[str, str] = {}
+    t0, t1 = float(solution.maxima[0]), float(solution.maxima[1])
+    middle = float(solution.minima[(solution.minima > t0) & (solution.minima < t1)][0])
+    # a release that falls opens the bounce itself
+    opens = problem.phi_dot < 0
+    starts, ends = path.place(t0), path.place(t1)
+    try:
+        first = motion.disturbances(*starts, turns=not opens)
+        last = motion.disturbances(*ends, turns=True)
+        for name, row in (("period", TIME), ("angle_of_turn", PSI)):
+            value = motion.state(*ends)[row, 0] - motion.state(*starts)[row, 0]
+            jets[name] = Jet(np.asarray(value), last[NUMBER[row]] - first[NUMBER[row]])
+        lowest = path.place(middle)
+        S = Angles.of(motion.state(*lowest)[LEAN]).S[0]
+        slope = S * motion.disturbances(*lowest, turns=True)[NUMBER[LEAN]]
+        jets["phi_min"] = Jet(np.asarray(solution.bounces[0].phi_min), slope)
+    except UndecidedError as error:
+        why |= {name: str(error) for name in QUANTITIES[:3] if name not in jets}
+    for name, quantity in (("peak_psi_dot", _precession), ("peak_friction_ratio", _friction)):
+        try:
+            if name == "peak_friction_ratio" and (at_limit := _limit(motion, starts, ends)):
+                jets[name] = at_limit
+            else:
+                known = getattr(solution.bounces[0], name)
+                jets[name] = _peak(motion, quantity, known, starts, ends, opens=opens)
+        except UndecidedError as error:
+            why[name] = str(error)
+    return by, jets, why
+
+
+def _tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) -> TangentMotion:
+    equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
+    varied = tuple(stepped(problem, name) for name in by[by.index("a") :])
+    fixed = len(by) - len(varied)
+
+    def forcing(y: Floats, mode: Mode) -> Floats:
+        out = np.zeros((CORE.size, len(by), y.shape[1]))
+        for place, each in enumerate(varied):
+            rates = each.rates(y.astype(complex), mode, along=False)
+            out[:, fixed + place] = rates[CORE].imag / STEP
+        return out
+
+    number = {id(piece): place for place, piece in enumerate(path.pieces)}
+    flow = stretches(equations, path.pieces, _released(problem, len(by)), forcing)
+    return TangentMotion(
+        equations=equations,
+        varied=varied,
+        by=by,
+        pieces=path.pieces,
+        stretches={number[id(stretch.piece)]: stretch for stretch in flow},
+    )
+
+
+Place = tuple[int, float]
+
+
+def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
+    """Return the coefficient of friction as the peak of its ratio, if the rim slips."""
+    if not any(piece.mode.slips for piece in motion.pieces[starts[0] : ends[0] + 1]):
+        return None
+    slope = np.array([float(name == "slip.mu") for name in motion.by])
+    return Jet(np.asarray(motion.equations.mu), slope)
+
+
+def _peak(
+    motion: TangentMotion,
+    quantity: Quantity,
+    known: float,
+    starts: Place,
+    ends: Place,
+    *,
+    opens: bool,
+) -> Jet:
+    """Return the value of largest magnitude of a quantity within the bounce, in a jet.
+
+    It is `known` from samples, more roughly: another value is that of another peak.
+    """
+    places: list[Place] = []
+    for number in range(starts[0], ends[0] + 1):
+        left = starts[1] if number == starts[0] else 0.0
+        right = ends[1] if number == ends[0] else motion.pieces[number].cut
+        places += [(number, float(left + (right - left) * share)) for share in PLACES]
+    values = [
+        abs(
+            float(quantity(motion.equations, motion.state(*place), motion.pieces[place[0]].mode)[0])
+        )
+        for place in places
+    ]
+    if not np.isfinite(values).all():
+        raise UndecidedError(PULLED)
+    best = int(np.argmax(values))
+    edges = {0: (starts, not opens), len(places) - 1: (ends, True)}
+
+    def rising(place: Place) -> bool:
+        value, by_state, _ = motion.gradient(quantity, *place)
+        return bool(np.sign(value) * (by_state @ motion.rates(*place)) > 0)
+
+    # the end of a piece is the start of the next: two places further it is another instant
+    low, high = places[max(best - 2, 0)], places[min(best + 2, len(places) - 1)]
+    if best in edges and rising(low) == rising(high):
+        at, turns = edges[best]
+    else:
+        at, turns = _top(motion, rising, low, high), False
+    _, by_state, by_constants = motion.gradient(quantity, *at)
+    value = float(quantity(motion.equations, motion.state(*at), motion.pieces[at[0]].mode)[0])
+    if not abs(value - known) <= SAME_PEAK * abs(known):
+        raise UndecidedError(ANOTHER)
+    slope = by_state @ motion.disturbances(*at, turns=turns) + by_constants
+    return Jet(np.asarray(value), slope)
+
+
+def _top(motion: TangentMotion, rising: Callable[[Place], bool], low: Place, high: Place) -> Place:
+    """Return the place between two at which a quantity stops rising, in a piece in between."""
+    for number in range(low[0], high[0] + 1):
+        left = low if number == low[0] else (number, 0.0)
+        right = high if number == high[0] else (number, motion.pieces[number].cut)
+        if not rising(left):
+            if number == low[0]:
+                return left
+            if motion.pieces[number].mode != motion.pieces[number - 1].mode:
+                raise UndecidedError(KINK)
+            return left
+        if rising(right):
+            continue
+        for _ in range(HALVINGS):
+            middle = (number, (left[1] + right[1]) / 2)
+            left, right = (middle, right) if rising(middle) else (left, middle)
+        return left
+    return high

@@ -1,0 +1,214 @@
+"""Derivatives of the first bounce: against forty-digit differences, and one method by another."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from reference import PAPER_CAN, Effects, Gravity, Mass, Parameters, Problem, solve
+from reference.analysis.sensitivity import sensitivity
+from reference.analysis.tangent_motion import motion_tangents
+from reference.equations.nonholonomic import nutation_acceleration
+from reference.integrable.derivatives import PULLED, QUANTITIES, batch_tangents
+from reference.integrable.tangents import BY
+
+GOLDEN = json.loads((Path(__file__).parent / "golden" / "derivatives.json").read_text())
+RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
+ROCK: dict[str, Any] = {"phi": 0.4, "psi_dot": 0.12, "theta_dot": -0.06, "bounces": 1}
+
+
+def posed(row: dict[str, Any]) -> Problem:
+    can = Parameters(a=row["a"], c=row["c"], h=row["h"])
+    return Problem(parameters=can, bounces=1, **{name: row[name] for name in RELEASE})
+
+
+@pytest.mark.parametrize("row", GOLDEN, ids=lambda row: f"{row['can']} {row['phi']:.3g}")
+def test_differences_in_84_digits(row: dict[str, Any]) -> None:
+    """Every derivative to 1e-10 of itself; one that is nothing beside the others, of those."""
+    known = sensitivity(posed(row))
+    assert known.method == "quadrature"
+    for name, slopes in row["derivatives"].items():
+        if name in known.why:
+            assert known.why[name] == PULLED
+            continue
+        for by, digits in slopes.items():
+            slope = known.derivatives[name][known.by.index(by)]
+            assert slope == pytest.approx(float(digits), rel=1e-10, abs=0), (name, by)
+
+
+def test_golden_derivatives_are_of_many_regimes() -> None:
+    assert len({row["can"] for row in GOLDEN}) >= 3
+    assert {np.sign(row["phi_dot"]) for row in GOLDEN} >= {-1.0, 0.0}
+    smallest = min(sensitivity(posed(row)).values["phi_min"] for row in GOLDEN)
+    assert smallest < 1e-4
+
+
+@pytest.mark.parametrize("phi_dot", [0.0, -0.05, 0.05])
+def test_variational_equations_give_the_derivatives_of_the_quadrature(phi_dot: float) -> None:
+    """Nothing is shared: one differentiates integrals over phi, the other follows the motion."""
+    problem = Problem(parameters=PAPER_CAN, phi_dot=phi_dot, **ROCK)
+    known = sensitivity(problem)
+    by, jets, why = motion_tangents(problem)
+    assert by == known.by
+    assert why == known.why == {}
+    for name in QUANTITIES:
+        size = np.abs(known.derivatives[name]).max()
+        assert np.abs(jets[name].slope - known.derivatives[name]).max() < 1e-11 * size, name
+        assert jets[name].value == pytest.approx(known.values[name], rel=1e-11)
+
+
+def test_derivatives_grow_like_one_over_the_distance_from_a_separatrix() -> None:
+    sizes = []
+    for distance in (1e-4, 1e-6, 1e-8):
+        phi = PAPER_CAN.balancing_angle - distance
+        own = sensitivity(Problem(parameters=PAPER_CAN, phi=phi, psi_dot=1e-9, bounces=1))
+        sizes.append(own.derivatives["period"][own.by.index("phi")] * distance)
+        assert "separatrix" in own.caveats[-1]
+    # half of the way down from the balanced can: period = -2 ln(distance)/rate + ...
+    rate = math.sqrt(math.sqrt(1 + PAPER_CAN.h**2) / PAPER_CAN.pendulum_inertia)
+    assert np.abs(np.array(sizes) * rate / 2 - 1).max() < 1e-3
+    far = sensitivity(Problem(parameters=PAPER_CAN, **ROCK))
+    assert not any("separatrix" in sentence for sentence in far.caveats)
+
+
+def test_many_at_once_are_each_by_itself() -> None:
+    generator = np.random.default_rng(5)
+    n = 12
+    numbers = {
+        "phi": generator.uniform(0.05, 0.5, n),
+        "phi_dot": np.where(np.arange(n) % 2, 0.0, 0.04),
+        "psi_dot": generator.uniform(-1, 1, n),
+        "theta_dot": generator.uniform(-1, 1, n),
+    }
+    cans = {name: np.full(n, getattr(PAPER_CAN, name)) for name in ("a", "c", "h")}
+    cans["h"][: n // 2] = 1.1
+    jets = batch_tangents(**numbers, **cans)
+    for row in range(n):
+        own = sensitivity(posed({k: float(v[row]) for k, v in (numbers | cans).items()}))
+        for name in QUANTITIES:
+            expected = own.derivatives[name]
+            if own.method != "quadrature":
+                expected = np.full(len(BY), np.nan)
+            assert jets[name].slope[row] == pytest.approx(
+                expected, rel=1e-9, abs=1e-12, nan_ok=True
+            )
+
+
+def varied(problem: Problem, name: str, by: float) -> Problem:
+    """Return a problem with one number changed."""
+    effects, mass = problem.effects, problem.effects.mass
+    if name in RELEASE:
+        return replace(problem, **{name: getattr(problem, name) + by})
+    if name in {"a", "c", "h"}:
+        can = replace(problem.parameters, **{name: getattr(problem.parameters, name) + by})
+        return replace(problem, parameters=can)
+    fields = {"slip.mu": "mu", "rolling_resistance.length": "rolling_resistance"}
+    if name in fields:
+        field = fields[name]
+        return replace(problem, effects=replace(effects, **{field: getattr(effects, field) + by}))
+    if name.startswith("point_mass."):
+        assert mass is not None
+        field = name.removeprefix("point_mass.").replace("mass", "share")
+        mass = replace(mass, **{field: getattr(mass, field) + by})
+        return replace(problem, effects=replace(effects, mass=mass))
+    x, y, z = effects.gravity.constant
+    angle, direction = math.atan2(math.hypot(x, y), -z), math.atan2(y, x)
+    angle, direction = angle + by * (name == "tilt.angle"), direction + by * (name != "tilt.angle")
+    return replace(problem, effects=replace(effects, gravity=tilted(angle, direction)))
+
+
+def tilted(angle: float, direction: float) -> Gravity:
+    down = math.sin(angle)
+    level = (down * math.cos(direction), down * math.sin(direction))
+    return Gravity(constant=(*level, -math.cos(angle)))
+
+
+def measured(problem: Problem) -> np.ndarray[Any, np.dtype[np.float64]]:
+    solution = solve(problem)
+    bounce = solution.bounces[0]
+    period = solution.maxima[1] - solution.maxima[0]
+    return np.array([period, *(getattr(bounce, name) for name in QUANTITIES[1:])])
+
+
+@pytest.mark.parametrize(
+    ("effects", "names"),
+    [
+        (Effects(mu=0.3), ("phi", "psi_dot", "a", "h", "slip.mu")),
+        (Effects(mu=0.1), ("phi", "theta_dot", "c", "slip.mu")),
+        (Effects(gravity=tilted(0.02, 0.7)), ("phi", "tilt.angle", "tilt.direction")),
+        (Effects(mass=Mass(share=0.05, x=0.3, z=0.2)), ("point_mass.mass", "point_mass.x", "h")),
+        (Effects(rolling_resistance=0.003), ("phi", "rolling_resistance.length")),
+    ],
+    ids=["slips", "slips from the release on", "tilt", "mass", "resistance"],
+)
+def test_differences_of_motions_with_effects(effects: Effects, names: tuple[str, ...]) -> None:
+    """To 1e-7 of what a change of the size of the number itself would do."""
+    problem = Problem(parameters=PAPER_CAN, effects=effects, **ROCK)
+    known = sensitivity(problem)
+    assert known.method == "variational equations"
+    assert not known.why
+    for name in names:
+        step = 2e-5
+        one, two = (
+            (measured(varied(problem, name, h)) - measured(varied(problem, name, -h))) / (2 * h)
+            for h in (step, 2 * step)
+        )
+        extrapolated = (4 * one - two) / 3
+        slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
+        sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
+        assert (np.abs(extrapolated - slopes) / sizes).max() < 1e-7, name
+
+
+def test_a_plane_that_never_slips_gives_the_derivatives_of_rolling() -> None:
+    rolling = sensitivity(Problem(parameters=PAPER_CAN, **ROCK))
+    rough = sensitivity(Problem(parameters=PAPER_CAN, effects=Effects(mu=1.0), **ROCK))
+    for name in QUANTITIES:
+        ideal, own = rolling.derivatives[name], rough.derivatives[name]
+        assert own[:-1] == pytest.approx(ideal, rel=1e-9, abs=1e-11), name
+        assert own[-1] == 0.0
+
+
+def test_the_friction_of_a_rim_that_slips_is_the_coefficient() -> None:
+    own = sensitivity(Problem(parameters=PAPER_CAN, effects=Effects(mu=0.3), **ROCK))
+    expected = [float(name == "slip.mu") for name in own.by]
+    assert own.derivatives["peak_friction_ratio"].tolist() == expected
+
+
+def test_what_has_no_derivative_says_why() -> None:
+    flat = Problem(parameters=PAPER_CAN, phi=0.3, bounces=1)
+    own = sensitivity(flat)
+    assert set(own.why) == set(QUANTITIES)
+    assert all("no bounce" in sentence for sentence in own.why.values())
+    assert all(np.isnan(slope).all() for slope in own.derivatives.values())
+    pulled = sensitivity(
+        Problem(parameters=PAPER_CAN, phi=0.3, phi_dot=0.2, psi_dot=0.12, theta_dot=0.4, bounces=1)
+    )
+    assert pulled.why == {"peak_friction_ratio": PULLED}
+    assert np.isfinite(pulled.derivatives["period"]).all()
+
+
+def test_a_release_at_rest_has_the_derivatives_of_a_whole_bounce() -> None:
+    """And one that hardly falls those of the bounce that it opens itself."""
+    problem = Problem(parameters=PAPER_CAN, **ROCK)
+    own = sensitivity(problem)
+    place = own.by.index("phi_dot")
+    assert own.derivatives["period"][place] == 0.0
+    assert "at rest" in own.caveats[0]
+    falling = sensitivity(replace(problem, phi_dot=-1e-9))
+    phi, psi_dot = np.array(problem.phi), np.array(problem.psi_dot)
+    spin = psi_dot + problem.theta_dot
+    fall = -float(nutation_acceleration(phi, psi_dot, spin, PAPER_CAN))
+    assert falling.derivatives["period"][place] == pytest.approx(1 / fall, rel=1e-6)
+    assert falling.caveats == ()
+
+
+def test_a_solution_has_its_derivatives() -> None:
+    solution = solve(Problem(parameters=PAPER_CAN, **ROCK))
+    own = solution.sensitivity
+    assert own.values["angle_of_turn"] == pytest.approx(
+        solution.bounces[0].angle_of_turn, rel=1e-12
+    )
