@@ -152,7 +152,7 @@ class Solution:
 
         They are of the problem, whatever approximation this solution is of it.
         """
-        from reference.analysis.sensitivity import sensitivity  # noqa: PLC0415 - few ask for it
+        from reference.analysis.sensitivity import sensitivity
 
         return sensitivity(self.problem)
 

@@ -223,20 +223,20 @@ def plan_sweep(
         exact=exact,
         compiled=compiled,
         reduced=reduce,
-        rows_per_partition=_rows_per_partition(exact=quick, compiled=compiled, reduce=reduce),
+        rows_per_partition=_rows_per_partition(quick=quick, compiled=compiled, reduce=reduce),
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")
     return plan
 
 
-def _rows_per_partition(*, exact: bool, compiled: bool, reduce: bool) -> int:
+def _rows_per_partition(*, quick: bool, compiled: bool, reduce: bool) -> int:
     """Return how many scenes are a partition."""
+    if not quick:
+        return ENGINE_ROWS
     if reduce:
         return REDUCED_ROWS
-    if compiled:
-        return COMPILED_ROWS
-    return EXACT_ROWS if exact else ENGINE_ROWS
+    return COMPILED_ROWS if compiled else EXACT_ROWS
 
 
 def _program(engine: str, *, compiled: bool) -> tuple[tuple[str, str], ...]:

@@ -1,9 +1,7 @@
 """Three derivatives of a bounce: exact, by differences of runs, and an engine's own."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +9,7 @@ from harness.core.case import Case
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.base import features_of
 from harness.engines.linearised import change_between
+from harness.engines.reference.derivatives import derivatives_of
 from harness.engines.reference.truth import exact_motion
 from harness.engines.registry import engine
 from harness.engines.remote import call_at_engine
@@ -64,54 +63,11 @@ def _lost(case: Case, error: LostTaskError) -> Record:
     return {"numbers": dict(_NOTHING), "ending": error.reason}
 
 
-_FIRST, _TABLEAU, _SHRINK = 0.02, 8, 1.6
-"""Of the extrapolation: first relative step, number of steps, and their ratio."""
-
-
 def exact_derivatives(case: Case) -> Record:
-    """Return by quantity and key the derivatives of the exact bounce, per unit of the key.
-
-    By Ridders's extrapolation of central differences of the exact motion (Adv. Eng. Software 4,
-    1982, 75): of the tableau the entry that differs least from its neighbours.
-    """
-    scene = case.scene
-    found: dict[str, dict[str, float | None]] = {key: {} for key in QUANTITIES}
-    for key in keys_of(scene, KEYS):
-        unit, before = unit_of(scene, key), value_of(scene, key)
-
-        def at(step: float, key: str = key, unit: float = unit, before: float = before) -> Numbers:
-            return exact_numbers(scene_at(scene, {key: before + step * unit}))
-
-        for quantity, value in _ridders(at).items():
-            found[quantity][key] = None if value is None else value / unit
-    return found
-
-
-def _ridders(at: Callable[[float], Numbers]) -> Numbers:
-    """Return the derivative of every quantity by a relative change, at no change."""
-    steps = [_FIRST / _SHRINK**place for place in range(_TABLEAU)]
-    pairs = [(at(step), at(-step)) for step in steps]
-    return {key: _extrapolated(steps, [(u[key], d[key]) for u, d in pairs]) for key in QUANTITIES}
-
-
-def _extrapolated(
-    steps: list[float], pairs: list[tuple[float | None, float | None]]
-) -> float | None:
-    """Return the best entry of a tableau of central differences; None if one is not known."""
-    column = [
-        math.nan if up is None or down is None else (up - down) / (2.0 * step)
-        for step, (up, down) in zip(steps, pairs, strict=True)
-    ]
-    best, error, factor = math.nan, math.inf, 1.0
-    while len(column) > 1:
-        factor *= _SHRINK**2
-        finer = [(factor * fine - coarse) / (factor - 1.0) for coarse, fine in pairwise(column)]
-        for place, value in enumerate(finer):
-            off = max(abs(value - column[place]), abs(value - column[place + 1]))
-            if off < error:
-                best, error = value, off
-        column = finer
-    return best if math.isfinite(best) else None
+    """Return by quantity and key the derivatives of the exact bounce, per unit of the key."""
+    keys = keys_of(case.scene, KEYS)
+    slopes = derivatives_of(case.scene).slopes
+    return {quantity: {key: slopes[quantity].get(key) for key in keys} for quantity in QUANTITIES}
 
 
 def own_derivatives(case: Case) -> Record:

@@ -12,6 +12,8 @@ from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Table
 from harness.studies.gradients.derivatives import exact_derivatives, exact_numbers, own_derivatives
 from harness.studies.gradients.design import (
+    KEYS,
+    QUANTITIES,
     SUITES,
     keys_of,
     plan_gradients,
@@ -32,18 +34,22 @@ def exact() -> dict[str, dict[str, float]]:
     return exact_derivatives(TRUTH)
 
 
-def test_exact_derivatives_scale_as_dimensions_say(exact: dict[str, dict[str, float]]) -> None:
-    # units of time go with sqrt(R/g), of which the turn has none: the rates carry it all
-    g, R = GENTLE.gravity, GENTLE.can.radius
-    rates = [(key, value_of(GENTLE, key)) for key in ("release.psi_dot", "release.theta_dot")]
-    for quantity, power in (("angle_of_turn_deg", 0.0), ("period_s", 1.0), ("phi_min_rad", 0.0)):
-        by = exact[quantity]
-        size = exact_numbers(GENTLE)[quantity]
-        assert size is not None
-        # T d/dT at fixed rates, where T = sqrt(R/g), and the rates times T are what counts
-        by_time = sum(value * by[key] for key, value in rates) + power * size
-        assert -2.0 * g * by["gravity"] == pytest.approx(by_time, rel=1e-8, abs=1e-9 * size)
-        assert 2.0 * R * by["can.radius"] == pytest.approx(by_time, rel=1e-8, abs=1e-9 * size)
+def test_exact_derivatives_are_those_of_the_exact_motion(
+    exact: dict[str, dict[str, float]],
+) -> None:
+    for key in keys_of(GENTLE, KEYS):
+        step = 1e-4 * unit_of(GENTLE, key)
+        up, down = (
+            exact_numbers(scene_at(GENTLE, {key: value_of(GENTLE, key) + sign * step}))
+            for sign in (1.0, -1.0)
+        )
+        for quantity in QUANTITIES:
+            more, less = up[quantity], down[quantity]
+            assert more is not None
+            assert less is not None
+            difference = (more - less) / (2.0 * step)
+            scale = abs(more) / unit_of(GENTLE, key)
+            assert exact[quantity][key] == pytest.approx(difference, rel=1e-5, abs=1e-6 * scale)
 
 
 def test_what_is_changed_is_changed_by_its_unit() -> None:
