@@ -2,8 +2,8 @@
 
 Bounces that differ by a part in 1e14 in one number of the release or of the can, each by the
 Taylor series of `make_golden`; the peaks are searched for along the series. Neither a first
-integral, a quadrature nor a derivative is used. Run this file to rewrite derivatives.json (some
-tens of minutes; a few with gmpy2):
+integral, a quadrature nor a derivative is used. Run this file to rewrite derivatives.json (an
+hour; less with gmpy2):
 
     python -m tests.reference.golden.make_derivatives
 """
@@ -38,6 +38,7 @@ RELEASES = [
     ("hoop", 0.3, (0.0, 1e-3, 5e-4)),
     ("thin disk", 0.3, (0.0, 0.002, 0.01)),
     ("paper", 0.99, (0.0, 1e-2, 2e-2)),
+    ("tall", 0.2, (0.03, 0.05, -0.1)),
 ]
 
 State = list[mp.mpf]
