@@ -17,6 +17,7 @@ from harness.cli.terminal import to_json
 from harness.core.errors import HarnessError, InvalidSettingError
 from harness.core.provenance import provenance
 from harness.core.report_model import Table, rows_of
+from harness.engines.reference import path_taken
 from harness.evaluation.effort import expected_seconds
 from harness.execution.dask_cluster import check_cluster_address, dask_executor
 from harness.execution.isolated_pool import SerialExecutor, local_executor
@@ -120,7 +121,7 @@ def sweep(  # noqa: PLR0917 - a parameter an option
             out / REPORT,
             title=f"rockingcan, sweep of {chosen.base.scene.name}",
             cases=(),
-            provenance=provenance(),
+            provenance=provenance(reference=path_taken(compiled=chosen.compiled)),
             figures=figures,
             jobs=workers,
             on_progress=progress,

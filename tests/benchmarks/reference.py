@@ -99,7 +99,7 @@ _PAPER: dict[str, Any] = {
     "theta_dot": -0.1 * _UNIT,
 }
 
-_INTEGRATOR: dict[str, Any] = {}
+_INTEGRATOR: dict[str, Any] = {"compiled": available()}
 """Options of the default integrator beside the model."""
 
 

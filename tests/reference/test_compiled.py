@@ -98,13 +98,19 @@ def test_golden_digits(method: str, allowed: float) -> None:
 def test_random_releases_are_solved_as_by_quadrature() -> None:
     rng = np.random.default_rng(9)
     count = 40
-    can = {"a": 0.727, "c": 0.615, "h": 1.473}
     release = {
         "phi": rng.uniform(0.02, 0.5, count),
         "psi_dot": rng.uniform(-0.2, 0.2, count),
         "theta_dot": rng.uniform(-0.2, 0.2, count),
     }
-    exact = exact_bounces(**can, **release)
+    exact = exact_bounces(
+        a=0.727,
+        c=0.615,
+        h=1.473,
+        phi=release["phi"],
+        psi_dot=release["psi_dot"],
+        theta_dot=release["theta_dot"],
+    )
     for number in range(count):
         problem = Problem(
             parameters=PAPER_CAN,

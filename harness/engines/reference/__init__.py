@@ -8,6 +8,7 @@ state at any instant, so that an engine is compared on its own time grid.
 from harness.engines.description import Description, Method
 from harness.engines.reference.engine import ReferenceEngine
 from reference import ENDING, PARTED, RENAMED_METHODS, Agreement, Finding, Kind, renamed_method
+from reference.numerics.compiled import path_taken
 
 __all__ = [
     "DESCRIPTION",
@@ -18,6 +19,7 @@ __all__ = [
     "Finding",
     "Kind",
     "ReferenceEngine",
+    "path_taken",
     "renamed_method",
 ]
 
