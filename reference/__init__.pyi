@@ -23,6 +23,7 @@ from .equations.steady_motion import (
     steady_rotation,
 )
 from .integrable.cycle import PeriodicMotions, exact_bounces
+from .numerics.compiled import path_taken
 from .problem.can import PAPER_CAN, ParameterError, Parameters
 from .problem.effects import EffectError, Effects, Gravity, Mass
 from .problem.outcome import Outcome
@@ -93,6 +94,7 @@ __all__ = [
     "matched_of",
     "neighbours",
     "paper_constants",
+    "path_taken",
     "renamed_method",
     "rest_rates",
     "smallest",

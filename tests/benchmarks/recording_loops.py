@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from mujoco import rollout
 
-from harness.engines.mujoco.engine import control, state_of
+from harness.engines.mujoco.steps import control, state_of
 from harness.engines.world import World
 
 _PIECE = 16384

@@ -7,8 +7,16 @@ state at any instant, so that an engine is compared on its own time grid.
 
 from harness.engines.description import Description, Method
 from harness.engines.reference.engine import ReferenceEngine
-from reference import ENDING, PARTED, RENAMED_METHODS, Agreement, Finding, Kind, renamed_method
-from reference.numerics.compiled import path_taken
+from reference import (
+    ENDING,
+    PARTED,
+    RENAMED_METHODS,
+    Agreement,
+    Finding,
+    Kind,
+    path_taken,
+    renamed_method,
+)
 
 __all__ = [
     "DESCRIPTION",
