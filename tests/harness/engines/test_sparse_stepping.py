@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.simulation import Simulation
-from harness.engines.mujoco import engine as mujoco_engine
+from harness.engines.mujoco import steps as mujoco_steps
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import schedule_of
 from models import Horizon, Scene, load
@@ -24,7 +24,7 @@ def test_what_is_looked_at_has_the_bits_of_a_run_that_looks_at_every_step(
 ) -> None:
     scene = replace(load(name), horizon=Horizon(seconds=seconds))
     spared = run(scene, 1e-6)
-    monkeypatch.setattr(mujoco_engine, "WORTH_IT", 10**9)
+    monkeypatch.setattr(mujoco_steps, "WORTH_IT", 10**9)
     dense = run(scene, 1e-6)
     assert (spared.steps, spared.outcome) == (dense.steps, dense.outcome)
     mine, theirs = spared.trajectory, dense.trajectory
@@ -47,7 +47,7 @@ def test_coarse_steps_and_shaken_planes_are_looked_at_step_by_step() -> None:
             case = Case(scene=load(name), engine="mujoco", timestep=timestep)
             prepared = chosen.simulate(replace(case, scene=replace(case.scene, horizon=SHORT)))
             schedule, _ = schedule_of(prepared)
-            sampling = mujoco_engine.sparse_sampling(chosen.open(case), schedule)
+            sampling = mujoco_steps.sparse_sampling(chosen.open(case), schedule)
             assert (sampling is not None) is expected
 
 
