@@ -6,7 +6,7 @@ together cost more than the step. So most steps of a slow motion are taken witho
 chunk by chunk; the contacts that a step leaves are paired with the state before it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.metadata import version
 from itertools import chain, repeat
 from typing import Any
@@ -92,29 +92,44 @@ class PybulletSteps:
         """Return the readings since the last chunk; None without any."""
         if not self._states:
             return None
-        times, numbers = np.concatenate(self._times), chain.from_iterable(self._states)
-        states = np.fromiter(chain.from_iterable(numbers), np.float64).reshape(-1, _STATE)
-        states[:, 3:7] = states[:, [6, 3, 4, 5]]
-        good = np.isfinite(states).all(axis=1)
-        count = len(states) if np.all(good) else int(np.argmin(good))
+        times, states = np.concatenate(self._times), self._states
+        # numbers that break stay broken: the last state speaks for all before it
+        count = len(states)
+        if not np.isfinite(_numbers(states[-1:])).all():
+            count = int(np.argmin(np.isfinite(_numbers(states)).all(axis=1)))
+        x, y, z, w = (
+            np.array([quaternion for _, quaternion, _, _ in states[:count]]).reshape(-1, 4).T
+        )
         points, spans, parts = self._contacts, np.array(self._spans), self._world.parts
         contacts = np.fromiter(map(len, points), np.int64)
         contacts[count:] = 0
         self._times, self._spans, self._states, self._contacts = [], [], [], []
 
         def read(keep: Integers) -> Trajectory:
-            p = np.array([resultant(points[place]) for place in keep.tolist()])
+            p = _rows((resultant(points[place]) for place in keep.tolist()), 8)
             contact = p[:, :3], p[:, 3:6] * parts, p[:, 6], p[:, 7]
-            return trajectory_of(times[keep], states[keep], contact)
+            motion = _numbers([states[place] for place in keep.tolist()])
+            motion[:, 3:7] = motion[:, [6, 3, 4, 5]]
+            return trajectory_of(times[keep], motion, contact)
 
         return Chunk(
             times=times,
-            quaternions=states[:count, 3:7],
+            quaternions=np.stack((w, x, y, z), axis=1),
             constraint_rows=contacts * _ROWS_PER_CONTACT,
             spans=spans,
             sound=count == len(states),
             read=read,
         )
+
+
+def _rows(tuples: Iterable[Iterable[float]], width: int) -> Floats:
+    """Return tuples of so many numbers as rows; twice as fast as `numpy.array`."""
+    return np.fromiter(chain.from_iterable(tuples), np.float64).reshape(-1, width)
+
+
+def _numbers(states: Sequence[State]) -> Floats:
+    """Return states as rows of 13 numbers."""
+    return _rows((chain.from_iterable(state) for state in states), _STATE)
 
 
 _ADAPTIVE = """\

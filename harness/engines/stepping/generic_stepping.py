@@ -200,24 +200,28 @@ def take_stage(
     places, spans : list of int
         Which of the steps were read, and for how many steps each stands, its own the first.
     """
-    places: list[int] = []
-    spans: list[int] = []
     count, last, timestep = len(stage.times), stage.ahead - 1, stage.timestep
-    sparing = sampling is not None and sampling.spare(timestep)
     place = 0 if sampling is None else sampling.left
     if place > 0:
         skip(min(place, count))
+    if sampling is None or not sampling.spare(timestep):
+        places = list(range(place, count))
+        for _ in places:
+            read_and_step()
+        if sampling is not None:
+            sampling.left = max(place - count, 0)
+        return places, [1] * len(places)
+    places, spans = [], []
     while place < count:
         quaternion, spin = read_and_step()
         after = place + 1
-        if sparing and place < last:
+        if place < last:
             # the last step of all is read, whatever the motion
-            after = min(place + sampling.pause(quaternion, spin, timestep), last)  # type: ignore[union-attr]
+            after = min(place + sampling.pause(quaternion, spin, timestep), last)
         places.append(place)
         spans.append(after - place)
         if after > place + 1 < count:
             skip(min(after, count) - place - 1)
         place = after
-    if sampling is not None:
-        sampling.left = place - count
+    sampling.left = place - count
     return places, spans
