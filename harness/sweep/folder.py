@@ -43,6 +43,8 @@ NAME = re.compile(
 
 _FORMAT = "rockingcan-sweep"
 _PROGRAM = "program"
+_OF_THE_PROGRAM = frozenset({_PROGRAM, "compiled", "rows_per_partition"})
+"""What a plan has of the program that computes it: the extra `fast` decides of the last two."""
 _REPORT = "report"
 """Folder of the report, which the command writes into the folder of the sweep."""
 
@@ -318,7 +320,7 @@ def check_same(out: Path, plan: SweepPlan) -> None:
         return
     here, there = plan.to_dict(), _read(out)
     differing = [key for key in here | there if here.get(key) != there.get(key)]
-    if differing == [_PROGRAM]:
+    if differing and set(differing) <= _OF_THE_PROGRAM:
         raise ProgramMismatchError(out, _other_program(here[_PROGRAM], there.get(_PROGRAM)))
     if here["reduce"] != there.get("reduce", False):
         words = "with --reduce, so without rows" if there.get("reduce") else "with rows"
@@ -332,8 +334,13 @@ def _other_program(here: dict[str, str], there: object) -> str:
     """Return in words how another program differs from this one."""
     if not isinstance(there, dict):
         return "no word of which"
-    other = [name for name in here if here[name] != there.get(name)]
-    return ", ".join(f"{name} {there.get(name)} (now {here[name]})" for name in other)
+    names = list(dict.fromkeys((*here, *there)))
+    other = [name for name in names if here.get(name) != there.get(name)]
+    without = {"numba": "none, without the extra fast"}
+    said = {name: without.get(name, "none") for name in other}
+    return ", ".join(
+        f"{name} {there.get(name, said[name])} (now {here.get(name, said[name])})" for name in other
+    )
 
 
 def _check_without_plan(out: Path, plan: SweepPlan) -> None:

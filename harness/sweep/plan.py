@@ -19,12 +19,13 @@ from scipy.stats import qmc
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
+from harness.engines.reference.derivatives import scene_numbers
 from harness.engines.reference.to_reference_problem import compiles
 from harness.engines.registry import engine_version
 from harness.evaluation.case_cache import code_fingerprint
 from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, checked_scene
-from harness.sweep.derivatives import DERIVATIVES
+from harness.sweep.derivatives import DERIVATIVES, parts_of
 from harness.sweep.parameters import Floats
 from harness.sweep.values import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
@@ -37,6 +38,9 @@ EXACT_ROWS = 32_768
 
 REDUCED_ROWS = 1_048_576
 """Scenes of a partition without rows: a few seconds, and some hundred kilobytes."""
+
+SLOW_REDUCED_ROWS = 2048
+"""Likewise where derivatives are asked for: some seconds."""
 
 COMPILED_FROM = 100_000
 """Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
@@ -194,19 +198,16 @@ def plan_sweep(
     for name in asked:
         if SOURCES[name] == "error" and ends.effects.declared():
             raise InvalidSettingError("--quantity", name, "of scenes without effects only")
+        if name in DERIVATIVES and parts_of(name)[1] not in scene_numbers(ends):
+            allowed = f"by a number of the scene: {', '.join(scene_numbers(ends))}"
+            raise InvalidSettingError("--quantity", name, allowed)
     case = Case(scene=ends, engine=engine, profile=profile, timestep=timestep, options=options)
     check_case(case)
-    exact = (
-        engine == "reference"
-        and all(SOURCES[name] == "exact" for name in asked)
-        and set(case.options) <= {("model", "auto"), ("model", "exact")}
-        and not ends.effects.declared()
-        # the exact bounce is whole, whatever the horizon
-        and not any(axis.name.startswith("horizon.") for axis in axes)
-    )
+    one_by_one = _one_by_one(case, axes, asked)
+    exact = not one_by_one
     if reduce and not exact:
-        only = "sweeps of the exact bounce: rows of runs take far longer to compute than to keep"
-        raise InvalidSettingError("--reduce", f"a sweep by {engine}", only)
+        only = "sweeps of the exact bounce: other rows take far longer to compute than to keep"
+        raise InvalidSettingError("--reduce", f"a sweep with {one_by_one}", only)
     scenes = count or math.prod(axis.count or 1 for axis in axes)
     compiled = exact and scenes >= COMPILED_FROM and compiles()
     # a derivative takes some milliseconds
@@ -223,20 +224,41 @@ def plan_sweep(
         exact=exact,
         compiled=compiled,
         reduced=reduce,
-        rows_per_partition=_rows_per_partition(quick=quick, compiled=compiled, reduce=reduce),
+        rows_per_partition=_rows_per_partition(
+            scenes, quick=quick, compiled=compiled, reduce=reduce
+        ),
     )
     if not 1 <= plan.rows <= MOST_ROWS:
         raise InvalidSettingError("--over", plan.rows, f"at most {MOST_ROWS} scenes in all")
     return plan
 
 
-def _rows_per_partition(*, quick: bool, compiled: bool, reduce: bool) -> int:
+def _one_by_one(case: Case, axes: Sequence[Axis], quantities: Sequence[str]) -> str:
+    """Return why the scenes of a sweep are solved one by one; empty if the exact bounce does."""
+    if case.engine != "reference":
+        return f"runs of {case.engine}"
+    if effects := case.scene.effects.declared():
+        return f"effects: {', '.join(effects)}"
+    if runs := [name for name in quantities if SOURCES[name] != "exact"]:
+        return f"--quantity {runs[0]}, which takes a run"
+    if options := set(case.options) - {("model", "auto"), ("model", "exact")}:
+        return "--set {}={}".format(*min(options, key=str))
+    # the exact bounce is whole, whatever the horizon
+    horizon = [axis.name for axis in axes if axis.name.startswith("horizon.")]
+    return f"--over {horizon[0]}" if horizon else ""
+
+
+FEWEST_REDUCED = 64
+"""Partitions of a sweep without rows, if it has as many scenes as that takes: an interruption loses
+one for each core."""
+
+
+def _rows_per_partition(scenes: int, *, quick: bool, compiled: bool, reduce: bool) -> int:
     """Return how many scenes are a partition."""
     if not quick:
-        return ENGINE_ROWS
-    if reduce:
-        return REDUCED_ROWS
-    return COMPILED_ROWS if compiled else EXACT_ROWS
+        return SLOW_REDUCED_ROWS if reduce else ENGINE_ROWS
+    rows = COMPILED_ROWS if compiled else EXACT_ROWS
+    return min(max(scenes // FEWEST_REDUCED, rows), REDUCED_ROWS) if reduce else rows
 
 
 def _program(engine: str, *, compiled: bool) -> tuple[tuple[str, str], ...]:
