@@ -71,9 +71,16 @@ class Differences:
 
     @property
     def usable(self) -> tuple[float, float] | None:
-        """The shortest and the longest step at which the derivative is right; None without any."""
-        good = [step for step, error in self.errors.items() if error is not None and error <= RIGHT]
-        return (min(good), max(good)) if good else None
+        """Shortest and longest step of the longest run of steps that are right; None without one.
+
+        Two neighbours make a run: an error that crosses zero is small at one step by chance.
+        """
+        best: list[float] = []
+        run: list[float] = []
+        for step, error in self.errors.items():
+            run = [*run, step] if error is not None and error <= RIGHT else []
+            best = max(best, run, key=len)
+        return (min(best), max(best)) if len(best) > 1 else None
 
     @cached_property
     def parts(self) -> ErrorOfSteps | None:
@@ -94,12 +101,16 @@ class Differences:
 
     @property
     def settled(self) -> tuple[float, float] | None:
-        """The step whose difference is nearest to that of the next shorter one, and its error.
+        """The step whose difference changes least with the next shorter one, and its error.
 
-        It is chosen without knowledge of the exact derivative.
+        It is chosen without knowledge of the exact derivative. Two differences of zero settle
+        nothing: the quantity no longer resolves the change.
         """
-        known = [(step, value) for step, value in self.values.items() if value is not None]
-        pairs = [(abs(value - after), step) for (step, value), (_, after) in pairwise(known)]
+        pairs = [
+            (abs(value - after) / max(abs(value), abs(after)), step)
+            for (step, value), (_, after) in pairwise(self.values.items())
+            if value is not None and after is not None and (value or after)
+        ]
         if not pairs:
             return None
         step = min(pairs)[1]
@@ -123,36 +134,47 @@ class Differences:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the derivative can be had by differences, and with which steps."""
-        best = self.best
-        if best is None:
+        """Whether the derivative can be had by differences, and with which steps.
+
+        Where no run of steps is right it is judged at the step that settles, since nobody who
+        differentiates an engine knows which step happens to be best.
+        """
+        usable, chosen = self.usable, self.settled or self.best
+        if usable is not None:
+            inside = [
+                error
+                for step, error in self.errors.items()
+                if error is not None and usable[0] <= step <= usable[1]
+            ]
+            steps = f"with steps from {usable[0]:.0e} to {usable[1]:.0e}"
+            return Verdict(Status.AGREES, f"right to {percent(max(inside))} {steps}")
+        if chosen is None:
             return Verdict(Status.FAILED, "no bounce, so no derivative")
-        step, error = best
+        step, error = chosen
         value = self.values[step]
         wrong = value is not None and value * self.exact < 0.0 and error > NEAR
-        judged = judge(error, wrong_sign=wrong)
-        usable = self.usable
-        where = f"at best, with a step of {step:.0e}"
-        if usable is not None:
-            where += f"; right from {usable[0]:.0e} to {usable[1]:.0e}"
-        return Verdict(judged.status, f"{judged.text} {where}")
+        return Verdict(
+            Status.DEVIATES, f"{_off(error, wrong_sign=wrong)} where it settles, at {step:.0e}"
+        )
 
 
 def judge(error: float, *, wrong_sign: bool) -> Verdict:
     """Return the verdict on a relative error of a derivative."""
-    if wrong_sign:
-        return Verdict(Status.DEVIATES, f"wrong sign, off by {percent(error)}")
-    if error <= RIGHT:
+    if error <= RIGHT and not wrong_sign:
         return Verdict(Status.AGREES, f"right to {percent(error)}")
+    return Verdict(Status.DEVIATES, _off(error, wrong_sign=wrong_sign))
+
+
+def _off(error: float, *, wrong_sign: bool) -> str:
     kind = "near" if error <= NEAR else "wrong"
-    return Verdict(Status.DEVIATES, f"{kind}, off by {percent(error)}")
+    return f"{'wrong sign' if wrong_sign else kind}, off by {percent(error)}"
 
 
 def percent(error: float) -> str:
-    """Return a relative error in percent with two digits, or as a power of ten."""
+    """Return a relative error in percent, with two digits."""
     if not math.isfinite(error):
         return "an infinite part"
-    return f"{100.0 * error:.2g} %" if error >= 1e-6 else f"{error:.1e}"  # noqa: PLR2004 - digits
+    return f"{100.0 * error:.2g} %"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

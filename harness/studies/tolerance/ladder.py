@@ -137,12 +137,17 @@ class ToleranceLadder:
 
     @property
     def worst(self) -> tuple[float, float] | None:
-        """Largest delivered over asked where the error responds, and what was asked; or None.
+        """Largest delivered over asked, and what was asked; or None.
 
         Below round-off of the exact motion nothing is compared.
         """
-        pairs = [(error / asked, asked) for asked, error in self.responding]
+        pairs = [(error / asked, asked) for asked, error in self.known if error > self.floor]
         return max(pairs) if pairs else None
+
+    @property
+    def worst_responding(self) -> float | None:
+        """Likewise where the error still follows what is asked."""
+        return max((error / asked for asked, error in self.responding), default=None)
 
     @property
     def finest(self) -> float | None:
@@ -160,14 +165,16 @@ class ToleranceLadder:
             return Honesty.LOST
         if len(self.known) < _FEWEST:
             return Honesty.UNJUDGED
-        level, worst = self.saturation, self.worst
+        level, worst = self.saturation, self.worst_responding
         if level is not None and level[0] == self.known[0][0]:
-            return Honesty.ROUND_OFF if level[1] <= self.floor else Honesty.IDLE
+            if level[1] <= self.floor:
+                return Honesty.ROUND_OFF
+            return Honesty.CAUTIOUS if level[1] < self.known[-1][0] else Honesty.IDLE
         if level is not None and level[1] > TRUE_WITHIN * max(self.floor, self.known[-1][0]):
             return Honesty.SATURATES
-        if worst is not None and worst[0] > TRUE_WITHIN:
+        if worst is not None and worst > TRUE_WITHIN:
             return Honesty.OPTIMISTIC
-        if worst is None or worst[0] < MUCH_LESS:
+        if worst is None or worst < MUCH_LESS:
             return Honesty.CAUTIOUS
         if self.slope is not None and self.slope < FOLLOWS:
             return Honesty.ERRATIC

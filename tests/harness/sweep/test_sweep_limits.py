@@ -29,7 +29,24 @@ def test_a_partition_has_32768_exact_bounces_or_256_runs() -> None:
     assert make_plan("gentle-rock", axis).rows_per_partition == 32_768
     runs = make_plan("gentle-rock", axis, engine="mujoco", timestep=1e-3)
     assert runs.rows_per_partition == 256
-    assert make_plan("gentle-rock", axis, reduce=True).rows_per_partition == 1_048_576
+
+
+@pytest.mark.parametrize(
+    ("scenes", "rows"), [(99_999, 32_768), (6_400_000, 100_000), (1_000_000_000, 1_048_576)]
+)
+def test_a_reduced_sweep_has_enough_partitions_to_lose_one(scenes: int, rows: int) -> None:
+    axes = ("release.psi_dot=0.5:2", "release.phi=0.1:0.2")
+    plan = make_plan("gentle-rock", *axes, sample="random", count=scenes, reduce=True)
+    assert plan.rows_per_partition == rows
+    slow = make_plan(
+        "gentle-rock",
+        *axes,
+        sample="random",
+        count=scenes,
+        reduce=True,
+        quantities=("d_period_s/d_can.h",),
+    )
+    assert slow.rows_per_partition == 2048
 
 
 def test_kernels_are_compiled_from_a_hundred_thousand_scenes_on() -> None:

@@ -57,7 +57,22 @@ def test_the_best_step_needs_the_truth_and_the_settled_one_does_not() -> None:
     assert judged.settled == pytest.approx((1e-3, 2e-3), rel=1e-3)
     assert judged.usable == (1e-4, 1e-1)
     assert judged.verdict.status is Status.AGREES
-    assert "right from 1e-04 to 1e-01" in judged.verdict.text
+    assert "with steps from 1e-04 to 1e-01" in judged.verdict.text
+
+
+def test_a_step_that_is_right_by_chance_makes_no_derivative_right() -> None:
+    # an error that crosses zero, and two differences of zero
+    judged = differences({1e-1: 0.5, 1e-2: 1e-6, 1e-3: 0.3, 1e-4: 0.28, 1e-5: -1.0, 1e-6: -1.0})
+    assert judged.best == pytest.approx((1e-2, 1e-6), rel=1e-3)
+    assert judged.usable is None
+    assert judged.settled == pytest.approx((1e-3, 0.3), rel=1e-3)
+    assert judged.verdict.status is Status.DEVIATES
+    assert judged.verdict.text.startswith("wrong, off by 30 %")
+
+
+def test_steps_that_are_right_are_told_without_a_hole() -> None:
+    judged = differences({1e-1: 1e-3, 1e-2: 1e-3, 1e-3: 0.5, 1e-4: 1e-3, 1e-5: 1e-3, 1e-6: 1e-3})
+    assert judged.usable == (1e-6, 1e-4)
 
 
 def test_a_wrong_sign_is_told() -> None:
