@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.analysis.tangent_motion import motion_tangents
-from reference.integrable.derivatives import QUANTITIES, bounce_tangents
+from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet
@@ -65,9 +65,12 @@ def sensitivity(problem: Problem) -> Sensitivity:
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
     if isinstance(path, ExactPath):
         jets, why = bounce_tangents(problem, path)
-        return _filled(BY, jets, why, "quadrature", (*_one_sided(problem), *_separatrix(path)))
+        if NO_PATH not in why.values():
+            caveats = (*_one_sided(problem), *_separatrix(path))
+            return _filled(BY, jets, why, "quadrature", caveats)
     by, jets, why = motion_tangents(problem)
-    return _filled(by, jets, why, "variational equations", _one_sided(problem))
+    caveats = (*_one_sided(problem), *(_separatrix(path) if isinstance(path, ExactPath) else ()))
+    return _filled(by, jets, why, "variational equations", caveats)
 
 
 def _filled(

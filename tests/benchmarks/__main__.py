@@ -17,6 +17,7 @@ from tests.benchmarks.heyoka_rows import missing
 from tests.benchmarks.lean import lean_ratios
 from tests.benchmarks.reference import reference_ratios
 from tests.benchmarks.start_up import start_up_ratios
+from tests.benchmarks.whole_jobs import whole_job_ratios
 
 app = typer.Typer(add_completion=False)
 
@@ -31,10 +32,11 @@ _USUAL = {
     "the start": 10.0,
     "the reference": 60.0,
     "friction": 30.0,
+    "whole jobs": 80.0,
     "an engine": 45.0,
     "lean": 60.0,
 }
-"""s of processor for the claims about starting, the reference, friction, engines, lean models."""
+"""s of processor for each part of the claims."""
 
 
 @app.command()
@@ -60,6 +62,7 @@ def benchmark(
         "the start": start_up_ratios(),
         "the reference": reference_ratios(),
         "friction": friction_ratios(),
+        "whole jobs": whole_job_ratios(),
         **{name: engine_ratios([name]) for name in chosen},
     }
     efforts = {part: _USUAL.get(part, _USUAL["an engine"]) for part in (*parts, "lean")}

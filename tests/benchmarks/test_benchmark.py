@@ -14,7 +14,7 @@ import pytest
 from harness.cli.main import code_of
 from reference.numerics.compiled import available
 from tests.benchmarks import __main__ as program
-from tests.benchmarks import engines, friction, heyoka_rows, lean, reference, start_up
+from tests.benchmarks import engines, friction, heyoka_rows, lean, reference, start_up, whole_jobs
 from tests.benchmarks.clock import Ratio, in_turns, paired, seconds
 from tests.benchmarks.lean import Lean
 
@@ -77,6 +77,15 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         (reference, {"_HEYOKA_RELEASES": 80}),
         (reference, {"_TURNS": 1, "_SHORT": 1, "_LONG": 1}),
         (friction, {"PIECES": friction.PIECES[:1], "_TIGHT": 1e-6, "_REPEATS": 1}),
+        (
+            whole_jobs,
+            {
+                "_MANY": 1000,
+                "_MORE": 2000,
+                "_QUICK_SUITE": 1000.0,
+                "_SUITE": ("run", "gentle-rock", "--engine", "mujoco"),
+            },
+        ),
         (engines, {"_PAIRS": {1e-4: 1}, "_BRIEF": 1}),
         (engines, {"_RELEASES": 3, "_FIXED": (1e-3,)}),
         (lean, {"names": lambda: ("gentle-rock",), "PIECE": 0.1, "PAIRS": 1, "_FEW": 1}),
@@ -89,7 +98,7 @@ def bound_holds(row: dict[str, Any]) -> bool:
     """Whether a ratio keeps the bound that is claimed of it in words."""
     at_least = re.search(r"at least ([\d,.]+) times", row["claim"])
     at_most = re.search(r"at most ([\d,.]+)", row["claim"])
-    within = re.search(r"under (\d+) s", row["claim"])
+    within = re.search(r"under ([\d.e-]+) s", row["claim"])
     held: dict[re.Match[str] | None, Callable[[float], bool]] = {
         at_least: lambda limit: row["ratio"] >= limit,
         at_most: lambda limit: row["ratio"] <= limit,
@@ -105,10 +114,10 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")
     ratios, lean_ones = found["ratios"], found["lean"]
     # two commands; the exact bounce, the integrator over one bounce and three, the map; friction;
-    # of the engine two loops, a batch, adaptive steps; over heyoka the exact bounce at two
-    # tolerances and the integrator
+    # three whole jobs; of the engine two loops, a batch, adaptive steps; over heyoka the exact
+    # bounce at two tolerances and the integrator
     rivals = 0 if heyoka_rows.missing() else 3
-    assert len(ratios) == 11 + rivals
+    assert len(ratios) == 14 + rivals
     assert sum("heyoka" in row["what"] for row in ratios) == rivals
     assert [(one["who"], one["scene"]) for one in lean_ones] == [
         ("mujoco", "gentle-rock"),
@@ -130,7 +139,7 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
         else:
             assert row["holds"]
     # what is claimed of the integrator over heyoka is that of compiled code
-    assert sum(bool(row["claim"]) for row in ratios) == 7 + available() + rivals
+    assert sum(bool(row["claim"]) for row in ratios) == 10 + available() + rivals
     assert code == (0 if all(row["holds"] for row in [*ratios, *lean_ones]) else 1)
 
 
@@ -164,6 +173,7 @@ def test_a_claim_that_does_not_hold_is_a_failure(
     monkeypatch.setattr(program, "start_up_ratios", list)
     monkeypatch.setattr(program, "reference_ratios", lambda: [RATIO, ratio])
     monkeypatch.setattr(program, "friction_ratios", list)
+    monkeypatch.setattr(program, "whole_job_ratios", list)
     monkeypatch.setattr(program, "engine_ratios", lambda _: [RATIO])
     monkeypatch.setattr(program, "lean_ratios", lambda _: [part, LEAN])
     told = {"ratios": [asdict(one) for one in (RATIO, ratio, RATIO)]}

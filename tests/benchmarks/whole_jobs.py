@@ -1,0 +1,130 @@
+"""Whole jobs from their start to their report: sweeps of a million and more, the quick suite."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from reference.numerics.compiled import available, path_taken
+from tests.benchmarks.clock import Ratio
+
+_MANY, _MORE = 1_000_000, 10_000_000
+"""Releases of a sweep with rows, and of one without."""
+
+_SECONDS, _MEGABYTES = 8.0, 500.0
+"""What a sweep with rows is to take on two cores."""
+
+_HOUR_FOR = 1e9
+"""Releases that a sweep without rows is to solve in an hour, by the rate that is measured."""
+
+_QUICK_SUITE = 30.0
+"""s of processor."""
+
+_SUITE = ("validate", "--suite", "quick", "--no-store")
+
+_OVER = (
+    *("--over", "release.phi=0.02:0.5", "--over", "release.psi_dot=-2:2"),
+    *("--over", "release.theta_dot=-2:2", "--sample", "random"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """What a command took.
+
+    Parameters
+    ----------
+    wall_s, processor_s : float
+        The second of all its processes.
+    megabytes : float
+        Largest memory of one of its processes.
+    """
+
+    wall_s: float
+    processor_s: float
+    megabytes: float
+
+
+def whole_job_ratios() -> Iterator[Ratio]:
+    """Measure commands, each in a process of its own, into a folder that is thrown away."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield _against(
+            f"a sweep of {_MANY:,} releases, start to report",
+            ("sweep", "paper-release", *_OVER, "--count", str(_MANY), "--out", "rows"),
+            folder,
+            _SECONDS * _MANY / 1_000_000,
+            most_megabytes=_MEGABYTES,
+        )
+        yield _against(
+            f"a sweep of {_MORE:,} releases without rows, of which {_HOUR_FOR:.0e} take an hour",
+            (
+                *("sweep", "paper-release", *_OVER, "--count", str(_MORE), "--reduce"),
+                *("--out", "reduced"),
+            ),
+            folder,
+            3600.0 * _MORE / _HOUR_FOR,
+            most_megabytes=_MEGABYTES,
+        )
+        yield _suite(folder)
+
+
+def _against(
+    what: str, words: Sequence[str], folder: str, seconds: float, *, most_megabytes: float
+) -> Ratio:
+    """Hold the wall time of a job against a limit, and its memory."""
+    job = run(words, folder)
+    # what two cores do in so many seconds is for two cores to show, and for compiled code
+    claimed = available() and (os.cpu_count() or 1) > 1
+    within = job.wall_s < seconds and job.megabytes < most_megabytes
+    return Ratio(
+        what=f"{what}, against {seconds:g} s",
+        ratio=seconds / job.wall_s,
+        claim=f"under {seconds:g} s and {most_megabytes:g} MB on two cores" if claimed else "",
+        holds=within or not claimed,
+        first_s=job.wall_s,
+        second_s=seconds,
+        note=f"wall time; {job.processor_s:.1f} s of processor, {job.megabytes:.0f} MB; "
+        f"{path_taken(compiled=available())}",
+    )
+
+
+def _suite(folder: str) -> Ratio:
+    """Hold the processor time of the quick suite against half a minute."""
+    job = run(_SUITE, folder)
+    return Ratio(
+        what=f"the quick suite against {_QUICK_SUITE:g} s of processor",
+        ratio=_QUICK_SUITE / job.processor_s,
+        claim=f"under {_QUICK_SUITE:g} s",
+        holds=job.processor_s < _QUICK_SUITE,
+        first_s=job.processor_s,
+        second_s=_QUICK_SUITE,
+        note=f"all of its processes; {job.wall_s:.1f} s by the clock",
+    )
+
+
+def run(words: Sequence[str], folder: str) -> Job:
+    """Run a command of the program in a folder.
+
+    Raises
+    ------
+    CalledProcessError
+        If it does not end with 0.
+    """
+    program = [sys.executable, "-m", "harness", *words]
+    started = time.perf_counter()
+    running = subprocess.Popen(  # noqa: S603 - our own program
+        program, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    _, status, usage = os.wait4(running.pid, 0)
+    taken = time.perf_counter() - started
+    running.returncode = os.waitstatus_to_exitcode(status)
+    if running.returncode != 0:
+        raise subprocess.CalledProcessError(running.returncode, program)
+    return Job(
+        wall_s=taken,
+        processor_s=usage.ru_utime + usage.ru_stime,
+        megabytes=usage.ru_maxrss / 1024.0,
+    )
