@@ -21,6 +21,8 @@ Quantity: TypeAlias = Callable[[States], Floats]
 LEVEL = 1e-8
 MOST_ROUNDS = 16
 SAMPLES = 17
+# Share of the highest sample from which the top of a lower one may be the highest.
+WORTH = 0.7
 # Samples beside an extremum exceed it by round-off alone.
 SHOULDER = 1e-12
 
@@ -115,29 +117,45 @@ def _peaks(
     at_extrema = quantity(track.extrema)
     tops = np.flatnonzero(track.maximum)
     peak = np.empty(len(slices))
-    open_: list[int] = []
-    left, right = np.empty(len(slices)), np.empty(len(slices))
+    owner: list[int] = []
+    centres: list[int] = []
     for i, part in enumerate(slices):
         own = at_extrema[tops[i] : tops[i + 1] + 1]
         peak[i] = own[np.abs(own).argmax()]
         inside = np.abs(values[part])
         if not inside.size or not np.isfinite(peak[i]):
             continue
-        best = part.start + int(inside.argmax())
-        # a sample no higher than the extremum beside it is only its shoulder
-        if np.abs(values[best]) > np.abs(peak[i]) * (1 + SHOULDER):
-            peak[i] = values[best]
-            left[i], right[i] = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
-            open_.append(i)
-        elif not symmetric:  # the peak is beside the extremum
-            there = np.searchsorted(times, track.times[tops[i] + int(np.abs(own).argmax())])
-            left[i] = times[max(there - 1, part.start)]
-            right[i] = times[min(there + 1, part.stop - 1)]
-            open_.append(i)
-    refine = np.array([i for i in open_ if np.isfinite(peak[i])], dtype=np.intp)
-    if refine.size:
-        peak[refine] = _refined(path, left[refine], right[refine], quantity, peak[refine])
+        if symmetric:
+            # a sample no higher than the extremum beside it is only its shoulder
+            highest = inside.max() > np.abs(peak[i]) * (1 + SHOULDER)
+            tops_inside = [int(inside.argmax())] if highest else []
+        else:
+            tops_inside = humps(inside)
+        owner += [i] * len(tops_inside)
+        centres += [part.start + place for place in tops_inside]
+    at, of = np.array(centres, dtype=np.intp), np.array(owner, dtype=np.intp)
+    finite = np.isfinite(values[at])
+    for i, value in zip(of[~finite].tolist(), values[at[~finite]].tolist(), strict=True):
+        peak[i] = value  # where the plane would have to pull
+    at, of = at[finite], of[finite]
+    if at.size:
+        left, right = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
+        refined = _refined(path, left, right, quantity, values[at])
+        for i, value in zip(of.tolist(), refined.tolist(), strict=True):
+            if abs(value) > abs(peak[i]):
+                peak[i] = value
     return peak
+
+
+def humps(magnitudes: Floats) -> list[int]:
+    """Return the samples beside which the largest magnitude may be.
+
+    Either side of the minimum a motion without mirror symmetry has a hump of its own, and which is
+    higher is not for samples to say.
+    """
+    padded = np.pad(magnitudes, 1, constant_values=-np.inf)
+    tops = (padded[1:-1] >= padded[:-2]) & (padded[1:-1] >= padded[2:])
+    return np.flatnonzero(tops & (magnitudes >= WORTH * magnitudes.max())).tolist()
 
 
 def _refined(

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from reference.analysis.bounces import humps
 from reference.analysis.variational import CORE, NUMBER, STEP, Stretch, stretches
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
@@ -322,7 +323,7 @@ def _peak(
 ) -> Jet:
     """Return the value of largest magnitude of a quantity within the bounce, in a jet.
 
-    It is `known` from samples, more roughly: another value is that of another peak.
+    It is `known` from samples, more roughly, which says which of several peaks it is.
     """
     places: list[Place] = []
     for number in range(starts[0], ends[0] + 1):
@@ -337,22 +338,24 @@ def _peak(
     ]
     if not np.isfinite(values).all():
         raise UndecidedError(PULLED)
-    best = int(np.argmax(values))
     edges = {0: (starts, not opens), len(places) - 1: (ends, True)}
 
     def rising(place: Place) -> bool:
         value, by_state, _ = motion.gradient(quantity, *place)
         return bool(np.sign(value) * (by_state @ motion.rates(*place)) > 0)
 
-    # the end of a piece is the start of the next: two places further it is another instant
-    low, high = places[max(best - 2, 0)], places[min(best + 2, len(places) - 1)]
-    if best in edges and rising(low) == rising(high):
-        at, turns = edges[best]
+    for best in sorted(humps(np.array(values)), key=values.__getitem__, reverse=True):
+        # the end of a piece is the start of the next: two places further it is another instant
+        low, high = places[max(best - 2, 0)], places[min(best + 2, len(places) - 1)]
+        if best in edges and rising(low) == rising(high):
+            at, turns = edges[best]
+        else:
+            at, turns = _top(motion, rising, low, high), False
+        _, by_state, by_constants = motion.gradient(quantity, *at)
+        value = float(quantity(motion.equations, motion.state(*at), motion.pieces[at[0]].mode)[0])
+        if abs(value - known) <= SAME_PEAK * abs(known):
+            break
     else:
-        at, turns = _top(motion, rising, low, high), False
-    _, by_state, by_constants = motion.gradient(quantity, *at)
-    value = float(quantity(motion.equations, motion.state(*at), motion.pieces[at[0]].mode)[0])
-    if not abs(value - known) <= SAME_PEAK * abs(known):
         raise UndecidedError(ANOTHER)
     slope = by_state @ motion.disturbances(*at, turns=turns) + by_constants
     return Jet(np.asarray(value), slope)

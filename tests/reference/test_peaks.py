@@ -1,0 +1,43 @@
+"""The peaks of a bounce: of two humps the higher one, whichever of them the samples hit better."""
+
+import numpy as np
+import pytest
+
+from reference import PAPER_CAN, Effects, Mass, Problem, solve
+from reference.numerics.compiled import available
+
+OFF_CENTRE = Problem(
+    parameters=PAPER_CAN,
+    phi=0.37002169901361626,
+    phi_dot=-0.08412154288046247,
+    psi_dot=0.8827441894649443,
+    theta_dot=0.1462584221382182,
+    bounces=1,
+    effects=Effects(
+        mass=Mass(
+            share=0.2008115490412127,
+            x=0.0015321146004453334,
+            y=-0.3430852362064796,
+            z=-0.39058924287966046,
+        )
+    ),
+)
+DRILLING = Problem(
+    parameters=PAPER_CAN,
+    phi=0.1065778869380251,
+    psi_dot=0.16479547103201123,
+    theta_dot=3.2217777672205495e-05,
+    bounces=1,
+    effects=Effects(drilling=0.00118642610619907),
+)
+
+
+@pytest.mark.parametrize("compiled", [False, True] if available() else [False])
+@pytest.mark.parametrize("problem", [OFF_CENTRE, DRILLING], ids=["off-centre", "drilling"])
+def test_the_peak_is_the_largest_of_many_samples(problem: Problem, *, compiled: bool) -> None:
+    motion = solve(problem, compiled=compiled)
+    force = motion.at(np.linspace(*motion.maxima[:2], 40_001)).force
+    assert force is not None
+    dense = float((np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max())
+    assert motion.bounces[0].peak_friction_ratio == pytest.approx(dense, rel=1e-7)
+    assert motion.bounces[0].peak_friction_ratio >= dense * (1.0 - 1e-12)
