@@ -49,7 +49,7 @@ def jit(function: F) -> F:
 
     config: Any = numba.config
     own = config.CACHE_DIR
-    config.CACHE_DIR = own or _folder()
+    config.CACHE_DIR = _folder(own)
     compile_first = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=False)
     try:
         return cast("F", compile_first(function))
@@ -58,14 +58,18 @@ def jit(function: F) -> F:
 
 
 @cache
-def _folder() -> str:
-    """Return the folder of what is compiled from the sources as they are."""
-    package = Path(__file__).parents[1]
+def _folder(own: str) -> str:
+    """Return the folder of what is compiled from the sources as they are.
+
+    Parameters
+    ----------
+    own : str
+        The user's choice, `NUMBA_CACHE_DIR`, in which the folder then is; or empty.
+    """
     digest = sha256()
-    for source in sorted(package.rglob("*.py")):
+    for source in sorted(Path(__file__).parents[1].rglob("*.py")):
         digest.update(source.read_bytes())
     beside = Path(__file__).parent
-    if not os.access(beside, os.W_OK):
-        caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        beside = caches / "rockingcan"
-    return str(beside / "__pycache__" / f"kernels-{digest.hexdigest()[:16]}")
+    caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    place = beside if os.access(beside, os.W_OK) else caches / "rockingcan"
+    return str((Path(own) if own else place / "__pycache__") / f"kernels-{digest.hexdigest()[:16]}")
