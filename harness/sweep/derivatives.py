@@ -1,7 +1,8 @@
-"""Columns of a sweep that are derivatives of the exact first bounce: d_QUANTITY/d_KEY.
+"""Columns of a sweep that are derivatives of its other columns: d_QUANTITY/d_KEY.
 
-Of the ideal can they are of a whole bounce, from a maximum of phi to the next, and computed for
-many releases at once. With effects each scene is solved by itself.
+By the exact bounce they are of a whole one, from a maximum of phi to the next, and computed for
+many releases at once. Where each scene is solved by itself they are of its first bounce, which a
+release that falls opens.
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,7 +39,7 @@ def _quantity(name: str, key: str) -> Quantity:
         key=f"d_{name}/d_{key}",
         label=f"derivative of the {of.label} by {key}",
         unit=f"{of.unit or '1'} per {by.unit or '1'}",
-        meaning=f"Derivative of {name} of the exact first bounce by {key}.",
+        meaning=f"Derivative of {name} of the exact bounce by {key}.",
         of_run=lambda _: None,  # of a scene, not of a run
     )
 

@@ -146,17 +146,20 @@ def _distribution(sweep: Overview) -> Figure:
         )
         left = edges[:-1][::bundle]
         right = np.append(left[1:], edges[-1])
+        # a density: bars of an octave's equal parts are not equally wide on either axis
+        width = np.log10(right / left) if wide else right - left
+        density = counts / counts.sum() / width
         panels.append(
             Panel(
                 title=QUANTITIES[name].label,
                 x_label=QUANTITIES[name].axis,
-                y_label="scenes",
+                y_label=f"share of scenes per {'decade' if wide else _unit(name)}",
                 series=(
                     Series(
                         label=sweep.plan.base.engine,
                         kind=sweep.plan.base.engine,
                         x=np.column_stack((left, right)).ravel(),
-                        y=np.repeat(counts, 2).astype(np.float64),
+                        y=np.repeat(density, 2),
                     ),
                 ),
                 log_x=wide,
@@ -171,15 +174,19 @@ def _distribution(sweep: Overview) -> Figure:
     )
 
 
+def _unit(name: str) -> str:
+    """Return the unit of a quantity, or one."""
+    return QUANTITIES[name].unit or "1"
+
+
 def _distribution_seen(sweep: Overview) -> str:
     """Return two sentences on the distribution of the first quantity."""
     extent = next(iter(sweep.extents.values()))
     low, high = (_quantile(share, extent) for share in (0.01, 0.99))
     label = QUANTITIES[extent.name].axis
     return (
-        f"Of {extent.count:,} scenes 98 % have a {label} between {low:.5g} and {high:.5g}. "
-        "Every scene is counted, in bins of equal width, or of equal ratio where the axis is "
-        "logarithmic."
+        f"In 98 % of {extent.count:,} scenes the {label} lies between {low:.5g} and {high:.5g}. "
+        "Every scene is counted; the area below a curve is one."
     )
 
 
@@ -206,8 +213,8 @@ def _summary(sweep: Overview) -> str:
     plan = sweep.plan
     over = " and ".join(axis.text() for axis in plan.axes)
     how = "the exact bounce" if plan.exact else f"{plan.base.engine} {plan.engine_version}"
-    sentences = [f"{plan.rows} scenes like {plan.base.scene.name}, over {over}, by {how}."]
-    sentences += [f"{count}: {outcome}." for outcome, count in list(sweep.outcomes.items())[:5]]
+    sentences = [f"{plan.rows:,} scenes like {plan.base.scene.name}, over {over}, by {how}."]
+    sentences += [f"{count:,}: {outcome}." for outcome, count in list(sweep.outcomes.items())[:5]]
     for name, extent in list(sweep.extents.items())[:1]:
         label = QUANTITIES[name].axis
         sentences.append(f"The {label} lies between {extent.low:.6g} and {extent.high:.6g}.")
