@@ -40,6 +40,9 @@ def derivatives_table(answer: Mapping[str, Any]) -> Table:
 
 def derivatives_sentences(answer: Mapping[str, Any]) -> Iterable[str]:
     """Yield why there are no derivatives of some quantities, and what limits the others."""
+    reasons: dict[str, list[str]] = {}
     for quantity, reason in answer["derivatives_why"].items():
-        yield f"No derivative of {quantity}: {reason}."
+        reasons.setdefault(reason.rstrip("."), []).append(quantity)
+    for reason, quantities in reasons.items():
+        yield f"No derivative of {', '.join(quantities)}: {reason}."
     yield from answer["derivatives_caveats"]

@@ -83,11 +83,12 @@ def derivatives_of(scene: Scene) -> Derivatives:
             key: float(each) if np.isfinite(each) else None
             for key, each in zip(numbers, slope, strict=True)
         }
+    known = len(own.why) < len(NAMES)
     return Derivatives(
         slopes=slopes,
         why={NAMES[name]: sentence for name, sentence in own.why.items()},
-        method=own.method,
-        caveats=own.caveats,
+        method=own.method if known else "none",
+        caveats=own.caveats if known else (),
     )
 
 

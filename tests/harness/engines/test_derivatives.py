@@ -96,7 +96,11 @@ def test_command_says_why_there_is_none() -> None:
     assert set(given["derivatives_why"]) == set(NAMES.values())
     assert {slope for of in given["derivatives"].values() for slope in of.values()} == {None}
     words = CliRunner().invoke(app, ["reference", "steady-rolling", "--derivatives"]).stdout
-    assert "No derivative of angle_of_turn_deg: the motion has no bounce" in words
+    # one reason is told once, and no caveat of what there is not
+    assert words.count("the motion has no bounce") == 1
+    assert "No derivative of period_s, angle_of_turn_deg" in words
+    assert given["derivatives_method"] == "none"
+    assert given["derivatives_caveats"] == []
 
 
 @pytest.mark.parametrize("scene", ["gentle-rock", "slipping-rock"])
