@@ -179,7 +179,9 @@ def solve(
         Whether to integrate by compiled code (numba, the extra `fast`): the same equations and
         method, other round-offs. It pays where many problems are solved, for it takes a second to
         load, and at its first use on a machine some seconds to compile. `method` of the solution
-        says which ran; what has nothing to compile ignores it.
+        says which ran: closed forms have nothing to compile, and the confirmation of a rolling can
+        under "auto" runs in numpy. Its rounds are counted apart, so that of two motions that call
+        for all the work there is one may be followed further.
 
     Returns
     -------
