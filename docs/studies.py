@@ -54,12 +54,13 @@ def tolerance() -> dict[str, str]:
             f"{row['optimistic'] + row['does_not_follow'] + row['saturates']:.0f}",
             f"{row['changes_nothing']:.0f}",
             f"{row['loses_the_motion']:.0f}",
+            f"{row['not_judged']:.0f}",
         )
         for name, row in judged.iterrows()
     ]
     head = (
         *("setting", "asked", "slope", "worst factor", "level, rad", "keeps it", "does not"),
-        *("changes nothing", "loses the motion"),
+        *("changes nothing", "loses the motion", "not judged"),
     )
     runs, ladders = csv("tolerance/delivered.csv"), csv("tolerance/ladders.csv")
     return {
@@ -96,7 +97,8 @@ def gradients() -> dict[str, str]:
             [(f"`{key}`", *(_share(row[step]) for step in steps)) for key, row in own.iterrows()],
         )
         adaptive = turn[turn["profile"] == "adaptive"]
-        facts[f"{short}_from"] = f"{adaptive['right_from'].max():.0e}"
+        right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
+        facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     return facts
 
 
@@ -112,11 +114,13 @@ def _of_turn(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _columns(by: pd.DataFrame) -> list[str]:
-    """Return the errors of one derivative: of each engine with each kind of steps."""
-    errors = by.set_index(["engine", "profile"])["relative_error"].to_dict()
-    return [_share(errors[engine, profile]) for engine in ENGINES for profile in _STEPS]
+    """Return the errors of one derivative, settled and best, by engine and kind of steps."""
+    rows = by.set_index(["engine", "profile"])
+    settled, best = rows["settled_error"].to_dict(), rows["relative_error"].to_dict()
+    of = [(engine, profile) for engine in ENGINES for profile in _STEPS]
+    return [f"{_share(settled[one])} / {_share(best[one])}" for one in of]
 
 
 def _share(error: float) -> str:
-    """Return a relative error in percent."""
-    return f"{digits(100.0 * error, 2)} %"
+    """Return a relative error in percent, or a dash where there is none."""
+    return "-" if math.isnan(error) else f"{digits(100.0 * error, 2)} %"
