@@ -228,7 +228,7 @@ def _one(
     if not stays_positive(work, count, waves[count // 8 - 1], smallest):
         return LEFT
     for which in range(2):
-        j = least if which else count - count
+        j = which * least
         if noise(space, j) > LOST * abs(state[3, j] * below[j]):
             return LEFT
     if unresolved(work, count, waves[count // 8 - 1]):
