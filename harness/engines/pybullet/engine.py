@@ -41,7 +41,7 @@ _READING = Struct("22d")
 """Position, quaternion (scalar last), velocity, angular velocity; resultant, as `resultant` returns
 it; number of contact points, with those that bear nothing."""
 
-_WIDTH, _SIZE = 22, _READING.size
+_WIDTH = _READING.size // 8
 
 
 class PybulletSteps:
@@ -58,7 +58,7 @@ class PybulletSteps:
         self._world, self._sampling = world, sampling
         self._times: list[Floats] = []
         self._spans: list[int] = []
-        self._readings: list[bytes] = []
+        self._readings = bytearray()
 
     def state(self) -> tuple[Numbers, Numbers]:
         """Return quaternion (scalar first) and angular velocity of the can."""
@@ -72,7 +72,7 @@ class PybulletSteps:
         client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-        keep, packed = self._readings.append, _READING.pack
+        keep, packed = self._readings.extend, _READING.pack
 
         def read_and_step() -> tuple[Numbers, Numbers]:
             position, quaternion = pose_of(can, client)
@@ -97,11 +97,11 @@ class PybulletSteps:
 
     def chunk(self) -> Chunk | None:
         """Return the readings since the last chunk; None without any."""
-        if not self._readings:
+        if not self._spans:
             return None
         times, spans = np.concatenate(self._times), np.array(self._spans)
-        rows = np.frombuffer(b"".join(self._readings)).reshape(-1, _WIDTH)
-        self._times, self._spans, self._readings = [], [], []
+        rows = np.frombuffer(self._readings).reshape(-1, _WIDTH)
+        self._times, self._spans, self._readings = [], [], bytearray()
         # numbers that break stay broken: the last state speaks for all before it
         count = len(rows)
         if not np.isfinite(rows[-1, :13]).all():
