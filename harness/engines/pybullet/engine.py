@@ -20,7 +20,6 @@ from harness.engines import (
     Case,
     Chunk,
     Floats,
-    Integers,
     PhysicsEngine,
     SamplingInterval,
     Schedule,
@@ -42,6 +41,7 @@ _READING = Struct("22d")
 it; number of contact points, with those that bear nothing."""
 
 _WIDTH = _READING.size // 8
+_SCALAR_FIRST = [6, 3, 4, 5]
 
 
 class PybulletSteps:
@@ -109,20 +109,22 @@ class PybulletSteps:
         contacts, parts = rows[:, 21].astype(np.int64), self._world.parts
         contacts[count:] = 0
 
-        def read(keep: Integers) -> Trajectory:
-            sampled = rows[keep]
-            contact = sampled[:, 13:16], sampled[:, 16:19] * parts, sampled[:, 19], sampled[:, 20]
-            motion = sampled[:, :13]
-            motion[:, 3:7] = motion[:, [6, 3, 4, 5]]
-            return trajectory_of(times[keep], motion, contact)
+        def trajectory(time: Floats, rows: Floats) -> Trajectory:
+            rows[:, 3:7] = rows[:, _SCALAR_FIRST]
+            force = rows[:, 16:19] * parts
+            return trajectory_of(
+                time, rows[:, :13], rows[:, 13:16], force, rows[:, 19], rows[:, 20]
+            )
 
         return Chunk(
             times=times,
-            quaternions=rows[:count, [6, 3, 4, 5]],
+            quaternions=rows[:count, _SCALAR_FIRST],
+            velocities=rows[:count, 7:10],
             constraint_rows=contacts * _ROWS_PER_CONTACT,
             spans=spans,
             sound=count == len(rows),
-            read=read,
+            readings=(rows,),
+            trajectory=trajectory,
         )
 
 
