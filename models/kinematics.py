@@ -23,7 +23,7 @@ from body to world.
 """
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,10 +63,16 @@ def quaternion(phi: ArrayLike, psi: ArrayLike, theta: ArrayLike) -> Floats:
     )
 
 
-def _components(array: ArrayLike) -> tuple[Floats, ...]:
-    """Return the components of vectors or quaternions; `numpy.moveaxis` takes ten times as long."""
+def _components(array: ArrayLike) -> list[Any]:
+    """Return the components of vectors or quaternions, floats of a single one.
+
+    `numpy.moveaxis` takes ten times as long, and so does arithmetic with scalars of numpy.
+    """
     array = np.asarray(array, dtype=np.float64)
-    return tuple(array[..., place] for place in range(array.shape[-1]))
+    if array.ndim == 1:
+        single: list[float] = array.tolist()
+        return single
+    return [array[..., place] for place in range(array.shape[-1])]
 
 
 def half_angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
@@ -224,8 +230,9 @@ def _turned(quaternion: ArrayLike, vector: ArrayLike, sign: float) -> Floats:
     a, b, c = _components(vector)
     x, y, z = sign * x, sign * y, sign * z
     p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    turned = np.empty((*np.broadcast_shapes(w.shape, a.shape), 3))
-    turned[..., 0] = a + w * p + (y * r - z * q)
+    first = a + w * p + (y * r - z * q)
+    turned = np.empty((*np.shape(first), 3))
+    turned[..., 0] = first
     turned[..., 1] = b + w * q + (z * p - x * r)
     turned[..., 2] = c + w * r + (x * q - y * p)
     return turned
