@@ -23,7 +23,7 @@ from body to world.
 """
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,6 +63,18 @@ def quaternion(phi: ArrayLike, psi: ArrayLike, theta: ArrayLike) -> Floats:
     )
 
 
+def _components(array: ArrayLike) -> list[Any]:
+    """Return the components of vectors or quaternions, floats of a single one.
+
+    `numpy.moveaxis` takes ten times as long, and so does arithmetic with scalars of numpy.
+    """
+    array = np.asarray(array, dtype=np.float64)
+    if array.ndim == 1:
+        single: list[float] = array.tolist()
+        return single
+    return [array[..., place] for place in range(array.shape[-1])]
+
+
 def half_angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Return nutation, and the sum and difference of precession and rotation.
 
@@ -77,7 +89,7 @@ def half_angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
         phi in [0, pi], sigma = psi + theta and delta = psi - theta in [-2 pi, 2 pi], rad. The
         opposite quaternion, the same rotation, moves sigma and delta by 2 pi each.
     """
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    w, x, y, z = _components(quaternion)
     phi = _nutation(w, x, y, z)
     sigma = 2.0 * np.arctan2(z, w)
     delta = 2.0 * np.arctan2(x, 0.0 - y)  # not -y: arctan2(0, -0.0) is pi, and flat means zero
@@ -86,7 +98,7 @@ def half_angles(quaternion: ArrayLike) -> tuple[Floats, Floats, Floats]:
 
 def nutation(quaternion: ArrayLike) -> Floats:
     """Return nutation alone, rad, shape (...); see `half_angles`."""
-    return _nutation(*np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0))
+    return _nutation(*_components(quaternion))
 
 
 def _nutation(w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
@@ -178,7 +190,7 @@ def angle_rates(
         psi' is zero and theta' is the whole spin.
     """
     phi, psi = np.asarray(phi, dtype=np.float64), np.asarray(psi, dtype=np.float64)
-    omega_x, omega_y, omega_z = np.moveaxis(np.asarray(angular_velocity, dtype=np.float64), -1, 0)
+    omega_x, omega_y, omega_z = _components(angular_velocity)
     cos_psi, sin_psi = np.cos(psi), np.sin(psi)
     outwards = omega_x * cos_psi + omega_y * sin_psi
     sin, cos = np.sin(phi), np.cos(phi)
@@ -214,12 +226,13 @@ def to_world(quaternion: ArrayLike, vector: ArrayLike) -> Floats:
 
 def _turned(quaternion: ArrayLike, vector: ArrayLike, sign: float) -> Floats:
     """Return vectors turned by a quaternion, or back: v + 2 w (n x v) + 2 n x (n x v)."""
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
-    a, b, c = np.moveaxis(np.asarray(vector, dtype=np.float64), -1, 0)
+    w, x, y, z = _components(quaternion)
+    a, b, c = _components(vector)
     x, y, z = sign * x, sign * y, sign * z
     p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    turned = np.empty((*np.broadcast_shapes(w.shape, a.shape), 3))
-    turned[..., 0] = a + w * p + (y * r - z * q)
+    first = a + w * p + (y * r - z * q)
+    turned = np.empty((*np.shape(first), 3))
+    turned[..., 0] = first
     turned[..., 1] = b + w * q + (z * p - x * r)
     turned[..., 2] = c + w * r + (x * q - y * p)
     return turned

@@ -7,13 +7,20 @@ that draws it.
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-import pandas as pd
 from pydantic import PlainSerializer, PlainValidator
 
 from harness.core.plain_json import Floats, Words, is_missing, to_plain
 from harness.core.verdict import Status, Verdict
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    DataFrame: TypeAlias = pd.DataFrame
+else:
+    DataFrame = Any
+    """Pandas takes half a second to import, in each worker that unpickles a task of a study."""
 
 
 def _encode_cell(value: object) -> object:
@@ -34,7 +41,7 @@ def _decode_cell(stored: object) -> object:
     return Verdict(Status[stored["status"]], stored["text"])
 
 
-def _encode_frame(frame: pd.DataFrame) -> dict[str, Any]:
+def _encode_frame(frame: DataFrame) -> dict[str, Any]:
     """Return each column with its type; infinite and missing cells have encodings of their own."""
     return {
         str(name): {
@@ -45,7 +52,9 @@ def _encode_frame(frame: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _decode_frame(stored: Any) -> pd.DataFrame:  # noqa: ANN401 - whatever JSON holds
+def _decode_frame(stored: Any) -> DataFrame:  # noqa: ANN401 - whatever JSON holds
+    import pandas as pd  # noqa: PLC0415
+
     return pd.DataFrame(
         {
             name: pd.Series([_decode_cell(v) for v in column["values"]], dtype=column["dtype"])
@@ -54,7 +63,7 @@ def _decode_frame(stored: Any) -> pd.DataFrame:  # noqa: ANN401 - whatever JSON 
     )
 
 
-Frame = Annotated[pd.DataFrame, PlainValidator(_decode_frame), PlainSerializer(_encode_frame)]
+Frame = Annotated[DataFrame, PlainValidator(_decode_frame), PlainSerializer(_encode_frame)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -269,6 +278,8 @@ def table_of(
     **fields
         Further fields of `Table`, such as the scene.
     """
+    import pandas as pd  # noqa: PLC0415
+
     rows = [[column.cell(record) for column in columns] for record in records]
     return Table(
         name=name,

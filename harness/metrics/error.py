@@ -143,15 +143,18 @@ def _farthest(points: Floats, curve: Floats) -> float:
     """Return the largest distance from points (n, 2) to a curve (m, 2)."""
     # where the curve crosses itself the nearest chord need not end in the nearest point
     _, near = scipy.spatial.KDTree(curve).query(points, k=min(_NEIGHBOURS, len(curve)))
+    # components of their own: sums over an axis of two take several times as long
+    (x, y), (own_x, own_y) = np.ascontiguousarray(curve.T), np.ascontiguousarray(points.T)
+    along, across = np.diff(x), np.diff(y)
+    square = along * along + across * across
     best = np.full(len(points), np.inf)
-    for nearest, offset in itertools.product(near.T, (-1, 0)):
+    for nearest, offset in itertools.product(np.ascontiguousarray(near.T), (-1, 0)):
         left = np.clip(nearest + offset, 0, len(curve) - 2)
-        chord = curve[left + 1] - curve[left]
-        arm = points - curve[left]
-        square = np.sum(chord**2, axis=1)
-        share = np.divide(
-            np.sum(arm * chord, axis=1), square, out=np.zeros(len(points)), where=square > 0.0
-        )
-        foot = np.clip(share, 0.0, 1.0)[:, None] * chord
-        best = np.minimum(best, np.linalg.norm(arm - foot, axis=1))
-    return float(best.max())
+        chord_x, chord_y, length = along[left], across[left], square[left]
+        arm_x, arm_y = own_x - x[left], own_y - y[left]
+        share = np.zeros(len(points))
+        np.divide(arm_x * chord_x + arm_y * chord_y, length, out=share, where=length > 0.0)
+        np.clip(share, 0.0, 1.0, out=share)
+        off_x, off_y = arm_x - share * chord_x, arm_y - share * chord_y
+        best = np.minimum(best, off_x * off_x + off_y * off_y)
+    return math.sqrt(best.max())

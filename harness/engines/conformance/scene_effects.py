@@ -267,7 +267,7 @@ def _exploded(simulation: Simulation) -> bool:
     if path is None:
         return False
     watch = Watch(simulation.case.scene)
-    return watch.over(path, nutation(path.quaternion)) is Outcome.DIVERGED
+    return watch.over(path.time, path.velocity, nutation(path.quaternion)) is Outcome.DIVERGED
 
 
 @clause("Where nothing touches there is no contact point and no force.", contact=True)

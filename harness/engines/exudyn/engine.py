@@ -16,11 +16,9 @@ from harness.engines import (
     Capabilities,
     Case,
     Chunk,
-    Integers,
     PhysicsEngine,
     Schedule,
     Stage,
-    Trajectory,
     step_by_stages,
     trajectory_of,
 )
@@ -139,11 +137,6 @@ class _Reader:
         sound = self._taken[-1].finished
         self._times, self._taken = [], []
 
-        def read(keep: Integers) -> Trajectory:
-            at = point[keep]
-            contact = at, force[keep], -at[:, 2], np.isfinite(at[:, 2])
-            return trajectory_of(times[keep], motion[keep], contact)
-
         held = np.zeros(len(times), dtype=np.int64)
         held[: len(point)] = _ROWS * np.isfinite(point[:, 2])
         return Chunk(
@@ -151,5 +144,7 @@ class _Reader:
             quaternions=motion[:, 3:7],
             constraint_rows=held,
             sound=sound,
-            read=read,
+            velocities=motion[:, 7:10],
+            readings=(motion, point, force, -point[:, 2], np.isfinite(point[:, 2])),
+            trajectory=trajectory_of,
         )

@@ -147,6 +147,10 @@ class CompiledScene:
             self.model.dof_damping[:] = _NEXT_TO_NOTHING
         self._body = self.model.body("can").id
         self._geoms = (self.model.geom("can").id, self.model.geom("ground").id)
+        # of the constraints of one contact; they depend on its dimension and the cone
+        condim = int(self.model.geom_condim[self._geoms[0]])
+        pyramidal = self.model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+        self.rows_per_contact = 2 * (condim - 1) if pyramidal and condim > 1 else condim
         # without MuJoCo's sensors an adapter makes the same numbers itself
         self.found, self._depth = 0, 7
         if contact_sensors:
@@ -208,13 +212,6 @@ class CompiledScene:
                 self.model.pair_solref[0] = soft_solref(self._case, timestep)
                 self.model.pair_solreffriction[0] = friction_solref(timestep)
 
-    @property
-    def rows_per_contact(self) -> int:
-        """Constraint rows of one contact, which depend on its dimension and the cone."""
-        condim = int(self.model.geom_condim[self._geoms[0]])
-        pyramidal = self.model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
-        return 2 * (condim - 1) if pyramidal and condim > 1 else condim
-
     def forces(self, times: Floats) -> Floats | None:
         """Return `xfrc_applied` of the steps from these times (n,) on, shape (n, 6 bodies).
 
@@ -242,6 +239,12 @@ class CompiledScene:
             np.where(count > 0, -sensors[:, self._depth], np.nan),
             np.where(bears, count, 0.0),
         )
+
+    def trajectory(self, time: Floats, states: Floats, sensors: Floats) -> Trajectory:
+        """Return states (n, 13), as in `chunk_of`, with the sensors of their instants."""
+        spin = to_world(states[:, 3:7], states[:, 10:])
+        motion = np.hstack((states[:, :10], spin))
+        return trajectory_of(time, motion, *self.read_contact(sensors))
 
 
 def _compiled(
@@ -292,20 +295,18 @@ def chunk_of(
     spans : ndarray of int, shape (n,), optional
         Where not every step was read: for how many each stands.
     """
-    contacts = sensors[:, scene.found].copy()
-    contacts[count:] = 0.0
-
-    def read(keep: Integers) -> Trajectory:
-        motion = states[keep]
-        motion[:, 10:] = to_world(motion[:, 3:7], motion[:, 10:])
-        return trajectory_of(times[keep], motion, scene.read_contact(sensors[keep]))
+    worked = np.zeros(len(times), dtype=np.int64)
+    worked[:count] = sensors[:count, scene.found]
+    worked *= scene.rows_per_contact
 
     return Chunk(
         times=times,
         quaternions=states[:count, 3:7],
-        constraint_rows=contacts.astype(np.int64) * scene.rows_per_contact,
+        constraint_rows=worked,
         sound=sound and count == len(states),
-        read=read,
+        velocities=states[:count, 7:10],
+        readings=(states, sensors),
+        trajectory=scene.trajectory,
         spans=spans,
     )
 

@@ -10,7 +10,7 @@ writes nothing, with its sensors off, which no step depends on: the same steps, 
 """
 
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -105,10 +105,6 @@ def state_of(world: MujocoWorld) -> Floats:
     return state
 
 
-Readings: TypeAlias = tuple[Floats, ...]
-"""Times (n,) before steps, the states (n, 14) then, and the sensors (n, 8) of these states."""
-
-
 _NOTHING, _ROOM = np.empty((1, 0, 0)), 16384  # steps
 
 
@@ -127,7 +123,8 @@ class MujocoSteps:
         self._state = state_of(world)
         self._times: list[Floats] = []
         self._states = self._sensors = _NOTHING
-        self._parts: list[Readings] = []
+        self._clock: list[float] = []
+        self._motion, self._sensed = bytearray(), bytearray()
         self._spans: list[int] = []
 
     def state(self) -> tuple[list[float], list[float]]:
@@ -139,7 +136,7 @@ class MujocoSteps:
     def take(self, stage: Stage) -> bool:
         """Take the steps of a stage."""
         if self._sampling is not None:
-            self._parts += self._take_sparsely(stage, self._sampling)
+            self._take_sparsely(stage, self._sampling)
         else:
             self._roll(stage)
         return True
@@ -175,42 +172,51 @@ class MujocoSteps:
         self._states[0, held] = self._state
         return self._states[:, held : held + count + 1], self._sensors[:, held : held + count]
 
-    def _take_sparsely(self, stage: Stage, sampling: SamplingInterval) -> list[Readings]:
-        """Step through a stage with sensors in the steps that are read; return these, if any."""
+    def _take_sparsely(self, stage: Stage, sampling: SamplingInterval) -> None:
+        """Step through a stage with sensors in the steps that are read; hold these."""
         model, data, option = self._world.model, self._world.data, self._world.model.opt
-        seen, spin = int(option.disableflags), np.empty(3)
-        states: list[Floats] = []
-        sensors: list[Floats] = []
+        seen, step = int(option.disableflags), mujoco.mj_step
+        # views of MuJoCo's own memory; a reading copies bytes, which is the least that keeps it
+        motion, clock, sensors = self._motion.extend, self._clock.append, data.sensordata
+        place, rate, spin = data.qpos, data.qvel, np.empty(3)
+        quaternion, turning, sensed = place[3:], rate[3:], self._sensed.extend
 
         def read_and_step() -> tuple[list[float], list[float]]:
-            state = state_of(self._world)
+            clock(data.time)
+            motion(place.tobytes())
+            motion(rate.tobytes())
+            mujoco.mju_rotVecQuat(spin, turning, quaternion)
+            w, x, y, z = quaternion.tolist()
             option.disableflags = seen
-            mujoco.mj_step(model, data)
-            option.disableflags = seen | SENSORS_OFF
-            states.append(state)
-            sensors.append(data.sensordata.copy())
-            mujoco.mju_rotVecQuat(spin, state[11:14], state[4:8])
-            return state[[5, 6, 7, 4]].tolist(), spin.tolist()
+            step(model, data)
+            option.disableflags = unseen
+            sensed(sensors.tobytes())
+            return [x, y, z, w], spin.tolist()
 
-        option.disableflags = seen | SENSORS_OFF
-        skip = partial(mujoco.mj_step, model, data)
-        places, spans = take_stage(stage, sampling, read_and_step, skip)
+        unseen = seen | SENSORS_OFF
+        option.disableflags = unseen
+        places, spans = take_stage(stage, sampling, read_and_step, partial(step, model, data))
         option.disableflags = seen
         self._spans += spans
-        return [(stage.times[places], np.array(states), np.array(sensors))] if places else []
+        if places:
+            self._times.append(stage.times[places])
 
     def chunk(self) -> Chunk | None:
         """Return the readings since the last chunk; None without any."""
-        spans = None
-        if self._sampling is None and self._times:
-            times, held = np.concatenate(self._times), sum(map(len, self._times))
-            states, sensors = self._states[0, :held], self._sensors[0, :held]
-            # they belong to the chunk now
-            self._times, self._states, self._sensors = [], _NOTHING, _NOTHING
-        elif self._parts:
-            times, states, sensors = map(np.concatenate, zip(*self._parts, strict=True))
-            spans = np.array(self._spans)
-            self._parts, self._spans = [], []
-        else:
+        if not self._times:
             return None
+        times, spans = np.concatenate(self._times), None
+        if self._sampling is None:
+            held = len(times)
+            states, sensors = self._states[0, :held], self._sensors[0, :held]
+        else:
+            states = np.empty((len(times), len(self._state)))
+            states[:, 0] = self._clock
+            states[:, 1:] = np.frombuffer(self._motion).reshape(len(times), -1)
+            sensors = np.frombuffer(self._sensed).reshape(len(times), -1)
+            spans = np.array(self._spans)
+        # they belong to the chunk now
+        self._times, self._states, self._sensors = [], _NOTHING, _NOTHING
+        self._clock, self._motion, self._sensed = [], bytearray(), bytearray()
+        self._spans = []
         return chunk_of_states(self._world, times, states, sensors, spans)

@@ -14,7 +14,7 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.base import Engine, features_of
 from harness.engines.description import Precision
-from harness.engines.probes.rim_contact import Answer, Stance, answers, asking, moved, turns
+from harness.engines.probes.rim_contact import Answer, Stance, answers, ask, asking, moved, turns
 from harness.engines.probes.survey import Opener, with_gravity
 from harness.engines.registry import engine
 from harness.engines.remote import call_at_engine
@@ -253,8 +253,8 @@ class _Asked:
         good, wrong = float(TILTS[good_at]), float(TILTS[bad_at])
         while abs(good / wrong - 1.0) > _EDGE:
             middle = math.sqrt(good * wrong)
-            own = answers(self._world, self._can, self._stances(middle))
-            if any(bad(answer) for answer in own if _is_inside(answer) is inside):
+            own = [each for each in self._stances(middle) if (each.depth > 0.0) is inside]
+            if any(bad(ask(self._world, self._can, each)) for each in own):
                 wrong = middle
             else:
                 good = middle

@@ -140,6 +140,9 @@ ContactPoint: TypeAlias = tuple[Any, ...]
 Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
+ANY_LINK = -2
+"""What PyBullet takes for a link that is not named."""
+
 _REACH = 1.0  # m: distance up to which closest points are sought
 _MESH = "can.obj"
 

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.core.trajectory import Floats, Integers, Trajectory
+from harness.core.trajectory import Floats
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from harness.engines.world import Contact, World
@@ -159,11 +159,6 @@ class _WorldReader:
         times, spans = (np.array(each[: len(rows) + 1]) for each in (self._times, self._spans))
         self._times, self._spans, self._rows = [], [], []
 
-        def read(keep: Integers) -> Trajectory:
-            sampled = rows[keep]
-            contact = sampled[:, 13:16], sampled[:, 16:19], sampled[:, 19], sampled[:, 20]
-            return trajectory_of(times[keep], sampled[:, :13], contact)
-
         worked = np.zeros(len(times), dtype=np.int64)
         worked[: len(rows)] = 3 * rows[:, 20].astype(np.int64)  # a normal and two of friction
         return Chunk(
@@ -171,7 +166,9 @@ class _WorldReader:
             quaternions=rows[:, 3:7],
             constraint_rows=worked,
             sound=len(rows) == len(times),
-            read=read,
+            velocities=rows[:, 7:10],
+            readings=(rows[:, :13], rows[:, 13:16], rows[:, 16:19], rows[:, 19], rows[:, 20]),
+            trajectory=trajectory_of,
             spans=spans,
         )
 

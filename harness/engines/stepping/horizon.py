@@ -11,7 +11,7 @@ import numpy as np
 from harness.core.bounce import PROMINENCE
 from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome
-from harness.core.trajectory import Floats, Trajectory
+from harness.core.trajectory import Floats
 from models.scene import Scene
 
 BOUNCE_ALLOWANCE = 100.0
@@ -72,36 +72,54 @@ class Watch:
         self._scale = spin * size**2 + scene.gravity * size
         self._patience = FLAT_ALLOWANCE * natural_time(scene)
 
-    def over(self, samples: Trajectory, phi: Floats) -> Outcome | None:
+    def over(self, time: Floats, velocity: Floats, phi: Floats) -> Outcome | None:
         """Return how the run ended if these samples end it (at `ended_at`, s), else None.
 
         Parameters
         ----------
-        samples : Trajectory
-            That follow those before.
-        phi : ndarray, shape (n,)
-            Their nutation, rad.
+        time, phi : ndarray, shape (n,)
+            That follow those before, s, and nutation in rad.
+        velocity : ndarray, shape (n, 3)
+            m/s.
         """
-        time = samples.time
-        speed = np.sum(samples.velocity**2, axis=1)
-        sound = speed <= _LARGEST_GAIN * self._scale  # false for what is no number
         largest = np.fmax(np.fmax.accumulate(phi), self._largest)
         margin = PROMINENCE * largest
-        up = np.fmax(np.fmax.accumulate(np.where(phi > margin, time, 0.0)), self._last_up)
-        overturned = phi >= math.pi / 2.0
-        ends = ~sound | overturned | (time - up > self._patience)
-        stop = int(np.argmax(ends)) if ends.any() else len(phi)
+        stop, outcome, last_up = len(phi), None, self._last_up
+        if self._may_end(time, velocity, float(largest[-1])):
+            stop, outcome, last_up = self._end(time, velocity, phi, margin)
+        else:
+            above = np.flatnonzero(phi > margin)
+            last_up = float(time[above[-1]]) if len(above) else last_up
         closed = self._closed(phi[:stop], margin[:stop])
         if closed is not None:
             self.ended_at = float(time[closed])
             return Outcome.FINISHED
-        if stop < len(phi):
+        if outcome is not None:
             self.ended_at = float(time[stop])
-            if not sound[stop]:
-                return Outcome.DIVERGED
-            return Outcome.OVERTURNED if overturned[stop] else Outcome.FLAT
-        self._largest, self._last_up = float(largest[-1]), float(up[-1])
-        return None
+        self._largest, self._last_up = float(largest[-1]), last_up
+        return outcome
+
+    def _may_end(self, time: Floats, velocity: Floats, largest: float) -> bool:
+        """Whether a look at each sample may find an end other than a bounce's; few numbers tell."""
+        fastest = float(np.abs(velocity).max())
+        sound = 3.0 * fastest * fastest <= _LARGEST_GAIN * self._scale  # false for no number
+        return not sound or largest >= math.pi / 2.0 or time[-1] - self._last_up > self._patience
+
+    def _end(
+        self, time: Floats, velocity: Floats, phi: Floats, margin: Floats
+    ) -> tuple[int, Outcome | None, float]:
+        """Return the first sample that ends the run, if any, how, and when phi was up last."""
+        sound = np.sum(velocity**2, axis=1) <= _LARGEST_GAIN * self._scale
+        up = np.fmax(np.fmax.accumulate(np.where(phi > margin, time, 0.0)), self._last_up)
+        overturned = phi >= math.pi / 2.0
+        ends = ~sound | overturned | (time - up > self._patience)
+        if not ends.any():
+            return len(phi), None, float(up[-1])
+        stop = int(np.argmax(ends))
+        if not sound[stop]:
+            return stop, Outcome.DIVERGED, float(up[-1])
+        outcome = Outcome.OVERTURNED if overturned[stop] else Outcome.FLAT
+        return stop, outcome, float(up[-1])
 
     def _closed(self, phi: Floats, margin: Floats) -> int | None:
         """Follow falls and rises; return which sample shows the last bounce closed, if one does."""

@@ -15,12 +15,13 @@ pause ends before that could have changed phi by as much.
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.core.simulation import Outcome, Simulation
-from harness.core.trajectory import Floats, Integers, Trajectory, join
+from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.stepping.horizon import Watch, natural_time
 from models.kinematics import nutation
 from models.scene import Scene
@@ -43,9 +44,14 @@ class Chunk:
         Rows that each of those steps solved for.
     sound : bool
         False if the engine's numbers broke within or right after these steps.
-    read : callable
-        Takes indices of the first m states and returns those states as a trajectory: most steps of
-        a run are never looked at again.
+    velocities : ndarray, shape (m, 3)
+        Of the first m states, in world coordinates, m/s.
+    readings : tuple of ndarray, shape (m or more, ...)
+        What the engine tells of these states, in its own terms.
+    trajectory : callable
+        Takes times and the rows of each of the readings at these times, and returns them as a
+        trajectory. It is called once at the end of a run, with what is recorded of all of its
+        chunks: most steps of a run are never looked at again.
     spans : ndarray of int, shape (n,), or None
         Steps that each reading stands for, its own the first; None where every step was read.
     """
@@ -54,13 +60,32 @@ class Chunk:
     quaternions: Floats
     constraint_rows: Integers
     sound: bool
-    read: Callable[[Integers], Trajectory]
+    velocities: Floats
+    readings: tuple[NDArray[Any], ...]
+    trajectory: Callable[..., Trajectory]
     spans: Integers | None = None
 
+    def read(self, keep: Integers) -> Trajectory:
+        """Return the states that `keep` selects as a trajectory."""
+        return self.trajectory(self.times[keep], *(rows[keep] for rows in self.readings))
 
-def trajectory_of(
-    time: Floats, motion: Floats, contact: tuple[Floats, Floats, Floats, NDArray[np.generic]]
-) -> Trajectory:
+    def effort(self, until: float) -> tuple[int, int]:
+        """Return the steps up to the end of a run, s, and the constraint rows that they solved.
+
+        An end of infinity is none.
+        """
+        taken, ends = len(self.times), until < np.inf
+        if ends:
+            taken = int(np.searchsorted(self.times, until, side="right"))
+        if self.spans is None:
+            return taken, int(self.constraint_rows[:taken].sum())
+        spans = self.spans[:taken].copy()
+        if ends:
+            spans[-1:] = 1  # where a run ended, the last reading stands for its own step
+        return int(spans.sum()), int(self.constraint_rows[:taken] @ spans)
+
+
+def trajectory_of(time: Floats, motion: Floats, *contact: NDArray[Any]) -> Trajectory:
     """Return states of a run as a trajectory.
 
     Parameters
@@ -69,7 +94,7 @@ def trajectory_of(
         s.
     motion : ndarray, shape (n, 13)
         Position, quaternion (scalar first), velocity and angular velocity, in world coordinates.
-    contact : tuple
+    contact : four ndarrays
         Point (n, 3), force on the can (n, 3), depth (n,) and number of points (n,).
     """
     point, force, depth, count = contact
@@ -98,52 +123,64 @@ class Recorder:
 
     def __init__(self, scene: Scene) -> None:
         self._time_step = natural_time(scene) / SAMPLES_IN_TIME
-        self._parts: list[Trajectory] = []
+        self._parts: list[tuple[NDArray[Any], ...]] = []
         self._path = 0.0
-        self._last: tuple[float, Floats] | None = None
         self._chunk: Chunk | None = None
 
-    def add(self, chunk: Chunk) -> Trajectory | None:
-        """Record a chunk that follows the one before; return the samples recorded of it."""
-        count = len(chunk.quaternions)
-        if count == 0:
-            return None
-        keep = np.flatnonzero(self._keep(chunk.times[:count], chunk.quaternions))
-        self._last = (float(chunk.times[count - 1]), chunk.quaternions[-1])
+    def add(self, chunk: Chunk) -> Integers:
+        """Record a chunk that follows the one before; return the places of what is recorded."""
+        if len(chunk.quaternions) == 0:
+            return np.zeros(0, dtype=np.int64)
+        places = np.flatnonzero(self._keep(chunk.times, chunk.quaternions))
         self._chunk = chunk
-        if len(keep) == 0:
-            return None
-        samples = chunk.read(keep)
-        self._parts.append(samples)
-        return samples
+        if len(places) > 0:
+            self._parts.append(_rows(chunk, places))
+        return places
 
     def _keep(self, time: Floats, quaternion: Floats) -> NDArray[np.bool_]:
-        """Return which of the samples the path calls for, shape (n,)."""
-        first = self._last is None
-        if self._last is not None:
-            time = np.concatenate(([self._last[0]], time))
-            quaternion = np.vstack((self._last[1], quaternion))
-        path = np.empty(len(time))
+        """Return which of the states the path calls for, shape (n,)."""
+        before, count = self._chunk, len(quaternion)
+        # of the chunk before the last state comes first
+        late = int(before is not None)
+        q = np.empty((4, count + late))
+        q[:, late:] = quaternion.T
+        rise = np.empty(count + late)
+        rise[late:] = time[:count]
+        if before is not None:
+            q[:, 0] = before.quaternions[-1]
+            rise[0] = before.times[len(before.quaternions) - 1]
+        path = np.empty(count + late)
         path[0] = self._path
-        path[1:] = _path(quaternion) / ANGLE_STEP + (time[1:] - time[:-1]) / self._time_step
+        np.subtract(rise[1:], rise[:-1], out=path[1:])
+        path[1:] /= self._time_step
+        path[1:] += _path(q) / ANGLE_STEP
         # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
         path.cumsum(out=path)
         self._path = float(path[-1])
-        whole = np.floor(path)
-        keep = whole[1:] > whole[:-1]
-        return np.concatenate((np.ones(1, dtype=np.bool_), keep)) if first else keep
+        np.floor(path, out=path)
+        keep = np.ones(count, dtype=np.bool_)
+        np.greater(path[1:], path[:-1], out=keep[1 - late :])
+        return keep
 
     def trajectory(self, until: float) -> Trajectory | None:
-        """Return the samples recorded up to a time in s, and the last step in any case."""
-        parts = self._parts
-        if self._chunk is None or self._last is None:
+        """Return what is recorded up to a time in s, and the last step in any case."""
+        parts, chunk = self._parts, self._chunk
+        if chunk is None:
             return None
-        if parts[-1].time[-1] < self._last[0] <= until:
-            parts = [*parts, self._chunk.read(np.array([len(self._chunk.quaternions) - 1]))]
-        return join(parts, until)
+        last = len(chunk.quaternions) - 1
+        if parts[-1][0][-1] < chunk.times[last] <= until:
+            parts = [*parts, _rows(chunk, np.array([last]))]
+        time, *readings = map(np.concatenate, zip(*parts, strict=True))
+        count = int(np.searchsorted(time, until, side="right"))
+        return chunk.trajectory(time[:count], *(rows[:count] for rows in readings))
 
 
-def _path(quaternion: Floats) -> Floats:
+def _rows(chunk: Chunk, places: Integers) -> tuple[NDArray[Any], ...]:
+    """Return times and readings of some of the states of a chunk."""
+    return chunk.times[places], *(rows[places] for rows in chunk.readings)
+
+
+def _path(q: Floats) -> Floats:
     """Return how far (phi, psi + theta, psi - theta) move from sample to sample, shape (n-1,), rad.
 
     In half angles the quaternion is two complex numbers, cos(phi/2) exp(i (psi + theta)/2) and
@@ -151,16 +188,21 @@ def _path(quaternion: Floats) -> Floats:
     product over its dot product from sample to sample: the tangent, which is the angle where
     samples are dense, and more than it where they are not. No arctangent of millions of steps is
     needed.
+
+    Parameters
+    ----------
+    q : ndarray, shape (4, n)
+        Quaternions, scalar first.
     """
-    w, x, y, z = np.ascontiguousarray(quaternion.T)
-    upright = w[:-1] * w[1:] + z[:-1] * z[1:]
-    tilted = x[:-1] * x[1:] + y[:-1] * y[1:]
-    turned = np.abs(w[:-1] * z[1:] - z[:-1] * w[1:])
-    raced = np.abs(x[:-1] * y[1:] - y[:-1] * x[1:])
-    square = x * x + y * y
+    before, after = q[:, :-1], q[:, 1:]
+    along, across = before * after, before * after[::-1]  # ww xx yy zz; wz xy yx zw
+    turns = np.abs(across[:2] - across[:1:-1])
+    turns = _over(turns, along[:2] + along[:1:-1])
+    tilt = q[1:3] * q[1:3]
+    square = tilt[0] + tilt[1]
     rocked = np.abs(square[1:] - square[:-1])
     size = np.sqrt(square[1:] * (1.0 - square[1:]))
-    path: Floats = _over(rocked, size) + 2.0 * (_over(turned, upright) + _over(raced, tilted))
+    path: Floats = _over(rocked, size) + 2.0 * (turns[0] + turns[1])
     return path
 
 
@@ -196,26 +238,20 @@ def record(
     outcome: Outcome | None = None
     steps = rows = 0
     for chunk in chunks:
-        samples = recorder.add(chunk)
-        if samples is None:
-            outcome, phi = None, np.zeros(0)
-        else:
-            phi = nutation(samples.quaternion)
-            outcome = watch.over(samples, phi)
+        places = recorder.add(chunk)
+        outcome, time, phi = None, chunk.times[places], nutation(chunk.quaternions[places])
+        if len(places) > 0:
+            outcome = watch.over(time, chunk.velocities[places], phi)
         if outcome is None and not chunk.sound:
             outcome = Outcome.DIVERGED
-        taken = int(np.searchsorted(chunk.times, watch.ended_at, side="right"))
-        spans = np.ones(taken, np.int64) if chunk.spans is None else chunk.spans[:taken].copy()
-        if watch.ended_at < np.inf:
-            spans[-1:] = 1  # where a run ended, the last reading stands for its own step
-        steps += int(spans.sum())
-        rows += int(chunk.constraint_rows[:taken] @ spans)
+        taken, worked = chunk.effort(watch.ended_at)
+        steps, rows = steps + taken, rows + worked
         if outcome is None and steps >= _MOST_STEPS:
             outcome = Outcome.TOO_SLOW
         if outcome is not None:
             break
-        if samples is not None:
-            seen(samples.time, phi)
+        if len(places) > 0:
+            seen(time, phi)
     if outcome is None:
         outcome = Outcome.FINISHED if scene.horizon.seconds else Outcome.TIMED_OUT
     return replace(

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
-from harness.core.trajectory import Trajectory, take
+from harness.core.trajectory import Trajectory
 from harness.engines.contract import contract_violation
 from harness.engines.probes.flight import flight, turn
 from harness.engines.stepping.recording import Chunk, SamplingInterval, record
@@ -51,7 +51,9 @@ def test_a_run_of_a_hundred_million_steps_does_not_end(steps: int, outcome: Outc
         quaternions=one.quaternion,
         constraint_rows=np.ones(1, dtype=np.int64),
         sound=True,
-        read=lambda keep: take(one, keep),
+        velocities=one.velocity,
+        readings=(),
+        trajectory=lambda _: one,
         spans=np.array([steps]),
     )
     found = record(prepared(), [chunk])

@@ -23,7 +23,7 @@ FLAT_ALLOWANCE = 20.0
 
 def over(watch: Watch, samples: Trajectory) -> Outcome | None:
     """Show a watch these samples, with their nutation."""
-    return watch.over(samples, nutation(samples.quaternion))
+    return watch.over(samples.time, samples.velocity, nutation(samples.quaternion))
 
 
 def told(

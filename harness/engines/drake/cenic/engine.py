@@ -15,7 +15,6 @@ from harness.engines import (
     Chunk,
     ErrorControlledEngine,
     Floats,
-    Integers,
     Schedule,
     Trajectory,
     Value,
@@ -95,25 +94,26 @@ class CenicEngine(ErrorControlledEngine[CenicWorld]):
 def _chunk(world: CenicWorld, steps: Steps) -> Chunk:
     """Return the steps, of which those that are recorded are read."""
     quaternions: Floats = np.array([unit(state[:4]) for state in steps.states])
-    states, forces = steps.states, steps.forces
+    forces = steps.forces
 
-    def read(keep: Integers) -> Trajectory:
-        motion = np.hstack(
-            (states[keep, 4:7], quaternions[keep], states[keep, 10:], states[keep, 7:10])
-        )
-        touched = [world.touch(states[index], forces[index]) for index in keep]
-        contact = (
+    def trajectory(time: Floats, states: Floats, unit: Floats, forces: Floats) -> Trajectory:
+        motion = np.hstack((states[:, 4:7], unit, states[:, 10:], states[:, 7:10]))
+        touched = [world.touch(state, force) for state, force in zip(states, forces, strict=True)]
+        return trajectory_of(
+            time,
+            motion,
             np.array([each.point for each in touched]),
-            forces[keep],
+            forces,
             np.array([each.penetration for each in touched]),
             np.array([each.count for each in touched]),
         )
-        return trajectory_of(steps.times[keep], motion, contact)
 
     return Chunk(
         times=steps.times,
         quaternions=quaternions,
         constraint_rows=_PER_CONTACT * (forces[:, 2] > 0.0).astype(np.int64),
         sound=not world.broken,
-        read=read,
+        velocities=steps.states[:, 10:],
+        readings=(steps.states, quaternions, forces),
+        trajectory=trajectory,
     )
